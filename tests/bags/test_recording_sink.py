@@ -49,7 +49,7 @@ def sink_into(folder: Path, pattern: str = "{topic}") -> RecordingSink:
 
 
 def take(sink: RecordingSink, stream: StreamInfo, payload: bytes, robot: str = "ada") -> None:
-    sink.take(ReceivedMessage(robot=robot, stream=stream, payload=payload, offered_ns=1, age_ns=None))
+    sink.write(ReceivedMessage(robot=robot, stream=stream, payload=payload, offered_ns=1, age_ns=None))
 
 
 def test_a_recording_holds_what_arrived_when_it_arrived_for_our_reader_and_for_others(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.status_json import compact_status, is_measured, status_from_json, status_from_text
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.status_stream import StatusReceiver, StatusSender
-from smarttestudo.link.zenoh.compression import packed, unpacked
+from smarttestudo.link.zenoh.compression import compress, decompress
 
 LINES = lzma.decompress((Path(__file__).parent / "statuses-5hz.jsonl.xz").read_bytes()).decode().splitlines()
 STATUSES = [status_from_text(line) for line in LINES]
@@ -29,7 +29,7 @@ SPAN_S = (STATUSES[-1].stamp_ns - STATUSES[0].stamp_ns) / NS_PER_S
 @pytest.fixture(scope="module")
 def sent() -> list[bytes]:
     """What travels of each."""
-    sender = StatusSender(is_measured, packed)
+    sender = StatusSender(is_measured, compress)
     return [sender.next(compact_status(status), status.stamp_ns) for status in STATUSES]
 
 
@@ -43,9 +43,9 @@ def test_five_statuses_a_second_of_nine_topics_take_less_than_a_kilobyte_a_secon
 
 
 def test_what_decides_arrives_as_it_is_and_what_is_measured_to_four_digits(sent: list[bytes]) -> None:
-    receiver = StatusReceiver(unpacked)
+    receiver = StatusReceiver(decompress)
     for number, (data, status) in enumerate(zip(sent, STATUSES, strict=True)):
-        record = receiver.take(data)
+        record = receiver.receive(data)
         assert record is not None
         received = status_from_json(record)
         assert decided(received) == decided(status)

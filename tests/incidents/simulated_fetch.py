@@ -13,17 +13,14 @@ from functools import partial
 from link.protocol.simulated_link import Ends, Link, S, Source
 from smarttestudo.domain.link import LinkNeeds
 from smarttestudo.incidents.fetching import ANSWERED_WITHIN_NS, Fetching, RangeAsk
-from smarttestudo.incidents.transfer_messages import (
-    TransferPiece,
-    piece_from_bytes,
-    piece_to_bytes,
-)
+from smarttestudo.incidents.transfer_messages import TransferPiece
 from smarttestudo.incidents.transfer_order import (
     ByteRange,
     MessageRange,
     RangePart,
     TransferOrder,
 )
+from smarttestudo.link.protocol.incident_messages import PIECES, piece_from_bytes
 from smarttestudo.link.protocol.sender import LinkSender
 
 FRAMING_BYTES = 100
@@ -156,7 +153,7 @@ class FetchingEnds(Ends):
             operator, ask = answer.request
             size_bytes = min(ask.size_bytes, answer.size_bytes)
             piece = self.contents.piece(ask.start, size_bytes, answer.size_bytes, answer.waiting)
-            data = piece_to_bytes(piece)
+            data = PIECES.to_bytes(piece)
             self.sender.answered(answer.asker, len(data), now_ns)
             self.sent_bytes += piece.covered_bytes
             arrival_ns = self.link.arrival_ns(len(data) + FRAMING_BYTES, now_ns)
@@ -168,7 +165,7 @@ class FetchingEnds(Ends):
             self.at(wake_ns, lambda _now_ns: None)
 
     def _arrive_piece(self, operator: Operator, ask: RangeAsk, data: bytes, now_ns: int) -> None:
-        piece = piece_from_bytes(data, ask.size_bytes, lambda body, _most: body)
+        piece = piece_from_bytes(data, ask.size_bytes)
         if operator is not self.operator or id(ask) not in operator.under_way or self.loses(now_ns):
             self.lost_bytes += piece.covered_bytes
             return

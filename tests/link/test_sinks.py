@@ -95,7 +95,7 @@ def place(request: pytest.FixtureRequest, tmp_path: Path, said: list[str]) -> It
 
 def take(place: Place, *messages: tuple[StreamInfo, bytes]) -> None:
     for stream, payload in messages:
-        place.sink.take(
+        place.sink.write(
             ReceivedMessage(robot="ada", stream=stream, payload=payload, offered_ns=1, age_ns=None)
         )
 

@@ -47,7 +47,7 @@ def stream(topic: str, type_name: str = TEXT, qos: Qos = BEST_EFFORT, publisher:
 
 
 def take(sink: GraphSink, of: StreamInfo, payload: bytes, robot: str = "ada") -> None:
-    sink.take(ReceivedMessage(robot=robot, stream=of, payload=payload, offered_ns=1, age_ns=None))
+    sink.write(ReceivedMessage(robot=robot, stream=of, payload=payload, offered_ns=1, age_ns=None))
 
 
 def types_and_qos(node: Robot, topic: str, publishers: int) -> set[tuple[str, bool, bool]]:
@@ -159,7 +159,7 @@ def test_what_is_predicted_comes_from_a_publisher_of_its_own() -> None:
             age_ns=None,
             is_predicted=is_predicted,
         )
-        sink.take(message)
+        sink.write(message)
     assert [list(one.kept) for one in graph.advertised] == [
         [text("arrived"), text("arrived too")],
         [text("made here")],

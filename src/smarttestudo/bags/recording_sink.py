@@ -81,7 +81,7 @@ class RecordingSink:
         except RecordingError as error:
             self._give_up(robot, recording, error)
 
-    def take(self, message: ReceivedMessage) -> None:
+    def write(self, message: ReceivedMessage) -> None:
         """Record the message of a stream that is open; what is predicted did not arrive."""
         recording = self._recordings.get(message.robot)
         if recording is None or message.is_predicted:

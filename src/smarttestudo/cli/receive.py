@@ -8,10 +8,10 @@ import argparse
 import os
 import shutil
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
+from typing import TYPE_CHECKING
 
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_zenoh_config, warn
@@ -27,7 +27,7 @@ from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
 from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.domain.visible_topics import testudo_nodes
 from smarttestudo.link.foxglove import open_foxglove_sink
-from smarttestudo.link.protocol.reports import MAX_PREDICTED
+from smarttestudo.link.protocol.messages import MAX_PREDICTED
 from smarttestudo.link.receive.arrival_log import ArrivalLog
 from smarttestudo.link.receive.incident_mirror import IncidentMirror, MirrorFolders
 from smarttestudo.link.receive.prediction import Predictor
@@ -35,14 +35,18 @@ from smarttestudo.link.receive.reception import Reception
 from smarttestudo.link.receive.reception_metrics import ReceptionMetrics
 from smarttestudo.link.receive.sending import CommandRoute, Sending
 from smarttestudo.link.receive.status_sink import StatusSink
+from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh import open_operator_end, require_zenoh, suspended_too_ns
 from smarttestudo.link.zenoh.arrivals import LinkEvent
-from smarttestudo.link.zenoh.commanded import OutgoingCommands
 from smarttestudo.link.zenoh.security import LinkOptions
 from smarttestudo.report.table import printable
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.graph_sink import GraphSink
 from smarttestudo.robot.ros.loading import has_rclpy
+
+if TYPE_CHECKING:
+    # It needs Zenoh.
+    from smarttestudo.link.zenoh.command_outbox import CommandOutbox
 
 DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
 _WAIT_S = 0.05
@@ -184,7 +188,7 @@ def _settle_ros(arguments: argparse.Namespace, *, is_fetching: bool) -> None:
 
 
 @contextmanager
-def _sending(commands: OutgoingCommands, pattern: str) -> Iterator[Sending]:
+def _sending(commands: CommandOutbox, pattern: str) -> Iterator[Sending]:
     """Send in a thread and with a node of its own: a disk that is slow delays no joystick."""
     with open_robot(name=f"testudo_send_{os.getpid()}") as robot:
         sending = Sending(
@@ -195,21 +199,14 @@ def _sending(commands: OutgoingCommands, pattern: str) -> Iterator[Sending]:
             own_nodes=lambda: {*testudo_nodes(robot), f"/{_receiving_node()}"},
             clock=suspended_too_ns,
         )
-        ended = threading.Event()
-
-        def run() -> None:
-            try:
-                sending.run(ended.is_set)
-            except Exception as error:  # noqa: BLE001 - whatever sending fails of, receiving goes on
-                warn(f"{said(error)}; nothing more is sent")
-
-        thread = threading.Thread(target=run, name="link-commands", daemon=True)
-        thread.start()
+        worker = Worker(
+            "link-commands", lambda error: warn(f"{said(error)}; nothing more is sent"), sending.step
+        )
+        worker.start()
         try:
             yield sending
         finally:
-            ended.set()
-            thread.join()
+            worker.close()
             sending.close()
 
 
@@ -293,8 +290,8 @@ def _receive(
         while not stopped():
             for event in wait(wait_s):
                 if noted is not None:
-                    noted.take(event)
-                reception.take(event, time.monotonic_ns())
+                    noted.handle(event)
+                reception.handle(event, time.monotonic_ns())
             due_ns, now_ns = reception.predict(time.monotonic_ns()), time.monotonic_ns()
             wait_s = _WAIT_S if due_ns is None else min(max(due_ns - now_ns, 0) / NS_PER_S, _WAIT_S)
             if looks and time.monotonic() >= look_s:

@@ -34,7 +34,7 @@ from smarttestudo.link.openmetrics.run_metrics import RunMetrics
 from smarttestudo.link.zenoh import open_robot_end
 from smarttestudo.loop.decision_log import growing_decision_log
 from smarttestudo.loop.input_log import INPUTS_FILE, input_log
-from smarttestudo.robot.acceptance import ACCEPTANCE_PART
+from smarttestudo.robot.command_subscribers import COMMANDS_PART
 from smarttestudo.robot.decisions import Decided
 from smarttestudo.robot.link_watch import LINK_PART
 from smarttestudo.robot.option import Settings, given_as
@@ -51,7 +51,7 @@ from smarttestudo.robot.run_options import (
 )
 from smarttestudo.rules.rule_files import rule_files_named
 
-PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, ACCEPTANCE_PART)
+PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, COMMANDS_PART)
 """What stands beside the loop of every run."""
 
 

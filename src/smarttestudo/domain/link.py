@@ -154,7 +154,7 @@ class Sink(Protocol):
     def open(self, robot: str, stream: StreamInfo) -> None:
         """A robot has this stream; its messages may follow. Said again where a stream changed."""
 
-    def take(self, message: ReceivedMessage) -> None:
+    def write(self, message: ReceivedMessage) -> None:
         """A message arrived, or ``is_predicted``."""
 
     def close(self) -> None:

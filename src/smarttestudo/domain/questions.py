@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -32,7 +31,7 @@ class SetParameters:
 
 
 Question = GetParameters | GetTopics | SetParameters
-Answer = Mapping[str, object]
+Answer = Values
 
 
 class Asked(Protocol):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the operator's end asks for next of an incident, and what to ask again."""
+"""The order in which the operator's end asks for an incident, and for what got lost."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Fetching:
         return self._hold_until_ns if self._under_way == 0 and not self.is_complete else None
 
     def asks(self, now_ns: int) -> Iterator[RangeAsk]:
-        """What to ask now."""
+        """The ranges to ask for now."""
         while now_ns >= self._hold_until_ns and self._under_way < self._width:
             if self._gaps:
                 start, size_bytes = heapq.heappop(self._gaps)
@@ -92,7 +92,7 @@ class Fetching:
         return is_unsaid
 
     def answered(self, ask: RangeAsk, piece: TransferPiece | None, travelled_bytes: int, now_ns: int) -> None:
-        """What came of an ask; ``None`` where nothing did, which is asked again soon."""
+        """Note what came of an ask; ``None`` where nothing did, which is asked again soon."""
         self._under_way -= 1
         if piece is None:
             heapq.heappush(self._gaps, (ask.start, ask.size_bytes))
@@ -112,7 +112,7 @@ class Fetching:
             self._width = max(self._width - 1, _FIRST_WIDTH)
 
     def pieces(self) -> Iterator[TransferPiece]:
-        """What follows on the bytes that are there, which it then belongs to."""
+        """The pieces that follow on the bytes that are there, which they then belong to."""
         while (piece := self._ready.pop(self.cursor, None)) is not None:
             self.cursor += piece.covered_bytes
             yield piece

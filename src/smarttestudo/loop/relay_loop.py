@@ -170,7 +170,7 @@ class RelayLoop:
         self._step((change,), now_ns)
         relayed += self._woken(now_ns)
         if isinstance(change, ListenersChanged) and change.are_there:
-            self.relays.greet_receiver(change.topic, now_ns)
+            self.relays.resend_to_new_receiver(change.topic, now_ns)
             relayed += self._woken(now_ns)
         if isinstance(change, SourceChanged):
             self._sources[change.topic] = change

@@ -103,7 +103,7 @@ class Relays:
             self._arm(relay)
         return relayed
 
-    def greet_receiver(self, topic: str, now_ns: int) -> None:
+    def resend_to_new_receiver(self, topic: str, now_ns: int) -> None:
         """A receiver of ``topic`` came that has got nothing yet."""
         relay = self._relays.get(topic)
         if relay is not None:

@@ -53,7 +53,7 @@ def names_by(publisher: int) -> StreamInfo:
 
 
 def take(sink: FoxgloveSink, stream: StreamInfo, payload: bytes, robot: str = "ada") -> None:
-    sink.take(ReceivedMessage(robot=robot, stream=stream, payload=payload, offered_ns=1, age_ns=None))
+    sink.write(ReceivedMessage(robot=robot, stream=stream, payload=payload, offered_ns=1, age_ns=None))
 
 
 @pytest.fixture

@@ -123,7 +123,7 @@ class Driving:
             self.at(self.up.arrival_ns(len(data), now_ns), partial(self._arrive, data))
 
     def _arrive(self, data: bytes, now_ns: int) -> None:
-        found = self.receiver.take(data, self.robot_clock.at(now_ns))
+        found = self.receiver.receive(data, self.robot_clock.at(now_ns))
         if found is not None:
             self.delivered.append((now_ns, found.payload[0], int.from_bytes(found.payload[1:5], "little")))
 
@@ -139,5 +139,5 @@ class Driving:
         if awake_ns != now_ns:
             self.at(awake_ns, partial(self._take_report, data))
             return
-        self.sender.take_report(data, self.operator_clock.at(now_ns))
+        self.sender.handle_report(data, self.operator_clock.at(now_ns))
         self._pump(now_ns)

@@ -14,8 +14,8 @@ from typing import Any
 
 from smarttestudo.domain.link import MessageOrigin, ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
+from smarttestudo.link.protocol.messages import REPORTS, Announcement, Report
 from smarttestudo.link.protocol.receiver import LinkReceiver
-from smarttestudo.link.protocol.reports import Announcement, Report
 from smarttestudo.link.protocol.sender import LinkSender
 
 MS = 1_000_000
@@ -119,7 +119,7 @@ class Ends:
             self.at(self.link.arrival_ns(len(data), now_ns), partial(self._arrive, data))
 
     def _arrive(self, data: bytes, now_ns: int) -> None:
-        got = self.receiver.take(data, now_ns)
+        got = self.receiver.receive(data, now_ns)
         if got is not None and not isinstance(got, Announcement):
             self.arrived[got.stream.topic].append((now_ns, got))
         self._report_soon(now_ns)
@@ -133,14 +133,14 @@ class Ends:
     def _report(self, now_ns: int) -> None:
         if now_ns < self.receiver.wake_ns or now_ns != self._report_ns:
             return
-        report = Report.from_bytes(self.receiver.next_report(now_ns))
+        report = REPORTS.from_bytes(self.receiver.next_report(now_ns))
         if self.link.rate(now_ns) > 0:
             self.at(now_ns + int(self.link.delay_s * S), partial(self._take_report, report))
         self._report_ns = NEVER_NS
         self._report_soon(now_ns)
 
     def _take_report(self, report: Report, now_ns: int) -> None:
-        self.sender.take_report(report, now_ns)
+        self.sender.handle_report(report, now_ns)
         self.budgets.append((now_ns, self.sender.budget_kb_per_s))
 
     def ages_s(self, topic: str, from_s: float = 0.0, to_s: float = float("inf")) -> list[float]:

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import math
 import random
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -14,13 +16,16 @@ from link.protocol.simulated_commands import JOY, TYPE, Clock, Driving, Way
 from link.protocol.simulated_link import MS, Link, S
 from smarttestudo.domain.command import MAX_AGE_NS, MAX_COMMAND_BYTES
 from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.link_state import AcceptedTopic
 from smarttestudo.link.protocol.command_receiver import MAX_BURST, MAX_HZ, CommandReceiver
 from smarttestudo.link.protocol.command_sender import ClockBound, CommandSender
-from smarttestudo.link.protocol.commands import (
+from smarttestudo.link.protocol.messages import (
+    COMMAND_REPORTS,
+    COMMANDS,
+    AcceptedStream,
     CommandMessage,
     CommandReport,
     SentNames,
-    read_command,
 )
 
 MAX_AGE_S = MAX_AGE_NS / S
@@ -152,9 +157,10 @@ def test_a_stamp_is_never_later_than_what_it_stamps(
 def command(
     number: int = 1, *, sender: int = 1, topic: int = 0, revision: int = 1, stamp_ns: int = 0
 ) -> bytes:
-    return CommandMessage(
+    message = CommandMessage(
         sender=sender, number=number, topic=topic, revision=revision, stamp_ns=stamp_ns, payload=b"go"
-    ).to_bytes()
+    )
+    return COMMANDS.to_bytes(message)
 
 
 def accepting() -> CommandReceiver:
@@ -165,40 +171,40 @@ def accepting() -> CommandReceiver:
 
 def test_what_is_of_another_type_of_the_future_repeated_or_unknown_is_refused_and_counted() -> None:
     receiver = accepting()
-    assert receiver.take(command(5, stamp_ns=S), S) == (JOY, b"go")
+    assert receiver.receive(command(5, stamp_ns=S), S) == (JOY, b"go")
     refused = [
         command(5, stamp_ns=S),
         command(4, stamp_ns=S),
         command(6, stamp_ns=S, revision=0),
         command(7, stamp_ns=S + 1),
     ]
-    assert [receiver.take(data, S) for data in refused] == [None] * 4
-    assert receiver.take(command(8, stamp_ns=S - MAX_AGE_NS - 1), S) is None
-    assert receiver.take(command(9, stamp_ns=S, topic=1), S) is None
+    assert [receiver.receive(data, S) for data in refused] == [None] * 4
+    assert receiver.receive(command(8, stamp_ns=S - MAX_AGE_NS - 1), S) is None
+    assert receiver.receive(command(9, stamp_ns=S, topic=1), S) is None
     [topic] = receiver.topics
     assert (topic.received, topic.delivered, topic.too_old, topic.refused) == (6, 1, 1, 4)
-    assert receiver.garbage == 1
+    assert receiver.malformed == 1
     receiver.follow(JOY, None, "two types")
-    assert receiver.take(command(10, stamp_ns=S, revision=2), S) is None
+    assert receiver.receive(command(10, stamp_ns=S, revision=2), S) is None
 
 
 def test_a_flood_costs_what_is_allowed_in_a_second() -> None:
     receiver = accepting()
     taken = [
-        receiver.take(command(number, stamp_ns=number * MS // 10), number * MS // 10)
+        receiver.receive(command(number, stamp_ns=number * MS // 10), number * MS // 10)
         for number in range(1, 20_000)
     ]
     assert MAX_HZ * 2 - 1 <= sum(one is not None for one in taken) <= MAX_HZ * 2 + MAX_BURST
-    senders = [receiver.take(command(sender=number, stamp_ns=9 * S), 9 * S) for number in range(1_000)]
+    senders = [receiver.receive(command(sender=number, stamp_ns=9 * S), 9 * S) for number in range(1_000)]
     assert sum(one is not None for one in senders) <= MAX_BURST
     assert len(receiver.next_report(9 * S)) < 1_000
 
 
-@given(st.binary(max_size=120) | st.binary(max_size=80).map(lambda data: b"\1\1" + data))
+@given(st.binary(max_size=120) | st.binary(max_size=80).map(lambda data: b"\3\6" + data))
 def test_random_bytes_are_refused_at_both_ends_or_cost_nothing(data: bytes) -> None:
     receiver, sender = accepting(), CommandSender((JOY,), lambda: 3)
-    assert receiver.take(data, 0) is None
-    sender.take_report(data, 0)
+    assert receiver.receive(data, 0) is None
+    sender.handle_report(data, 0)
     assert receiver.topics[0].delivered == 0
 
 
@@ -208,8 +214,8 @@ def test_an_acknowledgement_of_what_was_never_sent_stops_nothing(sender_number: 
     driving = Driving(up=Way(Link(((0.0, 1e6),), 0.01)), down=Way(Link(((0.0, 1e6),), 0.01)))
     driving.sender = CommandSender((JOY,), lambda: next(numbers))
     driving.publish_at(20, 3, 6)
-    forged = CommandReport(sent_ns=0, acknowledged={sender_number: number}).to_bytes()
-    driving.at(4 * S, lambda now_ns: driving.sender.take_report(forged, now_ns))
+    forged = COMMAND_REPORTS.to_bytes(CommandReport(sent_ns=0, acknowledged={sender_number: number}))
+    driving.at(4 * S, lambda now_ns: driving.sender.handle_report(forged, now_ns))
     driving.run(8)
     assert len(driving.numbers()) >= len(driving.published) - 1
 
@@ -226,18 +232,25 @@ def test_a_message_that_is_too_large_is_refused_and_counted_and_the_largest_arri
 @given(st.lists(st.from_regex(r"/[a-z]{1,9}", fullmatch=True), max_size=16), st.integers(0, 2**64 - 1))
 def test_names_are_what_travelled(topics: list[str], sender: int) -> None:
     names = SentNames(sender=sender, topics=tuple(topics))
-    assert read_command(names.to_bytes()) == names
+    assert COMMANDS.from_bytes(COMMANDS.to_bytes(names)) == names
 
 
 def test_what_tells_of_too_many_topics_or_of_none_is_refused() -> None:
-    for text in (
-        b'[[0, "/a b", null, null, null, 0, 0, 0, 0]]',
-        b'[[0, "/a"]]',
-        b"[" * 20_000,
-        b"{}1",
-        b"[NaN]",
+    good = AcceptedStream(topic=AcceptedTopic(topic="/a", type_name="x/msg/Y", age_ms=2.5), revision=3)
+    told = CommandReport(sent_ns=-5, acknowledged={2**64 - 1: 2**64 - 1}, streams=(good,))
+    assert COMMAND_REPORTS.from_bytes(COMMAND_REPORTS.to_bytes(told)) == told
+    for report in (
+        replace(told, streams=(replace(good, topic=AcceptedTopic(topic="/a b")),)),
+        replace(told, streams=(replace(good, topic=AcceptedTopic(topic="/a", type_name="x")),)),
+        replace(told, streams=(replace(good, topic=AcceptedTopic(topic="/a", age_ms=math.nan)),)),
+        replace(told, streams=(replace(good, topic=AcceptedTopic(topic="/a", refused=-1)),)),
+        replace(told, streams=(replace(good, revision=2**16),)),
+        replace(told, streams=(good,) * 17),
+        replace(told, acknowledged=dict.fromkeys(range(5), 1)),
     ):
-        with pytest.raises(LinkError):
-            CommandReport.from_bytes(CommandReport(sent_ns=0, acknowledged={}).to_bytes() + text)
+        with pytest.raises(LinkError, match="malformed"):
+            COMMAND_REPORTS.from_bytes(COMMAND_REPORTS.to_bytes(report))
+    with pytest.raises(LinkError, match="malformed"):
+        COMMAND_REPORTS.from_bytes(COMMAND_REPORTS.to_bytes(told) + b"[" * 20_000)
     with pytest.raises(LinkError):
-        read_command(SentNames(sender=1, topics=("/a",) * 17).to_bytes())
+        COMMANDS.from_bytes(COMMANDS.to_bytes(SentNames(sender=1, topics=("/a",) * 17)))

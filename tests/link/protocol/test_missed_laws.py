@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from link.protocol.simulated_link import Ends, Link, S, Source
 from smarttestudo.domain.link import LinkNeeds, MissedMessage
-from smarttestudo.link.protocol.reports import Report
+from smarttestudo.link.protocol.messages import Report
 
 MS = S // 1000
 END_S = 16.0

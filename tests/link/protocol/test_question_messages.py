@@ -4,22 +4,22 @@
 
 from __future__ import annotations
 
-import json
+from typing import Any
 
 import pytest
-from hypothesis import example, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.errors import LinkError, UsageError
+from smarttestudo.domain.parameter import ParameterValue, Values
 from smarttestudo.domain.questions import GetParameters, GetTopics, Question, SetParameters
-from smarttestudo.link.protocol.question_messages import (
+from smarttestudo.link.protocol.messages import (
+    ANSWERS,
+    CHANGING_QUESTIONS,
     MAX_QUESTION_BYTES,
-    answer_to_bytes,
-    error_from_bytes,
-    question_from_bytes,
-    question_to_bytes,
-    texts_from_bytes,
-    values_from_bytes,
+    READING_QUESTIONS,
+    REFUSALS,
+    NoAnswer,
 )
 
 texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
@@ -27,7 +27,7 @@ values = st.dictionaries(
     texts,
     st.none()
     | st.booleans()
-    | st.integers()
+    | st.integers(-(2**64) + 1, 2**64 - 1)
     | st.floats(allow_nan=False, allow_infinity=False)
     | texts
     | st.lists(texts, max_size=3).map(tuple),
@@ -42,55 +42,66 @@ questions = (
 
 @given(questions)
 def test_a_question_arrives_on_its_own_key_only(question: Question) -> None:
-    data, may_change = question_to_bytes(question), isinstance(question, SetParameters)
-    assert question_from_bytes(data, may_change=may_change) == question
-    with pytest.raises(LinkError, match="not understood"):
-        question_from_bytes(data, may_change=not may_change)
+    asked, other = (
+        (CHANGING_QUESTIONS, READING_QUESTIONS)
+        if isinstance(question, SetParameters)
+        else (READING_QUESTIONS, CHANGING_QUESTIONS)
+    )
+    data = asked.to_bytes(question)  # type: ignore[arg-type]
+    assert asked.from_bytes(data) == question
+    with pytest.raises(LinkError, match="malformed"):
+        other.from_bytes(data)
 
 
 @given(values)
-def test_an_answer_arrives(answer: dict[str, object]) -> None:
-    assert values_from_bytes(answer_to_bytes(answer)) == answer
-    if all(isinstance(value, str) for value in answer.values()):
-        assert texts_from_bytes(answer_to_bytes(answer)) == answer
-    else:
-        with pytest.raises(LinkError):
-            texts_from_bytes(answer_to_bytes(answer))
+def test_an_answer_arrives(answer: Values) -> None:
+    assert ANSWERS.from_bytes(ANSWERS.to_bytes(answer)) == answer
 
 
 def test_a_refusal_arrives_in_one_line() -> None:
-    error = error_from_bytes(answer_to_bytes(UsageError("no\nway", place="here", remedy="go\x1b on")))
-    assert isinstance(error, LinkError)
+    refusal = NoAnswer.of(UsageError("no\nway", place="here", remedy="go\x1b on"))
+    error = REFUSALS.from_bytes(REFUSALS.to_bytes(refusal)).error()
     assert (error.cause, error.place, error.remedy) == ("no way", "here", "go on")
-    assert error_from_bytes(b"Timeout") is None
 
 
-@example(b'"topics"')
-@example(b'["topics", "get"]')
-@given(st.binary(max_size=40) | st.recursive(texts, st.lists).map(json.dumps).map(str.encode))
-def test_nonsense_is_refused(data: bytes) -> None:
-    for may_change in (True, False):
-        with pytest.raises(LinkError):
-            question_from_bytes(data, may_change=may_change)
-    assert error_from_bytes(data) is None
+@given(st.binary(max_size=40), st.binary(max_size=40).map(lambda body: b"\3\7" + body))
+def test_nonsense_is_refused(data: bytes, other: bytes) -> None:
+    for strange in (data, other):
+        for questions in (READING_QUESTIONS, CHANGING_QUESTIONS, REFUSALS):
+            with pytest.raises(LinkError):
+                questions.from_bytes(strange)
+
+
+@pytest.mark.parametrize("data", [b"[" * 40, b'{"get": []}', b"\3", b"\3\x08\x07", b"\3\x08\1\0"])
+def test_no_frame_is_refused(data: bytes) -> None:
+    with pytest.raises(LinkError, match="malformed"):
+        READING_QUESTIONS.from_bytes(data)
 
 
 @pytest.mark.parametrize(
-    "record",
+    "question",
     [
-        {"get": ["x"] * 33},
-        {"get": ["x" * 256]},
-        {"get": [5]},
-        {"set": {"x": {"y": 1}}},
-        {"set": {"x": [1]}},
-        {"set": dict.fromkeys(map(str, range(1001)))},
+        GetParameters(names=("x",) * 33),
+        GetParameters(names=("x" * 256,)),
+        SetParameters(values=dict.fromkeys(map(str, range(1001)))),
+        SetParameters(values={"x" * 256: 1}),
     ],
 )
-def test_what_is_beyond_its_bounds_is_refused(record: dict[str, object]) -> None:
-    with pytest.raises(LinkError):
-        question_from_bytes(json.dumps(record).encode(), may_change="set" in record)
+def test_what_is_beyond_its_bounds_is_refused(question: Question) -> None:
+    asked = CHANGING_QUESTIONS if isinstance(question, SetParameters) else READING_QUESTIONS
+    with pytest.raises(LinkError, match="malformed"):
+        asked.from_bytes(asked.to_bytes(question))  # type: ignore[arg-type]
 
 
-def test_what_is_too_large_is_not_sent() -> None:
-    with pytest.raises(LinkError, match="too many"):
-        question_to_bytes(SetParameters(values={"rules_text": "x" * MAX_QUESTION_BYTES}))
+@pytest.mark.parametrize("value", ["x" * MAX_QUESTION_BYTES, 2**64, -(2**64), ("x",) * 5_000])
+def test_what_is_too_large_is_not_sent(value: ParameterValue) -> None:
+    with pytest.raises(LinkError, match="too"):
+        CHANGING_QUESTIONS.to_bytes(SetParameters(values={"rules_text": value}))
+
+
+def test_what_is_like_a_value_of_a_parameter_travels_as_one() -> None:
+    class Name(str):
+        __slots__ = ()
+
+    like: Any = {"name": Name("x"), "list": ["a", "b"], "flag": True, "number": 2}
+    assert ANSWERS.from_bytes(ANSWERS.to_bytes(like)) == {**like, "list": ("a", "b")}

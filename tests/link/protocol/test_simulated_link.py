@@ -13,8 +13,8 @@ from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
 from smarttestudo.domain.link import LinkNeeds, StreamInfo
 from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.robot import Qos
+from smarttestudo.link.protocol.messages import Report
 from smarttestudo.link.protocol.outbox import MAX_QUEUED_BYTES
-from smarttestudo.link.protocol.reports import Report
 from smarttestudo.link.protocol.sender import LinkSender
 
 # 5 Mbit/s are offered.
@@ -149,7 +149,7 @@ def test_what_overflows_while_nobody_was_ever_there_is_not_lost_on_the_link() ->
     sender = LinkSender[None]()
     stream = filled_queue(sender)
     assert sender.counts(0)["/camera"] == StreamCounts(queued_bytes=MAX_QUEUED_BYTES)
-    sender.take_report(Report(receiver=1, session=0, received_bytes=0), 0)
+    sender.handle_report(Report(receiver=1, session=0, received_bytes=0), 0)
     assert sender.counts(0)["/camera"] == StreamCounts(queued_bytes=MAX_QUEUED_BYTES)
     sender.disconnect()
     sender.offer(stream, bytes(100_000), 5 * S)
@@ -160,7 +160,7 @@ def test_what_overflows_while_nobody_was_ever_there_is_not_lost_on_the_link() ->
 
 def test_a_topic_that_has_lost_nothing_for_a_minute_is_not_losing_any_more() -> None:
     sender = LinkSender[None]()
-    sender.take_report(Report(receiver=1, session=0, received_bytes=0), 0)
+    sender.handle_report(Report(receiver=1, session=0, received_bytes=0), 0)
     stream = filled_queue(sender)
     sender.offer(stream, bytes(100_000), 7 * S)
     told = [sender.counts(now_ns)["/camera"] for now_ns in (7 * S, 67 * S - 1, 67 * S)]
@@ -178,8 +178,8 @@ def test_a_link_that_topics_do_not_fill_is_in_the_end_no_limit() -> None:
 def test_ages_are_told_right_whatever_the_clocks_say() -> None:
     both = ends((0, 250_000))
     hour_ns = 3_600 * S
-    take = both.receiver.take
-    both.receiver.take = lambda data, now_ns: take(data, now_ns + hour_ns)  # type: ignore[method-assign]
+    take = both.receiver.receive
+    both.receiver.receive = lambda data, now_ns: take(data, now_ns + hour_ns)  # type: ignore[method-assign]
     both.run(20)
     for at_ns, message in both.arrived["/odom"][50:]:
         assert message.age_ns is not None

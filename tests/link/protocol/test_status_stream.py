@@ -35,10 +35,16 @@ alike = st.lists(st.fixed_dictionaries(dict.fromkeys("abcd", leaves)), min_size=
 sequences = alike | st.lists(records, min_size=1, max_size=8)
 
 
-def decompress(data: bytes, most_bytes: int) -> bytes:
-    """What ``zlib.compress`` made, of at most so many bytes."""
+def compress(data: bytes, before: bytes) -> bytes:
+    """``data`` made small by ``before``."""
+    made = zlib.compressobj(zdict=before)
+    return made.compress(data) + made.flush()
+
+
+def decompress(data: bytes, most_bytes: int, before: bytes) -> bytes:
+    """What ``compress`` made, of at most so many bytes."""
     try:
-        unpacked = zlib.decompressobj().decompress(data, most_bytes + 1)
+        unpacked = zlib.decompressobj(zdict=before).decompress(data, most_bytes + 1)
     except zlib.error as error:
         raise LinkError("damaged") from error
     if len(unpacked) > most_bytes:
@@ -47,7 +53,7 @@ def decompress(data: bytes, most_bytes: int) -> bytes:
 
 
 def sender(measured: str = "") -> StatusSender:
-    return StatusSender(lambda path: str(path[-1]) in measured, zlib.compress)
+    return StatusSender(lambda path: str(path[-1]) in measured, compress)
 
 
 def same(one: Any, other: Any) -> bool:
@@ -69,10 +75,10 @@ def test_a_status_is_whole_or_none_and_a_full_one_mends_a_loss(
         data = there.next(record, number * PERIOD_NS)
         if number < len(lost) and lost[number]:
             continue
-        received = here.take(data)
+        received = here.receive(data)
         assert received is None or same(received, record)
         if here.needs_full:
-            mended = here.take(there.full())
+            mended = here.receive(there.full())
             assert mended is not None
             assert same(mended, record)
 
@@ -87,8 +93,8 @@ def test_changes_that_come_before_the_full_status_wait_for_it(
         if number == min(place, len(sequence) - 1):
             late = there.full()
         if number:
-            here.take(data)
-    received = here.take(late)
+            here.receive(data)
+    received = here.receive(late)
     assert received is None or same(received, sequence[-1])
     assert not here.needs_full
 
@@ -97,7 +103,7 @@ def test_what_is_measured_changes_once_a_second_and_the_rest_at_once() -> None:
     there, here = sender(measured="m"), StatusReceiver(decompress)
     seen = []
     for number in range(11):
-        received = here.take(there.next({"m": number, "v": number}, number * PERIOD_NS))
+        received = here.receive(there.next({"m": number, "v": number}, number * PERIOD_NS))
         assert received is not None
         assert received["v"] == number
         seen.append(received["m"])
@@ -106,7 +112,7 @@ def test_what_is_measured_changes_once_a_second_and_the_rest_at_once() -> None:
 
 def test_what_is_measured_is_there_and_gone_at_once() -> None:
     there, here = sender(measured="m"), StatusReceiver(decompress)
-    seen = [here.take(there.next({"m": value}, 0)) for value in (1.5, None, 2.5)]
+    seen = [here.receive(there.next({"m": value}, 0)) for value in (1.5, None, 2.5)]
     assert seen == [{"m": 1.5}, {"m": None}, {"m": 2.5}]
 
 
@@ -116,7 +122,8 @@ def test_a_small_change_takes_few_bytes() -> None:
     there.next(record, 0)
     unchanged = there.next(record, 0)
     changed = there.next({**record, "name of entry 7": 1007.9, "name of entry 99": None}, 0)
-    assert (len(unchanged), len(changed)) == (2, 6)
+    assert len(unchanged) <= 60
+    assert len(changed) <= 90
 
 
 def test_before_the_first_status_there_is_no_full_one() -> None:
@@ -124,16 +131,16 @@ def test_before_the_first_status_there_is_no_full_one() -> None:
         sender().full()
 
 
-@given(st.binary(max_size=60), st.sampled_from([1, 2]))
+@given(st.binary(max_size=60), st.sampled_from([4, 5]))
 def test_garbage_is_refused_or_mended_by_a_full_status(garbage: bytes, form: int) -> None:
     there, here = sender(), StatusReceiver(decompress)
-    here.take(there.next({"a": 1, "b": ["x", None]}, 0))
-    for data in (garbage, bytes([form]) + garbage, bytes([2, 2]) + garbage):
+    here.receive(there.next({"a": 1, "b": ["x", None]}, 0))
+    for data in (garbage, bytes([3, form]) + garbage, bytes([3, 5, 2]) + garbage):
         with contextlib.suppress(LinkError):
-            here.take(data)
+            here.receive(data)
     here.needs_full = True
     # Garbage may be a change by chance: it is not told from one.
-    assert here.take(there.full()) is not None
+    assert here.receive(there.full()) is not None
 
 
 @pytest.mark.parametrize(
@@ -143,4 +150,4 @@ def test_garbage_is_refused_or_mended_by_a_full_status(garbage: bytes, form: int
 )
 def test_a_full_status_that_is_none_is_refused(text: bytes) -> None:
     with pytest.raises(LinkError):
-        StatusReceiver(decompress).take(bytes([1, 1]) + zlib.compress(text))
+        StatusReceiver(decompress).receive(bytes([3, 4, 1]) + compress(text, b""))

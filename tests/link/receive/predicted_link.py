@@ -19,8 +19,8 @@ from functools import partial
 from link.protocol.simulated_link import MS, Link, S
 from link.receive.virtual_robot import Robot
 from smarttestudo.domain.link import ReceivedMessage
+from smarttestudo.link.protocol.messages import REPORTS, Announcement
 from smarttestudo.link.protocol.receiver import LinkReceiver
-from smarttestudo.link.protocol.reports import Announcement, Report
 from smarttestudo.link.receive.prediction import Predictor
 from smarttestudo.link.zenoh.arrivals import RobotPresence, StreamSaid
 from smarttestudo.loop.inputs import MessageInput, WakeInput
@@ -91,12 +91,12 @@ class Operator:
 
     def take(self, data: bytes, now_ns: int) -> bytes | None:
         """A chunk arrived: the message that is whole with it."""
-        got = self.link.take(data, now_ns)
+        got = self.link.receive(data, now_ns)
         if isinstance(got, Announcement):
             said = StreamSaid(robot="ada", boot=self.link.boot, number=got.stream, info=got.info)
-            self.predictor.take(said, now_ns)
+            self.predictor.handle(said, now_ns)
         elif isinstance(got, ReceivedMessage):
-            self.predictor.take(got, now_ns)
+            self.predictor.handle(got, now_ns)
             said_now = self.read(got.payload)
             self.got = [one for one in self.got if not said_now.keys() >= one.keys()] + [said_now]
             self.newest = got.payload
@@ -216,7 +216,7 @@ class PredictedLink:
         for operator in self.operators:
             for one, is_present in ((boot, True), (gone.boot, False)):
                 event = RobotPresence(robot="ada", boot=one, is_present=is_present)
-                operator.predictor.take(event, self.now_ns)
+                operator.predictor.handle(event, self.now_ns)
             operator.meet(boot)
             operator.is_greeted = False
             self._report(operator, self.robot)
@@ -290,8 +290,8 @@ class PredictedLink:
         if not operator.hears or operator.link.boot != robot.boot:
             return
         if operator.link.wake_ns <= self.now_ns and self.link.rate(self.now_ns) > 0:
-            report = Report.from_bytes(operator.link.next_report(self.now_ns))
+            report = REPORTS.from_bytes(operator.link.next_report(self.now_ns))
             arrival_ns = self.now_ns + int(self.link.delay_s * S)
-            self.at(arrival_ns, lambda: robot.sender.take_report(report, self.now_ns))
+            self.at(arrival_ns, lambda: robot.sender.handle_report(report, self.now_ns))
         next_ns = max(operator.link.wake_ns, self.now_ns + 20 * MS)
         self.at(next_ns, partial(self._report, operator, robot))

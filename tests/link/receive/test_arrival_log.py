@@ -16,7 +16,7 @@ def lines(*events: LinkEvent) -> list[str]:
     said: list[str] = []
     log = ArrivalLog(said.append)
     for event in events:
-        log.take(event)
+        log.handle(event)
     return said
 
 

@@ -28,7 +28,7 @@ from pacing.reckoning.ros_messages import (
 from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.domain.link import Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
-from smarttestudo.link.protocol.reports import Report
+from smarttestudo.link.protocol.messages import REPORTS, Report
 from smarttestudo.link.receive.prediction import Predictor
 from smarttestudo.link.receive.reception import Reception
 from smarttestudo.link.zenoh.arrivals import RobotPresence, StreamSaid
@@ -188,13 +188,13 @@ def arrived(stamp_ns: int, x: float = 1.0, age_ns: int = 100 * MS) -> ReceivedMe
 
 def predicting(stream: StreamInfo = TOLD, source_hz: float | None = 20.0) -> Predictor:
     predictor = Predictor(frozenset({"/odom"}), lambda _robot, _topic: source_hz, lambda _warning: None)
-    predictor.take(StreamSaid(robot="ada", boot="", number=1, info=stream), 0)
+    predictor.handle(StreamSaid(robot="ada", boot="", number=1, info=stream), 0)
     return predictor
 
 
 def test_a_predicted_message_is_where_the_robot_is_now_with_the_bound_as_covariance() -> None:
     predictor = predicting()
-    predictor.take(arrived(7 * S), 90 * S)
+    predictor.handle(arrived(7 * S), 90 * S)
     assert list(predictor.predicted(90 * S)) == []
     (message,) = predictor.predicted(91 * S)
     # A second since it arrived, and 100 ms that it was under way.
@@ -212,21 +212,21 @@ def test_a_predicted_message_is_where_the_robot_is_now_with_the_bound_as_covaria
 
 def test_predicted_messages_come_at_the_rate_of_the_source_after_each_that_arrived() -> None:
     predictor = predicting()
-    predictor.take(arrived(7 * S), 0)
+    predictor.handle(arrived(7 * S), 0)
     due_ns = [number * MS for number in range(1000) if list(predictor.predicted(number * MS))]
     assert due_ns == [number * 50 * MS for number in range(1, 20)]
 
 
 def test_nothing_is_predicted_where_the_robot_does_not_reckon_has_left_or_is_silent() -> None:
     for predictor in (predicting(PLAIN), predicting(replace(TOLD, topic="/other"))):
-        predictor.take(arrived(7 * S), 0)
+        predictor.handle(arrived(7 * S), 0)
         assert list(predictor.predicted(S)) == []
     predictor = predicting()
-    predictor.take(arrived(7 * S), 0)
-    predictor.take(RobotPresence(robot="ada", boot="", is_present=False), 0)
+    predictor.handle(arrived(7 * S), 0)
+    predictor.handle(RobotPresence(robot="ada", boot="", is_present=False), 0)
     assert list(predictor.predicted(S)) == []
-    predictor.take(RobotPresence(robot="ada", boot="", is_present=True), S)
-    predictor.take(arrived(7 * S), S)
+    predictor.handle(RobotPresence(robot="ada", boot="", is_present=True), S)
+    predictor.handle(arrived(7 * S), S)
     # A heartbeat comes each two seconds.
     assert list(predictor.predicted(4 * S))
     assert list(predictor.predicted(6 * S)) == []
@@ -236,11 +236,11 @@ def test_earlier_runs_of_a_robots_end_are_forgotten() -> None:
     predictor = predicting()
     for number in range(100):
         boot = str(number)
-        predictor.take(RobotPresence(robot="ada", boot=boot, is_present=True), 0)
-        predictor.take(StreamSaid(robot="ada", boot=boot, number=1, info=TOLD), 0)
-        predictor.take(replace(arrived(7 * S), boot=boot), 0)
-        predictor.take(RobotPresence(robot="ada", boot=boot, is_present=False), 0)
-    predictor.take(RobotPresence(robot="ada", boot="last", is_present=True), 0)
+        predictor.handle(RobotPresence(robot="ada", boot=boot, is_present=True), 0)
+        predictor.handle(StreamSaid(robot="ada", boot=boot, number=1, info=TOLD), 0)
+        predictor.handle(replace(arrived(7 * S), boot=boot), 0)
+        predictor.handle(RobotPresence(robot="ada", boot=boot, is_present=False), 0)
+    predictor.handle(RobotPresence(robot="ada", boot="last", is_present=True), 0)
     assert [boot for _, boot, _ in predictor._streams] == [""]
     assert predictor._absent == set()
 
@@ -248,7 +248,7 @@ def test_earlier_runs_of_a_robots_end_are_forgotten() -> None:
 def test_a_heartbeat_that_hardly_ever_comes_is_waited_for() -> None:
     prediction = Prediction(within={"position": 0.05}, heartbeat_hz=5e-324)
     predictor = predicting(replace(TOLD, prediction=prediction))
-    predictor.take(arrived(7 * S), 0)
+    predictor.handle(arrived(7 * S), 0)
     assert list(predictor.predicted(3_600 * S))
 
 
@@ -257,7 +257,7 @@ def test_a_stamp_or_a_twist_beyond_all_numbers_is_not_predicted_and_stops_nothin
         predictor = predicting()
         whirl = Twist(Vector3(speed, 0, 0), Vector3(0, 0, speed))
         payload = odometry(stamp_ns, planar(1, 0, 0), whirl)
-        predictor.take(replace(arrived(7 * S), payload=payload), 0)
+        predictor.handle(replace(arrived(7 * S), payload=payload), 0)
         for message in predictor.predicted(S):
             pose = PoseReader(2, has_twist=True).read(message.payload)
             assert pose is not None
@@ -266,16 +266,16 @@ def test_a_stamp_or_a_twist_beyond_all_numbers_is_not_predicted_and_stops_nothin
 
 def test_a_message_without_a_stamp_does_not_say_when_the_robot_is_there() -> None:
     predictor = predicting()
-    predictor.take(arrived(0), 0)
+    predictor.handle(arrived(0), 0)
     assert list(predictor.predicted(S)) == []
 
 
 def test_what_is_predicted_is_given_to_sinks_shown_and_counted_apart() -> None:
     sink = Notes()
     reception = Reception([sink], predicting(PLAIN))
-    reception.take(RobotPresence(robot="ada", boot="", is_present=True), 0)
-    reception.take(StreamSaid(robot="ada", boot="", number=1, info=TOLD), 0)
-    reception.take(arrived(7 * S), 0)
+    reception.handle(RobotPresence(robot="ada", boot="", is_present=True), 0)
+    reception.handle(StreamSaid(robot="ada", boot="", number=1, info=TOLD), 0)
+    reception.handle(arrived(7 * S), 0)
     for number in range(1, 11):
         assert reception.predict(number * 50 * MS) == (number + 1) * 50 * MS
     topic = reception.robots["ada"].topics["/odom"]
@@ -293,5 +293,5 @@ def test_a_report_says_what_is_predicted_and_an_older_one_says_nothing(
     report = Report(
         receiver=1, session=2, received_bytes=3, ages_ms={4: 5.0} if has_ages else {}, predicts=topics
     )
-    assert Report.from_bytes(report.to_bytes()) == report
-    assert Report.from_bytes(replace(report, predicts=frozenset()).to_bytes()).predicts == frozenset()
+    assert REPORTS.from_bytes(REPORTS.to_bytes(report)) == report
+    assert REPORTS.from_bytes(REPORTS.to_bytes(replace(report, predicts=frozenset()))).predicts == frozenset()

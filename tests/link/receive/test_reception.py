@@ -27,7 +27,7 @@ class Notes:
     def open(self, robot: str, stream: StreamInfo) -> None:
         self.opened.append((robot, stream))
 
-    def take(self, message: ReceivedMessage) -> None:
+    def write(self, message: ReceivedMessage) -> None:
         self.taken.append(message)
 
     def close(self) -> None:
@@ -53,7 +53,7 @@ def steady(reception: Reception, hz: int, seconds: int, size_bytes: int = 1000, 
     """``/odom`` at ``hz`` from time 0 on, and a look each second."""
     for number in range(hz * seconds + 1):
         now_ns = number * SECOND // hz
-        reception.take(message(robot=robot, size_bytes=size_bytes), now_ns)
+        reception.handle(message(robot=robot, size_bytes=size_bytes), now_ns)
         if number % hz == 0:
             reception.look(now_ns)
 
@@ -74,7 +74,7 @@ def test_every_sink_gets_streams_and_messages_in_order_and_nothing_of_presence()
     messages = [message(), message(other), message(MAP), message()]
     events: list[LinkEvent] = [presence(), said(ODOM), said(other), said(MAP), *messages, said(None)]
     for event in events:
-        reception.take(event, 0)
+        reception.handle(event, 0)
     for sink in (first, second):
         assert sink.opened == [("ada", ODOM), ("ada", other), ("ada", MAP)]
         assert sink.taken == messages
@@ -85,14 +85,14 @@ def test_a_stream_that_changed_is_opened_again_and_shown_with_its_new_type() -> 
     reception = Reception([sink])
     changed = replace(ODOM, type_name="nav_msgs/msg/Path")
     for event in (presence(), said(ODOM), said(changed)):
-        reception.take(event, 0)
+        reception.handle(event, 0)
     assert sink.opened == [("ada", ODOM), ("ada", changed)]
     assert shown(reception)[-1].endswith(" nav_msgs/msg/Path")
 
 
 def test_rates_bandwidth_and_counts_are_those_of_what_arrived() -> None:
     reception = Reception([])
-    reception.take(presence(), 0)
+    reception.handle(presence(), 0)
     steady(reception, hz=20, seconds=5)
     topic = reception.robots["ada"].topics["/odom"]
     assert (topic.meter.rate_hz, topic.flow.messages) == (20.0, 101)
@@ -104,24 +104,24 @@ def test_rates_bandwidth_and_counts_are_those_of_what_arrived() -> None:
 def test_publishers_of_one_topic_are_shown_as_one_topic() -> None:
     reception = Reception([])
     for publisher in range(2):
-        reception.take(message(replace(MAP, publisher=publisher)), 0)
+        reception.handle(message(replace(MAP, publisher=publisher)), 0)
     assert reception.robots["ada"].topics["/map"].flow.messages == 2
 
 
 def test_the_age_is_that_of_the_last_message_and_unknown_where_clocks_cannot_be_compared() -> None:
     reception = Reception([])
-    reception.take(presence(), 0)
-    reception.take(message(age_ns=120 * MS), 0)
-    reception.take(message(age_ns=35 * MS), 1)
+    reception.handle(presence(), 0)
+    reception.handle(message(age_ns=120 * MS), 0)
+    reception.handle(message(age_ns=35 * MS), 1)
     assert reception.robots["ada"].topics["/odom"].age_ms == 35.0
     assert line_of(reception, "/odom").text.split()[3] == "35"
-    reception.take(message(), 2)
+    reception.handle(message(), 2)
     assert line_of(reception, "/odom").text.split()[3] == "–"
 
 
 def test_a_topic_that_fell_silent_has_rate_0_and_the_look_of_stale_values() -> None:
     reception = Reception([])
-    reception.take(presence(), 0)
+    reception.handle(presence(), 0)
     steady(reception, hz=20, seconds=5)
     assert line_of(reception, "/odom").look is Look.PLAIN
     reception.look(15 * SECOND)
@@ -137,29 +137,29 @@ def test_while_no_robot_came_it_says_what_to_start() -> None:
 def test_a_robot_that_is_gone_keeps_its_topics_and_is_not_connected_until_it_is_back() -> None:
     reception = Reception([])
     for event in (presence(), message(), presence(is_present=False)):
-        reception.take(event, 0)
+        reception.handle(event, 0)
     assert line_of(reception, "ada").text == "ada   not connected"
     assert line_of(reception, "ada").look is Look.ERROR
     assert line_of(reception, "/odom")
-    reception.take(presence(boot="1"), 1)
+    reception.handle(presence(boot="1"), 1)
     assert line_of(reception, "ada").look is Look.HEADING
 
 
 def test_two_robots_of_one_name_are_said_until_one_leaves() -> None:
     reception = Reception([])
     for boot in ("0", "1", "1"):
-        reception.take(presence(boot=boot), 0)
+        reception.handle(presence(boot=boot), 0)
     line = line_of(reception, "ada")
     assert (line.text, line.look) == ("ada   0.0 KB/s of messages   2 robots have this name", Look.WARN)
-    reception.take(presence(boot="0", is_present=False), 1)
+    reception.handle(presence(boot="0", is_present=False), 1)
     assert line_of(reception, "ada").text == "ada   0.0 KB/s of messages"
 
 
 def test_each_robot_has_a_table_of_its_own_by_name() -> None:
     reception = Reception([])
     for robot in ("bob", "ada"):
-        reception.take(presence(robot), 0)
-        reception.take(message(robot=robot), 0)
+        reception.handle(presence(robot), 0)
+        reception.handle(message(robot=robot), 0)
     headings = [line for line in shown(reception) if "KB/s of messages" in line]
     assert [line.split()[0] for line in headings] == ["ada", "bob"]
     assert sum(line.startswith("/odom") for line in shown(reception)) == 2
@@ -169,6 +169,6 @@ def test_a_narrow_terminal_gets_lines_that_fit_and_names_cannot_move_the_cursor(
     reception = Reception([])
     hostile = replace(ODOM, topic="/\x1b[2J" + "x" * 200, type_name="a\r\nb")
     for event in (presence(), said(hostile), message(hostile)):
-        reception.take(event, 0)
+        reception.handle(event, 0)
     lines = reception_lines(reception, 80)
     assert all(line.text.isprintable() and len(line.text) <= 80 for line in lines)

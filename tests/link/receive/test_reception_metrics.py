@@ -19,11 +19,11 @@ from smarttestudo.domain.link import ReceivedMessage
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import TopicCounts
+from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.protocol.receiver import ReceiverCounts
 from smarttestudo.link.receive.reception import Reception
 from smarttestudo.link.receive.reception_metrics import MAX_TOPICS, ReceptionMetrics
 from smarttestudo.link.receive.status_sink import StatusSink
-from smarttestudo.link.zenoh.keys import Boot
 from smarttestudo.pacing.cdr import string_message
 
 STATUSES = replace(ODOM, topic=STATUS_TOPIC, type_name="std_msgs/msg/String")
@@ -32,12 +32,12 @@ STATUSES = replace(ODOM, topic=STATUS_TOPIC, type_name="std_msgs/msg/String")
 class End:
     """An operator's end that counted so much."""
 
-    strays = 3
+    unknown = 3
     dropped = 1
 
     def counts(self) -> dict[Boot, ReceiverCounts]:
         first, second = Boot("ada", "0" * 16), Boot("ada", "1" * 16)
-        return {first: ReceiverCounts(messages=5, garbage=1), second: ReceiverCounts(messages=2)}
+        return {first: ReceiverCounts(messages=5, malformed=1), second: ReceiverCounts(messages=2)}
 
 
 def status_message(text: str, robot: str = "ada") -> ReceivedMessage:
@@ -59,10 +59,10 @@ def numbers(reception: Reception, statuses: StatusSink) -> dict[tuple[str, ...],
 
 def test_rates_ages_bytes_presence_and_what_went_wrong_are_there() -> None:
     reception, statuses = Reception([]), StatusSink(STATUS_TOPIC)
-    reception.take(presence(), 0)
-    reception.take(presence("bob", is_present=False), 0)
+    reception.handle(presence(), 0)
+    reception.handle(presence("bob", is_present=False), 0)
     steady(reception, hz=20, seconds=5)
-    reception.take(message(age_ns=35 * MS, size_bytes=1000), 5_000_000_000)
+    reception.handle(message(age_ns=35 * MS, size_bytes=1000), 5_000_000_000)
     found = numbers(reception, statuses)
     expected = {
         ("connected", "ada"): 1.0,
@@ -97,9 +97,9 @@ def test_the_counts_of_a_robot_that_is_away_stay() -> None:
 def test_a_robots_own_status_is_told_under_the_names_that_it_has_there() -> None:
     statuses = StatusSink(STATUS_TOPIC)
     reception = Reception([statuses])
-    reception.take(status_message("{"), 0)
-    reception.take(status_message(json_text(to_json(STATUS))), 0)
-    reception.take(message(), 0)
+    reception.handle(status_message("{"), 0)
+    reception.handle(status_message(json_text(to_json(STATUS))), 0)
+    reception.handle(message(), 0)
     found = numbers(reception, statuses)
     assert found["testudo_topic_target_hertz", "ada", "/imu"] == 50.0
     assert found["testudo_receive_unreadable_statuses_total",] == 0.0
@@ -116,9 +116,9 @@ def test_a_robots_own_status_is_told_under_the_names_that_it_has_there() -> None
 )
 def test_a_status_that_no_robot_has_costs_itself_and_is_counted(status: Any) -> None:
     statuses = StatusSink(STATUS_TOPIC)
-    statuses.take(status_message(json_text(to_json(STATUS))))
+    statuses.write(status_message(json_text(to_json(STATUS))))
     assert statuses.statuses() == {"ada": STATUS}
-    statuses.take(status_message(json_text(to_json(status))))
+    statuses.write(status_message(json_text(to_json(status))))
     assert statuses.statuses() == {"ada": STATUS}
     assert statuses.unreadable == 1
 
@@ -126,14 +126,14 @@ def test_a_status_that_no_robot_has_costs_itself_and_is_counted(status: Any) -> 
 @given(st.binary(max_size=200))
 def test_any_bytes_as_a_status_are_taken(payload: bytes) -> None:
     statuses = StatusSink(STATUS_TOPIC)
-    statuses.take(replace(status_message(""), payload=payload))
+    statuses.write(replace(status_message(""), payload=payload))
     assert (statuses.statuses(), statuses.unreadable) == ({}, 1)
 
 
 def test_topics_beyond_what_is_reasonable_have_no_metrics_and_are_counted() -> None:
     reception = Reception([])
     for number in range(MAX_TOPICS + 5):
-        reception.take(message(replace(ODOM, topic=f"/t{number}")), 0)
+        reception.handle(message(replace(ODOM, topic=f"/t{number}")), 0)
     found = numbers(reception, StatusSink(STATUS_TOPIC))
     assert sum(key[0] == "testudo_receive_topic_messages_total" for key in found) == MAX_TOPICS
     assert found["testudo_receive_left_out_topics",] == 5.0

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import replace
+from typing import TYPE_CHECKING, cast
 
 import pytest
 
@@ -15,6 +16,8 @@ from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.cli.top_table import Look
 from smarttestudo.domain.command import SentCounts
 from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.link.protocol.command_sender import CommandedRobot
+from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.receive.reception import Reception
 from smarttestudo.link.receive.sending import (
     SAY_AFTER_NS,
@@ -23,17 +26,18 @@ from smarttestudo.link.receive.sending import (
     Sending,
     StallGuard,
 )
-from smarttestudo.link.zenoh.commanded import CommandedRobot
-from smarttestudo.link.zenoh.keys import Boot
 
 JOY = "sensor_msgs/msg/Joy"
+if TYPE_CHECKING:
+    from smarttestudo.link.zenoh.command_outbox import CommandOutbox
+
 MS = 1_000_000
 ADA, BOB = Boot("ada", "0" * 16), Boot("bob", "1" * 16)
 LATER_NS = SAY_AFTER_NS + 1
 
 
 class Robots:
-    """An ``OutgoingCommands`` that keeps what it is given."""
+    """A ``CommandOutbox`` that keeps what it is given."""
 
     def __init__(self, *boots: Boot, type_name: str | None = JOY, problem: str | None = None) -> None:
         self.names: tuple[str, ...] = ("/joy",)
@@ -66,7 +70,7 @@ class Operator:
         self.graph = VirtualRobot(sources={topic: Source(type_name=type_name) for topic in sources})
         self.sending = Sending(
             self.graph,
-            robots,
+            cast("CommandOutbox", robots),
             self.said.append,
             pattern=pattern,
             own_nodes=lambda: {"/testudo_receive_1"},

@@ -9,6 +9,8 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
+import zenoh
+
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
@@ -16,6 +18,7 @@ from smarttestudo.link.zenoh.arrivals import LinkEvent
 from smarttestudo.link.zenoh.operator_end import OperatorEnd
 from smarttestudo.link.zenoh.robot_end import RobotEnd
 from smarttestudo.link.zenoh.security import LinkOptions
+from smarttestudo.link.zenoh.session import open_session
 
 WITHIN_S = 30.0
 ODOM = StreamInfo(
@@ -57,6 +60,13 @@ def operator_end(endpoint: str, warn: Callable[[str], None] = refuse_warning) ->
     """An operator that listens at ``endpoint``."""
     with open_operator_end(LinkOptions(listen=(endpoint,)), warn) as end:
         yield end
+
+
+@contextmanager
+def stranger_at(endpoint: str, mode: str = "client") -> Iterator[zenoh.Session]:
+    """A session of somebody else."""
+    with open_session(LinkOptions(connect=(endpoint,)), mode, refuse_warning) as opened:
+        yield opened.session
 
 
 def until(

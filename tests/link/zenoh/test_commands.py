@@ -14,16 +14,20 @@ from pathlib import Path
 import pytest
 import zenoh
 
-from link.zenoh.ends import free_endpoint, refuse_warning, until
+from link.zenoh.ends import free_endpoint, refuse_warning, stranger_at, until
 from link.zenoh.slow_wire import slow_wire
-from link.zenoh.test_hostile import stranger
 from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.payload import Payload
-from smarttestudo.link.protocol.commands import CommandMessage, CommandReport
+from smarttestudo.link.protocol.command_sender import CommandedRobot
+from smarttestudo.link.protocol.messages import (
+    COMMAND_REPORTS,
+    COMMANDS,
+    CommandMessage,
+    CommandReport,
+)
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.command_inbox import CommandInbox
 from smarttestudo.link.zenoh.command_outbox import CommandOutbox
-from smarttestudo.link.zenoh.commanded import CommandedRobot
 from smarttestudo.link.zenoh.security import LinkOptions
 
 pytestmark = pytest.mark.process
@@ -146,31 +150,31 @@ def test_a_topic_without_a_type_takes_nothing_and_a_failure_costs_its_message() 
         assert [line for line in said if "it is full" in line] == ["/joy: error: it is full"]
 
 
-def test_strangers_reach_nothing_with_garbage_old_stamps_and_forged_reports() -> None:
+def test_strangers_reach_nothing_with_malformed_old_stamps_and_forged_reports() -> None:
     endpoint = free_endpoint()
     with (
         sending(endpoint) as outbox,
         accepting(endpoint, warn=print) as (inbox, published),
-        stranger(endpoint) as other,
+        stranger_at(endpoint) as other,
     ):
         boot = heard(outbox).boot
-        garbage = [b"", b"\0" * 40, *(b"\0" + RANDOM.randbytes(size) for size in (20, 60_000, 900_000))]
+        strange = [b"", b"\0" * 40, *(b"\0" + RANDOM.randbytes(size) for size in (20, 60_000, 900_000))]
         old = [
-            CommandMessage(
-                sender=9, number=1, topic=1, revision=1, stamp_ns=stamp_ns, payload=b"go"
-            ).to_bytes()
+            COMMANDS.to_bytes(
+                CommandMessage(sender=9, number=1, topic=1, revision=1, stamp_ns=stamp_ns, payload=b"go")
+            )
             for stamp_ns in (0, 2**62)
         ]
-        forged = CommandReport(sent_ns=0, acknowledged={1: 2**63}).to_bytes()
+        forged = COMMAND_REPORTS.to_bytes(CommandReport(sent_ns=0, acknowledged={1: 2**63}))
 
         def put_all() -> None:
             """What comes before the stranger knows of both ends reaches nobody."""
             for key, more in ((boot.command_key, old), (boot.accepts_key, [forged])):
-                for data in (*garbage, *more):
+                for data in (*strange, *more):
                     other.put(key, data, congestion_control=zenoh.CongestionControl.BLOCK)
             outbox.pump()
 
-        until(lambda: inbox.garbage >= len(garbage) and inbox.topics[1].received >= len(old), put_all)
+        until(lambda: inbox.malformed >= len(strange) and inbox.topics[1].received >= len(old), put_all)
         assert published.payloads == []
         until(lambda: b"new" in published.payloads, lambda: outbox.send(boot, JOY, b"", b"new"))
 

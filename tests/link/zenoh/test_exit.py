@@ -26,7 +26,7 @@ def hear(sample):
     time.sleep(0.3)
 
 def use():
-    with open_session(LinkOptions(listen=(sys.argv[1],)), "peer", print) as session:
+    with open_session(LinkOptions(listen=(sys.argv[1],)), "peer", print) as (session, _):
         kept = session.declare_subscriber("a", hear)
         session.put("a", b"")
         is_called.wait()

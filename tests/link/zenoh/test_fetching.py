@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-import json
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -19,6 +19,7 @@ from link.zenoh.ends import (
     operator_end,
     refuse_warning,
     robot_end,
+    stranger_at,
     until,
 )
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
@@ -35,18 +36,14 @@ from smarttestudo.incidents.transfer_messages import (
     PlannedFile,
     TransferPiece,
     TransferPlan,
-    piece_to_bytes,
-    plan_to_bytes,
-    question_from_bytes,
-    question_to_bytes,
 )
 from smarttestudo.incidents.transfer_order import ByteRange, RangePart
+from smarttestudo.link.protocol.incident_messages import PIECES, PLANS, QUESTIONS
 from smarttestudo.link.zenoh import open_link_incidents, open_robot_end
 from smarttestudo.link.zenoh.compression import packed
 from smarttestudo.link.zenoh.link_incidents import LinkIncidents
 from smarttestudo.link.zenoh.robot_end import RobotEnd
 from smarttestudo.link.zenoh.security import LinkOptions
-from smarttestudo.link.zenoh.session import open_session
 
 pytestmark = pytest.mark.process
 S = 1_000_000_000
@@ -213,15 +210,17 @@ def test_what_is_not_there_is_said(tmp_path: Path) -> None:
     assert not (tmp_path / "here").exists()
 
 
-@pytest.mark.parametrize("question", [b"", b"garbage", b"\1\2../../etc", b"\1\3" + bytes(60), bytes(5_000)])
-def test_a_stranger_who_asks_garbage_is_refused_and_others_are_answered(
+@pytest.mark.parametrize(
+    "question", [b"", b"malformed", b"\3\x0c\1\x09../../etc", b"\3\x0c\2" + bytes(60), bytes(5_000)]
+)
+def test_a_stranger_who_asks_what_is_malformed_is_refused_and_others_are_answered(
     tmp_path: Path, question: bytes
 ) -> None:
     endpoint = free_endpoint()
     path = write_incident(tmp_path / "robot")
     with (
         listening_robot(endpoint, path.parent) as end,
-        open_session(LinkOptions(connect=(endpoint,)), "peer", refuse_warning) as session,
+        stranger_at(endpoint, "peer") as session,
     ):
         replies = session.get(end.boot.incidents_key, payload=question, timeout=5.0)
         assert all(one.ok is None for one in replies)
@@ -234,12 +233,12 @@ def test_a_stranger_who_asks_garbage_is_refused_and_others_are_answered(
 def test_others_are_answered_while_a_stranger_asks_all_the_time(tmp_path: Path) -> None:
     endpoint = free_endpoint()
     path = write_incident(tmp_path / "robot")
-    many = question_to_bytes(
+    many = QUESTIONS.to_bytes(
         AskBytes(name=NAME, token=bytes(16), asker=1, got_bytes=2**63, cursor=2**63, size_bytes=MAX_ASK_BYTES)
     )
     with (
         listening_robot(endpoint, path.parent) as end,
-        open_session(LinkOptions(connect=(endpoint,)), "peer", refuse_warning) as session,
+        stranger_at(endpoint, "peer") as session,
         fetching_from(endpoint) as incidents,
     ):
 
@@ -265,40 +264,38 @@ LIED = TransferPlan(token=bytes(16), files=(PlannedFile("a.mcap", 3_000, SHA),),
 def whole_piece(ask: AskBytes, file: int = 0, offset: int | None = None, size: int | None = None) -> bytes:
     size = ask.size_bytes if size is None else size
     part = RangePart(ByteRange(file, ask.cursor if offset is None else offset, size), 0, size)
-    return piece_to_bytes(TransferPiece(parts=(part,), body=bytes(size), advised_bytes=900, waiting=0))
+    return PIECES.to_bytes(TransferPiece(parts=(part,), body=bytes(size), advised_bytes=900, waiting=0))
 
 
 def lie(**changes: object) -> Answer:
-    record = json.loads(plan_to_bytes(LIED)) | changes
+    plan = PLANS.to_bytes(replace(LIED, **changes))  # type: ignore[arg-type]
 
     def answer(question: AskPlan | AskBytes) -> bytes:
-        if isinstance(question, AskPlan):
-            return packed(json.dumps(record).encode())
-        return whole_piece(question)
+        return packed(plan) if isinstance(question, AskPlan) else whole_piece(question)
 
     return answer
 
 
 def lying_piece(make: Callable[[AskBytes], bytes]) -> Answer:
-    return lambda question: packed(plan_to_bytes(LIED)) if isinstance(question, AskPlan) else make(question)
+    return lambda question: packed(PLANS.to_bytes(LIED)) if isinstance(question, AskPlan) else make(question)
 
 
 @pytest.mark.parametrize(
     "answer",
     [
-        lie(files=[["../../outside", 3_000, SHA]]),
-        lie(files=[["/tmp/outside", 3_000, SHA]]),
-        lie(files=[["a.mcap", 2**61, SHA]]),
+        lie(files=(PlannedFile("../../outside", 3_000, SHA),)),
+        lie(files=(PlannedFile("/tmp/outside", 3_000, SHA),)),
+        lie(files=(PlannedFile("a.mcap", 2**61, SHA),)),
         lie(),
         lying_piece(lambda ask: whole_piece(ask, file=1)),
         lying_piece(lambda ask: whole_piece(ask, offset=2_500)),
         lying_piece(lambda ask: whole_piece(ask, offset=2**50)),
         lying_piece(lambda ask: whole_piece(ask, offset=0)),
         lying_piece(lambda ask: whole_piece(ask, size=ask.size_bytes + 1)),
-        lying_piece(lambda _: b"garbage"),
+        lying_piece(lambda _: b"malformed"),
         lying_piece(lambda ask: whole_piece(ask)[:-1]),
-        lambda _: b"garbage",
-        lambda _: packed(b"[" * 100_000),
+        lambda _: b"malformed",
+        lambda _: packed(b"\3\x0e" + b"[" * 100_000),
     ],
 )
 def test_a_robot_that_lies_costs_its_own_fetch_only(tmp_path: Path, answer: Answer) -> None:
@@ -307,12 +304,12 @@ def test_a_robot_that_lies_costs_its_own_fetch_only(tmp_path: Path, answer: Answ
     here.mkdir(parents=True)
     with (
         open_robot_end("r1", LinkOptions(listen=(endpoint,)), refuse_warning) as end,
-        open_session(LinkOptions(connect=(endpoint,)), "peer", refuse_warning) as session,
+        stranger_at(endpoint, "peer") as session,
     ):
 
         def take(query: zenoh.Query) -> None:
             assert query.payload is not None
-            question = question_from_bytes(query.payload.to_bytes())
+            question = QUESTIONS.from_bytes(query.payload.to_bytes())
             with query:
                 if isinstance(question, AskPlan) or (isinstance(question, AskBytes) and question.size_bytes):
                     query.reply(end.boot.incidents_key, answer(question))

@@ -4,46 +4,26 @@
 
 from __future__ import annotations
 
-import json
 import random
-from collections.abc import Iterator
-from contextlib import contextmanager
+from dataclasses import replace
 
 import pytest
 import zenoh
 import zstandard
 
-from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, operator_end, robot_end, until
+from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, operator_end, robot_end, stranger_at, until
 from smarttestudo.domain.link import StreamInfo
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, MAX_STREAMS, Chunk
+from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot, new_boot
+from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
 from smarttestudo.link.protocol.receiver import ReceiverCounts
-from smarttestudo.link.protocol.reports import Announcement, Report, control_message
 from smarttestudo.link.zenoh.arrivals import RobotPresence, StreamSaid
-from smarttestudo.link.zenoh.keys import MAX_ROBOTS, Boot, new_boot
 from smarttestudo.link.zenoh.operator_end import OperatorEnd
 from smarttestudo.link.zenoh.robot_end import RobotEnd
 
 pytestmark = pytest.mark.process
 
 RANDOM = random.Random(7)
-
-
-@contextmanager
-def stranger(endpoint: str) -> Iterator[zenoh.Session]:
-    """Somebody else who may connect."""
-    config = zenoh.Config()
-    settings = {
-        # A router passes on what clients say, but not what peers say to each other.
-        "mode": "client",
-        "listen/endpoints": [],
-        "connect/endpoints": [endpoint],
-        "scouting/multicast/enabled": False,
-        "transport/shared_memory/enabled": False,
-    }
-    for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
-    with zenoh.open(config) as session:
-        yield session
 
 
 def chunk(stream: int, data: bytes, number: int = 0, *, is_compressed: bool = False) -> bytes:
@@ -74,59 +54,59 @@ def still_works(robot: RobotEnd, reader: Reader) -> None:
     publisher.close()
 
 
-def test_garbage_instead_of_chunks_is_counted() -> None:
+def test_what_is_malformed_instead_of_chunks_is_counted() -> None:
     endpoint = free_endpoint()
-    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger(endpoint) as other:
+    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
         reader = Reader(operator)
         still_works(robot, reader)
         bomb = zstandard.ZstdCompressor().compress(bytes(100_000_000))
-        garbage = [b"", b"\x01", *(RANDOM.randbytes(size) for size in (10, 100, 2_000, 60_000) * 20)]
+        strange = [b"", b"\x01", *(RANDOM.randbytes(size) for size in (10, 100, 2_000, 60_000) * 20)]
         # A random first byte that is a version of ours would make it a chunk.
-        garbage = [b"\x00" + data for data in garbage] + [
+        strange = [b"\x00" + data for data in strange] + [
             chunk(CONTROL_STREAM, bomb, is_compressed=True),
             chunk(CONTROL_STREAM, RANDOM.randbytes(100), is_compressed=True),
-            chunk(CONTROL_STREAM, b'{"stream": 1, "topic": "x y"}'),
+            chunk(CONTROL_STREAM, CONTROL.to_bytes(Announcement(stream=1, info=replace(ODOM, topic="x y")))),
             chunk(CONTROL_STREAM, b"[" * 100_000),
             chunk(77, b"of no stream"),
         ]
-        for data in garbage:
+        for data in strange:
             other.put(robot.boot.data_key, data, congestion_control=zenoh.CongestionControl.BLOCK)
-        until(lambda: counts(operator, robot.boot).garbage == len(garbage), reader.read)
+        until(lambda: counts(operator, robot.boot).malformed == len(strange), reader.read)
         still_works(robot, reader)
 
 
 def test_chunks_for_robots_that_are_not_there_are_counted() -> None:
     endpoint = free_endpoint()
-    with operator_end(endpoint) as operator, stranger(endpoint) as other:
+    with operator_end(endpoint) as operator, stranger_at(endpoint) as other:
         keys = (new_boot("nobody", 5).data_key, "testudo/*/*/data", "testudo/a/b/data")
         for key in keys:
-            until(lambda: operator.strays > 0, lambda: other.put(key, chunk(1, b"x")))  # noqa: B023
-            operator.strays = 0
+            until(lambda: operator.unknown > 0, lambda: other.put(key, chunk(1, b"x")))  # noqa: B023
+            operator.unknown = 0
         assert operator.wait(0) == []
 
 
-def test_garbage_instead_of_reports_is_counted() -> None:
+def test_what_is_malformed_instead_of_reports_is_counted() -> None:
     endpoint = free_endpoint()
-    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger(endpoint) as other:
+    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
         reader = Reader(operator)
         still_works(robot, reader)
         before = robot.counts()
-        garbage = [b"", b"\x02" * 40, *(b"\x00" + RANDOM.randbytes(size) for size in (1, 30, 900_000))]
-        garbage.append(Report(receiver=1, session=1, received_bytes=0).to_bytes() + b'{"a": "b"}')
-        garbage.append(Report(receiver=1, session=1, received_bytes=0).to_bytes() + b"[" * 200_000)
-        for data in garbage:
+        strange = [b"", b"\xff" * 40, *(b"\x00" + RANDOM.randbytes(size) for size in (1, 30, 900_000))]
+        report = REPORTS.to_bytes(Report(receiver=1, session=1, received_bytes=0))
+        strange += [report + b"\0", report + b"[" * 200_000, report[:-1]]
+        for data in strange:
             other.put(robot.boot.report_key, data, congestion_control=zenoh.CongestionControl.BLOCK)
-        until(lambda: robot.garbage == len(garbage), reader.read)
+        until(lambda: robot.malformed == len(strange), reader.read)
         assert robot.counts().keys() == before.keys()
         still_works(robot, reader)
 
 
 def test_a_report_of_what_was_never_sent_changes_nothing() -> None:
     endpoint = free_endpoint()
-    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger(endpoint) as other:
+    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
         heard: list[Report] = []
         listener = other.declare_subscriber(
-            robot.boot.report_key, lambda sample: heard.append(Report.from_bytes(sample.payload.to_bytes()))
+            robot.boot.report_key, lambda sample: heard.append(REPORTS.from_bytes(sample.payload.to_bytes()))
         )
         reader = Reader(operator)
         still_works(robot, reader)
@@ -136,26 +116,26 @@ def test_a_report_of_what_was_never_sent_changes_nothing() -> None:
         for receiver in (own.receiver, own.receiver ^ 1):
             for session in (own.session, own.session + 1, 2**32 - 1):
                 lie = Report(receiver=receiver, session=session, received_bytes=2**63, ages_ms={9**9: 1.0})
-                other.put(robot.boot.report_key, lie.to_bytes())
+                other.put(robot.boot.report_key, REPORTS.to_bytes(lie))
         still_works(robot, reader)
         capacity = robot.state.capacity_kb_per_s
         assert capacity is None or capacity < 1e6
-        assert robot.garbage == 0
+        assert robot.malformed == 0
 
 
 def test_a_robot_that_names_a_million_topics_has_as_many_as_a_robot_may() -> None:
     endpoint = free_endpoint()
-    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger(endpoint) as other:
+    with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
         reader, boot = Reader(operator), new_boot("liar", 1)
         still_works(robot, reader)
         with other.liveliness().declare_token(boot.key):
             until(lambda: boot in operator.counts(), reader.read)
             for number in range(20_000):
                 info = StreamInfo(topic=f"/t{number}", type_name=MAP.type_name, qos=MAP.qos)
-                said = control_message(Announcement(stream=1 + number % (MAX_STREAMS + 1_000), info=info))
+                said = CONTROL.to_bytes(Announcement(stream=1 + number % (MAX_STREAMS + 1_000), info=info))
                 data = chunk(CONTROL_STREAM, said, number)
                 other.put(boot.data_key, data, congestion_control=zenoh.CongestionControl.BLOCK)
-            until(lambda: counts(operator, boot).garbage > 1_000, reader.read)
+            until(lambda: counts(operator, boot).malformed > 1_000, reader.read)
             named = {
                 event.number
                 for event in reader.read()
@@ -169,7 +149,7 @@ def test_a_robot_that_names_a_million_topics_has_as_many_as_a_robot_may() -> Non
 
 def test_only_so_many_robots_are_received_and_the_rest_is_said_once() -> None:
     endpoint, warnings = free_endpoint(), list[str]()
-    with operator_end(endpoint, warn=warnings.append) as operator, stranger(endpoint) as other:
+    with operator_end(endpoint, warn=warnings.append) as operator, stranger_at(endpoint) as other:
         reader = Reader(operator)
         boots = [new_boot(f"r{number}", number) for number in range(MAX_ROBOTS + 20)]
         tokens = [other.liveliness().declare_token(boot.key) for boot in boots]

@@ -23,6 +23,7 @@ from link.zenoh.ends import (
     operator_end,
     refuse_warning,
     robot_end,
+    stranger_at,
     until,
 )
 from robot.status.statuses import STATUS
@@ -30,12 +31,12 @@ from smarttestudo.cli.robots import topics_of_robot, wait_for_all
 from smarttestudo.domain.errors import LinkError, TestudoError, UsageError
 from smarttestudo.domain.parameter import SilentNodeError
 from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
+from smarttestudo.link.protocol.messages import CHANGING_QUESTIONS
 from smarttestudo.link.zenoh import open_link_robots, open_operator_end, open_robot_end
-from smarttestudo.link.zenoh.asked_questions import MAX_WAITING
 from smarttestudo.link.zenoh.link_robots import LinkRobots
+from smarttestudo.link.zenoh.query_server import MAX_WAITING
 from smarttestudo.link.zenoh.robot_end import RobotEnd
 from smarttestudo.link.zenoh.security import LinkOptions
-from smarttestudo.link.zenoh.session import open_session
 
 pytestmark = pytest.mark.process
 ID = "r1:/smarttestudo"
@@ -214,19 +215,19 @@ def test_questions_that_are_too_large_or_too_many_are_refused() -> None:
         ] * MAX_WAITING
 
 
-@pytest.mark.parametrize("garbage", [b"", b"\1", b"\2\5\xff", b"\1\1\0[]", b"\xff" * 500])
-def test_garbage_on_a_status_key_costs_what_it_touches(garbage: bytes) -> None:
+@pytest.mark.parametrize("strange", [b"", b"\3", b"\3\5\5\xff", b"\3\4\1[]", b"\xff" * 500])
+def test_what_is_malformed_on_a_status_key_costs_what_it_touches(strange: bytes) -> None:
     endpoint = free_endpoint()
     with (
         operator_end(endpoint),
         robot_end(endpoint) as end,
         watching(endpoint) as robots,
-        open_session(LinkOptions(connect=(endpoint,)), "client", refuse_warning) as stranger,
+        stranger_at(endpoint) as stranger,
     ):
         robot = Robot(end)
         heard_by(robots, robot)
         for key in (end.boot.status_key, "testudo/r1/0000000000000000/status", "testudo/x y/1/status"):
-            stranger.put(key, garbage)
+            stranger.put(key, strange)
         steps = robot.steps
         until(lambda: robots.heard[ID].status.uptime_s > steps + 5, lambda: step(robots, robot))
 
@@ -236,9 +237,9 @@ def test_a_question_of_many_keys_at_once_reaches_no_robot() -> None:
     with (
         operator_end(endpoint),
         robot_end(endpoint) as end,
-        open_session(LinkOptions(connect=(endpoint,)), "client", refuse_warning) as stranger,
+        stranger_at(endpoint) as stranger,
     ):
-        payload = b'\0{"set":{"budget_kb_per_s":1}}'
+        payload = CHANGING_QUESTIONS.to_bytes(SetParameters(values={"budget_kb_per_s": 1}))
         until(lambda: [*stranger.get(end.boot.set_key, payload=b"?", timeout=1.0)] != [])
         for selector in ("testudo/**", f"{end.boot.key}/*", "testudo/*/*/set"):
             assert not [reply for reply in stranger.get(selector, payload=payload, timeout=1.0) if reply.ok]
@@ -246,13 +247,13 @@ def test_a_question_of_many_keys_at_once_reaches_no_robot() -> None:
 
 
 @pytest.mark.parametrize(
-    "payload", [None, b"", b"\0", b"\0[]", b"\0{}", b'\0{"set": 5}', b"\1x", b"\0" * 1_200]
+    "payload", [None, b"", b"\0", b"\3", b"\3\x08", b"\3\x09\1", b"\3\x88x", b"\0" * 1_200]
 )
 def test_a_question_that_is_none_is_refused_at_once(payload: bytes | None) -> None:
     endpoint = free_endpoint()
     with (
         listening_robot(endpoint) as robot,
-        open_session(LinkOptions(connect=(endpoint,)), "client", refuse_warning) as stranger,
+        stranger_at(endpoint) as stranger,
     ):
         for key in (robot.end.boot.get_key, robot.end.boot.set_key):
             until(partial(_is_refused, stranger, key, payload))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What arrives over a link, served to the Foxglove app."""
+"""Messages that arrive over a link, served to the Foxglove app."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class FoxgloveSink:
             with self._lock:
                 self._topics[robot, stream.topic] = topic
 
-    def take(self, message: ReceivedMessage) -> None:
+    def write(self, message: ReceivedMessage) -> None:
         """Send the message of a topic that is served to whom it may concern."""
         if self._unknown_channels:
             self._reopen_unknown()

@@ -153,7 +153,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._answer(200, way.CONTENT_TYPE_LATEST, body)
 
     def version_string(self) -> str:
-        """What the server says it is."""
+        """The name by which the server goes."""
         return "SmartTestudo"
 
     def log_message(self, *_: Any) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the robot's end sends in the part of the link that live topics leave unused."""
+"""Answers in the part of the link that live topics leave unused."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ KEPT_NS = ANSWERED_WITHIN_NS // 2
 """How long an ask waits; who asked then asks again."""
 
 _LOST_AFTER_NS = 5 * NS_PER_S
-"""What nobody said to have for so long is under way no more."""
+"""Bytes that nobody said to have for so long are under way no more."""
 _PIECE_NS = 5 * NS_PER_MS
 """How much of the link a piece takes, which is how long a live message may wait for it."""
 _LEAST_PIECE_BYTES = 600
 _MOST_PIECE_BYTES = 16_000
 _LONGEST_PAUSE_NS = NS_PER_S // 2
 _FRAMING_BYTES = 150
-"""What goes with a piece: it is an answer of Zenoh in a packet of its own."""
+"""The head of a piece on the wire: it is an answer of Zenoh in a packet of its own."""
 _USED = 0.95
 """The share of the capacity up to which the link is filled."""
 _MARGIN = 0.8
@@ -57,11 +57,11 @@ class BackgroundAnswer(Generic[_Request]):
 
 @dataclass(slots=True, eq=False)
 class _Asker(Generic[_Request]):
-    """Who asks. Of what was sent to it, all up to ``done_bytes`` has arrived or was lost."""
+    """An asker. Of what was sent to it, all up to ``done_bytes`` has arrived or was lost."""
 
     heard_ns: int
     first_bytes: int
-    """What it had got when it was heard first; an earlier run of this end sent that."""
+    """Bytes that it had got when it was heard first; an earlier run of this end sent them."""
     sent_bytes: int = 0
     done_bytes: int = 0
     lost_bytes: int = 0
@@ -114,7 +114,7 @@ class BackgroundAnswers(Generic[_Request]):
         return True
 
     def acknowledge(self, asker: int, got_bytes: int, now_ns: int, live: Window | None) -> None:
-        """Who asked says how much it has got since it asked first."""
+        """Note how much an asker has got since it asked first."""
         known = self._askers.get(asker)
         if known is None:
             return
@@ -143,7 +143,7 @@ class BackgroundAnswers(Generic[_Request]):
         return self._free_ns if self._free_ns > now_ns and not self.is_empty else None
 
     def next(self, now_ns: int, live: Window | None) -> BackgroundAnswer[_Request] | None:
-        """Who is answered now. Nothing live waits then."""
+        """The request to answer now. Nothing live waits then."""
         if self.is_empty:
             self._alone.idle()
             return None

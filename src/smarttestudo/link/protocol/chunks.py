@@ -7,21 +7,20 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 
-from smarttestudo.domain.errors import LinkError
+from smarttestudo.link.protocol.wire import HEAD_BYTES, Kind, frame, kind_of, malformed
 
 MAX_MESSAGE_BYTES = 64 * 1024 * 1024
 MAX_STREAMS = 4096
 MAX_PARTIAL_BYTES = 4 * MAX_MESSAGE_BYTES
-"""What the parts of unfinished messages may take together."""
+"""The size of all unfinished messages together."""
 CONTROL_STREAM = 0
 """The stream in which the robot's end says what the others are."""
 
-_VERSION = 1
-# version, flags, stream, session, number, offset, size, offered_ns, sent_ns
-_HEADER = struct.Struct("<BBHIIIIqq")
-HEADER_BYTES = _HEADER.size
-_COMPRESSED = 1
-_KEPT = 2
+# stream and flags, session, number, offset, size, offered_ns, sent_ns
+_HEADER = struct.Struct("<HIIIIqq")
+HEADER_BYTES = HEAD_BYTES + _HEADER.size
+_COMPRESSED = MAX_STREAMS
+_KEPT = 2 * MAX_STREAMS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,26 +46,21 @@ class Chunk:
     def to_bytes(self) -> bytes:
         """The chunk as it travels."""
         flags = _COMPRESSED * self.is_compressed | _KEPT * self.is_kept
-        head = (_VERSION, flags, self.stream, self.session, self.number, self.offset, self.size_bytes)
-        return _HEADER.pack(*head, self.offered_ns, self.sent_ns) + self.body
+        head = (self.stream | flags, self.session, self.number, self.offset, self.size_bytes)
+        return frame(Kind.CHUNK, _HEADER.pack(*head, self.offered_ns, self.sent_ns) + self.body)
 
     @staticmethod
     def from_bytes(data: bytes) -> Chunk:
         """The chunk that ``to_bytes`` gave ``data`` for. Raises ``LinkError`` for anything else."""
-        if len(data) < HEADER_BYTES:
-            raise LinkError(f"a chunk of {len(data)} bytes is shorter than its header")
-        version, flags, stream, session, number, offset, size_bytes, *times_ns = _HEADER.unpack_from(data)
+        if kind_of(data) != Kind.CHUNK or len(data) < HEADER_BYTES:
+            raise malformed("no chunk")
+        flags, session, number, offset, size_bytes, *times_ns = _HEADER.unpack_from(data, HEAD_BYTES)
         body = data[HEADER_BYTES:]
-        if version != _VERSION or flags > _COMPRESSED | _KEPT:
-            raise LinkError(
-                f"a chunk has version {version}.{flags}",
-                remedy="use the same version of SmartTestudo at both ends",
-            )
-        if size_bytes > MAX_MESSAGE_BYTES or offset + len(body) > size_bytes or stream >= MAX_STREAMS:
-            raise LinkError("a chunk reaches beyond its message")
+        if size_bytes > MAX_MESSAGE_BYTES or offset + len(body) > size_bytes or flags >= 2 * _KEPT:
+            raise malformed("a chunk that reaches beyond its message")
         return Chunk(
             session=session,
-            stream=stream,
+            stream=flags % MAX_STREAMS,
             number=number,
             offset=offset,
             size_bytes=size_bytes,

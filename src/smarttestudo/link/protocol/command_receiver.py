@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The robot's end of what operators send: what is young enough to be delivered, and what to report."""
+"""The robot's end of what operators send: which messages are young enough, and what to report."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ from smarttestudo.domain.command import MAX_AGE_NS
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link_state import AcceptedTopic
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.link.protocol.commands import (
+from smarttestudo.link.protocol.messages import (
+    COMMAND_REPORTS,
+    COMMANDS,
+    MAX_PROBLEM,
     MAX_SENDERS,
     AcceptedStream,
     CommandMessage,
     CommandReport,
     SentNames,
-    read_command,
 )
 
 TICK_NS = NS_PER_S
@@ -77,14 +79,14 @@ class _Sender:
 class CommandReceiver:
     """Takes messages of ``topics`` that come over a link. The time that is passed in is the robot's clock.
 
-    Give it what comes (``take``), deliver what it returns, and send what ``next_report`` gives at
+    Give it what comes (``receive``), deliver what it returns, and send what ``next_report`` gives at
     ``wake_ns``. Nothing older than ``MAX_AGE_NS`` is delivered, and nothing twice, out of order or of
     another type than the one that holds now.
     """
 
     def __init__(self, topics: Sequence[str]) -> None:
-        self.garbage = 0
-        """What came and was no message, or one of no accepted topic."""
+        self.malformed = 0
+        """Frames that were no message, or one of no accepted topic."""
         self._topics = [_Topic(AcceptedTopic(topic=topic)) for topic in topics]
         self._senders: dict[int, _Sender] = {}
         self._told: tuple[AcceptedTopic, ...] = ()
@@ -94,7 +96,7 @@ class CommandReceiver:
 
     @property
     def topics(self) -> list[AcceptedTopic]:
-        """What is known of each topic."""
+        """The topics with their counts."""
         return [topic.told for topic in self._topics]
 
     def follow(self, topic: str, type_name: str | None, problem: str | None = None) -> None:
@@ -109,12 +111,12 @@ class CommandReceiver:
             self._told_ns = None
             self._has_news = True
 
-    def take(self, data: bytes, now_ns: int) -> Delivery | None:
+    def receive(self, data: bytes, now_ns: int) -> Delivery | None:
         """The message of ``data``, if it is to be delivered."""
         try:
-            command = read_command(data)
+            command = COMMANDS.from_bytes(data)
         except LinkError:
-            self.garbage += 1
+            self.malformed += 1
             return None
         sender = self._sender(command.sender, now_ns)
         if isinstance(command, SentNames):
@@ -122,7 +124,7 @@ class CommandReceiver:
             self._has_news = True
             return None
         if command.topic >= len(self._topics):
-            self.garbage += 1
+            self.malformed += 1
             return None
         return self._message(self._topics[command.topic], sender, command, now_ns)
 
@@ -133,7 +135,7 @@ class CommandReceiver:
                 one.count(delivered=-1, refused=1)
 
     def sent_names(self, now_ns: int) -> list[tuple[str, ...]]:
-        """What each operator's end sends, of those that were heard lately."""
+        """The names that each operator's end sends, of the ends that were heard lately."""
         return [
             sender.names
             for sender in self._senders.values()
@@ -155,9 +157,10 @@ class CommandReceiver:
         streams: list[AcceptedStream] = []
         if self._told_ns is None or now_ns - self._told_ns >= after_ns:
             self._told, self._told_ns = told, now_ns
-            streams = [AcceptedStream(topic=one.told, revision=one.revision) for one in self._topics]
+            streams = [AcceptedStream(topic=_short(one.told), revision=one.revision) for one in self._topics]
         acknowledged = {number: sender.number for number, sender in self._senders.items()}
-        return CommandReport(sent_ns=now_ns, acknowledged=acknowledged, streams=streams).to_bytes()
+        report = CommandReport(sent_ns=now_ns, acknowledged=acknowledged, streams=streams)
+        return COMMAND_REPORTS.to_bytes(report)
 
     def _message(
         self, topic: _Topic, sender: _Sender, command: CommandMessage, now_ns: int
@@ -190,3 +193,7 @@ class CommandReceiver:
             self._told = ()
         sender.heard_ns = now_ns
         return sender
+
+
+def _short(topic: AcceptedTopic) -> AcceptedTopic:
+    return replace(topic, problem=topic.problem and topic.problem[:MAX_PROBLEM])

@@ -5,20 +5,22 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.command import MAX_AGE_NS, MAX_COMMAND_BYTES, SentCounts
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link_state import AcceptedTopic
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.link.protocol.commands import (
+from smarttestudo.link.protocol.keys import Boot
+from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
+from smarttestudo.link.protocol.messages import (
+    COMMAND_REPORTS,
+    COMMANDS,
     AcceptedStream,
     CommandMessage,
-    CommandReport,
     SentNames,
 )
-from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
 
 MAX_PUBLISHERS = 8
 """Publishers of a topic that are kept apart."""
@@ -37,8 +39,18 @@ _MOST_FLYING_BYTES = 8_000
 _KEPT_FLIGHTS = 64
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommandedRobot:
+    """A robot's end that accepts something, as it was heard last, and what was sent to it, by topic."""
+
+    boot: Boot
+    topics: Mapping[str, AcceptedTopic]
+    counts: Mapping[str, SentCounts]
+    round_trip_ms: float | None
+
+
 class ClockBound:
-    """What the robot's clock shows at least, from times of it that arrived here. No clock need be right.
+    """The least that the robot's clock shows, from times of it that arrived here. No clock need be right.
 
     A time that arrives was true when it was sent, so the robot's clock is at least that far ahead of ours;
     from then on the two may drift apart.
@@ -79,16 +91,16 @@ class _Flight:
 
 
 class CommandSender:
-    """What waits for one robot, in the time that is passed in; the robot's own clock may be another.
+    """Messages for one robot, in the time that is passed in; the robot's own clock may be another.
 
-    Give it reports (``take_report``) and messages (``offer``), and send what ``next_command`` gives while it
-    gives something, ten times a second at least. ``names`` are the topics that are sent, ``new_sender`` makes
-    random numbers of 64 bits.
+    Give it reports (``handle_report``) and messages (``offer``), and send what ``next_command`` gives while
+    it gives something, ten times a second at least. ``names`` are the topics that are sent, ``new_sender``
+    makes random numbers of 64 bits.
     """
 
     def __init__(self, names: Sequence[str], new_sender: Callable[[], int]) -> None:
         self.counts: dict[str, SentCounts] = {name: SentCounts() for name in names}
-        self.garbage = 0
+        self.malformed = 0
         """Reports that were not readable."""
         self._names = tuple(names)
         self._new_sender = new_sender
@@ -108,7 +120,7 @@ class CommandSender:
 
     @property
     def topics(self) -> dict[str, AcceptedTopic]:
-        """What the robot told of the topics that it accepts."""
+        """The topics that the robot accepts, as it told."""
         return {name: stream.topic for name, (_, stream) in self._streams.items()}
 
     @property
@@ -120,12 +132,12 @@ class CommandSender:
         """Whether the robot's end was heard lately."""
         return self._heard_ns is not None and now_ns - self._heard_ns <= LOST_AFTER_NS
 
-    def take_report(self, data: bytes, now_ns: int) -> None:
+    def handle_report(self, data: bytes, now_ns: int) -> None:
         """The robot's end says what it has."""
         try:
-            report = CommandReport.from_bytes(data)
+            report = COMMAND_REPORTS.from_bytes(data)
         except LinkError:
-            self.garbage += 1
+            self.malformed += 1
             return
         self._heard_ns = now_ns
         self._clock.add(report.sent_ns, now_ns)
@@ -150,13 +162,13 @@ class CommandSender:
         return True
 
     def next_command(self, now_ns: int) -> bytes | None:
-        """What to send now."""
+        """The frame to send now."""
         if not self.is_present(now_ns):
             self._expire(now_ns)
             return None
         if self._named_ns is None or now_ns - self._named_ns >= _NAMES_PERIOD_NS:
             self._named_ns = now_ns
-            return SentNames(sender=self._sender, topics=self._names).to_bytes()
+            return COMMANDS.to_bytes(SentNames(sender=self._sender, topics=self._names))
         self._expire(now_ns)
         self._give_up_flights(now_ns)
         for key, waiting in self._waiting.items():
@@ -176,14 +188,15 @@ class CommandSender:
         self._number += 1
         self._sent.append(_Flight(self._number, len(payload), now_ns))
         self.counts[topic].sent += 1
-        return CommandMessage(
+        command = CommandMessage(
             sender=self._sender,
             number=self._number,
             topic=stream[0],
             revision=stream[1].revision,
             stamp_ns=stamp_ns,
             payload=payload,
-        ).to_bytes()
+        )
+        return COMMANDS.to_bytes(command)
 
     def _expire(self, now_ns: int) -> None:
         """Drop what would be too old in any case."""
@@ -194,7 +207,7 @@ class CommandSender:
 
     @property
     def _flights(self) -> list[_Flight]:
-        """What is under way."""
+        """The messages under way."""
         known = max(self._acknowledged, self._given_up)
         return [flight for flight in self._sent if flight.number > known]
 
@@ -226,7 +239,7 @@ class CommandSender:
         self._was_full = False
 
     def _give_up_flights(self, now_ns: int) -> None:
-        """What was not acknowledged for long is lost, or too old when it arrives."""
+        """Give up what was not acknowledged for long: it is lost, or too old when it arrives."""
         after_ns = _LOST_FLIGHT_NS + 2 * (self._trips.at(now_ns) or 0)
         if self._sent and now_ns - self._sent[-1].sent_ns > after_ns and self._flights:
             self._given_up = self._number

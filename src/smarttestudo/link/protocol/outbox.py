@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What waits to be sent, and which of it goes next: the most important first, the newest of each."""
+"""Messages that wait to be sent: the most important first, the newest of each."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, Chunk
 
 MAX_QUEUED_BYTES = 1_000_000
-"""What may wait in the queue of a topic that is sent whole."""
+"""The size of the queue of a topic that is sent whole."""
 MAX_GIVEN_UP_BYTES = 16_000_000
-"""What is kept of messages that gave way until something arrives again; the oldest beyond it are missed."""
+"""The size of all messages kept that gave way, until something arrives; the oldest beyond it are missed."""
 LOSING_NS = 60 * NS_PER_S
 """For how long a topic that lost a message is said to lose some."""
 MAX_LANES = 1024
@@ -86,7 +86,7 @@ class _Stream:
 
     @property
     def waiting(self) -> Iterator[_Message]:
-        """What was not sent whole."""
+        """The messages that were not sent whole."""
         if self.begun is not None:
             yield self.begun
         yield from self.queue
@@ -152,7 +152,7 @@ class Outbox:
         self._active: dict[int, _Stream] = {}
         self._had_session = False
         self.missed: deque[MissedMessage] = deque()
-        """What was missed and has an origin, to be taken from here."""
+        """Missed messages with an origin, to be taken from here."""
         self._given_up: deque[_Message] = deque()
         self._given_up_bytes = 0
         self._is_cut = False
@@ -259,7 +259,7 @@ class Outbox:
             self._given_up_bytes = 0
 
     def cut(self) -> None:
-        """What gave way since the last acknowledgement was missed, and what does until the next is, too."""
+        """Count as missed what gave way since the last acknowledgement, and what does until the next."""
         if self._had_session:
             self._is_cut = True
             self._miss_given_up()
@@ -363,6 +363,6 @@ class Outbox:
 
 
 def _rank(stream: _Stream, now_ns: int) -> tuple[bool, bool, float, int]:
-    """What is least goes next. Streams are announced before their messages."""
+    """The order in which streams are served, the least first. Streams are announced before their messages."""
     is_control = stream.number == CONTROL_STREAM
     return not is_control, not stream.is_urgent(now_ns), -stream.needs.priority, stream.oldest_ns

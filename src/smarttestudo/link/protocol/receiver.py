@@ -17,7 +17,7 @@ from smarttestudo.link.protocol.chunks import (
     Reassembler,
 )
 from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
-from smarttestudo.link.protocol.reports import Announcement, Report, read_control_message
+from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
 from smarttestudo.link.protocol.window import ACKNOWLEDGE_PERIOD_NS
 
 KEEP_ALIVE_NS = NS_PER_S // 2
@@ -33,24 +33,24 @@ Decompress = Callable[[bytes, int], bytes]
 
 @dataclass(slots=True)
 class ReceiverCounts:
-    """What arrived since the start.
+    """Counts of what arrived since the start.
 
     ``messages`` are whole and delivered, ``late`` ones not, because they were under way in an outage;
-    ``repeated`` ones were there already, of ``broken`` ones a part was missing, ``garbage`` are chunks.
+    ``repeated`` ones were there already, of ``broken`` ones a part was missing, ``malformed`` are chunks.
     """
 
     messages: int = 0
     late: int = 0
     repeated: int = 0
     broken: int = 0
-    garbage: int = 0
+    malformed: int = 0
     received_bytes: int = 0
 
 
 class LinkReceiver:
-    """What comes of one robot, in the time that is passed in; the robot's own clock may be another.
+    """One robot's messages as they come, in the time that is passed in; the robot's own clock may be another.
 
-    Give it chunks (``take``), and send what ``next_report`` gives at ``wake_ns``.
+    Give it chunks (``receive``), and send what ``next_report`` gives at ``wake_ns``.
     """
 
     def __init__(
@@ -84,13 +84,13 @@ class LinkReceiver:
         self._reported_ns: int | None = None
         self._ages_reported_ns = 0
 
-    def take(self, data: bytes, now_ns: int) -> Announcement | ReceivedMessage | None:
-        """What is whole with the chunk ``data``: a stream that was announced or closed, or a message."""
+    def receive(self, data: bytes, now_ns: int) -> Announcement | ReceivedMessage | None:
+        """The stream or the message that is whole with the chunk ``data``: announced, closed or received."""
         try:
             chunk = Chunk.from_bytes(data)
-            return self._take(chunk, len(data), now_ns)
+            return self._receive(chunk, len(data), now_ns)
         except LinkError:
-            self.counts.garbage += 1
+            self.counts.malformed += 1
             return None
 
     @property
@@ -108,15 +108,16 @@ class LinkReceiver:
         if now_ns - self._ages_reported_ns >= _AGES_PERIOD_NS or self._session == 0:
             self._ages_reported_ns, predicts = now_ns, self._predicts
             ages_ms, self._ages_ms = self._ages_ms, {}
-        return Report(
+        report = Report(
             receiver=self._receiver,
             session=self._session,
             received_bytes=self._session_bytes,
             ages_ms=ages_ms,
             predicts=predicts,
-        ).to_bytes()
+        )
+        return REPORTS.to_bytes(report)
 
-    def _take(self, chunk: Chunk, size_bytes: int, now_ns: int) -> Announcement | ReceivedMessage | None:
+    def _receive(self, chunk: Chunk, size_bytes: int, now_ns: int) -> Announcement | ReceivedMessage | None:
         if chunk.session < self._session:
             # Of a connection that was given up; what must not be lost comes again.
             self.counts.late += 1
@@ -138,7 +139,7 @@ class LinkReceiver:
         return self._message(chunk, data, transit_ns)
 
     def _control(self, data: bytes) -> Announcement | None:
-        said = read_control_message(data)
+        said = CONTROL.from_bytes(data)
         if not isinstance(said, Announcement):
             self._round_trip_ns = int(said.round_trip_ms * NS_PER_MS)
             return None
@@ -158,7 +159,7 @@ class LinkReceiver:
     def _message(self, chunk: Chunk, payload: bytes, transit_ns: int) -> ReceivedMessage | None:
         info = self.streams.get(chunk.stream)
         if info is None:
-            self.counts.garbage += 1
+            self.counts.malformed += 1
             return None
         before = self._newest.get(chunk.stream)
         if before is not None and chunk.number <= before:

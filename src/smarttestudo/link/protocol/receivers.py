@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The operator's ends that hear a robot, and what all of them reckon."""
+"""The operator's ends that hear a robot, and the topics that all of them reckon."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from smarttestudo.link.protocol.reports import Report
+from smarttestudo.link.protocol.messages import Report
 
 MAX_RECEIVERS = 64
 """With more, nothing is known of some, so nothing is reckoned."""
@@ -19,13 +19,16 @@ class _Receiver:
 
 
 class Receivers:
-    """Those that reported within ``lost_after_ns``. One that never said what it predicts predicts nothing."""
+    """The operator's ends that reported within ``lost_after_ns``.
+
+    One that never said what it predicts predicts nothing.
+    """
 
     def __init__(self, lost_after_ns: int) -> None:
         self._lost_after_ns = lost_after_ns
         self._known: dict[int, _Receiver] = {}
 
-    def take(self, report: Report, now_ns: int) -> bool:
+    def handle(self, report: Report, now_ns: int) -> bool:
         """A receiver reported; whether it came while others were there."""
         known = self._known.get(report.receiver)
         has_joined = False
@@ -41,7 +44,7 @@ class Receivers:
 
     @property
     def numbers(self) -> frozenset[int]:
-        """Those that are there."""
+        """The numbers of the receivers that are there."""
         return frozenset(self._known)
 
     def predicted(self, now_ns: int) -> frozenset[str]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The robot's end of a link: what to send now, and what the link carries."""
+"""The robot's end of a link: the next chunk, and what the link carries."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.background import BackgroundAnswer, BackgroundAnswers
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
+from smarttestudo.link.protocol.messages import CONTROL, Announcement, Report, RoundTrip
 from smarttestudo.link.protocol.outbox import Encode, Encoded, Outbox, plain
 from smarttestudo.link.protocol.receivers import Receivers
-from smarttestudo.link.protocol.reports import Announcement, Report, RoundTrip, control_message
 from smarttestudo.link.protocol.window import Window
 
 LOST_AFTER_NS = 3 * NS_PER_S
@@ -41,7 +41,7 @@ _Request = TypeVar("_Request")
 class LinkSender(Generic[_Request]):
     """Streams, what waits in them and the window of the link, in the time that is passed in.
 
-    The driver gives it messages (``offer``) and reports (``take_report``), and sends what ``next_chunk``
+    The driver gives it messages (``offer``) and reports (``handle_report``), and sends what ``next_chunk``
     gives while that gives something; another look is due after a message or a report.
     It serves one operator's end at a time: the first that reports, until that is silent. Others hear what
     that one is sent. What others ``ask`` for is sent while no topic needs the link (``next_answer``).
@@ -130,16 +130,16 @@ class LinkSender(Generic[_Request]):
             self._outbox.offer(stream, payload, now_ns, lane, origin)
 
     def take_missed(self, now_ns: int, *, is_last: bool = False) -> list[MissedMessage]:
-        """What was missed since the last call; if it ``is_last``, what waits for nobody, too."""
+        """The messages missed since the last call; if it ``is_last``, what waits for nobody, too."""
         if is_last and not self.is_connected(now_ns):
             self._outbox.give_up_all()
             self._outbox.cut()
         missed = self._outbox.missed
         return [missed.popleft() for _ in range(len(missed))]
 
-    def take_report(self, report: Report, now_ns: int) -> None:
+    def handle_report(self, report: Report, now_ns: int) -> None:
         """An operator's end says what it has."""
-        if self._receivers.take(report, now_ns):
+        if self._receivers.handle(report, now_ns):
             self._introduce(now_ns)
         is_silent = self._receiver is None or now_ns - self._heard_ns > LOST_AFTER_NS
         if report.receiver != self._receiver and not is_silent:
@@ -163,7 +163,7 @@ class LinkSender(Generic[_Request]):
         self._look_at_budget(now_ns)
 
     def next_chunk(self, now_ns: int) -> bytes | None:
-        """What to send now; ``None`` while nothing waits, nobody is there, or enough is under way."""
+        """The chunk to send now; ``None`` while nothing waits, nobody is there, or enough is under way."""
         if not self.is_connected(now_ns) or self.is_stalled(now_ns):
             return None
         chunk_bytes = self._window.chunk_bytes
@@ -193,11 +193,11 @@ class LinkSender(Generic[_Request]):
         return self._background.ask(asker, got_bytes, request, now_ns, self._live(now_ns))
 
     def acknowledge(self, asker: int, got_bytes: int, now_ns: int) -> None:
-        """Who asked has ``got_bytes`` of all answers so far."""
+        """Note that an asker has ``got_bytes`` of all answers so far."""
         self._background.acknowledge(asker, got_bytes, now_ns, self._live(now_ns))
 
     def next_answer(self, now_ns: int) -> BackgroundAnswer[_Request] | None:
-        """What to answer now; to be asked for when ``next_chunk`` has nothing."""
+        """The request to answer now; to be asked for when ``next_chunk`` has nothing."""
         live = self._live(now_ns)
         if live is not None and (not self._outbox.is_empty or self.is_stalled(now_ns)):
             return None
@@ -234,7 +234,7 @@ class LinkSender(Generic[_Request]):
         self._outbox.cut()
 
     def state(self, now_ns: int) -> LinkState:
-        """What is known of the link."""
+        """The state of the link."""
         window = self._window
         return LinkState(
             is_connected=self.is_connected(now_ns),
@@ -247,7 +247,7 @@ class LinkSender(Generic[_Request]):
 
     @property
     def budget_kb_per_s(self) -> float | None:
-        """What relayed topics may take together now, before compression; ``None`` while it is not known.
+        """The budget of all relayed topics now, before compression; ``None`` while it is not known.
 
         ``UNLIMITED_KB_PER_S`` where the link is no limit.
         """
@@ -322,10 +322,10 @@ class LinkSender(Generic[_Request]):
         said = Announcement(
             stream=stream, info=self._infos.get(stream), predicted_for=self._receivers.numbers
         )
-        self._outbox.offer(CONTROL_STREAM, control_message(said), now_ns)
+        self._outbox.offer(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)
 
     def _encoded(self, stream: int, payload: bytes) -> Encoded:
-        """What travels of a message; of those that are planned, it is kept how many bytes that saves."""
+        """Encode a message, and keep how many bytes that saves of those that are planned."""
         encoded = self._encode(stream, payload)
         info = self._infos.get(stream)
         if info is not None and info.topic in self._needs:
@@ -355,4 +355,4 @@ class LinkSender(Generic[_Request]):
         if trip_ns is not None and now_ns - self._trip_said_ns >= NS_PER_S:
             self._trip_said_ns = now_ns
             said = RoundTrip(round_trip_ms=trip_ns / NS_PER_MS)
-            self._outbox.offer(CONTROL_STREAM, control_message(said), now_ns)
+            self._outbox.offer(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)

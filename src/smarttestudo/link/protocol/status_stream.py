@@ -1,87 +1,76 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Statuses over a link, as JSON objects: a full one first, then what changed since the one before."""
+"""Statuses over a link, as JSON objects: a full one first, then each compressed by the one before."""
 
 from __future__ import annotations
 
 import contextlib
 import json
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.link.protocol.leaf_changes import (
-    Leaf,
-    changes_to_bytes,
-    read_varint,
-    with_changes,
-    write_varint,
-)
+from smarttestudo.link.protocol.wire import HEAD_BYTES, Kind, Reader, frame, kind_of, malformed, varint
 
 MAX_STATUS_BYTES = 1_000_000
 """How large the JSON of a status may be."""
-_MAX_LEAVES = 50_000
 _MAX_DEPTH = 16
 _MAX_WAITING = 64
 """Changes that are kept for a full status which is under way; as many old ones are no sign of a loss."""
 _MEASURED_AFTER_NS = NS_PER_S * 9 // 10
-"""What is measured is sent once a second: a status may come a little early."""
-_FULL, _CHANGES = 1, 2
+"""Measurements are sent once a second: a status may come a little early."""
 _NUMBERS = frozenset({int, float})
-_SCALARS = _NUMBERS | {type(None), bool, str}
-_PARTED = frozenset({dict, list})
 
 Path = tuple[str | int, ...]
 Record = Mapping[str, object]
 IsMeasured = Callable[[Path], bool]
 """Whether what is at a path is worth a number a second at most."""
-Compress = Callable[[bytes], bytes]
-Decompress = Callable[[bytes, int], bytes]
-"""Makes what was compressed of at most so many bytes. Raises ``LinkError``."""
+Compress = Callable[[bytes, bytes], bytes]
+"""Makes the bytes small, given others that they are like."""
+Decompress = Callable[[bytes, int, bytes], bytes]
+"""Makes what was compressed by those others, of at most so many bytes. Raises ``LinkError``."""
 
 
 class StatusSender:
-    """What travels of one status after the other. ``full`` may be asked for between two of them."""
+    """One status after the other as it travels. ``full`` may be asked for between two of them."""
 
     def __init__(self, is_measured: IsMeasured, compress: Compress) -> None:
         self._is_measured = is_measured
         self._compress = compress
         self._number = 0
-        self._leaves: dict[Path, Leaf] = {}
+        self._record: object = None
+        self._text = b""
         self._measured_ns: int | None = None
-        self._full: bytes | None = None
 
     def next(self, record: Record, now_ns: int) -> bytes:
-        """What travels of ``record``, which others have received all of but for what is measured."""
-        leaves = _leaves(record)
-        is_like_before = [*leaves] == [*self._leaves]
-        is_due = self._measured_ns is None or now_ns >= self._measured_ns + _MEASURED_AFTER_NS
-        if is_due or not is_like_before:
-            self._measured_ns = now_ns
+        """The frame of ``record``, of which others received the one before."""
+        if self._measured_ns is None or now_ns >= self._measured_ns + _MEASURED_AFTER_NS:
+            self._measured_ns, self._record = now_ns, record
         else:
-            leaves = {path: self._held(path, leaf) for path, leaf in leaves.items()}
-        before, self._leaves, self._full = self._leaves, leaves, None
+            self._record = self._held(self._record, record, ())
+        before, self._text = self._text, json_text(self._record, ascii_only=False, compact=True).encode()
         self._number += 1
-        if is_like_before:
-            changes = changes_to_bytes([*before.values()], [*leaves.values()])
-            return bytes([_CHANGES]) + write_varint(self._number) + changes
-        return self.full()
+        return self._frame(Kind.STATUS_CHANGES, before) if before else self.full()
 
     def full(self) -> bytes:
         """All of the last status, for whoever has none yet. Raises ``LinkError`` before the first."""
         if not self._number:
             raise LinkError("there is no status yet", remedy="try again")
-        if self._full is None:
-            text = json_text(_record(self._leaves), ascii_only=False, compact=True).encode()
-            self._full = bytes([_FULL]) + write_varint(self._number) + self._compress(text)
-        return self._full
+        return self._frame(Kind.STATUS, b"")
 
-    def _held(self, path: Path, leaf: Leaf) -> Leaf:
-        before = self._leaves[path]
-        is_kept = type(before) in _NUMBERS and type(leaf) in _NUMBERS and self._is_measured(path)
-        return before if is_kept else leaf
+    def _frame(self, kind: Kind, before: bytes) -> bytes:
+        return frame(kind, varint(self._number) + self._compress(self._text, before))
+
+    def _held(self, before: object, now: object, path: Path) -> object:
+        """``now`` with what is measured as it was ``before``."""
+        if isinstance(now, dict) and isinstance(before, dict):
+            return {name: self._held(before.get(name), one, (*path, name)) for name, one in now.items()}
+        if isinstance(now, list) and isinstance(before, list):
+            old = [*before, *[None] * len(now)]
+            return [self._held(old[place], one, (*path, place)) for place, one in enumerate(now)]
+        is_kept = type(before) in _NUMBERS and type(now) in _NUMBERS and self._is_measured(path)
+        return before if is_kept else now
 
 
 class StatusReceiver:
@@ -91,25 +80,22 @@ class StatusReceiver:
         self.needs_full = True
         self._decompress = decompress
         self._number = 0
-        self._leaves: dict[Path, Leaf] = {}
+        self._text = b""
         self._waiting: dict[int, bytes] = {}
 
-    def take(self, data: bytes) -> Record | None:
+    def receive(self, data: bytes) -> Record | None:
         """The status that is whole with ``data``, if one is. Raises ``LinkError`` for anything else."""
-        if not data or data[0] not in (_FULL, _CHANGES):
-            raise LinkError("a status has no known form", remedy="use the same version at both ends")
-        number, begin = read_varint(data, 1)
-        if data[0] == _FULL:
-            return self._take_full(number, data[begin:])
-        if self.needs_full:
-            self._keep(number, data[begin:])
-            return None
-        if number == self._number + 1:
-            self._apply(number, data[begin:])
-            return _record(self._leaves)
-        if not 0 <= self._number - number < _MAX_WAITING:
+        kind, reader = kind_of(data), Reader(data, HEAD_BYTES)
+        if kind not in (Kind.STATUS, Kind.STATUS_CHANGES):
+            raise malformed("no status")
+        number, body = reader.varint(), reader.rest()
+        if kind == Kind.STATUS:
+            return self._receive_full(number, body)
+        if not self.needs_full and number == self._number + 1:
+            return self._apply(number, body)
+        if self.needs_full or not 0 <= self._number - number < _MAX_WAITING:
             self.needs_full = True
-            self._keep(number, data[begin:])
+            self._keep(number, body)
         return None
 
     def _keep(self, number: int, changes: bytes) -> None:
@@ -117,66 +103,36 @@ class StatusReceiver:
             del self._waiting[next(iter(self._waiting))]
         self._waiting[number] = changes
 
-    def _take_full(self, number: int, data: bytes) -> Record | None:
+    def _receive_full(self, number: int, body: bytes) -> Record | None:
         if not self.needs_full and number <= self._number:
             return None
-        try:
-            record = json.loads(self._decompress(data, MAX_STATUS_BYTES))
-            leaves = _leaves(record)
-        except (ValueError, RecursionError) as error:
-            raise LinkError("a status is not readable") from error
-        if not isinstance(record, dict) or len(leaves) > _MAX_LEAVES:
-            raise LinkError("a status is no object of a usual size")
-        self._number, self._leaves, self.needs_full = number, leaves, False
+        record = self._read(number, body, b"")
+        self.needs_full = False
         waiting, self._waiting = self._waiting, {}
         with contextlib.suppress(LinkError):
-            while not self.needs_full and self._number + 1 in waiting:
-                self._apply(self._number + 1, waiting[self._number + 1])
-        return _record(self._leaves)
+            while self._number + 1 in waiting:
+                record = self._apply(self._number + 1, waiting[self._number + 1])
+        return record
 
-    def _apply(self, number: int, changes: bytes) -> None:
+    def _apply(self, number: int, body: bytes) -> Record:
         try:
-            leaves = with_changes([*self._leaves.values()], changes)
+            return self._read(number, body, self._text)
         except LinkError:
             self.needs_full = True
             raise
-        self._leaves = dict(zip(self._leaves, leaves, strict=True))
-        self._number = number
+
+    def _read(self, number: int, body: bytes, before: bytes) -> Record:
+        text = self._decompress(body, MAX_STATUS_BYTES, before)
+        try:
+            record = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise malformed("a status that is not readable") from error
+        if not isinstance(record, dict) or _is_deeper(record, _MAX_DEPTH):
+            raise malformed("a status that is no object of a usual size")
+        self._number, self._text = number, text
+        return record
 
 
-def _leaves(value: object) -> dict[Path, Leaf]:
-    """What a JSON value consists of, in its order; an empty object or array is a leaf."""
-    leaves: dict[Path, Leaf] = {}
-    _collect(value, (), leaves)
-    return leaves
-
-
-def _collect(value: Any, path: Path, leaves: dict[Path, Leaf]) -> None:
-    kind = type(value)
-    if kind in _SCALARS or (kind in _PARTED and not value):
-        leaves[path] = value
-    elif kind not in _PARTED or len(path) == _MAX_DEPTH:
-        raise ValueError(f"{kind.__name__} is nothing of JSON, or nested too deeply")
-    else:
-        for step, entry in value.items() if kind is dict else enumerate(value):
-            _collect(entry, (*path, step), leaves)
-
-
-def _record(leaves: Mapping[Path, Leaf]) -> Record:
-    root: dict[str | int, object] = {}
-    for path, leaf in leaves.items():
-        place = root
-        for step in path[:-1]:
-            place = place.setdefault(step, {})  # type: ignore[assignment]  # leaves are at ends of paths only
-        if path:
-            place[path[-1]] = leaf
-    whole = _with_arrays(root)
-    return whole if isinstance(whole, dict) else {}
-
-
-def _with_arrays(value: object) -> object:
-    """``value`` with arrays where the steps are numbers."""
-    if not isinstance(value, dict):
-        return value
-    entries = {step: _with_arrays(entry) for step, entry in value.items()}
-    return [*entries.values()] if entries and all(isinstance(step, int) for step in entries) else entries
+def _is_deeper(value: object, most: int) -> bool:
+    parts = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return most < 0 or any(_is_deeper(part, most - 1) for part in parts)

@@ -18,7 +18,7 @@ from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 ACKNOWLEDGE_PERIOD_NS = 20_000_000
 """How often the other end says what it has received, while something comes."""
 START_BYTES_PER_S = 40_000.0
-"""What is assumed of a link of which nothing is known."""
+"""The capacity of a link of which nothing is known."""
 
 _SAMPLE_NS = 200 * NS_PER_MS
 """The length of time over which the delivered rate is measured; all samples are alike."""
@@ -68,7 +68,7 @@ class Window:
         self._sample_ns: int | None = None
         self._sample_bytes = 0
         self._beside_bytes = 0
-        """What arrived beside the session since the sample began."""
+        """Bytes that arrived beside the session since the sample began."""
         self._was_full = False
         self._was_idle = False
         self._limited_ns = 0
@@ -185,7 +185,7 @@ class Window:
             self._drained_trip_ns = trip_ns
 
     def _end_drain(self, now_ns: int) -> None:
-        """What was measured with a nearly empty link holds; before, a queue was part of it."""
+        """Keep what was measured with a nearly empty link; before, a queue was part of it."""
         self._drain_until_ns, self._least_seen_ns = None, now_ns
         self._trips.clear()
         self._trips.append((now_ns, self._drained_trip_ns))

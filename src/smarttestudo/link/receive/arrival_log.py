@@ -26,7 +26,7 @@ class ArrivalLog:
         self._say = say
         self._robots: dict[str, _Robot] = {}
 
-    def take(self, event: LinkEvent) -> None:
+    def handle(self, event: LinkEvent) -> None:
         """Something arrived."""
         robot = self._robots.setdefault(event.robot, _Robot())
         match event:

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,7 +11,8 @@ from functools import partial
 from pathlib import Path
 
 from smarttestudo.domain.errors import said
-from smarttestudo.domain.remote_incidents import FetchProgress, RemoteIncident, RemoteIncidents
+from smarttestudo.domain.remote_incidents import RemoteIncident, RemoteIncidents
+from smarttestudo.link.worker import Worker
 
 LOOK_PERIOD_S = 2.0
 _AGAIN_AFTER_LOOKS = 30
@@ -49,7 +49,7 @@ class IncidentMirror:
         self._folders = folders
         self._say = say
         self._warn = warn
-        self._ended = threading.Event()
+        self._worker = Worker("link-mirror", lambda error: warn(said(error)), self.look)
         self._rests: dict[tuple[str, str], int] = {}
         self._there: frozenset[str] = frozenset()
         self._warned: set[str] = set()
@@ -57,20 +57,14 @@ class IncidentMirror:
     @contextmanager
     def running(self) -> Iterator[None]:
         """Fetch during the block; what is not whole by then is gone on with by another run."""
-        thread = threading.Thread(target=self._run, name="link-mirror", daemon=True)
-        thread.start()
+        self._worker.start()
         try:
             yield
         finally:
-            self._ended.set()
-            thread.join()
+            self._worker.close()
 
-    def _run(self) -> None:
-        while not self._ended.wait(LOOK_PERIOD_S):
-            self.look()
-
-    def look(self) -> None:
-        """Fetch what there is now; to be called every ``LOOK_PERIOD_S``."""
+    def look(self) -> float:
+        """Fetch what there is now; after how many seconds to look again."""
         before, self._there = self._there, frozenset(self._incidents.robots(0))
         self._rests = {
             (robot, name): looks - 1
@@ -79,16 +73,19 @@ class IncidentMirror:
         }
         for robot in sorted(self._there):
             self._try(robot, "", partial(self._look_at, robot))
+        return LOOK_PERIOD_S
 
     def _look_at(self, robot: str) -> None:
         for one in sorted(self._incidents.list(robot), key=lambda one: -one.triggered_ns):
             folder = self._folders.of(one)
-            if folder is None or (folder / one.name).exists() or self._ended.is_set():
+            if folder is None or (folder / one.name).exists() or self._worker.is_closed:
                 continue
             self._try(robot, one.name, partial(self._fetch, one, folder))
 
     def _fetch(self, one: RemoteIncident, folder: Path) -> None:
-        path = self._incidents.fetch(one.robot, one.name, folder, _ignore, self._ended.is_set)
+        path = self._incidents.fetch(
+            one.robot, one.name, folder, lambda _: None, lambda: self._worker.is_closed
+        )
         if path is not None:
             self._say(f"{one.robot}: {'outage' if one.is_outage else 'incident'} {path}")
 
@@ -105,7 +102,3 @@ class IncidentMirror:
             if sentence not in self._warned:
                 self._warned.add(sentence)
                 self._warn(sentence)
-
-
-def _ignore(_progress: FetchProgress) -> None:
-    """Nobody watches."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What robots' topics are between two messages, by dead reckoning."""
+"""Robots' topics between two messages, by dead reckoning."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from smarttestudo.pacing.reckoning.gauges import can_be_reckoned
 from smarttestudo.pacing.reckoning.picture import Picture, silent_after_ns
 
 SOURCE_HZ = 10.0
-"""What counts for a source's rate while the robot has not told it."""
+"""The rate of a source while the robot has not told it."""
 MOST_HZ = 100.0
 """Faster sources are predicted so often."""
 
@@ -70,7 +70,7 @@ class Predictor:
         self._absent: set[tuple[str, str]] = set()
         self._said: set[tuple[str, str]] = set()
 
-    def take(self, event: LinkEvent, now_ns: int) -> None:
+    def handle(self, event: LinkEvent, now_ns: int) -> None:
         """Something arrived."""
         match event:
             case RobotPresence(robot=robot, boot=boot, is_present=True):
@@ -95,7 +95,7 @@ class Predictor:
         return min((one for one in due_ns if one is not None), default=None)
 
     def predicted(self, now_ns: int) -> Iterator[ReceivedMessage]:
-        """What is due, at the time at which the robot is now."""
+        """The messages that are due, at the time at which the robot is now."""
         for (robot, name), topic in self._topics.items():
             if topic.due_ns is None or now_ns < topic.due_ns:
                 continue

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What arrives of robots, put where it is wanted, and how it arrived."""
+"""Messages of robots, put where they are wanted, and how they arrived."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class ReceivedTopic:
 
 @dataclass(slots=True)
 class ReceivedRobot:
-    """What is known of a robot; ``boots`` are the runs of its end that are connected now."""
+    """One robot; ``boots`` are the runs of its end that are connected now."""
 
     boots: set[str] = field(default_factory=set)
     topics: dict[str, ReceivedTopic] = field(default_factory=dict)
@@ -47,7 +47,7 @@ class Reception:
         self._sinks = sinks
         self._predictor = predictor
 
-    def take(self, event: LinkEvent, now_ns: int) -> None:
+    def handle(self, event: LinkEvent, now_ns: int) -> None:
         """Something arrived."""
         robot = event.robot
         known = self.robots.setdefault(robot, ReceivedRobot())
@@ -65,9 +65,9 @@ class Reception:
                 topic.age_ms = None if age_ns is None else age_ns / NS_PER_MS
                 topic.flow.record(now_ns, len(event.payload))
                 for sink in self._sinks:
-                    sink.take(event)
+                    sink.write(event)
         if self._predictor is not None:
-            self._predictor.take(event, now_ns)
+            self._predictor.handle(event, now_ns)
 
     def predict(self, now_ns: int) -> int | None:
         """Give ``sinks`` what is predicted and due; when there is more."""
@@ -76,7 +76,7 @@ class Reception:
         for message in self._predictor.predicted(now_ns):
             _topic(self.robots[message.robot], message.stream).predicted += 1
             for sink in self._sinks:
-                sink.take(message)
+                sink.write(message)
         return self._predictor.due_ns
 
     def look(self, now_ns: int) -> None:

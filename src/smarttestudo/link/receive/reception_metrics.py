@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a monitoring system gets of the operator's end."""
+"""The metrics of the operator's end for a monitoring system."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 from smarttestudo.domain.metric import Metric, MetricKind, MetricName, Sample
 from smarttestudo.domain.units import BYTES_PER_KB, grouped
 from smarttestudo.link.openmetrics.status import status_metrics
+from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
 from smarttestudo.link.protocol.receiver import ReceiverCounts
 from smarttestudo.link.receive.reception import ReceivedTopic, Reception
 from smarttestudo.link.receive.status_sink import StatusSink
-from smarttestudo.link.zenoh.keys import MAX_ROBOTS, Boot
 
 if TYPE_CHECKING:
     # It needs Zenoh, which a robot may lack.
@@ -55,16 +55,16 @@ _COUNTS = {
     "broken": _name(
         "broken", "messages", "Messages of which a part was missing.", labels=_ROBOT, counts=True
     ),
-    "garbage": _name("garbage", "chunks", "Chunks that were not understood.", labels=_ROBOT, counts=True),
+    "malformed": _name("garbage", "chunks", "Chunks that were not understood.", labels=_ROBOT, counts=True),
     "received_bytes": _name("link", "bytes", "Bytes that came over the link.", labels=_ROBOT, counts=True),
 }
-_STRAYS = _name("stray", "chunks", "Chunks of robots that are not known here.", counts=True)
+_UNKNOWN = _name("stray", "chunks", "Chunks of robots that are not known here.", counts=True)
 _DROPPED = _name("dropped", "events", "Events that gave way because this end was busy.", counts=True)
 _UNREADABLE = _name("unreadable", "statuses", "Statuses of robots that could not be read here.", counts=True)
 _LEFT_OUT = _name("left_out", "topics", f"Topics without metrics here, beyond {grouped(MAX_TOPICS)}.")
 RECEPTION_METRICS = (
     *(_CONNECTED, _HERTZ, _BANDWIDTH, _AGE, _MESSAGES, _BYTES, _PREDICTED, *_COUNTS.values()),
-    *(_STRAYS, _DROPPED, _UNREADABLE, _LEFT_OUT),
+    *(_UNKNOWN, _DROPPED, _UNREADABLE, _LEFT_OUT),
 )
 """All that ``ReceptionMetrics`` may give beside the metrics of robots' statuses."""
 
@@ -103,7 +103,7 @@ class ReceptionMetrics:
         yield Metric(name=_CONNECTED, samples=connected)
         yield from _of_topics(topics)
         yield from _of_counts(self._counts)
-        yield Metric(name=_STRAYS, samples=[((), float(end.strays))])
+        yield Metric(name=_UNKNOWN, samples=[((), float(end.unknown))])
         yield Metric(name=_DROPPED, samples=[((), float(end.dropped))])
         yield Metric(name=_UNREADABLE, samples=[((), float(self._statuses.unreadable))])
         yield Metric(name=_LEFT_OUT, samples=[((), float(len(all_topics) - len(topics)))])

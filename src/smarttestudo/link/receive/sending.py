@@ -1,12 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What nodes at the operator's end publish, sent to the robots that accept it."""
+"""Messages of nodes at the operator's end, sent to the robots that accept them."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from smarttestudo.domain.command import MAX_COMMAND_BYTES, SentCounts, TooOld
 from smarttestudo.domain.errors import TestudoError
@@ -16,13 +17,17 @@ from smarttestudo.domain.names import output_name
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Qos, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.link.zenoh.commanded import CommandedRobot, OutgoingCommands
-from smarttestudo.link.zenoh.keys import Boot
+from smarttestudo.link.protocol.command_sender import CommandedRobot
+from smarttestudo.link.protocol.keys import Boot
+
+if TYPE_CHECKING:
+    # It needs Zenoh, which tests of this do without.
+    from smarttestudo.link.zenoh.command_outbox import CommandOutbox
 
 QOS = Qos(reliable=False, transient_local=False, depth=10)
 """Nothing latched, and nothing that is sent again after a loss: both may be old."""
 STALL_NS = 200 * NS_PER_MS
-"""Nobody looked for so long: this process stood still, and messages waited."""
+"""After so long without a look, this process stood still, and messages waited."""
 SETTLE_NS = NS_PER_S // 2
 SAY_AFTER_NS = 5 * NS_PER_S
 """For how long something must be so that it is said: an end may just start, or its old run just end."""
@@ -87,7 +92,7 @@ class Sending:
     def __init__(
         self,
         robot: Robot,
-        commands: OutgoingCommands,
+        commands: CommandOutbox,
         warn: Callable[[str], None],
         *,
         pattern: str,
@@ -123,7 +128,7 @@ class Sending:
             # It is not published here either, which is said there.
             return
 
-    def take(self, message: ReceivedMessage) -> None:
+    def write(self, message: ReceivedMessage) -> None:
         """Do nothing: what arrives is not sent."""
 
     def close(self) -> None:
@@ -132,16 +137,16 @@ class Sending:
             source.subscription.close()
         self._sources.clear()
 
-    def run(self, stopped: Callable[[], bool]) -> None:
-        """Send until ``stopped``. Raises ``TestudoError``."""
-        while not stopped():
-            self._robot.wait(None, _WAIT_S)
-            now_ns = self._clock()
-            self._guard.looked(now_ns)
-            self._commands.pump()
-            if now_ns - self._looked_ns >= _LOOK_NS:
-                self._looked_ns = now_ns
-                self.look(now_ns)
+    def step(self) -> float:
+        """Wait for messages for a moment, and send; in how many seconds to go on. Raises ``TestudoError``."""
+        self._robot.wait(None, _WAIT_S)
+        now_ns = self._clock()
+        self._guard.looked(now_ns)
+        self._commands.pump()
+        if now_ns - self._looked_ns >= _LOOK_NS:
+            self._looked_ns = now_ns
+            self.look(now_ns)
+        return 0.0
 
     def look(self, now_ns: int) -> None:
         """Follow the graph and what the robots accept."""

@@ -31,7 +31,7 @@ class StatusSink:
     def open(self, robot: str, stream: StreamInfo) -> None:
         """Any stream may come."""
 
-    def take(self, message: ReceivedMessage) -> None:
+    def write(self, message: ReceivedMessage) -> None:
         """A message arrived."""
         if message.stream.topic == self._topic:
             self._newest[message.robot] = message.payload

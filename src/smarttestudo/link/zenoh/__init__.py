@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING
 
-from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.errors import LinkError, said
 from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.arrivals import MAX_WAITING_BYTES
 from smarttestudo.link.zenoh.security import LinkOptions
 
@@ -40,13 +41,13 @@ def open_robot_end(
     from smarttestudo.link.zenoh.robot_end import RobotEnd  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
 
-    with open_session(options, "peer", warn) as session:
-        end = RobotEnd(session, robot, warn, clock)
+    with open_session(options, "peer", warn) as opened:
+        end = RobotEnd(opened, robot, warn, clock)
         try:
             if not options.commands:
                 yield end
                 return
-            end.commands = CommandInbox(session, end.boot, options.commands, warn, suspended_too_ns)
+            end.commands = CommandInbox(opened.session, end.boot, options.commands, warn, suspended_too_ns)
             with closing(end.commands):
                 yield end
         finally:
@@ -74,13 +75,17 @@ def open_operator_end(
     from smarttestudo.link.zenoh.operator_end import OperatorEnd  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
 
-    with open_session(options, "router", warn) as session:
+    with open_session(options, "router", warn) as (session, watch):
+        watcher = Worker("link-watch", lambda error: warn(said(error)), watch)
         end = OperatorEnd(session, warn, clock, most_waiting_bytes, predicts)
         try:
+            if options.connect:
+                watcher.start()
             if options.commands:
                 end.commands = CommandOutbox(session, options.commands, warn, suspended_too_ns)
             yield end
         finally:
+            watcher.close()
             end.close()
 
 
@@ -93,7 +98,7 @@ def open_link_robots(
     ``steady_s`` is a clock that never jumps. Raises ``LinkError`` as ``open_robot_end`` does.
     """
     require_zenoh()
-    from smarttestudo.link.zenoh.client import LinkClient  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.link_client import LinkClient  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.link_robots import LinkRobots  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
 
@@ -112,7 +117,7 @@ def open_link_incidents(options: LinkOptions, warn: Warn) -> Iterator[LinkIncide
     Raises ``LinkError`` as ``open_robot_end`` does.
     """
     require_zenoh()
-    from smarttestudo.link.zenoh.client import LinkClient  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.link_client import LinkClient  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.link_incidents import LinkIncidents  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What arrived at the operator's end and waits to be read."""
+"""Events at the operator's end that wait to be read."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 
 MAX_WAITING_BYTES = 64_000_000
 _EVENT_BYTES = 1_000
-"""What an event takes in memory beside its payload and definition, about."""
+"""The size of an event in memory beside its payload and definition, about."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

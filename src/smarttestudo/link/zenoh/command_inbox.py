@@ -14,9 +14,9 @@ from smarttestudo.domain.link_state import AcceptedTopic
 from smarttestudo.domain.robot import Publisher
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.command_receiver import CommandReceiver
-from smarttestudo.link.zenoh.keys import Boot
-
-_END_WITHIN_S = 5.0
+from smarttestudo.link.protocol.keys import Boot
+from smarttestudo.link.worker import Worker
+from smarttestudo.link.zenoh.session import OPERATOR, OtherVersions
 
 
 class CommandInbox:
@@ -41,8 +41,10 @@ class CommandInbox:
         self._publishers: dict[str, Publisher | None] = dict.fromkeys(topics)
         self._failures: set[str] = set()
         self._lock = threading.Lock()
-        self._news = threading.Event()
-        self._is_closed = False
+        self._versions = OtherVersions(warn)
+        self._worker = Worker(
+            "link-accept", lambda error: warn(f"the link accepts nothing more: {error}"), self._look
+        )
         # A report that does not get through is followed by another that says all that it said.
         self._reports = session.declare_publisher(
             boot.accepts_key,
@@ -50,27 +52,26 @@ class CommandInbox:
             priority=zenoh.Priority.REAL_TIME,
             express=True,
         )
-        # Undeclared where nobody holds them.
+        # Kept alive: Zenoh undeclares on garbage collection.
         self._kept = (
             self._reports.declare_matching_listener(self._match),
-            session.declare_subscriber(boot.command_key, self._receive),
+            session.declare_subscriber(boot.command_key, self._on_command),
         )
-        self._thread = threading.Thread(target=self._run, name="link-accept", daemon=True)
-        self._thread.start()
+        self._worker.start()
 
     @property
     def topics(self) -> list[AcceptedTopic]:
-        """What is known of each accepted topic."""
+        """The accepted topics with their counts."""
         with self._lock:
             return self._receiver.topics
 
     @property
-    def garbage(self) -> int:
-        """What came and was not readable, or of no accepted topic."""
-        return self._receiver.garbage
+    def malformed(self) -> int:
+        """Frames that were not readable, or of no accepted topic."""
+        return self._receiver.malformed
 
     def sent_names(self) -> list[tuple[str, ...]]:
-        """What each operator's end that was heard lately sends."""
+        """The names that each operator's end sends, of the ends that were heard lately."""
         with self._lock:
             return self._receiver.sent_names(self._clock())
 
@@ -81,22 +82,22 @@ class CommandInbox:
         with self._lock:
             self._receiver.follow(topic, type_name, problem)
             self._publishers[topic] = publisher
-        self._news.set()
+        self._worker.wake()
 
     def close(self) -> None:
         """Deliver nothing more; the session is to be closed then."""
         with self._lock:
             self._publishers = dict.fromkeys(self._publishers)
-        self._is_closed = True
-        self._news.set()
-        self._thread.join(_END_WITHIN_S)
+        self._worker.close()
 
     def _match(self, status: zenoh.MatchingStatus) -> None:
         self.has_operator = status.matching
 
-    def _receive(self, sample: zenoh.Sample) -> None:
+    def _on_command(self, sample: zenoh.Sample) -> None:
+        data = sample.payload.to_bytes()
+        self._versions.look(OPERATOR, data)
         with self._lock:
-            delivery = self._receiver.take(sample.payload.to_bytes(), self._clock())
+            delivery = self._receiver.receive(data, self._clock())
             publisher = None if delivery is None else self._publishers[delivery.topic]
             if delivery is not None and publisher is not None:
                 try:
@@ -104,26 +105,20 @@ class CommandInbox:
                 except TestudoError as error:
                     self._receiver.fail(delivery.topic)
                     self._say(str(error))
-        self._news.set()
+        self._worker.wake()
 
     def _say(self, line: str) -> None:
         if line not in self._failures:
             self._failures.add(line)
             self._warn(line)
 
-    def _run(self) -> None:
-        while not self._is_closed:
-            self._news.clear()
-            with self._lock:
-                now_ns = self._clock()
-                wake_ns = self._receiver.wake_ns
-                report = self._receiver.next_report(now_ns) if wake_ns <= now_ns else None
-            if report is None:
-                self._news.wait((wake_ns - now_ns) / NS_PER_S)
-                continue
-            try:
-                self._reports.put(report)
-            except zenoh.ZError as error:
-                if not self._is_closed:
-                    self._warn(f"the link accepts nothing more: {error}")
-                return
+    def _look(self) -> float:
+        """Report where that is due; after how many seconds to look again."""
+        with self._lock:
+            now_ns = self._clock()
+            wake_ns = self._receiver.wake_ns
+            report = self._receiver.next_report(now_ns) if wake_ns <= now_ns else None
+        if report is None:
+            return (wake_ns - now_ns) / NS_PER_S
+        self._reports.put(report)
+        return 0.0

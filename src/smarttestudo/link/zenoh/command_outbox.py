@@ -11,11 +11,8 @@ from dataclasses import replace
 
 import zenoh
 
-from smarttestudo.link.protocol.command_sender import CommandSender
-from smarttestudo.link.zenoh.commanded import CommandedRobot
-from smarttestudo.link.zenoh.keys import ALL_ACCEPTS, Boot, boot_of
-
-MAX_ROBOTS = 256
+from smarttestudo.link.protocol.command_sender import CommandedRobot, CommandSender
+from smarttestudo.link.protocol.keys import ALL_ACCEPTS, MAX_ROBOTS, Boot, boot_of
 
 
 class CommandOutbox:
@@ -38,7 +35,7 @@ class CommandOutbox:
         self._senders: dict[Boot, CommandSender] = {}
         self._has_failed = False
         self._lock = threading.Lock()
-        self._kept = session.declare_subscriber(ALL_ACCEPTS, self._receive)
+        self._kept = session.declare_subscriber(ALL_ACCEPTS, self._on_report)
 
     def robots(self) -> list[CommandedRobot]:
         """The robots that were heard lately."""
@@ -68,7 +65,7 @@ class CommandOutbox:
         with self._lock:
             self._pump()
 
-    def _receive(self, sample: zenoh.Sample) -> None:
+    def _on_report(self, sample: zenoh.Sample) -> None:
         boot = boot_of(str(sample.key_expr))
         if boot is None:
             return
@@ -76,7 +73,7 @@ class CommandOutbox:
             now_ns = self._clock()
             sender = self._senders.get(boot) or self._add(boot, now_ns)
             if sender is not None:
-                sender.take_report(sample.payload.to_bytes(), now_ns)
+                sender.handle_report(sample.payload.to_bytes(), now_ns)
             self._pump()
 
     def _add(self, boot: Boot, now_ns: int) -> CommandSender | None:

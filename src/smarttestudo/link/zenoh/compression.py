@@ -8,6 +8,10 @@ import zstandard
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.protocol.outbox import Encoded
+from smarttestudo.link.protocol.wire import COMPRESSED, HEAD_BYTES, other_version
+
+MAX_SENT_BYTES = 900_000
+"""How large what travels may be: no end takes a message of more than a megabyte at once."""
 
 _LEVEL = 3
 _LEVEL_ALONE = 10
@@ -30,7 +34,7 @@ class Compressor:
         self._resting: dict[int, int] = {}
 
     def encode(self, stream: int, payload: bytes) -> Encoded:
-        """What travels of ``payload``."""
+        """Encode ``payload``."""
         if len(payload) < _LEAST_BYTES:
             return Encoded(payload)
         resting = self._resting.get(stream, 0)
@@ -46,14 +50,26 @@ class Compressor:
             self._resting[stream] = _REST
         return Encoded(payload)
 
+    def packed(self, frame: bytes) -> bytes:
+        """``frame`` with its body compressed, where that saves a tenth."""
+        encoded = self.encode(0, frame[HEAD_BYTES:])
+        return _marked(frame) + encoded.data if encoded.is_compressed else frame
 
-def decompress(data: bytes, most_bytes: int) -> bytes:
-    """What was compressed. Raises ``LinkError``, also for what would have more than ``most_bytes``."""
+
+def compress(data: bytes, before: bytes = b"") -> bytes:
+    """Compress what travels seldom as far as can be: by ``before``, which the other end has, too."""
+    return zstandard.ZstdCompressor(level=_LEVEL_ALONE, dict_data=_dictionary(before)).compress(data)
+
+
+def decompress(data: bytes, most_bytes: int, before: bytes = b"") -> bytes:
+    """The bytes that were compressed. Raises ``LinkError``, also for more than ``most_bytes``."""
     try:
         size_bytes = zstandard.frame_content_size(data)
         if not 0 < size_bytes <= most_bytes:
             raise LinkError(f"a compressed message says that it has {size_bytes} bytes")
-        payload = zstandard.ZstdDecompressor().decompress(data, allow_extra_data=False)
+        payload = zstandard.ZstdDecompressor(dict_data=_dictionary(before)).decompress(
+            data, allow_extra_data=False
+        )
     except (zstandard.ZstdError, MemoryError) as error:
         raise LinkError("a compressed message is damaged") from error
     if len(payload) != size_bytes:
@@ -61,19 +77,34 @@ def decompress(data: bytes, most_bytes: int) -> bytes:
     return payload
 
 
-_PLAIN, _COMPRESSED = b"\0", b"\1"
+def packed(frame: bytes) -> bytes:
+    """``frame`` with its body compressed, where that saves anything."""
+    if len(frame) < _LEAST_BYTES:
+        return frame
+    body = compress(frame[HEAD_BYTES:])
+    return _marked(frame) + body if len(body) + HEAD_BYTES < len(frame) else frame
 
 
-def packed(data: bytes) -> bytes:
-    """``data`` with a byte that says whether it is compressed, which it is where that saves anything."""
-    compressed = zstandard.ZstdCompressor(level=_LEVEL_ALONE).compress(data)
-    return _COMPRESSED + compressed if len(compressed) < len(data) else _PLAIN + data
+def sendable(frame: bytes) -> bytes:
+    """``frame`` compressed. Raises ``LinkError`` where it is too large for one message all the same."""
+    sent = packed(frame)
+    if len(sent) > MAX_SENT_BYTES:
+        raise LinkError(f"{len(sent)} bytes, compressed, are too many for a question or an answer")
+    return sent
 
 
 def unpacked(data: bytes, most_bytes: int) -> bytes:
-    """What ``packed`` made ``data`` of. Raises ``LinkError``, also for what has more than ``most_bytes``."""
-    if data[:1] == _COMPRESSED:
-        return decompress(data[1:], most_bytes)
-    if data[:1] != _PLAIN or len(data) > most_bytes:
-        raise LinkError("it is not packed in a known way, or too large")
-    return data[1:]
+    """The frame that ``packed`` compressed. Raises ``LinkError``, also for more than ``most_bytes``."""
+    if len(data) < HEAD_BYTES or other_version(data) is not None or not data[1] & COMPRESSED:
+        return data
+    return bytes((data[0], data[1] ^ COMPRESSED)) + decompress(data[HEAD_BYTES:], most_bytes)
+
+
+def _marked(frame: bytes) -> bytes:
+    return bytes((frame[0], frame[1] | COMPRESSED))
+
+
+def _dictionary(before: bytes) -> zstandard.ZstdCompressionDict | None:
+    if not before:
+        return None
+    return zstandard.ZstdCompressionDict(before, dict_type=zstandard.DICT_TYPE_RAWCONTENT)

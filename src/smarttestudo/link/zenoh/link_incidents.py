@@ -27,15 +27,18 @@ from smarttestudo.incidents.transfer_messages import (
     TransferPiece,
     TransferPlan,
     TransferQuestion,
+)
+from smarttestudo.link.protocol.incident_messages import (
+    MAX_PIECE_BYTES,
+    PLANS,
+    QUESTIONS,
     list_from_bytes,
     piece_from_bytes,
-    plan_from_bytes,
-    question_to_bytes,
 )
-from smarttestudo.link.protocol.question_messages import MAX_QUESTION_BYTES
-from smarttestudo.link.zenoh.client import LinkClient, Reply, SessionClient
-from smarttestudo.link.zenoh.compression import decompress, unpacked
-from smarttestudo.link.zenoh.keys import MAX_ROBOTS, Boot
+from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
+from smarttestudo.link.protocol.messages import MAX_QUESTION_BYTES
+from smarttestudo.link.zenoh.compression import unpacked
+from smarttestudo.link.zenoh.query_client import QueryClient, Reply
 
 _LOOK_S = 0.1
 _SAVE_S = 0.5
@@ -53,13 +56,13 @@ _Answered = tuple[RangeAsk, Reply]
 class LinkIncidents:
     """``RemoteIncidents`` of the robots that ``client`` reaches at ``place``; any thread may call."""
 
-    def __init__(self, client: LinkClient | SessionClient, place: str) -> None:
+    def __init__(self, client: QueryClient, place: str) -> None:
         self._place = place
         self._client = client
         self._lock = threading.Lock()
         self._present: dict[Boot, None] = {}
         self._all_known = threading.Event()
-        self._client.begin(None, self._see, self._all_known.set)
+        self._client.begin(self._see, self._all_known.set)
 
     def robots(self, within_s: float) -> Sequence[str]:
         """As ``RemoteIncidents.robots``."""
@@ -90,7 +93,7 @@ class LinkIncidents:
         data = self._answer(robot, AskPlan(name=name), cancelled)
         if data is None:
             return None
-        plan = plan_from_bytes(data)
+        plan = PLANS.from_bytes(data)
         there = incident_there(folder, name, [one.name for one in plan.files])
         if there is not None:
             on_progress(FetchProgress(got_bytes=plan.size_bytes, total_bytes=plan.size_bytes))
@@ -114,10 +117,10 @@ class LinkIncidents:
         self, boot: Boot, question: TransferQuestion, answered: Callable[[Reply], None], timeout_s: float
     ) -> None:
         """Have ``answered`` called once with what came of a question, by any thread."""
-        self._client.get(boot.incidents_key, question_to_bytes(question), answered, timeout_s)
+        self._client.get(boot.incidents_key, QUESTIONS.to_bytes(question), answered, timeout_s)
 
     def _answer(self, robot: str, question: TransferQuestion, cancelled: Callable[[], bool]) -> bytes | None:
-        """What a robot answers, ``None`` if ``cancelled`` before. Raises ``LinkError``."""
+        """The answer of a robot, ``None`` if ``cancelled`` before. Raises ``LinkError``."""
         self._all_known.wait(_KNOWN_WITHIN_S)
         end_s = time.monotonic() + _AGAIN_WITHIN_S
         while (boot := self.boot(robot)) is not None:
@@ -183,7 +186,7 @@ class _Fetch:
                 if cancelled():
                     return False
                 self._ask()
-                self._take()
+                self._receive()
                 self._say(on_progress)
         finally:
             self._there.save()
@@ -198,7 +201,7 @@ class _Fetch:
             question = self._question(ask.start, ask.size_bytes)
             self._links.get(boot, question, partial(self._answered, ask), ANSWERED_WITHIN_NS / NS_PER_S)
         if self._fetching.unsaid():
-            self._links.get(boot, self._question(0, 0), _ignore, ANSWER_WITHIN_S)
+            self._links.get(boot, self._question(0, 0), lambda _: None, ANSWER_WITHIN_S)
 
     def _question(self, cursor: int, size_bytes: int) -> AskBytes:
         return AskBytes(
@@ -213,11 +216,11 @@ class _Fetch:
     def _answered(self, ask: RangeAsk, reply: Reply) -> None:
         self._answers.put((ask, reply))
 
-    def _take(self) -> None:
+    def _receive(self) -> None:
         with suppress(queue.Empty):
             ask, reply = self._answers.get(timeout=_LOOK_S)
             while True:
-                self._take_one(ask, reply)
+                self._handle(ask, reply)
                 ask, reply = self._answers.get_nowait()
         for piece in self._fetching.pieces():
             self._there.write(piece)
@@ -225,12 +228,12 @@ class _Fetch:
             self._saved_s = time.monotonic()
             self._there.save()
 
-    def _take_one(self, ask: RangeAsk, reply: Reply) -> None:
+    def _handle(self, ask: RangeAsk, reply: Reply) -> None:
         if isinstance(reply, LinkError):
             raise reply
         piece: TransferPiece | None = None
         if reply is not None:
-            piece = piece_from_bytes(reply, ask.size_bytes, decompress)
+            piece = piece_from_bytes(unpacked(reply, MAX_PIECE_BYTES), ask.size_bytes)
         self._fetching.answered(ask, piece, len(reply or b""), time.monotonic_ns())
 
     def _say(self, on_progress: OnProgress) -> None:
@@ -257,7 +260,3 @@ class _Fetch:
             level_hz=reached[-1] if reached else None,
             waits_for=waits_for if cursor < self._plan.size_bytes else None,
         )
-
-
-def _ignore(_reply: Reply) -> None:
-    """Nobody answers what only says how much there is."""

@@ -17,10 +17,18 @@ from smarttestudo.domain.questions import GetParameters, GetTopics, Question, Se
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S, GotTopics, HeardStatus
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.status_json import status_from_json
-from smarttestudo.link.protocol.question_messages import texts_from_bytes, values_from_bytes
+from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
+from smarttestudo.link.protocol.messages import (
+    ANSWERS,
+    CHANGING_QUESTIONS,
+    MAX_QUESTION_BYTES,
+    READING_QUESTIONS,
+)
 from smarttestudo.link.protocol.status_stream import Record
-from smarttestudo.link.zenoh.client import LinkClient, Reply
-from smarttestudo.link.zenoh.keys import MAX_ROBOTS, Boot
+from smarttestudo.link.protocol.wire import malformed
+from smarttestudo.link.zenoh.compression import sendable, unpacked
+from smarttestudo.link.zenoh.link_client import LinkClient
+from smarttestudo.link.zenoh.query_client import Reply
 
 _MOST_WAITING = 10_000
 _SIZES = 10
@@ -63,7 +71,7 @@ class LinkRobots:
 
     @property
     def heard(self) -> Mapping[str, HeardStatus]:
-        """What was heard last of each robot, those of one name told apart by a number after it."""
+        """The last status of each robot, those of one name told apart by a number after it."""
         return self._heard
 
     @property
@@ -95,16 +103,16 @@ class LinkRobots:
 
     def get(self, robot_id: str, names: Sequence[str], got: Got) -> None:
         """The values of parameters; one that the robot does not have is ``None``."""
-        self._ask(robot_id, GetParameters(names=tuple(names)), values_from_bytes, got)
+        self._ask(robot_id, GetParameters(names=tuple(names)), ANSWERS.from_bytes, got)
 
     def set(self, robot_id: str, values: Values, was_set: WasSet) -> None:
         """Have a robot give its parameters these values, each by itself."""
-        self._ask(robot_id, SetParameters(values=values), texts_from_bytes, was_set)
+        self._ask(robot_id, SetParameters(values=values), _texts, was_set)
 
     def topics(self, robot_id: str | None, got: GotTopics) -> None:
-        """What the own nodes of a robot publish, or of all that are there."""
+        """The topics that the own nodes of a robot publish, or of all that are there."""
         if robot_id is not None:
-            self._ask(robot_id, GetTopics(), texts_from_bytes, got)
+            self._ask(robot_id, GetTopics(), _texts, got)
             return
         asked = [name for name, heard in self._heard.items() if heard.is_present]
         answers: list[Mapping[str, str]] = []
@@ -116,7 +124,7 @@ class LinkRobots:
                 got({topic: type_name for one in answers for topic, type_name in one.items()})
 
         for name in asked:
-            self._ask(name, GetTopics(), texts_from_bytes, collect)
+            self._ask(name, GetTopics(), _texts, collect)
         if not asked:
             self._later(lambda: got({}))
 
@@ -133,7 +141,10 @@ class LinkRobots:
         def answered(reply: Reply) -> None:
             answer: _Read | TestudoError
             try:
-                answer = read(reply) if isinstance(reply, bytes) else reply or self._silent(robot_id, asked_s)
+                if isinstance(reply, bytes):
+                    answer = read(unpacked(reply, MAX_QUESTION_BYTES))
+                else:
+                    answer = reply or self._silent(robot_id, asked_s)
             except LinkError as error:
                 answer = error
             told(answer)
@@ -141,8 +152,17 @@ class LinkRobots:
         if boot is None:
             self._later(lambda: told(self._silent(robot_id, asked_s)))
             return
-        key = boot.set_key if isinstance(question, SetParameters) else boot.get_key
-        self._client.ask(key, question, lambda reply: self._later(lambda: answered(reply)))
+        later = partial(self._answer_later, answered)
+        try:
+            if isinstance(question, SetParameters):
+                self._client.get(boot.set_key, sendable(CHANGING_QUESTIONS.to_bytes(question)), later)
+            else:
+                self._client.get(boot.get_key, sendable(READING_QUESTIONS.to_bytes(question)), later)
+        except LinkError as error:
+            later(error)
+
+    def _answer_later(self, answered: Callable[[Reply], None], reply: Reply) -> None:
+        self._later(partial(answered, reply))
 
     def _silent(self, robot_id: str, asked_s: float) -> SilentNodeError:
         has_waited = self._steady_s() - asked_s > _NO_WAIT * ANSWER_WITHIN_S
@@ -209,3 +229,11 @@ class LinkRobots:
                 is_present=robot.is_present,
             )
         self._heard, self._boots = heard, boots
+
+
+def _texts(data: bytes) -> Mapping[str, str]:
+    """An answer with a text to each name."""
+    answer = ANSWERS.from_bytes(data)
+    if not all(isinstance(value, str) for value in answer.values()):
+        raise malformed("an answer without texts")
+    return {name: str(value) for name, value in answer.items()}

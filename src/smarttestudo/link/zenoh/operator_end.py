@@ -16,25 +16,26 @@ from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.robot import Qos
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.link.protocol.keys import ALL_BOOTS, ALL_DATA, MAX_ROBOTS, Boot, boot_of
+from smarttestudo.link.protocol.messages import Announcement
 from smarttestudo.link.protocol.receiver import KEEP_ALIVE_NS, LinkReceiver, ReceiverCounts
-from smarttestudo.link.protocol.reports import Announcement
 from smarttestudo.link.protocol.status_stream import Record
+from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.arrivals import EventQueue, LinkEvent, RobotPresence, StreamSaid
-from smarttestudo.link.zenoh.client import SessionClient
 from smarttestudo.link.zenoh.command_outbox import CommandOutbox
 from smarttestudo.link.zenoh.compression import decompress
-from smarttestudo.link.zenoh.keys import ALL_BOOTS, ALL_DATA, MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.zenoh.link_incidents import LinkIncidents
+from smarttestudo.link.zenoh.query_client import QueryClient
+from smarttestudo.link.zenoh.session import OtherVersions, robot_peer
 from smarttestudo.link.zenoh.status_listener import StatusListener
 from smarttestudo.pacing.cdr import string_message
 
-_END_WITHIN_S = 5.0
 STATUS_STREAM = StreamInfo(
     topic=STATUS_TOPIC,
     type_name="std_msgs/msg/String",
     qos=Qos(reliable=True, transient_local=True, depth=1),
 )
-"""What statuses are to who reads what arrives."""
+"""The stream as which statuses arrive."""
 _STATUS_NUMBER = 0
 """No stream of the robot's end has it."""
 
@@ -61,10 +62,10 @@ class OperatorEnd:
         predicts: frozenset[str] = frozenset(),
     ) -> None:
         """``predicts`` are the topics that who reads here reckons where the robot's end does so too."""
-        self.strays = 0
+        self.unknown = 0
         """Chunks of robots that are not known here."""
         self.commands: CommandOutbox | None = None
-        """What goes to robots, where anything does."""
+        """Messages to robots, where any are sent."""
         self._session = session
         self._warn = warn
         self._clock = clock
@@ -76,25 +77,24 @@ class OperatorEnd:
         self._was_full = False
         self._lock = threading.Lock()
         self._told_status: set[Boot] = set()
-        self._statuses = StatusListener(session, self._hear)
-        self._news = threading.Event()
+        self._versions = OtherVersions(warn)
         self._look_ns = 0
-        self._is_closed = False
-        # Undeclared where nobody holds them.
+        self._worker = Worker("link-report", lambda error: warn(f"robots get no report: {error}"), self._look)
+        self._statuses = StatusListener(session, self._hear, self._versions, self._worker.wake)
+        # Kept alive: Zenoh undeclares on garbage collection.
         self._kept = (
-            session.declare_subscriber(ALL_DATA, self._receive),
+            session.declare_subscriber(ALL_DATA, self._on_chunk),
             session.liveliness().declare_subscriber(ALL_BOOTS, self._look_at_token, history=True),
         )
-        self._thread = threading.Thread(target=self._run, name="link-report", daemon=True)
-        self._thread.start()
+        self._worker.start()
 
     def wait(self, timeout_s: float) -> list[LinkEvent]:
-        """What arrived since the last call, in its order, as soon as there is something; else nothing."""
+        """The events since the last call, in their order, as soon as there is one; else nothing."""
         return self._arrivals.wait(timeout_s)
 
     def incidents(self) -> LinkIncidents:
         """The incidents of the robots that are heard; to be closed before this end."""
-        return LinkIncidents(SessionClient(self._session), "here")
+        return LinkIncidents(QueryClient(self._session), "here")
 
     @property
     def dropped(self) -> int:
@@ -102,23 +102,22 @@ class OperatorEnd:
         return self._arrivals.dropped
 
     def counts(self) -> Mapping[Boot, ReceiverCounts]:
-        """What arrived of each robot that is present."""
+        """The counts of each robot that is present."""
         return {robot.boot: replace(robot.receiver.counts) for robot in self._present()}
 
     def close(self) -> None:
         """Receive nothing more; the session is to be closed then."""
-        self._is_closed = True
-        self._news.set()
-        self._statuses.close()
-        self._thread.join(_END_WITHIN_S)
+        self._worker.close()
 
-    def _receive(self, sample: zenoh.Sample) -> None:
+    def _on_chunk(self, sample: zenoh.Sample) -> None:
         robot = self._robots.get(str(sample.key_expr).removesuffix("/data"))
         if robot is None or not robot.is_present:
-            self.strays += 1
+            self.unknown += 1
             return
+        data = sample.payload.to_bytes()
+        self._versions.look(robot_peer(robot.boot), data)
         with robot.lock:
-            found = robot.receiver.take(sample.payload.to_bytes(), self._clock())
+            found = robot.receiver.receive(data, self._clock())
             wake_ns = robot.receiver.wake_ns
             if isinstance(found, Announcement):
                 name, number = robot.boot
@@ -126,7 +125,7 @@ class OperatorEnd:
             elif found is not None:
                 self._arrivals.put(found)
         if wake_ns < self._look_ns:
-            self._news.set()
+            self._worker.wake()
 
     def _hear(self, boot: Boot, record: Record, _size_bytes: int) -> None:
         """A status is another message of the robot for who reads here."""
@@ -165,7 +164,7 @@ class OperatorEnd:
         (self._statuses.add if is_present else self._statuses.remove)(boot)
         if not is_present:
             self._told_status.discard(boot)
-        self._news.set()
+        self._worker.wake()
         if is_present:
             self._warn_of_namesakes(boot.robot)
 
@@ -192,16 +191,15 @@ class OperatorEnd:
         with self._lock:
             return [robot for robot in self._robots.values() if robot.is_present]
 
-    def _run(self) -> None:
-        while not self._is_closed:
-            self._news.clear()
-            now_ns = self._clock()
-            # Whatever is due before that from here on sets the news.
-            look_ns = self._look_ns = now_ns + KEEP_ALIVE_NS
-            for robot in self._present():
-                look_ns = min(look_ns, self._report(robot, now_ns))
-            self._look_ns = look_ns
-            self._news.wait(max(0, look_ns - self._clock()) / NS_PER_S)
+    def _look(self) -> float:
+        """Report where that is due, and ask for statuses; after how many seconds to look again."""
+        now_ns = self._clock()
+        # Whatever is due before that from here on wakes the thread.
+        look_ns = self._look_ns = now_ns + KEEP_ALIVE_NS
+        for robot in self._present():
+            look_ns = min(look_ns, self._report(robot, now_ns))
+        self._look_ns = look_ns
+        return min(max(0, look_ns - self._clock()) / NS_PER_S, self._statuses.look())
 
     def _report(self, robot: _Robot, now_ns: int) -> int:
         """Send the report of a robot where one is due; when the next is."""
@@ -220,6 +218,6 @@ class OperatorEnd:
                     express=True,
                 )
             except zenoh.ZError as error:
-                if not self._is_closed:
+                if not self._worker.is_closed:
                     self._warn(f"{robot.boot.robot} gets no report: {error}")
         return wake_ns

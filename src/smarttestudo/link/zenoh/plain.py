@@ -41,7 +41,7 @@ def _session(mode: str, side: str, endpoint: str, *, compresses: bool) -> Iterat
 def plain_robot(
     endpoint: str, priorities: Mapping[str, str], *, compresses: bool
 ) -> Iterator[tuple[Mapping[str, Callable[[bytes], None]], Callable[[], bool]]]:
-    """What publishes each topic with Zenoh's priority of that name, and whether an operator listens.
+    """A publisher of each topic with Zenoh's priority of that name, and whether an operator listens.
 
     What does not fit Zenoh's queues is dropped. Raises ``LinkError``.
     """

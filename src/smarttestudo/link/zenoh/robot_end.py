@@ -13,30 +13,30 @@ from pathlib import Path
 
 import zenoh
 
-from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.errors import LinkError, said
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.incidents.offered_incidents import OfferedIncidents
+from smarttestudo.incidents.catalog import IncidentCatalog
 from smarttestudo.incidents.transfer_messages import AskBytes
 from smarttestudo.link.protocol.chunks import MAX_MESSAGE_BYTES
-from smarttestudo.link.protocol.reports import Report
+from smarttestudo.link.protocol.keys import new_boot
+from smarttestudo.link.protocol.messages import REPORTS
 from smarttestudo.link.protocol.sender import LinkSender
-from smarttestudo.link.zenoh.asked_incidents import AskedIncidents, WaitingAsk
-from smarttestudo.link.zenoh.asked_questions import AskedQuestions, WaitingQuestion
+from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.command_inbox import CommandInbox
 from smarttestudo.link.zenoh.compression import Compressor
-from smarttestudo.link.zenoh.keys import new_boot
-from smarttestudo.link.zenoh.session import is_heard
-from smarttestudo.link.zenoh.told_status import ToldStatus
+from smarttestudo.link.zenoh.incident_server import IncidentServer, WaitingAsk
+from smarttestudo.link.zenoh.query_server import MAX_WAITING, QueryServer, WaitingQuestion
+from smarttestudo.link.zenoh.session import OPERATOR, LinkSession, OtherVersions, is_heard
+from smarttestudo.link.zenoh.status_server import StatusServer
 from smarttestudo.pacing.cdr import FrameReader
 from smarttestudo.pacing.sample import StreamKind
 
 _LOOK_AGAIN_S = 0.2
 """When to look again what is to be sent, though nothing happened."""
-_END_WITHIN_S = 5.0
 
 
 class RobotEnd:
@@ -47,57 +47,66 @@ class RobotEnd:
     """
 
     def __init__(
-        self, session: zenoh.Session, robot: str, warn: Callable[[str], None], clock: Callable[[], int]
+        self, opened: LinkSession, robot: str, warn: Callable[[str], None], clock: Callable[[], int]
     ) -> None:
         """Offer the robot to operators. Raises ``UsageError`` for its name."""
         self.boot = new_boot(robot, secrets.randbits(64))
-        self.garbage = 0
+        self.malformed = 0
         """Reports that were not readable."""
         self.commands: CommandInbox | None = None
-        """What comes of operators, where the robot accepts anything."""
+        """Messages of operators, where the robot accepts any."""
         self._warn = warn
         self._clock = clock
         self._sender: LinkSender[WaitingAsk] = LinkSender(Compressor().encode)
         self._lock = threading.Lock()
         self._inbox: deque[Callable[[], None]] = deque()
-        self._news = threading.Event()
-        self._is_closed = False
         self._has_left = False
         self._state = LinkState()
         self._budget_kb_per_s: float | None = None
         self._counts: dict[str, StreamCounts] = {}
         self._origin: Callable[[], MessageOrigin | None] = lambda: None
+        self._versions = OtherVersions(warn)
+        # Neither a message nor an answer waits for the disk.
+        self._disk = Worker("link-incidents", lambda error: warn(f"no incident: {said(error)}"))
+        self._worker = Worker(
+            "link-send", lambda error: warn(f"the link sends nothing more: {error}"), self._send_next
+        )
+        session = opened.session
         # What is due is sent at once, and in order: chunks are as large as the link takes at a time.
         self._data = session.declare_publisher(
             self.boot.data_key, congestion_control=zenoh.CongestionControl.BLOCK, express=True
         )
-        # Undeclared where nobody holds them.
+        # Kept alive: Zenoh undeclares on garbage collection.
         self._kept = (
             self._data.declare_matching_listener(self._match),
-            session.declare_subscriber(self.boot.report_key, self._receive),
+            session.declare_subscriber(self.boot.report_key, self._on_report),
             session.liveliness().declare_token(self.boot.key),
         )
-        self._told = ToldStatus(session, self.boot, clock)
-        self._questions = AskedQuestions(session, self.boot, clock)
-        self._session = session
-        self._incidents: AskedIncidents | None = None
-        self._thread = threading.Thread(target=self._run, name="link-send", daemon=True)
-        self._thread.start()
+        self._queries = QueryServer(opened, self.boot, warn, self._versions, clock)
+        self._status = StatusServer(session, self._queries, self.boot.status_key, clock)
+        self._incidents: IncidentServer | None = None
+        self._worker.start()
 
     def advertise(self, stream: StreamInfo) -> RobotPublisher:
-        """What sends the messages of a stream. Raises ``LinkError`` where there are too many."""
+        """A publisher of the messages of a stream. Raises ``LinkError`` where there are too many."""
         with self._lock:
             self._empty_inbox()
             number = self._sender.open(stream, self._clock())
         if number is None:
             raise LinkError("the link has as many topics as it can", place=stream.topic)
-        self._news.set()
+        self._worker.wake()
         return RobotPublisher(self, number, stream)
 
     def offer_incidents(self, folder: Path) -> None:
         """Let operators list and fetch the incidents in ``folder`` from now on."""
-        self._incidents = AskedIncidents(
-            self._session, self.boot, OfferedIncidents(folder), wait=self._have_wait, got=self._have_got
+        self._disk.start()
+        self._incidents = IncidentServer(
+            self._queries,
+            self.boot.incidents_key,
+            IncidentCatalog(folder),
+            later=partial(self._disk.give, most=MAX_WAITING),
+            wait=self._have_wait,
+            got=self._have_got,
         )
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
@@ -113,7 +122,7 @@ class RobotEnd:
         self._origin = origin
 
     def take_missed(self, *, is_last: bool = False) -> list[MissedMessage]:
-        """What operators' ends have missed since the last call; if ``is_last``, what waits for them, too."""
+        """The messages missed at operators' ends since the last call; if ``is_last``, those waiting, too."""
         if not self._lock.acquire(blocking=is_last):
             return []
         try:
@@ -130,25 +139,25 @@ class RobotEnd:
     @property
     def is_watched(self) -> bool:
         """Whether somebody receives statuses."""
-        return self._told.is_watched
+        return self._status.is_watched
 
     def tell(self, status: RuntimeStatus) -> None:
         """Have everyone who watches receive this status. Raises ``LinkError`` where that cannot be."""
-        self._told.tell(status)
+        self._status.tell(status)
 
     def take_question(self) -> WaitingQuestion | None:
         """The next question that waits for an answer."""
-        return self._questions.take()
+        return self._queries.take_question()
 
     @property
     def state(self) -> LinkState:
-        """What is known of the link now."""
+        """The state of the link now."""
         self._look()
         return self._state
 
     @property
     def budget_kb_per_s(self) -> float | None:
-        """What relayed topics may take together now; ``None`` while nothing is known of the link."""
+        """The budget of all relayed topics now; ``None`` while nothing is known of the link."""
         self._look()
         return self._budget_kb_per_s
 
@@ -181,12 +190,8 @@ class RobotEnd:
 
     def close(self) -> None:
         """Send nothing more; the session is to be closed then."""
-        self._is_closed = True
-        self._news.set()
-        self._questions.close()
-        if self._incidents is not None:
-            self._incidents.close()
-        self._thread.join(_END_WITHIN_S)
+        for worker in (self._queries, self._disk, self._worker):
+            worker.close()
 
     def _do(self, act: Callable[[], None]) -> None:
         self._inbox.append(act)
@@ -195,7 +200,7 @@ class RobotEnd:
                 self._empty_inbox()
             finally:
                 self._lock.release()
-        self._news.set()
+        self._worker.wake()
 
     def _empty_inbox(self) -> None:
         for _ in range(len(self._inbox)):
@@ -214,16 +219,18 @@ class RobotEnd:
         if self._has_left:
             self._do(self._sender.disconnect)
 
-    def _receive(self, sample: zenoh.Sample) -> None:
+    def _on_report(self, sample: zenoh.Sample) -> None:
         # What an operator's end said last may come after the news that it left.
         if self._has_left and not is_heard(self._data):
             return
+        data = sample.payload.to_bytes()
+        self._versions.look(OPERATOR, data)
         try:
-            report = Report.from_bytes(sample.payload.to_bytes())
+            report = REPORTS.from_bytes(data)
         except LinkError:
-            self.garbage += 1
+            self.malformed += 1
             return
-        self._do(lambda: self._sender.take_report(report, self._clock()))
+        self._do(lambda: self._sender.handle_report(report, self._clock()))
 
     def _have_wait(self, waiting: WaitingAsk) -> None:
         ask = waiting.ask
@@ -254,23 +261,15 @@ class RobotEnd:
                 self._sender.answered(answer.asker, size_bytes, now_ns)
         return 0.0
 
-    def _run(self) -> None:
-        while not self._is_closed:
-            self._news.clear()
-            with self._lock:
-                self._empty_inbox()
-                chunk = self._sender.next_chunk(self._clock())
-            if chunk is None:
-                wait_s = self._answer()
-                if wait_s:
-                    self._news.wait(wait_s)
-                continue
-            try:
-                self._data.put(chunk)
-            except zenoh.ZError as error:
-                if not self._is_closed:
-                    self._warn(f"the link sends nothing more: {error}")
-                return
+    def _send_next(self) -> float:
+        """Send a chunk or an answer; how long to wait then."""
+        with self._lock:
+            self._empty_inbox()
+            chunk = self._sender.next_chunk(self._clock())
+        if chunk is None:
+            return self._answer()
+        self._data.put(chunk)
+        return 0.0
 
 
 class RobotPublisher:

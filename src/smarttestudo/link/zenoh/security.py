@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Who may reach an end of a link."""
+"""Admission to an end of a link."""
 
 from __future__ import annotations
 

@@ -11,23 +11,29 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import zenoh
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.files.input_file import read_input
+from smarttestudo.link.protocol.keys import Boot
+from smarttestudo.link.protocol.wire import other_version, version_sentence
 from smarttestudo.link.zenoh.reach import check_certificates, why_unreachable
 from smarttestudo.link.zenoh.security import LinkOptions, admit
 
 _MOST_CONFIG_BYTES = 1_000_000
 _MOST_CAUSE = 300
-_LOOK_PERIOD_S = 2.0
+LOOK_PERIOD_S = 2.0
 _END_WITHIN_S = 5.0
 _OF_ZENOH = "pyo3"
 """In the names of the threads that Zenoh's Python package starts for callbacks."""
 _SOURCE_LINE = re.compile(r"\s+at \S+\.rs:\d+\.?")
+
+OPERATOR = "an operator's end"
+_MOST_SAID = 1_000
 
 _SETTINGS: Mapping[str, object] = {
     "scouting/multicast/enabled": False,
@@ -53,8 +59,18 @@ _CLIENT_SETTINGS: Mapping[str, object] = {
 }
 
 
+class LinkSession(NamedTuple):
+    """A Zenoh session, and what is to be called again after as many seconds as it returns.
+
+    ``watch`` says why nobody is connected; it waits for that, and may only while nobody is.
+    """
+
+    session: zenoh.Session
+    watch: Callable[[], float]
+
+
 @contextmanager
-def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -> Iterator[zenoh.Session]:
+def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -> Iterator[LinkSession]:
     """A session at the endpoints of ``options``, whether or not anybody answers there yet.
 
     ``mode`` is Zenoh's: ``peer`` or ``router``. ``warn`` is told why nobody answers. Raises ``LinkError``.
@@ -65,14 +81,9 @@ def open_session(options: LinkOptions, mode: str, warn: Callable[[str], None]) -
         session = zenoh.open(config)
     except zenoh.ZError as error:
         raise LinkError(_cause(error), place=place, remedy="is the endpoint right, and free?") from error
-    is_closed = threading.Event()
-    if options.connect:
-        arguments = (session, options.connect, known, warn, is_closed)
-        threading.Thread(target=_watch, args=arguments, name="link-watch", daemon=True).start()
     try:
-        yield session
+        yield LinkSession(session, partial(next, _watch(session, options.connect, known, warn)))
     finally:
-        is_closed.set()
         close_session(session)
 
 
@@ -158,21 +169,52 @@ def _watch(
     endpoints: tuple[str, ...],
     config: Mapping[str, object],
     warn: Callable[[str], None],
-    is_closed: threading.Event,
-) -> None:
+) -> Iterator[float]:
     """Say why nobody is connected, each cause once, when it was there twice: the other end may just start."""
     said: set[str] = set()
     seen: set[str] = set()
-    while not is_closed.wait(_LOOK_PERIOD_S):
-        try:
-            is_connected = bool(session.info.routers_zid() or session.info.peers_zid())
-        except zenoh.ZError:
-            return
-        if is_connected:
+    while True:
+        yield LOOK_PERIOD_S
+        if is_connected(session):
             said, seen = set(), set()
             continue
         before, seen = seen, {why_unreachable(endpoint, config) for endpoint in endpoints}
-        if not is_closed.is_set():
-            for why in sorted(before & seen - said):
-                warn(why)
-            said |= before & seen
+        for why in sorted(before & seen - said):
+            warn(why)
+        said |= before & seen
+
+
+def is_connected(session: zenoh.Session) -> bool:
+    """Whether another end is there."""
+    return bool(session.info.routers_zid() or session.info.peers_zid())
+
+
+def robot_peer(boot: Boot) -> str:
+    """The name of a robot's end in a sentence."""
+    return f"robot {boot.robot}"
+
+
+class OtherVersions:
+    """Tells ``warn`` once of each peer that speaks another version; what it sends is lost.
+
+    ``present`` has what is to be said of each peer that is there.
+    """
+
+    def __init__(self, warn: Callable[[str], None] = lambda _: None) -> None:
+        self.present: dict[str, str] = {}
+        self._warn = warn
+        self._said: set[str] = set()
+
+    def look(self, peer: str, data: bytes) -> None:
+        """Look at what came of ``peer``."""
+        version = other_version(data)
+        if version is None or len(self._said) >= _MOST_SAID:
+            return
+        sentence = self.present[peer] = version_sentence(peer, version)
+        if sentence not in self._said:
+            self._said.add(sentence)
+            self._warn(sentence)
+
+    def leave(self, peer: str) -> None:
+        """A peer is gone."""
+        self.present.pop(peer, None)

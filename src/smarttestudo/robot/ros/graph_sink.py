@@ -58,7 +58,7 @@ class GraphSink:
             _close(before)
         self._streams[key] = _OpenStream(stream=stream, publisher=self._advertise(robot, stream))
 
-    def take(self, message: ReceivedMessage) -> None:
+    def write(self, message: ReceivedMessage) -> None:
         """Publish the message of a stream that is open."""
         stream = self._streams.get((message.robot, message.stream.topic, message.stream.publisher))
         if stream is None or stream.publisher is None:

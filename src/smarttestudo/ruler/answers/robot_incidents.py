@@ -118,7 +118,7 @@ class _Fetch:
 
 
 class RobotIncidents:
-    """What the robots of ``open_incidents`` hold, fetched into ``incidents`` of the project in ``folder``.
+    """Incidents of the robots of ``open_incidents``, fetched into ``incidents`` of the project in ``folder``.
 
     ``open_incidents`` is ``None`` where there is no link; it is called when somebody asks first.
     """
@@ -231,7 +231,7 @@ class RobotIncidents:
         return target if is_there else None
 
     def _target(self, request: RobotIncidentRequest) -> str:
-        """What the project calls an incident of a robot; ``ForbiddenPathError`` where it can have none."""
+        """The project's name for an incident of a robot; ``ForbiddenPathError`` where it can have none."""
         if not (_NAME.match(request.robot) and _NAME.match(request.name)):
             raise ForbiddenPathError("this is no name of a robot's incident", place=request.name[:80])
         return f"{INCIDENTS_FOLDER}/{request.robot}/{request.name}"

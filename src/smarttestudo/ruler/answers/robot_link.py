@@ -47,7 +47,7 @@ class RobotLink:
     """
 
     def __init__(self, open_robots: OpenRobots) -> None:
-        self.news: Callable[[Sequence[SeenRobot]], None] = _nobody
+        self.news: Callable[[Sequence[SeenRobot]], None] = lambda *_: None
         self._open_robots = open_robots
         self._orders: queue.SimpleQueue[_Order] = queue.SimpleQueue()
         self._wanted_hz: Mapping[str, float] = MappingProxyType({})
@@ -69,7 +69,7 @@ class RobotLink:
 
     @property
     def remedy(self) -> str:
-        """What to do where a robot is not heard."""
+        """The remedy where a robot is not heard."""
         return self._problem or self._remedy
 
     @property
@@ -78,11 +78,11 @@ class RobotLink:
         return self._seen
 
     def history(self, node: str) -> RobotHistoryAnswer:
-        """What was heard of a robot within the last hour; nothing of one that never spoke."""
+        """The history of a robot within the last hour; nothing of one that never spoke."""
         return self._histories.get(node, RobotHistory()).answer(time.monotonic())
 
     def checks(self, request: RobotChecksRequest) -> RobotChecksAnswer:
-        """What a robot's checks read, and when its rules held; nothing of one that never spoke."""
+        """The values that a robot's checks read, and when its rules held; nothing of one that never spoke."""
         return self._checks.get(request.node, RobotChecks()).answer(request, time.monotonic())
 
     @property
@@ -207,7 +207,3 @@ def _settle(answer: Future[_Answer], result: _Answer | TestudoError) -> None:
         answer.set_exception(result)
     else:
         answer.set_result(result)
-
-
-def _nobody(_news: Sequence[SeenRobot]) -> None:
-    """Nobody wants to know."""

@@ -57,7 +57,7 @@ class IncidentIndex:
         return parts, bytes(body)
 
 
-class OfferedIncidents:
+class IncidentCatalog:
     """The incidents in ``folder``, for one thread that indexes them; ``known`` may be called by any."""
 
     def __init__(self, folder: Path) -> None:

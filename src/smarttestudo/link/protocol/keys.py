@@ -72,7 +72,7 @@ class Boot(NamedTuple):
 
 
 def boot_of(key: str) -> Boot | None:
-    """Whose ``key``, ``data_key``, ``status_key`` or ``accepts_key`` this is; ``None`` for any other key."""
+    """The boot of a ``key``, ``data_key``, ``status_key`` or ``accepts_key``; ``None`` for other keys."""
     found = _KEY.fullmatch(key)
     return Boot(found[1], found[2]) if found else None
 

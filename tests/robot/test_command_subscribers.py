@@ -14,7 +14,7 @@ from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.link_state import AcceptedTopic
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Endpoint, Publisher, Qos
-from smarttestudo.robot.acceptance import QOS, SAY_AFTER_NS, Acceptance
+from smarttestudo.robot.command_subscribers import QOS, SAY_AFTER_NS, CommandSubscribers
 
 JOY = "sensor_msgs/msg/Joy"
 TWIST = "geometry_msgs/msg/Twist"
@@ -83,12 +83,12 @@ def commands() -> Commands:
 def look(
     robot: DrivenRobot,
     commands: Commands,
-    acceptance: Acceptance | None = None,
+    acceptance: CommandSubscribers | None = None,
     *,
     relayed: Sequence[str] = (),
     is_connected: bool = True,
-) -> Acceptance:
-    acceptance = acceptance or Acceptance(robot, commands)
+) -> CommandSubscribers:
+    acceptance = acceptance or CommandSubscribers(robot, commands)
     acceptance.look(relayed, is_connected=is_connected)
     return acceptance
 

@@ -25,14 +25,14 @@ SAY_AFTER_NS = 5 * NS_PER_S
 
 @dataclass(slots=True)
 class _Served:
-    """State of a topic at the last look, and its publisher where all is well."""
+    """A topic as of the last look, and its publisher where all is well."""
 
     type_name: str | None = None
     problem: str | None = None
     publisher: Publisher | None = None
 
 
-class Acceptance(Part):
+class CommandSubscribers(Part):
     """Publishes accepted topics among the robot's own nodes, with the type that they subscribe with."""
 
     def __init__(self, robot: Robot, commands: IncomingCommands, link: OutgoingLink | None = None) -> None:
@@ -126,10 +126,10 @@ class Acceptance(Part):
             self._robot.log.warning(sentence)
 
 
-def _acceptance(context: PartContext) -> Acceptance | None:
+def _command_subscribers(context: PartContext) -> CommandSubscribers | None:
     if context.commands is None:
         return None
-    return Acceptance(context.robot, context.commands, context.link)
+    return CommandSubscribers(context.robot, context.commands, context.link)
 
 
-ACCEPTANCE_PART = PartKind(make=_acceptance)
+COMMANDS_PART = PartKind(make=_command_subscribers)

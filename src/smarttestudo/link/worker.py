@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The threads of a link."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+
+_END_WITHIN_S = 5.0
+_REST_S = 60.0
+
+
+def _rest() -> float:
+    return _REST_S
+
+
+class Worker:
+    """A thread that does what it is given, in order, and then ``look``s whether more is due.
+
+    ``look`` returns after how many seconds it is to be called again; ``wake`` has that done at once.
+    ``failed`` is told what either raises: a task costs itself, ``look`` ends the thread.
+    """
+
+    def __init__(
+        self, name: str, failed: Callable[[Exception], None], look: Callable[[], float] = _rest
+    ) -> None:
+        self.is_closed = False
+        self._failed = failed
+        self._look = look
+        self._tasks: deque[Callable[[], None]] = deque()
+        self._news = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def give(self, task: Callable[[], None], *, most: int | None = None) -> bool:
+        """Have a task done, unless ``most`` wait already; whether it will be."""
+        if most is not None and len(self._tasks) >= most:
+            return False
+        self._tasks.append(task)
+        self._news.set()
+        return True
+
+    def wake(self) -> None:
+        """Have it look now."""
+        self._news.set()
+
+    def close(self) -> None:
+        """Begin nothing more, and wait a few seconds for what was begun."""
+        self.is_closed = True
+        self._news.set()
+        if self._thread.ident is not None:
+            self._thread.join(_END_WITHIN_S)
+
+    def _run(self) -> None:
+        try:
+            while not self.is_closed:
+                self._news.clear()
+                self._do_tasks()
+                wait_s = self._look()
+                if wait_s > 0:
+                    self._news.wait(wait_s)
+        except Exception as error:  # noqa: BLE001 - whatever it fails of, that is said once
+            self._fail(error)
+
+    def _do_tasks(self) -> None:
+        while self._tasks and not self.is_closed:
+            self._do(self._tasks.popleft())
+
+    def _do(self, task: Callable[[], None]) -> None:
+        try:
+            task()
+        except Exception as error:  # noqa: BLE001 - whatever one task fails of, others are done
+            self._fail(error)
+
+    def _fail(self, error: Exception) -> None:
+        if not self.is_closed:
+            self._failed(error)

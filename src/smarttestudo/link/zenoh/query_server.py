@@ -1,0 +1,147 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Questions at the robot's end of a link: of statuses, incidents, parameters and topics."""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from typing import TypeVar
+
+import zenoh
+
+from smarttestudo.domain.errors import LinkError, TestudoError, said
+from smarttestudo.domain.questions import Answer, Question
+from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
+from smarttestudo.domain.units import ns_from_s
+from smarttestudo.link.protocol.keys import Boot
+from smarttestudo.link.protocol.messages import (
+    ANSWERS,
+    CHANGING_QUESTIONS,
+    MAX_QUESTION_BYTES,
+    READING_QUESTIONS,
+    REFUSALS,
+    NoAnswer,
+)
+from smarttestudo.link.protocol.wire import FrameType
+from smarttestudo.link.worker import Worker
+from smarttestudo.link.zenoh.compression import packed, sendable, unpacked
+from smarttestudo.link.zenoh.session import OPERATOR, LinkSession, OtherVersions
+
+MAX_WAITING = 32
+"""How many questions of one kind wait for an answer."""
+_WAITS_NS = ns_from_s(ANSWER_WITHIN_S)
+_Asked = TypeVar("_Asked", bound=Question)
+
+
+class Query:
+    """A question as ``data``, which any thread may answer, once; who asked or the session may be gone."""
+
+    def __init__(self, query: zenoh.Query, key: str, data: bytes) -> None:
+        self.data = data
+        self._query = query
+        self._key = key
+
+    def reply(self, data: bytes, *, express: bool = False) -> bool:
+        """Answer with a frame; whether that was possible. It waits where the link is thin."""
+        with self._query, suppress(zenoh.ZError):
+            self._query.reply(self._key, data, express=express)
+            return True
+        return False
+
+    def refuse(self, error: TestudoError) -> None:
+        """Say why there is no answer."""
+        with self._query, suppress(zenoh.ZError):
+            self._query.reply_err(packed(REFUSALS.to_bytes(NoAnswer.of(error))))
+
+    def drop(self) -> None:
+        """Answer nothing; who asked asks again."""
+        self._query.drop()
+
+
+class WaitingQuestion:
+    """A question that came at ``asked_ns``; answering it never waits."""
+
+    def __init__(self, question: Question, asked_ns: int, query: Query, later: Callable[..., object]) -> None:
+        self.question = question
+        self.asked_ns = asked_ns
+        self._query = query
+        self._later = later
+
+    def answer(self, answer: Answer | TestudoError) -> None:
+        """Answer it, or say why not; the session may be closed meanwhile."""
+        self._later(partial(self._reply, answer))
+
+    def _reply(self, answer: Answer | TestudoError) -> None:
+        try:
+            if isinstance(answer, TestudoError):
+                self._query.refuse(answer)
+            else:
+                self._query.reply(sendable(ANSWERS.to_bytes(answer)))
+        except LinkError as error:
+            self._query.refuse(error)
+
+
+class QueryServer:
+    """Has what is asked on keys of a robot's end handled, and answers from a thread of its own.
+
+    Questions for the run wait until it takes them; what reads and what changes have a key each. A long answer
+    waits where the link is thin. While nobody is connected, the thread watches for that.
+    """
+
+    def __init__(
+        self,
+        opened: LinkSession,
+        boot: Boot,
+        warn: Callable[[str], None],
+        versions: OtherVersions,
+        clock: Callable[[], int],
+    ) -> None:
+        self._session = opened.session
+        self._versions = versions
+        self._clock = clock
+        self._waiting: queue.Queue[WaitingQuestion] = queue.Queue(MAX_WAITING)
+        self._worker = Worker("link-answer", lambda error: warn(f"no answer: {said(error)}"), opened.watch)
+        self._worker.start()
+        self.close = self._worker.close
+        # Kept alive: Zenoh undeclares on garbage collection.
+        self._kept: list[zenoh.Queryable[None]] = []
+        self.serve(boot.get_key, partial(self._keep, READING_QUESTIONS))
+        self.serve(boot.set_key, partial(self._keep, CHANGING_QUESTIONS))
+
+    def serve(self, key: str, handle: Callable[[Query], None]) -> None:
+        """Give ``handle`` what is asked on ``key``, in a thread of Zenoh; a ``LinkError`` of it refuses."""
+
+        def on_query(asked: zenoh.Query) -> None:
+            # What is asked of many keys at once may go round access control.
+            if str(asked.key_expr) != key:
+                asked.drop()
+                return
+            query = Query(asked, key, b"" if asked.payload is None else asked.payload.to_bytes())
+            self._versions.look(OPERATOR, query.data)
+            try:
+                handle(query)
+            except LinkError as error:
+                if not self._worker.give(partial(query.refuse, error), most=MAX_WAITING):
+                    query.drop()
+
+        self._kept.append(self._session.declare_queryable(key, on_query))
+
+    def take_question(self) -> WaitingQuestion | None:
+        """The next question; those that nobody waits for any more are left out."""
+        while True:
+            try:
+                asked = self._waiting.get_nowait()
+            except queue.Empty:
+                return None
+            if self._clock() - asked.asked_ns < _WAITS_NS:
+                return asked
+
+    def _keep(self, questions: FrameType[_Asked], query: Query) -> None:
+        question = questions.from_bytes(unpacked(query.data, MAX_QUESTION_BYTES))
+        try:
+            self._waiting.put_nowait(WaitingQuestion(question, self._clock(), query, self._worker.give))
+        except queue.Full:
+            raise LinkError("too many questions wait for an answer", remedy="ask again later") from None
