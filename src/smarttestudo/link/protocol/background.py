@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
@@ -72,14 +73,15 @@ class _Asker(Generic[_Request]):
 class BackgroundAnswers(Generic[_Request]):
     """Requests that wait until the link has nothing better to do, in the time that is passed in.
 
-    Beside live topics, whose window is passed in, the link is modelled as a queue that drains at its
-    capacity, and a piece is sent only when that queue is empty, nothing live waits, and all bytes under way
-    leave a margin in the window. So a live message waits for one piece at most. Now and then the link is
+    Beside live topics, whose window ``live`` gives at a time, the link is modelled as a queue that drains at
+    its capacity, and a piece is sent only when that queue is empty, nothing live waits, and all bytes under
+    way leave a margin in the window. So a live message waits for one piece at most. Now and then the link is
     filled a little faster, to learn whether it carries more than live topics needed so far. Without live
     topics, a window of its own says how much may be under way.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, live: Callable[[int], Window | None]) -> None:
+        self._live = live
         self._askers: dict[int, _Asker[_Request]] = {}
         self._alone = Window()
         self._busy_ns = self._sent_ns = 0
@@ -100,20 +102,20 @@ class BackgroundAnswers(Generic[_Request]):
         """Bytes that were sent and are not known to have arrived or to be lost."""
         return sum(asker.sent_bytes - asker.done_bytes for asker in self._askers.values())
 
-    def ask(self, asker: int, got_bytes: int, request: _Request, now_ns: int, live: Window | None) -> bool:
+    def ask(self, asker: int, got_bytes: int, request: _Request, now_ns: int) -> bool:
         """Somebody asks, and says how much it has got; whether that waits now."""
         if asker not in self._askers:
             if len(self._askers) >= MAX_ASKERS:
                 return False
             self._askers[asker] = _Asker(now_ns, got_bytes)
-        self.acknowledge(asker, got_bytes, now_ns, live)
+        self.acknowledge(asker, got_bytes, now_ns)
         waiting = self._askers[asker].waiting
         if len(waiting) >= MAX_ASKS:
             return False
         waiting.append((now_ns, request))
         return True
 
-    def acknowledge(self, asker: int, got_bytes: int, now_ns: int, live: Window | None) -> None:
+    def acknowledge(self, asker: int, got_bytes: int, now_ns: int) -> None:
         """Note how much an asker has got since it asked first."""
         known = self._askers.get(asker)
         if known is None:
@@ -121,7 +123,7 @@ class BackgroundAnswers(Generic[_Request]):
         known.heard_ns = now_ns
         done_bytes = min(got_bytes - known.first_bytes + known.lost_bytes, known.sent_bytes)
         if done_bytes > known.done_bytes:
-            self._arrived(known, done_bytes, now_ns, live)
+            self._arrived(known, done_bytes, now_ns)
 
     def expired(self, now_ns: int) -> list[_Request]:
         """Requests that waited for too long, to which nobody will take an answer."""
@@ -142,11 +144,12 @@ class BackgroundAnswers(Generic[_Request]):
         """When something may be sent though nothing happens; ``None`` where that is not known."""
         return self._free_ns if self._free_ns > now_ns and not self.is_empty else None
 
-    def next(self, now_ns: int, live: Window | None) -> BackgroundAnswer[_Request] | None:
+    def next(self, now_ns: int) -> BackgroundAnswer[_Request] | None:
         """The request to answer now. Nothing live waits then."""
         if self.is_empty:
             self._alone.idle()
             return None
+        live = self._live(now_ns)
         size_bytes = self._room_alone() if live is None else self._room_beside(live, now_ns)
         if not size_bytes:
             return None
@@ -157,12 +160,13 @@ class BackgroundAnswers(Generic[_Request]):
         _, request = asker.waiting.popleft()
         return BackgroundAnswer(number, request, size_bytes, len(asker.waiting))
 
-    def sent(self, asker: int, size_bytes: int, now_ns: int, live: Window | None) -> None:
+    def sent(self, asker: int, size_bytes: int, now_ns: int) -> None:
         """So many bytes went to an asker."""
         known = self._askers[asker]
         known.sent_bytes += size_bytes
         known.flights.append((known.sent_bytes, now_ns))
         self._sent_ns = now_ns
+        live = self._live(now_ns)
         if live is None:
             self._alone.sent(size_bytes, now_ns)
         else:
@@ -206,7 +210,7 @@ class BackgroundAnswers(Generic[_Request]):
         most_ns = int(under_way_bytes * NS_PER_S / (live.capacity_bytes_per_s * _USED))
         self._busy_ns = min(self._busy_ns, now_ns + most_ns)
 
-    def _arrived(self, asker: _Asker[_Request], done_bytes: int, now_ns: int, live: Window | None) -> None:
+    def _arrived(self, asker: _Asker[_Request], done_bytes: int, now_ns: int) -> None:
         delivered, asker.done_bytes = done_bytes - asker.done_bytes, done_bytes
         while asker.flights and asker.flights[0][0] <= done_bytes:
             asker.flights.popleft()
@@ -214,6 +218,7 @@ class BackgroundAnswers(Generic[_Request]):
         self._alone.acknowledge(
             min(self._alone.acknowledged_bytes + delivered, self._alone.sent_bytes), now_ns
         )
+        live = self._live(now_ns)
         if live is not None:
             live.delivered_beside(delivered)
             self._look_at_probe(live, now_ns)

@@ -44,7 +44,7 @@ class LinkSender(Generic[_Request]):
     The driver gives it messages (``offer``) and reports (``handle_report``), and sends what ``next_chunk``
     gives while that gives something; another look is due after a message or a report.
     It serves one operator's end at a time: the first that reports, until that is silent. Others hear what
-    that one is sent. What others ``ask`` for is sent while no topic needs the link (``next_answer``).
+    that one is sent.
     """
 
     def __init__(self, encode: Encode = plain) -> None:
@@ -54,7 +54,8 @@ class LinkSender(Generic[_Request]):
         self._infos: dict[int, StreamInfo] = {}
         self._needs: Mapping[str, LinkNeeds] = {}
         self._window = Window()
-        self._background: BackgroundAnswers[_Request] = BackgroundAnswers()
+        self.background: BackgroundAnswers[_Request] = BackgroundAnswers(self._live)
+        """Requests that others ``ask``, to be answered while no topic needs the link (``next_answer``)."""
         self._session = 0
         self._sessions = 0
         self._predictions: Mapping[str, Prediction] = {}
@@ -182,38 +183,14 @@ class LinkSender(Generic[_Request]):
         data = chunk.to_bytes()
         self._window.sent(len(data), now_ns)
         self._outbox.sent_until(chunk, self._window.sent_bytes)
-        self._background.live_sent(len(data), now_ns, self._window)
+        self.background.live_sent(len(data), now_ns, self._window)
         return data
-
-    def ask(self, asker: int, got_bytes: int, request: _Request, now_ns: int) -> bool:
-        """Have a request answered when no topic needs the link; whether it waits, as few may.
-
-        ``asker`` has ``got_bytes`` of all answers so far.
-        """
-        return self._background.ask(asker, got_bytes, request, now_ns, self._live(now_ns))
-
-    def acknowledge(self, asker: int, got_bytes: int, now_ns: int) -> None:
-        """Note that an asker has ``got_bytes`` of all answers so far."""
-        self._background.acknowledge(asker, got_bytes, now_ns, self._live(now_ns))
 
     def next_answer(self, now_ns: int) -> BackgroundAnswer[_Request] | None:
         """The request to answer now; to be asked for when ``next_chunk`` has nothing."""
-        live = self._live(now_ns)
-        if live is not None and (not self._outbox.is_empty or self.is_stalled(now_ns)):
+        if self.is_connected(now_ns) and (not self._outbox.is_empty or self.is_stalled(now_ns)):
             return None
-        return self._background.next(now_ns, live)
-
-    def answered(self, asker: int, size_bytes: int, now_ns: int) -> None:
-        """An answer of so many bytes went out."""
-        self._background.sent(asker, size_bytes, now_ns, self._live(now_ns))
-
-    def expired(self, now_ns: int) -> list[_Request]:
-        """Requests that have waited for too long, and are answered no more."""
-        return self._background.expired(now_ns)
-
-    def answer_wake_ns(self, now_ns: int) -> int | None:
-        """When ``next_answer`` may have something though nothing happens."""
-        return self._background.wake_ns(now_ns)
+        return self.background.next(now_ns)
 
     def is_connected(self, now_ns: int) -> bool:
         """Whether an operator's end was heard lately."""

@@ -236,29 +236,29 @@ class RobotEnd:
         ask = waiting.ask
 
         def act() -> None:
-            if not self._sender.ask(ask.asker, ask.got_bytes, waiting, self._clock()):
+            if not self._sender.background.ask(ask.asker, ask.got_bytes, waiting, self._clock()):
                 waiting.query.drop()
 
         self._do(act)
 
     def _have_got(self, ask: AskBytes) -> None:
-        self._do(lambda: self._sender.acknowledge(ask.asker, ask.got_bytes, self._clock()))
+        self._do(lambda: self._sender.background.acknowledge(ask.asker, ask.got_bytes, self._clock()))
 
     def _answer(self) -> float:
         """Answer a question for bytes, if the link has nothing better to do; how long to wait then."""
         with self._lock:
             now_ns = self._clock()
-            for waiting in self._sender.expired(now_ns):
+            for waiting in self._sender.background.expired(now_ns):
                 waiting.query.drop()
             answer = self._sender.next_answer(now_ns)
-            wake_ns = self._sender.answer_wake_ns(now_ns)
+            wake_ns = self._sender.background.wake_ns(now_ns)
         if answer is None:
             return _LOOK_AGAIN_S if wake_ns is None else min((wake_ns - now_ns) / NS_PER_S, _LOOK_AGAIN_S)
         assert self._incidents is not None
         size_bytes = self._incidents.answer(answer.request, answer.size_bytes, answer.waiting)
         if size_bytes:
             with self._lock:
-                self._sender.answered(answer.asker, size_bytes, now_ns)
+                self._sender.background.sent(answer.asker, size_bytes, now_ns)
         return 0.0
 
     def _send_next(self) -> float:
