@@ -10,7 +10,7 @@ from smarttestudo.domain.decision import BoundReason, Reason
 
 
 def bound_texts(within: Mapping[str, float], reasons: Mapping[str, BoundReason]) -> tuple[str, ...]:
-    """What bounds each property, and what decided it, as people read it.
+    """Bound of each property, and what decided it, as people read them.
 
     ``position 0.05: Docking``, ``position 0.05, in doubt: Docking`` and, where a doubt lets everything pass,
     ``position not bound, in doubt: Docking``.

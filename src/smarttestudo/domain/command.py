@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an operator sends to a robot: messages of a few topics that the robot accepts."""
+"""Commands: messages of a few topics that an operator sends to a robot and the robot accepts."""
 
 from __future__ import annotations
 
@@ -34,18 +34,18 @@ class SentCounts:
 
 
 class IncomingCommands(Protocol):
-    """What comes of operators at the robot's end of a link. Calls never wait for the link."""
+    """Commands from operators at the robot's end of a link. Calls never wait for the link."""
 
     @property
     def topics(self) -> Sequence[AcceptedTopic]:
-        """What is known of each accepted topic."""
+        """State of each accepted topic."""
 
     @property
     def has_operator(self) -> bool:
         """Whether an operator's end that sends anything is connected."""
 
     def sent_names(self) -> Sequence[tuple[str, ...]]:
-        """What each operator's end that was heard lately sends."""
+        """Topics that each operator's end heard lately sends."""
 
     def follow(
         self, topic: str, type_name: str | None, publisher: Publisher | None, problem: str | None = None

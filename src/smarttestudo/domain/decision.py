@@ -14,7 +14,7 @@ from smarttestudo.domain.record import Decimals, Entry, from_json, to_json
 
 
 class Reason(Enum):
-    """What decided a rate."""
+    """Reason for a rate."""
 
     DEFAULT = "default"
     BLOCK = "block"
@@ -28,7 +28,7 @@ class Reason(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BoundReason:
-    """What decided the bound of one property; ``rule`` and ``line`` name the block where one did.
+    """Reason for the bound of one property; ``rule`` and ``line`` name the block where one decided.
 
     ``UNKNOWN``: the block is in doubt. Its bound counts if the plan has one of the property, else every
     message up to the rate passes because of the doubt.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the checker reports."""
+"""Findings of the checker, and fixes for them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Fix:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProfileFix:
-    """What mends a finding in the profile: ``value`` for ``key`` of ``topic``; ``None`` takes it out."""
+    """Fix of a finding in the profile: ``value`` for ``key`` of ``topic``; ``None`` takes it out."""
 
     topic: str
     key: str

@@ -53,7 +53,7 @@ class Rectangle:
 
 
 class ObstacleKind(Enum):
-    """What stands on the floor."""
+    """Kind of obstacle on the floor."""
 
     WALL = "wall"
     RACK = "rack"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of an incident: the record beside its messages."""
+"""Record of an incident, which lies beside its messages."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Missing:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IncidentTopic:
-    """What an incident holds of one topic."""
+    """Content of an incident for one topic."""
 
     type_name: Annotated[str, Entry(name="type")]
     messages: _Whole
@@ -134,7 +134,7 @@ def is_incident_folder_name(name: str) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IncidentState:
-    """What recording costs a running robot, and what came of it.
+    """Cost of recording on a running robot, and its results so far.
 
     ``held_bytes`` of at most ``memory_bytes`` are kept of ``topics`` topics for what may happen, and
     ``ring_bytes`` of at most ``ring_max_bytes`` on disk, which is ``None`` if memory is all there is.

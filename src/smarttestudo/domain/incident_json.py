@@ -21,7 +21,7 @@ def incident_to_json(incident: IncidentRecord) -> dict[str, object]:
 
 
 def incident_text(incident: IncidentRecord) -> str:
-    """What ``incident.json`` holds."""
+    """Content of ``incident.json``."""
     return f"{json_text(incident_to_json(incident), indent=2)}\n"
 
 

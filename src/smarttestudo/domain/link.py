@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the two ends of a link say to each other about a robot's topics."""
+"""Streams, messages and ends of a link that carries a robot's topics."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class OutgoingLink(Protocol):
     """The robot's end of a link. Calls never wait for the link."""
 
     def advertise(self, stream: StreamInfo) -> Publisher:
-        """What sends the messages of a stream."""
+        """Publisher of the messages of a stream."""
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         """Serve topics so from now on."""
@@ -114,7 +114,7 @@ class OutgoingLink(Protocol):
         """
 
     def take_missed(self, *, is_last: bool = False) -> Sequence[MissedMessage]:
-        """What operators' ends have missed since the last call.
+        """Messages that operators' ends have missed since the last call.
 
         With ``is_last``, what waits for them in vain is missed, too.
         """
@@ -135,11 +135,11 @@ class OutgoingLink(Protocol):
 
     @property
     def state(self) -> LinkState:
-        """What is known of the link now."""
+        """State of the link now."""
 
     @property
     def budget_kb_per_s(self) -> float | None:
-        """What relayed topics may take together now; ``None`` while nothing is known of the link."""
+        """Bandwidth that relayed topics may share now; ``None`` while nothing is known of the link."""
 
     def counts(self) -> dict[str, StreamCounts]:
         """Messages by topic."""

@@ -52,7 +52,7 @@ class StreamCounts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkState:
-    """What the robot's end knows of the link; ``None`` for what was not measured yet.
+    """State of the link at the robot's end; ``None`` for what was not measured yet.
 
     ``capacity_kb_per_s`` is what the link carries, ``round_trip_ms`` the least of the last seconds,
     ``outages`` how often the operator's end was silent while something was under way to it. ``sessions``

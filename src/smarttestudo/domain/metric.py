@@ -10,7 +10,7 @@ from enum import Enum
 
 
 class MetricKind(Enum):
-    """What a number may do; the value is its name in OpenMetrics."""
+    """Kind of a metric; the value is its name in OpenMetrics."""
 
     GAUGE = "gauge"
     COUNTER = "counter"
@@ -34,14 +34,14 @@ class MetricName:
 
     @property
     def sample_name(self) -> str:
-        """What queries call its numbers."""
+        """Name of its numbers in queries."""
         unit = f"_{self.unit}" if self.unit else ""
         return f"{self.name}{unit}{_SUFFIXES[self.kind]}"
 
 
 @dataclass(frozen=True, slots=True)
 class Metered:
-    """What the type of a field of a record says: the number is a metric, too.
+    """Mark in the type of a record's field: the number is a metric, too.
 
     Its ``name`` follows ``testudo_``. Where the field's name ends in another unit, as in ``age_ms``, the
     number is converted to ``unit``.

@@ -41,7 +41,7 @@ def resolve_topic(name: str, *, namespace: str = "/", node: str = "smarttestudo"
 
 
 def output_name(topic: str, pattern: str, robot: str | None = None) -> str:
-    """What ``topic`` is called by ``pattern``, in which ``{robot}`` stands for a ``robot`` that is given.
+    """Name of ``topic`` by ``pattern``, in which ``{robot}`` stands for a ``robot`` that is given.
 
     Raises ``UsageError`` where ``pattern`` does not hold ``{topic}`` or makes no valid name of it.
     """

@@ -49,7 +49,7 @@ def missing_package(error: ModuleNotFoundError, what: str) -> MissingPackageErro
 
 
 def how_to_get_ros() -> str:
-    """What to do where rclpy is missing; the extra ``ros`` is empty where PyPI has no ROS 2."""
+    """Remedy where rclpy is missing; the extra ``ros`` is empty where PyPI has no ROS 2."""
     if _is_ros_on_pypi(sys.platform, platform.machine(), sys.version_info[:2]):
         return f"without a ROS 2 installation, {how_to_install(Extra.ROS)}"
     return "the extra ros is empty here: PyPI has ROS 2 for x86-64 Linux and Python before 3.14 only"

@@ -19,7 +19,7 @@ Accept = Callable[[Mapping[str, ParameterValue]], None]
 
 
 class Access(Enum):
-    """Who changes a parameter once the node runs."""
+    """Access to a parameter once the node runs: who may change it."""
 
     NOBODY = "nobody"
     ANYONE = "anyone"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is known about the topics of a robot and the link they travel on."""
+"""Profile of a robot: facts about its topics and the link they travel on."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is asked of a robot over its link."""
+"""Questions to a robot over its link."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class GetParameters:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GetTopics:
-    """What the robot's own nodes publish; the answer is the types by topic."""
+    """Topics that the robot's own nodes publish; the answer is the types by topic."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,7 +40,7 @@ class Asked(Protocol):
 
     @property
     def question(self) -> Question:
-        """What was asked."""
+        """Question that was asked."""
 
     def answer(self, answer: Answer | TestudoError) -> None:
         """Answer it, or say why not; never waits for who asked."""

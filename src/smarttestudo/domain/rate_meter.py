@@ -58,7 +58,7 @@ INTERVALS_KEPT = 2
 
 
 class _Look(NamedTuple):
-    """What a flow had counted at ``now_ns``; ``position_ns`` is where its last message lies in time."""
+    """Counts of a flow at ``now_ns``; ``position_ns`` is where its last message lies in time."""
 
     now_ns: int
     messages: int

@@ -66,7 +66,7 @@ class RecordingReader(Protocol):
 
     @property
     def custom_data(self) -> Mapping[str, str]:
-        """What the recording's author noted beside the messages."""
+        """Notes of the recording's author beside the messages."""
 
     @property
     def declared_bytes(self) -> Mapping[str, int]:
@@ -95,16 +95,16 @@ class RecordingReader(Protocol):
         """All messages, or those of ``topics``, in time order; memory does not grow with their number."""
 
     def sizes(self) -> Iterator[RecordedSize]:
-        """What ``messages`` gives, with each payload's size in its place and as far as possible unread.
+        """Results of ``messages``, with each payload's size in its place and as far as possible unread.
 
         Damage within a payload is not seen then: the message counts with the size that it was written with.
         """
 
     def heads(self, head_bytes: int) -> Iterator[RecordedHead]:
-        """What ``sizes`` gives, with the first ``head_bytes`` of each payload."""
+        """Results of ``sizes``, with the first ``head_bytes`` of each payload."""
 
     def notices(self) -> Sequence[str]:
-        """What was lost or odd, one line each; complete once all messages, sizes or heads were read."""
+        """Losses and oddities, one line each; complete once all messages, sizes or heads were read."""
 
 
 class RecordingWriter(Protocol):

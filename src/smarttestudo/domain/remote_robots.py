@@ -46,11 +46,11 @@ class RemoteRobots(Protocol):
 
     @property
     def heard(self) -> Mapping[str, HeardStatus]:
-        """What was heard last of each; a live view."""
+        """Last status of each robot, as heard; a live view."""
 
     @property
     def unreadable(self) -> int:
-        """What came there and was no status of this version."""
+        """Count of messages there that were no status of this version."""
 
     @property
     def has_heard_all(self) -> bool:
@@ -76,4 +76,4 @@ class RemoteRobots(Protocol):
         """Have a robot give its parameters these values, each by itself; ``was_set`` is called as ``got``."""
 
     def topics(self, robot_id: str | None, got: GotTopics) -> None:
-        """What the own nodes of a robot publish, or of all of them; ``got`` is called as for ``get``."""
+        """Ask which topics the own nodes of a robot publish, or of all; ``got`` is called as for ``get``."""

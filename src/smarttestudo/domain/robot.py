@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the live runtime needs of a robot's ROS graph."""
+"""Interface of a robot's ROS graph to the live runtime."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ class Robot(Protocol):
         """The full name of ``topic`` in the node's namespace, remapped."""
 
     def publishers(self, topic: str) -> Sequence[Endpoint]:
-        """Who publishes ``topic`` now, as far as discovered."""
+        """Publishers of ``topic`` now, as far as discovered."""
 
     def publisher_count(self, topic: str) -> int:
         """How many publishers ``publishers`` would find, for a fraction of its cost."""
@@ -208,7 +208,7 @@ class Robot(Protocol):
         """Which of the robot's own nodes subscribe to ``topic`` now, as far as discovered."""
 
     def own_publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
-        """What publishes on ``topic`` among the robot's own nodes, from any thread. Raises ``RosError``."""
+        """Publisher of ``topic`` among the robot's own nodes, for any thread. Raises ``RosError``."""
 
     def topics(self) -> Mapping[str, Sequence[str]]:
         """The types of each topic that somebody publishes or subscribes to, by its full name."""
@@ -220,10 +220,10 @@ class Robot(Protocol):
         """The definition of a message type with those of its parts, as bags store it; empty where unknown."""
 
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
-        """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
+        """Sender of a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
 
     def text_publisher(self, topic: str, qos: Qos, *, goes_over_link: bool = True) -> Callable[[str], None]:
-        """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``.
+        """Sender of a std_msgs/msg/String on ``topic``; both may raise ``RosError``.
 
         It also goes over a link, if there is one, unless not ``goes_over_link``.
         """

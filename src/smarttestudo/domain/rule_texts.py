@@ -39,7 +39,7 @@ class RuleTexts:
 
     @staticmethod
     def from_text(text: str) -> RuleTexts:
-        """What ``to_text`` wrote. Raises ``ValueError``."""
+        """Rule texts that ``to_text`` wrote. Raises ``ValueError``."""
         try:
             record = json.loads(text)
             return RuleTexts(

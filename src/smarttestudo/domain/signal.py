@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a check reads, and what is known about it."""
+"""Signals that checks read, and the truth of a check."""
 
 from __future__ import annotations
 

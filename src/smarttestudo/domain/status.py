@@ -273,13 +273,13 @@ class RuntimeStatus:
 
     @property
     def robot_id(self) -> str:
-        """What tells its runtime from those of other robots: ``ada:/smarttestudo``, or the node alone."""
+        """Identifier of its runtime among those of all robots: ``ada:/smarttestudo``, or the node alone."""
         return f"{self.robot}:{self.node}" if self.robot else self.node
 
     @property
     @derived()
     def in_kb_per_s(self) -> Measured:
-        """What comes in of all relayed topics."""
+        """Bandwidth at which all relayed topics come in."""
         return sum(topic.in_kb_per_s for topic in self.topics.values())
 
     @property

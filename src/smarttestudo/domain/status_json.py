@@ -43,7 +43,7 @@ def status_from_json(value: object) -> RuntimeStatus:
 
 
 def _upgraded(value: object) -> object:
-    """What an older version did not say: a topic is losing messages on the link if it ever did."""
+    """Add what an older version did not say: a topic is losing messages on the link if it ever did."""
     if not isinstance(value, dict):
         return value
     known = dict(value)

@@ -56,7 +56,7 @@ class AtMost:
 
 
 class Mark(Enum):
-    """What else the type of a field may say."""
+    """Further mark on the type of a field."""
 
     MEASURED = "measured"
     """A measurement or a count, which changes all the time."""
