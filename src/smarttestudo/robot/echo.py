@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What ``testudo echo`` receives: rates, bandwidth and the last values of topics."""
+"""Reception of ``testudo echo``: rates, bandwidth and the last values of topics."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ _MOST_SUGGESTIONS = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Echo:
-    """What was received of a topic up to now, with the values of one of its messages and that message's type.
+    """State of a topic's reception, with the values of one of its messages and that message's type.
 
     ``state`` is why nothing is received, or why a message cannot be read; rate and bandwidth are those of the
     last ten seconds.
@@ -166,7 +166,7 @@ class EchoedTopic:
             self.error = error
 
     def echo(self) -> Echo:
-        """What is received now, with the last message."""
+        """State of the reception now, with the last message."""
         if self._is_metered:
             transient_local = self._source is not None and self._source.qos.transient_local
             self._meter.look(self._robot.steady_ns(), transient_local=transient_local)

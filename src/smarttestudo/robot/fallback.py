@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is relayed while there are no rules: everything that an operator may need."""
+"""Relayed topics while there are no rules: everything that an operator may need."""
 
 from __future__ import annotations
 

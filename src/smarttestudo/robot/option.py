@@ -45,7 +45,7 @@ class Option(Generic[_Value_co]):
 
     @property
     def key(self) -> str:
-        """What its value is given under: the parameter's name, or else the flag."""
+        """Key of its value: the parameter's name, or else the flag."""
         return self.name or self.flag or ""
 
     @property
@@ -160,7 +160,7 @@ def _plain(limit: float) -> str:
 
 
 def optional(read: Read[_Value]) -> Read[_Value | None]:
-    """What ``read`` gives, ``None`` where the parameter is not set."""
+    """Wrap ``read`` to give ``None`` where the parameter is not set."""
     return lambda value: None if value is None else read(value)
 
 

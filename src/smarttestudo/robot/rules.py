@@ -89,7 +89,7 @@ class LiveRuleFiles:
         self._numbers = count()
 
     def states(self) -> FileStates:
-        """What changes when one of the files does."""
+        """State of the files, which changes when one of them does."""
         return file_states([*self._rules, *([] if self._profile is None else [self._profile])])
 
     def size_bytes(self) -> int:
@@ -180,7 +180,7 @@ class RuleWatch:
         self._read = None
 
     def take(self) -> Iterator[Reading]:
-        """What was read since the last call, in order."""
+        """Readings since the last call, in order."""
         with suppress(Empty):
             while True:
                 yield self._readings.get_nowait()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a live run does now, from its loop, what its topics are linked to, and the time between looks."""
+"""Status of a live run: from its loop, what its topics are linked to, and the time between looks."""
 
 from __future__ import annotations
 

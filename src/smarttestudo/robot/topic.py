@@ -21,7 +21,7 @@ RECORDED_SUBSCRIPTION_DEPTH = 100
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiveSource:
-    """What the publishers of a topic have in common.
+    """Source of a topic: what its publishers have in common.
 
     ``other_types`` are types that some publish beside ``type_name``; those publishers do not count. ``gids``
     are those of the publishers, of the last ones where none is left; a source with others is still the same.
@@ -35,7 +35,7 @@ class LiveSource:
 
     @property
     def subscription_qos(self) -> Qos:
-        """What a subscription asks for, ``qos`` being what a publisher offers."""
+        """QoS that a subscription asks for, ``qos`` being what a publisher offers."""
         if not self.qos.transient_local:
             return self.qos
         return replace(self.qos, depth=max(LATCHED_SUBSCRIPTION_DEPTH, self.qos.depth))
@@ -76,7 +76,7 @@ def suits(had: LiveSource, now: LiveSource) -> bool:
 
 
 def not_offered(offered: Qos, subscriber: Endpoint) -> tuple[str, ...]:
-    """What ``subscriber`` requests beyond ``offered``; if there is anything, it receives nothing."""
+    """Policies that ``subscriber`` requests beyond ``offered``; if there are any, it receives nothing."""
     unmet = {
         "reliable delivery": subscriber.reliable and not offered.reliable,
         "transient local durability": subscriber.transient_local and not offered.transient_local,
@@ -86,7 +86,7 @@ def not_offered(offered: Qos, subscriber: Endpoint) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicLink:
-    """What a relayed topic is connected to on the graph.
+    """Connections of a relayed topic on the graph.
 
     ``incompatible`` are the nodes among the ``subscribers`` of the output that its QoS cannot serve.
     """
@@ -176,7 +176,7 @@ class PublisherPool:
 
 
 class OpenTopic:
-    """What is open for one topic, following its source.
+    """Subscription and publisher that are open for one topic, following its source.
 
     ``output`` is its output topic, ``None`` if it is only watched. ``unheard`` are publishers whose
     messages are dropped. Of one that ``is_recorded``, more may wait. ``problem`` says why nothing is open:

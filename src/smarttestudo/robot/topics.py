@@ -40,7 +40,7 @@ class EndpointCache:
         self._looks = 0
 
     def look(self, topics: Iterable[str], *, has_changed: bool = False) -> list[str]:
-        """Those of ``topics`` whose endpoints are not what they were at the last look.
+        """Topics among ``topics`` whose endpoints are not what they were at the last look.
 
         ``has_changed`` says that the graph is known to have changed since.
         """
@@ -205,7 +205,7 @@ class LiveTopics:
             self._warn_once(str(error))
 
     def links(self) -> dict[str, TopicLink]:
-        """What each relayed topic is connected to."""
+        """Connections of each relayed topic."""
         return {
             topic: topic_link(
                 self._robot, live.output, live.source, self._subscribers.of(live.output), live.problem
@@ -234,7 +234,7 @@ class LiveTopics:
         return self._watched | self._recorded | self._latched() | listened | leaders
 
     def _latched(self) -> frozenset[str]:
-        """What every incident holds, if there can be any."""
+        """Latched topics, which every incident holds, if there can be any."""
         if not self._recorded:
             return frozenset()
         topics = self._topics.items()

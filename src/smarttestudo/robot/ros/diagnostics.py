@@ -15,7 +15,7 @@ DEPTH = 10
 
 
 def diagnostics_publisher(node: Any, topic: str, clock: Any) -> Callable[[Sequence[Diagnostic]], None]:
-    """What sends a DiagnosticArray, stamped by ``clock``, on ``topic``; both may raise ``RosError``."""
+    """Sender of a DiagnosticArray, stamped by ``clock``, on ``topic``; both may raise ``RosError``."""
     array_type = message_type("diagnostic_msgs/msg/DiagnosticArray", topic)
     status_type = message_type("diagnostic_msgs/msg/DiagnosticStatus", topic)
     value_type = message_type("diagnostic_msgs/msg/KeyValue", topic)

@@ -17,7 +17,7 @@ _LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
 
 
 def discovery_variables(discovery: DiscoveryRange) -> Mapping[str, str]:
-    """What the environment must have, so that nodes of this ROS look as far as ``discovery``."""
+    """Environment variables with which nodes of this ROS look as far as ``discovery``."""
     variables = {_RANGE: discovery.name}
     if _LOCALHOST_ONLY in os.environ or not _knows_ranges():
         variables[_LOCALHOST_ONLY] = "1" if discovery is DiscoveryRange.LOCALHOST else "0"

@@ -68,7 +68,7 @@ class GraphRobots:
             was_set(elsewhere)
 
     def topics(self, robot_id: str | None, got: GotTopics) -> None:  # noqa: ARG002 - all share one graph
-        """What the robots' own nodes publish."""
+        """Tell ``got`` the topics that the robots' own nodes publish."""
         try:
             got(topic_types(self._robot))
         except RosError as error:

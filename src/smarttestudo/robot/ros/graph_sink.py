@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What arrives over a link, published into the local ROS graph."""
+"""Publication of what arrives over a link into the local ROS graph."""
 
 from __future__ import annotations
 

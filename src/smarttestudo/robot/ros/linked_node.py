@@ -74,7 +74,7 @@ class LinkedNode(RosNode):
         return local + self._link.state.is_connected
 
     def text_publisher(self, topic: str, qos: Qos, *, goes_over_link: bool = True) -> Callable[[str], None]:
-        """What sends a std_msgs/msg/String on ``topic``, on the graph and, where wanted, over the link."""
+        """Sender of a std_msgs/msg/String on ``topic``: on the graph and, where wanted, over the link."""
         publish_here = super().text_publisher(topic, qos)
         self._told_here.add(topic)
         if not goes_over_link:
@@ -88,7 +88,7 @@ class LinkedNode(RosNode):
         return publish
 
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
-        """What sends a DiagnosticArray on ``topic`` of the graph: they are for the robot itself."""
+        """Sender of a DiagnosticArray on ``topic`` of the graph: they are for the robot itself."""
         self._told_here.add(topic)
         return super().diagnostics_publisher(topic)
 

@@ -155,7 +155,7 @@ class RosNode:
         return name
 
     def publishers(self, topic: str) -> Sequence[Endpoint]:
-        """Who publishes ``topic`` now, as far as discovered."""
+        """Publishers of ``topic`` now, as far as discovered."""
         with ros_errors(topic):
             return [_endpoint(one) for one in self._node.get_publishers_info_by_topic(topic)]
 
@@ -166,7 +166,7 @@ class RosNode:
         return count
 
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
-        """Who subscribes to ``topic`` now, as far as discovered."""
+        """Subscribers of ``topic`` now, as far as discovered."""
         with ros_errors(topic):
             return [_endpoint(one) for one in self._operators.get_subscriptions_info_by_topic(topic)]
 
@@ -182,7 +182,7 @@ class RosNode:
             return [_endpoint(one) for one in self._node.get_subscriptions_info_by_topic(topic)]
 
     def own_publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
-        """What publishes on ``topic`` among the robot's own nodes, from any thread. Raises ``RosError``."""
+        """Publisher of ``topic`` among the robot's own nodes, for any thread. Raises ``RosError``."""
         return RclpyPublisher(self._node, topic, type_name, qos)
 
     def topics(self) -> Mapping[str, Sequence[str]]:
@@ -199,7 +199,7 @@ class RosNode:
         return message_definition(type_name)
 
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
-        """What sends a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
+        """Sender of a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
         return diagnostics_publisher(self._operators, topic, self._clock)
 
     def text_publisher(
@@ -209,7 +209,7 @@ class RosNode:
         *,
         goes_over_link: bool = True,  # noqa: ARG002 - this one has no link
     ) -> Callable[[str], None]:
-        """What sends a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
+        """Sender of a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
         text_type = message_type("std_msgs/msg/String", topic)
         with ros_errors(topic):
             publisher = self._operators.create_publisher(text_type, topic, qos_profile(qos))

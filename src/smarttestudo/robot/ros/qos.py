@@ -33,7 +33,7 @@ def is_transient_local(profile: Any) -> bool:
 
 
 def further_policies(profile: Any) -> tuple[str, ...]:
-    """What a discovered subscriber requests that publishers with ``qos_profile`` do not offer."""
+    """Policies that a discovered subscriber requests and publishers with ``qos_profile`` do not offer."""
     asked = {
         "a deadline": _is_finite(profile.deadline),
         "manual liveliness": profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC,

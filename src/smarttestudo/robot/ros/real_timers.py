@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 @dataclass(slots=True)
 class RealTimer:
-    """What is done again and again; ``due_s`` is the next time."""
+    """Timer that acts again and again; ``due_s`` is the next time."""
 
     period_s: float
     act: Callable[[], float | None]

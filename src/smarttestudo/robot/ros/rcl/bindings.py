@@ -91,7 +91,7 @@ class RclLibrary:
         self._set_callback(self._on_new_request, service, event_fd)
 
     def graph_guard_condition(self, node: int) -> int:
-        """What is triggered when the graph changes as ``node`` sees it. Raises ``RosError``."""
+        """Guard condition, triggered when the graph changes as ``node`` sees it. Raises ``RosError``."""
         condition: int | None = self._graph_guard_condition(node)
         if condition is None:
             raise self.error(RCL_RET_ERROR)

@@ -193,4 +193,4 @@ def _require_event(node: Any, event_fd: int) -> None:
 
 
 def _never_called() -> None:
-    """What rclpy wants for a callback."""
+    """Callback that rclpy requires and never calls."""

@@ -92,7 +92,7 @@ class RclpyPart:
                 self._known.add(entity)
 
     def _entities(self) -> Iterator[tuple[Callable[[int, int | None], None], Any]]:
-        """What rclpy has a callback for, and what has one woken for it."""
+        """Entities for which rclpy has a callback, each after the function that has one woken for it."""
         for service in self._node.services:
             yield self._library.wake_on_request, service
         for subscription in self._node.subscriptions:

@@ -86,7 +86,7 @@ class RclSubscription:
 
 
 def _never_called(message: object) -> None:
-    """What rclpy wants for a callback."""
+    """Callback that rclpy requires and never calls."""
 
 
 MAX_PUBLISHERS = 256
@@ -94,7 +94,7 @@ MAX_PUBLISHERS = 256
 
 
 class MessageNumbers:
-    """What follows from the numbers of one topic's messages: how many were sent, lost, or came twice.
+    """Numbers of one topic's messages, and what follows: how many were sent, lost, or came twice.
 
     ``sent`` counts from each publisher's first message that came. What is skipped while resting is not lost.
     """

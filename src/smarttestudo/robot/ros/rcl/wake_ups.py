@@ -12,7 +12,7 @@ MOST_AT_ONCE = 16
 
 
 class Served(Protocol):
-    """What has messages to deliver, those of high ``priority`` first."""
+    """Source of messages to deliver; those of high ``priority`` come first."""
 
     priority: float
 
