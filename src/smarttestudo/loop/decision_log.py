@@ -24,9 +24,10 @@ class DecisionLogError(TestudoError):
 
 @contextmanager
 def decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
-    """What the block is given appends decisions; the log appears at ``path`` once the block ends well.
+    """Write a log of decisions: the block is given a function that appends decisions.
 
-    Raises ``OutputFileError`` where that is not possible, before the block if it is known by then.
+    The log appears at ``path`` once the block ends well. Raises ``OutputFileError`` where that is not
+    possible, before the block if it is known by then.
     """
     with whole_file(path, _CONTENT) as write:
         yield lambda decisions: write("".join(f"{_line(decision)}\n" for decision in decisions))
@@ -34,9 +35,9 @@ def decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
 
 @contextmanager
 def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
-    """What the block is given appends decisions to the file at ``path`` at once, so that a crash loses none.
+    """Append to a log of decisions: the block is given a function that writes decisions to ``path`` at once.
 
-    Raises ``OutputFileError`` where that is not possible.
+    A crash loses none. Raises ``OutputFileError`` where that is not possible.
     """
     try:
         file = path.open("a", encoding="utf-8")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a live loop was given, on disk: one JSON object a line, in order."""
+"""Log of a live loop's inputs, on disk: one JSON object a line, in order."""
 
 from __future__ import annotations
 
@@ -25,9 +25,10 @@ MAX_LINE_BYTES = 64_000_000
 
 @contextmanager
 def input_log(folder: Path) -> Iterator[Callable[[RecordedInput], None]]:
-    """What the block is given appends an input to a new log in ``folder``; a crash costs the last ones.
+    """Write a new log in ``folder``: the block is given a function that appends an input.
 
-    A failure before the first leaves none, so that the next try may have the folder.
+    A crash costs the last ones. A failure before the first leaves none, so that the next try may have the
+    folder.
 
     Raises ``OutputFileError`` where it cannot be written, or where ``folder`` holds a log already.
     """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a loop is given, live or from a recording. Stamps are the loop's own time."""
+"""Inputs of a loop, live or from a recording. Stamps are the loop's own time."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def meter(knowledge: Knowledge, topic: str, size_bytes: int, clock_ns: int) -> b
 def _meter(
     knowledge: Knowledge, observation: Arrival | SourceChanged | ListenersChanged, now_ns: int
 ) -> None:
-    """What the link's budget makes of an observation."""
+    """Record an observation for the link's budget."""
     topic, is_over = observation.topic, False
     match observation:
         case Arrival(size_bytes=size_bytes):

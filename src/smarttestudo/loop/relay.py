@@ -40,7 +40,7 @@ class Relayed(NamedTuple):
 
 
 class ReckonedPicture(NamedTuple):
-    """What receivers reckon of a topic, and within which bounds, by property; infinite where there is none.
+    """Picture that receivers reckon of a topic, with bounds by property; infinite where there is none.
 
     ``number`` is another one when they have to begin anew with the next message. Where the motion comes from
     the last two messages, ``needs_every_message``.
@@ -157,7 +157,7 @@ class Relay:
         return self._apply_accuracy(now_ns)
 
     def begin_picture(self, now_ns: int) -> None:
-        """What receivers show begins anew: the newest message is due where there are bounds."""
+        """Begin receivers' picture anew: the newest message is due where there are bounds."""
         self._picture_number += 1
         if isinstance(self.pacer, TopicPacer):
             self.pacer.forget_receivers(now_ns)
@@ -174,7 +174,7 @@ class Relay:
 
     @property
     def reckoned_picture(self) -> ReckonedPicture | None:
-        """What receivers reckon; ``None`` where they show the last value."""
+        """Picture that receivers reckon; ``None`` where they show the last value."""
         accuracy = self._accuracy
         if accuracy is None or not self._is_reckoned or isinstance(self.pacer, Follower):
             return None
@@ -224,7 +224,7 @@ class Relay:
         return self._relayed(self.pacer.set_stale_after(self._stale_after_ns, now_ns), now_ns)
 
     def offer(self, given: MessageInput) -> Sequence[Relayed]:
-        """What passes now that a message arrived."""
+        """Pace a message that arrived: return what passes now."""
         now_ns, payload, size_bytes = given.stamp_ns, given.payload, given.size_bytes
         self.statistics.arrived.record(now_ns, size_bytes)
         sample = Sample(payload, size_bytes, given.publisher)
@@ -241,7 +241,7 @@ class Relay:
         return self._relayed(passes, now_ns) if passes else ()
 
     def wake(self, now_ns: int) -> Sequence[Relayed]:
-        """What passes now without a message."""
+        """Messages that pass now without a new one."""
         return self._relayed(self.pacer.wake(now_ns), now_ns)
 
     def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:

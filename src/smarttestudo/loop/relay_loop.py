@@ -75,7 +75,7 @@ class RelayLoop:
 
     @property
     def triggered(self) -> Callable[[Trigger], None] | None:
-        """What is told of each block that begins to record, at once, and of those that do from the start."""
+        """Function told of each block that begins to record, at once, and of those that do from the start."""
         return self._triggered
 
     @triggered.setter
@@ -94,7 +94,7 @@ class RelayLoop:
         return relays_ns if step_ns is None or relays_ns < step_ns else step_ns
 
     def take(self, given: LoopInput) -> Sequence[Relayed]:
-        """What to publish at once, now that this happened.
+        """Take an input: return what to publish at once.
 
         A message is itself paced by the plan that it may change.
         """
@@ -178,9 +178,10 @@ class RelayLoop:
         return relayed
 
     def _take_rules(self, given: RulesInput) -> Sequence[Relayed]:
-        """What is known of the robot stays, and so do the pacers of topics that are relayed before and after.
+        """Exchange the rules.
 
-        None of their messages is lost. The driver must report sources again that are new to the rules.
+        Knowledge of the robot stays, and so do the pacers of topics that are relayed before and after: none
+        of their messages is lost. The driver must report sources again that are new to the rules.
         """
         rule_set, profile, now_ns = given.rule_set, given.profile, given.stamp_ns
         relayed = [*self._pass_time(now_ns)]
@@ -226,7 +227,7 @@ class RelayLoop:
         return () if wake_ns is None or wake_ns > now_ns else self.relays.wake(now_ns)
 
     def _restarted(self, now_ns: int) -> Sequence[Relayed]:
-        """What passes because the clock jumped back."""
+        """Messages that pass because the clock jumped back."""
         before_ns, self._now_ns = self._now_ns, now_ns
         if now_ns >= before_ns:
             return ()

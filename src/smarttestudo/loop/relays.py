@@ -48,7 +48,7 @@ class Relays:
 
     @property
     def statistics(self) -> Mapping[str, RelayStatistics]:
-        """What each relay did so far."""
+        """Statistics of each relay so far."""
         return {topic: relay.statistics for topic, relay in self._relays.items()}
 
     @property
@@ -88,7 +88,7 @@ class Relays:
 
     @property
     def pictures(self) -> Mapping[str, ReckonedPicture]:
-        """What receivers reckon of each topic that has bounds and is reckoned."""
+        """Picture that receivers reckon of each topic that has bounds and is reckoned."""
         if not self._reckoned:
             return {}
         found = {topic: relay.reckoned_picture for topic, relay in self._relays.items()}
@@ -157,7 +157,7 @@ class Relays:
         return relayed
 
     def offer(self, given: MessageInput) -> Sequence[Relayed]:
-        """What to relay now that a message arrived; nothing for topics without a relay."""
+        """Pace a message that arrived: return what to relay now; nothing for topics without a relay."""
         topic = given.topic
         relay = self._relays.get(topic)
         if relay is None:
@@ -167,7 +167,7 @@ class Relays:
         return [*relayed, *_followed(relay, given.stamp_ns)] if relay.followers else relayed
 
     def wake(self, now_ns: int) -> list[Relayed]:
-        """What to relay by ``now_ns`` without a message."""
+        """Messages to relay by ``now_ns`` without a new one."""
         relayed: list[Relayed] = []
         for topic in self._alarms.take_due(now_ns):
             relay = self._relays[topic]
@@ -209,7 +209,7 @@ class Relays:
 
 
 def _followed(relay: Relay, now_ns: int) -> list[Relayed]:
-    """What passes of the topics that are paced with ``relay`` after something happened to it."""
+    """Messages of topics paced with ``relay`` that pass after something happened to it."""
     return [
         relayed
         for follower in relay.followers

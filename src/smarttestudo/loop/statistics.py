@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a relay did. Where the clock jumps back, time stands still."""
+"""Statistics of a relay. Where the clock jumps back, time stands still."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class TargetRate:
 
 
 class FrameFlows:
-    """What came and what went of each child frame of a topic of transforms, of the first 4096."""
+    """Flows of each child frame of a topic of transforms, in and out, of the first 4096."""
 
     __slots__ = ("arrived", "relayed")
 

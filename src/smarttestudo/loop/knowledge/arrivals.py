@@ -70,7 +70,7 @@ _LONGEST_NS = 2**62
 
 
 class Arrivals:
-    """Those of the three that checks read, and when time alone takes one of them across a cut."""
+    """Arrival properties that checks read, and when time alone takes one of them across a cut."""
 
     __slots__ = ("_ages_ns", "_cuts", "_window", "_window_is_read")
 

@@ -44,11 +44,11 @@ class SteadyTime:
         return steady_ns
 
     def at(self, clock_ns: int) -> int:
-        """What ``advance`` would return; nothing changes."""
+        """Time that ``advance`` would return; nothing changes."""
         return max(self.now_ns, clock_ns + self._behind_ns)
 
     def on_clock(self, steady_ns: int) -> int:
-        """What the clock will show at ``steady_ns``, unless it jumps again."""
+        """Time that the clock will show at ``steady_ns``, unless it jumps again."""
         return steady_ns - self._behind_ns
 
 
@@ -148,7 +148,7 @@ class Knowledge:
 
     @property
     def budget_kb_per_s(self) -> float | None:
-        """What all relayed topics together may take; ``None`` where nothing limits them."""
+        """Bandwidth that all relayed topics together may take; ``None`` where nothing limits them."""
         if self.link is None:
             return None
         budget_kb_per_s = self.link.budget_kb_per_s
@@ -171,7 +171,7 @@ class Knowledge:
         return watched is not None and bool(watched.fields)
 
     def values_of(self, block: int | None, now_ns: int) -> dict[str, float | None]:
-        """What the condition of the block of that order reads at ``now_ns``, by signal name."""
+        """Values that the condition of the block of that order reads at ``now_ns``, by signal name."""
         if block is None:
             return {}
         signals = self.evaluator.reads(block)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What each topic takes of the link, and the rates that fit the budget."""
+"""Bandwidth of each topic on the link, and the rates that fit the budget."""
 
 from __future__ import annotations
 
@@ -183,7 +183,7 @@ class LinkUse:
 
     @property
     def budget_kb_per_s(self) -> float:
-        """What the topics may take."""
+        """Bandwidth that the topics may take."""
         return self._keeper.budget_kb_per_s
 
     @property
