@@ -109,7 +109,7 @@ class BoundStreams(Streams[BoundStream]):
         self.records = records
 
     def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
-        """What passes now that ``sample`` arrived: the sample or nothing."""
+        """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
         streams = self._streams_of(sample, now_ns)
         errors = self._picture.errors(sample.readings, sample.publisher)
         is_off_bound = self._is_off_bound(errors)

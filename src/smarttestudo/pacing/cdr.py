@@ -101,7 +101,7 @@ class FrameReader:
         self._known: dict[int, _Transforms] = {}
 
     def child_frames(self, payload: Payload) -> tuple[str, ...]:
-        """What ``child_frames`` gives for ``payload``."""
+        """Result of the function ``child_frames`` for ``payload``."""
         return self._read(payload).frames
 
     def transforms(self, payload: Payload) -> list[Transform]:

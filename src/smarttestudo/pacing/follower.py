@@ -13,7 +13,7 @@ from smarttestudo.pacing.sample import Pacer, Pass, Sample
 
 
 class Holder(Protocol):
-    """What knows which samples are held back."""
+    """Holder of samples, which knows those that are held back."""
 
     def holds(self, sample: Sample) -> bool:
         """Whether ``sample`` did not pass, but still may."""
@@ -114,7 +114,7 @@ class Follower(Pacer):
         return len(self._pending)
 
     def offer(self, sample: Sample, _now_ns: int, /) -> Sequence[Pass]:
-        """What to relay now that ``sample`` arrived: the sample or nothing."""
+        """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
         if self._is_off:
             return ()
         if self.leader_is_full:
@@ -128,7 +128,7 @@ class Follower(Pacer):
         return self._pass(sample) if verdict else ()
 
     def wake(self, _now_ns: int, /) -> Sequence[Pass]:
-        """What to relay now after the leader's decisions."""
+        """Samples to relay now after the leader's decisions."""
         passes, self._outbox = self._outbox, []
         self.wake_ns = None
         return passes

@@ -14,7 +14,7 @@ from smarttestudo.pacing.reckoning.gauges import Reading
 
 
 class WhenSlow(Enum):
-    """What a relay does when its target is above its source."""
+    """Behaviour of a relay when its target is above its source."""
 
     PASS = "pass"  # noqa: S105 - a mode, not a password
     REPEAT = "repeat"
@@ -75,10 +75,10 @@ class Pacer(Protocol):
         """When ``wake`` may have something to relay, or earlier; ``None`` while nothing waits."""
 
     def offer(self, sample: Sample, now_ns: int, /) -> Sequence[Pass]:
-        """What to relay now that ``sample`` arrived: the sample or nothing."""
+        """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
 
     def wake(self, now_ns: int, /) -> Sequence[Pass]:
-        """What to relay now without a message."""
+        """Samples to relay now without a new one."""
 
     def set_rate(self, rate_hz: float, now_ns: int, /) -> None:
         """Aim at another rate from now on: infinite is Full, 0 is Off; ValueError if negative or NaN."""

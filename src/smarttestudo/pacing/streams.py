@@ -45,14 +45,14 @@ class Streams(ABC, Generic[AnyStream]):
 
     @abstractmethod
     def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
-        """What passes now that ``sample`` arrived: the sample or nothing."""
+        """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
 
     @abstractmethod
     def holds(self, sample: Sample) -> bool:
         """Whether ``sample`` did not pass, but still may."""
 
     def wake(self, now_ns: int) -> Sequence[Pass]:
-        """What passes now without a message."""
+        """Samples that pass now without a new one."""
         if now_ns < self.wake_ns:
             return ()
         passes: list[Pass] = []
@@ -121,7 +121,7 @@ class FrameStreams(Streams[VolatileStream]):
         super().__init__(VolatileStream, pace)
 
     def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
-        """What passes now that ``sample`` arrived: the sample or nothing."""
+        """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
         streams = self._streams_of(sample, now_ns)
         is_due = False
         for stream in streams:
@@ -164,7 +164,7 @@ class PublisherStreams(Streams[AnyStream]):
     __slots__ = ()
 
     def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
-        """What passes now that ``sample`` arrived: the sample or nothing."""
+        """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
         stream = self._streams.get(sample.publisher) or self._open_stream(sample.publisher, now_ns)
         passes = stream.offer(sample, now_ns)
         release_ns = stream.release_ns

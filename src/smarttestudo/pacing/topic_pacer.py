@@ -23,7 +23,7 @@ AnyStreams = Streams[VolatileStream] | Streams[LatchedStream] | Streams[RepeatSt
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Accuracy:
-    """What a topic's picture is kept within: a bound for each property that ``picture`` measures.
+    """Accuracy of a topic's picture: a bound for each property that ``picture`` measures.
 
     ``heartbeat_hz`` passes all the same; ``records`` are written to.
     """
@@ -88,7 +88,7 @@ class TopicPacer(Pacer):
         return is_volatile and not self._notifier.followers
 
     def offer(self, sample: Sample, now_ns: int, /) -> Sequence[Pass]:
-        """What to relay now that ``sample`` arrived: the sample or nothing."""
+        """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
         self._see(now_ns)
         passes = self._streams.offer(sample, now_ns)
         if self._notifier.followers:
@@ -96,7 +96,7 @@ class TopicPacer(Pacer):
         return passes
 
     def wake(self, now_ns: int, /) -> Sequence[Pass]:
-        """What to relay now without a message: final messages, due samples, repetitions."""
+        """Samples to relay now without a new one: final messages, due samples, repetitions."""
         self._see(now_ns)
         passes = self._streams.wake(now_ns)
         if passes and self._notifier.followers:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What can be reckoned of messages: their parts, how each moves, and how far two states of it are apart."""
+"""Gauges of messages: their parts, how each moves, and how far two states of it are apart."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Distance = Callable[[Any, Any], float]
 
 
 class MovingPart(NamedTuple):
-    """What a message says of one thing: ``state`` at ``at_ns``.
+    """Part of a message that says how one thing is: ``state`` at ``at_ns``.
 
     ``name`` is that of a child frame or joint, or empty where a message says one thing. States of different
     ``frames`` cannot be compared. Where the message ``has_stamp``, that is ``at_ns``, else its arrival.
@@ -77,7 +77,7 @@ class Gauge(Protocol):
         """How ``part`` moves on, given the part of that name that a receiver got ``before``."""
 
     def after(self, state: Any, motion: Any, elapsed_s: float) -> Any:
-        """What a receiver that reckons shows ``elapsed_s`` after ``state``."""
+        """State that a receiver which reckons shows ``elapsed_s`` after ``state``."""
 
     def written(self, payload: bytes, parts: Reading, within: Mapping[str, float]) -> bytes | None:
         """``payload`` with these of its parts, moved on, and no others; ``None`` if its type stays.

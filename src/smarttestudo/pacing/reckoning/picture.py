@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a receiver shows of a topic, made from the messages that it got."""
+"""Picture that a receiver shows of a topic, made from the messages that it got."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Picture:
         self._silent_after_ns = silent_after_ns(heartbeat_hz)
 
     def read(self, payload: bytes, message: object | None, now_ns: int) -> tuple[Reading | None, ...]:
-        """What a message says, a reading for each gauge; ``None`` where it cannot be read."""
+        """Readings of a message, one for each gauge; ``None`` where it cannot be read."""
         return tuple(gauge.read(payload, message, now_ns) for gauge in self._gauges)
 
     def errors(self, readings: Sequence[Reading | None], publisher: Hashable) -> dict[str, float]:
@@ -145,7 +145,7 @@ class Picture:
             known.clear()
 
     def forget_publisher(self, publisher: Hashable) -> None:
-        """What ``publisher`` said is void."""
+        """Forget all that ``publisher`` said."""
         for known in self._shown:
             for key in [key for key, shown in known.items() if shown.publisher == publisher]:
                 del known[key]
@@ -169,7 +169,7 @@ class Picture:
 
 
 def _same(gauge: Gauge, known: Mapping[Hashable, Shown], part: MovingPart) -> Iterator[Shown]:
-    """What is shown of the thing that ``part`` is of, whoever said it."""
+    """State that is shown of the thing that ``part`` is of, whoever said it."""
     if gauge.is_shared:
         shown = known.get(part.name)
         return iter(() if shown is None else (shown,))
