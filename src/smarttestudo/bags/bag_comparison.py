@@ -23,7 +23,7 @@ class BagComparison:
 
     @property
     def names(self) -> frozenset[str]:
-        """What the topics are called in either recording."""
+        """Names of the topics in either recording."""
         pairs = self.comparison.topics
         return frozenset(name for pair in pairs for name in (pair.topic, pair.after_topic) if name)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a recording holds: its topics with their numbers."""
+"""Summary of a recording: its topics with their numbers."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ class TypeLibrary:
         return None
 
     def definition_and_digest(self, channel: Channel) -> tuple[str, str]:
-        """What a bag says about the channel's type; empty strings for what nobody knows."""
+        """Definition and digest of the channel's type in a bag; empty strings where nobody knows."""
         if channel.definition is not None and channel.digest:
             return channel.definition, channel.digest
         store = self.store_for(channel)

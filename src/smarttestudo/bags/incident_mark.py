@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a recording that is an incident says of itself: when it happened, which rule, and what is odd."""
+"""Texts of a recording that is an incident: when it happened, which rule, and what is odd."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ def _reason(record: IncidentRecord) -> str:
 
 
 def signal_texts(record: IncidentRecord) -> Iterator[str]:
-    """What the condition read, a text each."""
+    """Values that the condition read, a text each."""
     for signal, value in record.values.items():
         yield f"{signal} = {'unknown' if value is None else format(value, 'g')}"
 
 
 def incident_notices(record: IncidentRecord, span: RecordingSpan) -> Iterator[str]:
-    """What numbers over ``span`` hold beside the window, and what they lack of it."""
+    """Notices on an incident: what numbers over ``span`` hold beside the window, and what they lack of it."""
     extra_s = (record.from_ns - span.start_ns) / NS_PER_S
     if extra_s > 0:
         yield (

@@ -38,7 +38,7 @@ def record_beside(recording: Path) -> IncidentRecord | None:
 
 @contextmanager
 def errors_at(path: Path) -> Iterator[None]:
-    """What the system refuses there, as ``RecordingError``."""
+    """Turn what the system refuses at ``path`` into ``RecordingError``."""
     try:
         yield
     except OSError as error:

@@ -116,7 +116,7 @@ def measure_bag(path: Path, report: Callable[[float], None], *, with_latency: bo
 def measure_run(
     path: Path, report: Callable[[float], None], *, with_places: bool = True, by_transforms: bool = False
 ) -> MeasuredRun:
-    """What ``measure_bag`` gives, and the course of it over time.
+    """Measure a recording as ``measure_bag`` does, and its course over time.
 
     ``with_places`` reads payloads to know where the robot was, ``by_transforms`` from its transforms even
     where it has odometry.
@@ -164,7 +164,7 @@ class _Robot:
             yield channel, stamp_ns, len(payload)
 
     def notices(self) -> Iterator[str]:
-        """What could not be decoded."""
+        """Places of the robot that could not be decoded."""
         if self._undecodable:
             yield f"{grouped(self._undecodable)} places of the robot could not be decoded"
 
@@ -224,7 +224,7 @@ def _summary(
 
 
 def _incident(path: Path, span: RecordingSpan) -> tuple[IncidentRecord | None, tuple[str, ...]]:
-    """What the recording says of itself where it is an incident, and what is odd about it."""
+    """Record of the incident that the recording is, if it is one, and what is odd about it."""
     try:
         record = record_beside(path)
     except RecordingError as error:

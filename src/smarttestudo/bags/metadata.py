@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a bag says about itself, in ``metadata.yaml`` or within a storage file."""
+"""Metadata of a bag, in ``metadata.yaml`` or within a storage file."""
 
 from __future__ import annotations
 

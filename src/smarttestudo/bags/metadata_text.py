@@ -19,7 +19,7 @@ _TRANSIENT_LOCAL, _VOLATILE = 1, 2
 
 
 def offered_qos(qos: Qos) -> str:
-    """What a bag says of a publisher with ``qos``."""
+    """Entry for a publisher with ``qos`` in a bag's metadata."""
     return (
         f"- history: {_KEEP_LAST}\n"
         f"  depth: {qos.depth}\n"

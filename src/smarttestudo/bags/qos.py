@@ -20,7 +20,7 @@ _UNLIMITED = QosTime(9223372036, 854775807)
 
 
 def stored_qos(qos: robot.Qos) -> Qos:
-    """What a bag says of a publisher with ``qos``."""
+    """Stored form of a publisher's ``qos``, as a bag has it."""
     return Qos(
         history=QosHistory.KEEP_LAST,
         depth=qos.depth,

@@ -26,7 +26,7 @@ ChannelKey = tuple[str, str]
 
 
 def key_of(channel: Channel) -> ChannelKey:
-    """What makes a channel one of a kind: topic and type."""
+    """Key of a channel: topic and type."""
     return channel.topic, channel.type_name
 
 
@@ -144,15 +144,15 @@ class RosbagRecording:
         return self._in_time_order(partial(self._messages_of, topics=topics))
 
     def sizes(self) -> Iterator[RecordedSize]:
-        """What ``messages`` gives, with each payload's size in its place and as far as possible unread."""
+        """Results of ``messages``, with each payload's size in its place and as far as possible unread."""
         return self._in_time_order(self._sizes_of)
 
     def heads(self, head_bytes: int) -> Iterator[RecordedHead]:
-        """What ``messages`` gives, of each payload its size and the first ``head_bytes``."""
+        """Results of ``messages``, with each payload's size and its first ``head_bytes`` in its place."""
         return self._in_time_order(partial(self._heads_of, head_bytes=head_bytes))
 
     def notices(self) -> Sequence[str]:
-        """What was lost or odd, one line each; complete once all messages were read."""
+        """Losses and oddities, one line each; complete once all messages were read."""
         lost = [f"{part.path}: {notice}" for part in self._parts for notice in part.file.notices()]
         broken = [
             f"{topic}: {count} messages could not be decompressed and were left out"
@@ -163,7 +163,7 @@ class RosbagRecording:
     def _in_time_order(
         self, read: Callable[[StoredFile], Iterator[tuple[Channel, int, _T]]]
     ) -> Iterator[tuple[Channel, int, _T]]:
-        """What ``read`` gives of all files, merged."""
+        """Results of ``read`` of all files, merged."""
         filled = [part.file for part in self._parts if part.file.message_count]
         return read(filled[0]) if len(filled) == 1 else _merged(filled, read)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What arrives over a link, recorded."""
+"""Recording of what arrives over a link."""
 
 from __future__ import annotations
 

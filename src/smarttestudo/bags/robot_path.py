@@ -171,7 +171,7 @@ class TransformPlaces:
 def places_in(
     channels: Sequence[Channel], decoder: MessageDecoder, start_ns: int, *, by_transforms: bool
 ) -> PathReader | None:
-    """What says where the robot of a recording with ``channels`` was; ``None`` if nothing does.
+    """Reader of the robot's places in a recording with ``channels``; ``None`` if nothing says them.
 
     That is a topic whose poses are in the frame ``map``, ``/amcl_pose`` before others. Else it is the
     odometry, ``/odom`` before others, else the transforms; ``by_transforms`` takes those before any topic.

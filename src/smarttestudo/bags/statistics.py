@@ -37,7 +37,7 @@ class RecordingSpan:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicStatistics:
-    """What a topic carried in a recording.
+    """Statistics of a topic in a recording.
 
     ``start_s`` and ``end_s`` are the topic's first and last message, in seconds since the recording's start.
     ``mean_hz`` is (n − 1) / (last − first). ``binned_hz`` is the mean count of the epoch-aligned 1 s bins

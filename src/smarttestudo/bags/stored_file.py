@@ -48,13 +48,13 @@ class StoredFile(Protocol):
         """The messages of ``channels`` in time order, by number, with their payloads as stored."""
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
-        """What ``messages`` gives, in the same order, each with the first ``head_bytes`` of its payload.
+        """Results of ``messages``, in the same order, each with the first ``head_bytes`` of its payload.
 
         Raises ``OutlineError`` where only ``messages`` can go on.
         """
 
     def notices(self) -> Sequence[str]:
-        """What was lost, one line each."""
+        """Losses, one line each."""
 
     @property
     def readable_share(self) -> float | None:
@@ -101,7 +101,7 @@ class ContinuedFile(ABC):
                 self._readable_share = recovered.readable_share
 
     def notices(self) -> Sequence[str]:
-        """What was lost, once all messages were read."""
+        """Losses, one line each, once all messages were read."""
         return self._damage
 
     @property

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What was planned for a topic over a run, as one number."""
+"""Target of a topic over a run, as one number."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is kept of a topic's messages: how many and how many bytes, second by second."""
+"""Counts of a topic's messages and bytes, second by second."""
 
 from __future__ import annotations
 

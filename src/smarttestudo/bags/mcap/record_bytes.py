@@ -90,7 +90,7 @@ def record(op: Op, content: bytes) -> bytes:
 
 
 def file_start() -> bytes:
-    """What a file begins with."""
+    """Bytes at the beginning of a file."""
     return MAGIC + record(Op.HEADER, _text("ros2") + _text(_LIBRARY))
 
 
@@ -111,7 +111,7 @@ def channel_record(number: int, schema: int, channel: StoredChannel) -> bytes:
 
 
 def chunk_start(chunk: ChunkPlace) -> bytes:
-    """What stands before the records of a chunk."""
+    """Bytes before the records of a chunk."""
     size = chunk.record_bytes
     return CHUNK_START.pack(
         Op.CHUNK, CHUNK_START.size - FRAME.size + size, chunk.first_ns, chunk.last_ns, size, 0, 0, size

@@ -115,11 +115,11 @@ class RecordReader:
         yield from _records_in(records)
 
     def at(self, offset: int) -> Iterator[McapRecord]:
-        """What ``read`` gave for the record whose content starts at ``offset``."""
+        """Records that ``read`` gave for the one whose content starts at ``offset``."""
         return self.read(self._place_at(offset))
 
     def heads(self, place: RecordPlace, head_bytes: int = 0) -> Iterator[McapRecord | MessageHeader]:
-        """What ``read`` gives, without the payloads of messages; damage in them is not seen then."""
+        """Records that ``read`` gives, without the payloads of messages; damage in them is not seen then."""
         if place.opcode == Opcode.MESSAGE:
             yield from self._message_header(place, head_bytes)
             return
@@ -129,7 +129,7 @@ class RecordReader:
             yield _header_of(record, head_bytes) if isinstance(record, Message) else record
 
     def heads_at(self, offset: int, head_bytes: int) -> Iterator[McapRecord | MessageHeader]:
-        """What ``heads`` gives for the record whose content starts at ``offset``."""
+        """Records that ``heads`` gives for the one whose content starts at ``offset``."""
         return self.heads(self._place_at(offset), head_bytes)
 
     def _message_header(self, place: RecordPlace, head_bytes: int) -> Iterator[MessageHeader]:

@@ -96,7 +96,7 @@ class RecoveredMcapFile:
         self._resources.close()
 
     def _in_time_order(self, read: Callable[[int], Iterator[_Found[_T]]]) -> Iterator[_Ordered[_T]]:
-        """What ``read`` finds at each place of the index."""
+        """Content that ``read`` finds at each place of the index, in the order of time."""
         pending: list[_Ordered[_T]] = []
         order = 0
         for start_ns, offset in self._index.places():

@@ -34,7 +34,7 @@ CHUNK_BYTES = 1 << 20
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FileContent:
-    """What a file holds: stamps in ns, messages and bytes of payload by topic.
+    """Content of a file: stamps in ns, messages and bytes of payload by topic.
 
     ``of_types`` are the messages by topic and type, as a topic may have had several types.
     """
@@ -53,7 +53,7 @@ class FileContent:
 
 @dataclass(slots=True, kw_only=True)
 class McapState:
-    """What a file that is being written holds so far.
+    """Content so far of a file that is being written.
 
     Schemas have numbers by type, channels by what they are; messages and bytes are counted by channel.
     ``chunks`` are closed, ``chunk`` is not; ``size_bytes`` is that of the file.
@@ -82,7 +82,7 @@ class McapState:
             self.chunk = None
 
     def content(self) -> FileContent:
-        """What readers find in it."""
+        """Content that readers find in it."""
         filled = [chunk for chunk in self.chunks if chunk.span_ns]
         messages, size_bytes = Counter[str](), Counter[str]()
         of_types = Counter[tuple[str, str]]()

@@ -28,9 +28,10 @@ _MAX_DESCRIPTION_BYTES = 10_000_000
 
 
 def complete_file(path: Path) -> tuple[FileContent, dict[str, StoredChannel]]:
-    """What the file holds, and its channels by topic. One without an end gets one; half a message is cut off.
+    """Complete a file: return its content and its channels by topic.
 
-    Raises ``RecordingError`` for a file of another origin, ``OSError`` where it cannot be written.
+    A file without an end gets one; half a message is cut off. Raises ``RecordingError`` for a file of
+    another origin, ``OSError`` where it cannot be written.
     """
     try:
         with path.open("rb") as file:
@@ -44,9 +45,10 @@ def complete_file(path: Path) -> tuple[FileContent, dict[str, StoredChannel]]:
 
 
 def complete_files(folder: Path) -> tuple[dict[str, FileContent], dict[str, StoredChannel]]:
-    """What the files of an incident hold, by name in the order of time, and their channels by topic.
+    """Complete the files of an incident: return their content by name, and their channels by topic.
 
-    A file that was opened and no more, as the process was killed, is removed. Raises as ``complete_file``.
+    The names are in the order of time. A file that was opened and no more, as the process was killed, is
+    removed. Raises as ``complete_file``.
     """
     files: dict[str, FileContent] = {}
     channels: dict[str, StoredChannel] = {}

@@ -78,7 +78,7 @@ class SqliteFile(ContinuedFile):
         return sqlite_outlines(self._path, channels, head_bytes, self._log)
 
     def notices(self) -> Sequence[str]:
-        """What was lost, once all messages were read."""
+        """Losses, one line each, once all messages were read."""
         damage = super().notices()
         log_notices = () if self._log is None or damage else self._log.notices()
         return [*log_notices, *self._qos.notices, *damage]

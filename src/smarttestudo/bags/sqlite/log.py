@@ -92,7 +92,7 @@ class WriteAheadLog:
         return self.offsets[place]
 
     def notices(self) -> Iterator[str]:
-        """What it does for its database, one line each."""
+        """Effects of the log on its database, one line each."""
         name = self.path.name
         if self.page_numbers:
             yield f"read together with {name} beside it, which holds what is not in it yet"
@@ -104,7 +104,7 @@ class WriteAheadLog:
 
 
 def read_log(database: Path) -> WriteAheadLog | None:
-    """What the log beside ``database`` adds to it; ``None`` if nothing. Takes 12 bytes of memory a page."""
+    """Read the log beside ``database``; ``None`` if it adds nothing. Takes 12 bytes of memory a page."""
     path = database.with_name(database.name + SUFFIX)
     if not path.is_file() or not path.stat().st_size:
         return None
@@ -183,7 +183,7 @@ class _Log:
 
 
 def _last_of_each(pages: array[int]) -> tuple[array[int], list[int]]:
-    """Each of ``pages`` once, rising, and the place of its last occurrence."""
+    """Distinct ``pages``, rising, and the place of the last occurrence of each."""
     places = sorted(range(len(pages)), key=pages.__getitem__)
     last = [
         place

@@ -17,7 +17,7 @@ _WORD_BYTES = 4
 
 
 class PageFile(Protocol):
-    """What pages are read from."""
+    """File that pages are read from."""
 
     def seek(self, offset: int, whence: int = ..., /) -> int:
         """Go to ``offset``; tell where that is."""
