@@ -58,7 +58,7 @@ class BackgroundSink:
 
     @property
     def store(self) -> Store | None:
-        """What takes messages that memory gives up, if there is a ring; those that wait too long are lost."""
+        """Store for messages that memory gives up, if there is a ring; those that wait too long are lost."""
         return None if self._ring is None else partial(self._have_stored, self._ring)
 
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:

@@ -239,7 +239,7 @@ class IncidentFolders:
 
 
 def _first_record(incident: Incident, latched: Sequence[SourceMessage]) -> IncidentRecord:
-    """What is known of an incident as it begins."""
+    """Record of an incident as it begins."""
     trigger, recording = incident.trigger, incident.recording
     return IncidentRecord(
         name=recording.name,

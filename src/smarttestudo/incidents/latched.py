@@ -57,12 +57,12 @@ class LatchedSamples:
 
     @property
     def held_bytes(self) -> int:
-        """What the messages take in memory, with what is kept of those that were given up."""
+        """Bytes in memory for the messages, with what is kept of those that were given up."""
         return self._counting_bytes + self._replaced_bytes + len(self._given_up) * _GIVEN_UP_BYTES
 
     @property
     def replaced_bytes(self) -> int:
-        """What of it may be given up."""
+        """Bytes of those that may be given up."""
         return self._replaced_bytes
 
     def add(self, message: SourceMessage, publisher: Hashable, now_ns: int) -> None:
@@ -109,7 +109,7 @@ class LatchedSamples:
         return sorted(one.message for one in self._all() if one.at_ns >= from_ns)
 
     def given_up_of(self, from_ns: int) -> list[GivenUp]:
-        """What a window from ``from_ns`` on lacks: what counted at its beginning, and what came in it."""
+        """Samples that a window from ``from_ns`` on lacks: those that counted as it began or came in it."""
         found = (one for replaced_ns, one in self._given_up if replaced_ns >= from_ns)
         return sorted(found, key=attrgetter("number"))
 

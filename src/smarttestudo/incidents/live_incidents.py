@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What rules record of a live run."""
+"""Recording of incidents that rules order in a live run."""
 
 from __future__ import annotations
 

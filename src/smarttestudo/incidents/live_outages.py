@@ -83,7 +83,7 @@ class LiveOutages(Part):
             self._origin = MessageOrigin(topic=relayed.topic, stamp_ns=self._robot.now_ns())
 
     def after_publish(self) -> None:
-        """What is published from now on is none of the robot's messages."""
+        """Note that what is published from now on is none of the robot's messages."""
         self._origin = None
 
     def poll(self) -> None:

@@ -32,5 +32,5 @@ class LostMessages:
         )
 
     def missing(self) -> tuple[Missing, ...]:
-        """What an incident says of them."""
+        """Losses for the record of an incident."""
         return tuple(self._topics.values())

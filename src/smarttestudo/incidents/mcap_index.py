@@ -102,7 +102,7 @@ class _Index:
         return next_place
 
     def _add(self, ranges: list[ByteRange], place: int, size_bytes: int) -> None:
-        """What follows on the last range belongs to it, unless it may be the same as elsewhere."""
+        """Add a range; one that follows on the last joins it, unless it may be the same as elsewhere."""
         last = ranges[-1] if ranges else None
         if last is not None and last.offset + last.size_bytes == place and ranges is self._ranges.tail:
             ranges[-1] = ByteRange(self._file, last.offset, last.size_bytes + size_bytes)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an incident lacks of its window."""
+"""Parts of its window that an incident lacks."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def unheard(topic: str, from_ns: int, to_ns: int, reason: MissingReason = Missin
 def missing_for_memory(
     given_up: Mapping[str, Sequence[GivenUp]], is_held: Callable[[int], bool] | None = None
 ) -> Iterator[Missing]:
-    """What memory did not hold of each topic; messages whose number ``is_held`` are there all the same."""
+    """Messages of each topic that memory did not hold; those whose number ``is_held`` are not missing."""
     for topic, messages in given_up.items():
         lacking: Sequence[int] = range(len(messages))
         if is_held is not None:

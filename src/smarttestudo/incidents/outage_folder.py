@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What could not be sent during an outage, as a folder like that of an incident."""
+"""Folder of what could not be sent during an outage, like that of an incident."""
 
 from __future__ import annotations
 

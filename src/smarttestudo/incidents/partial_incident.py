@@ -85,7 +85,7 @@ class PartialIncident:
         self.close()
 
     def write(self, piece: TransferPiece) -> None:
-        """What follows on ``cursor``. Raises ``LinkError`` where it does not lie in the files."""
+        """Write what follows on ``cursor``. Raises ``LinkError`` where it does not lie in the files."""
         place = 0
         for part in piece.parts:
             whole, size = part.whole, part.size_bytes
@@ -159,7 +159,7 @@ class PartialIncident:
             return
 
     def _unfinished_states(self) -> list[str]:
-        """What is left of a state whose process was killed as it wrote it."""
+        """Names of files left by a process that was killed as it wrote the state."""
         with os.scandir(self.path) as entries:
             return [
                 one.name
@@ -170,7 +170,7 @@ class PartialIncident:
             ]
 
     def _read_state(self) -> Mapping[str, object]:
-        """What an earlier fetch saved; nothing where there was none, or that cannot be read."""
+        """State that an earlier fetch saved; empty where there was none, or where it cannot be read."""
         try:
             state = json.loads((self.path / STATE_NAME).read_bytes())
         except (OSError, ValueError, RecursionError):

@@ -41,7 +41,7 @@ Store = Callable[[SourceMessage, int, int], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Incident:
-    """What one ``Record`` keeps because of one trigger, between two stamps of the clock, both included.
+    """Incident that one ``Record`` keeps for one trigger, between two stamps of the clock, both included.
 
     ``rules_sha256`` is that of the texts of the rules. ``from_number`` is that of the first message that came
     in the window; ``given_up`` are those, by topic, that memory did not hold any more.
@@ -125,7 +125,7 @@ class IncidentRecorder:
 
     @property
     def held_bytes(self) -> int:
-        """What all messages take in memory."""
+        """Bytes in memory for all messages."""
         return self._ring_bytes + sum(self._latched_bytes.values())
 
     @property
@@ -308,7 +308,7 @@ class IncidentRecorder:
     def _unheard(
         self, incident: Incident, rings: Sequence[tuple[str, TopicRing]], from_ns: int
     ) -> Iterator[Missing]:
-        """What nobody heard in the window before its trigger, by topic."""
+        """Parts of the window before its trigger in which nobody heard a topic, by topic."""
         window_ns = incident.from_ns, incident.trigger.stamp_ns
         for topic, ring in rings:
             if ring.since is not None:
@@ -326,7 +326,7 @@ class IncidentRecorder:
     def _given_up(
         self, gone: Mapping[str, Sequence[GivenUp]], inside: Sequence[SourceMessage], from_ns: int
     ) -> dict[str, Sequence[GivenUp]]:
-        """What memory gave up of a window, by topic: ``gone`` from the rings, but for what is ``inside``."""
+        """Messages of a window that memory gave up, by topic: ``gone`` from the rings less ``inside``."""
         found = {topic: _without(each, topic, inside) for topic, each in gone.items()}
         for topic, samples in self._latched.items():
             # A ring knows what came in the window.

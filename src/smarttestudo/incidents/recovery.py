@@ -20,7 +20,7 @@ from smarttestudo.incidents.folders import finish_folder, finished_record
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CompletedIncident:
-    """What became of a folder that was not whole; ``error`` says why it stays as it was."""
+    """Result for a folder that was not whole; ``error`` says why it stays as it was."""
 
     name: str
     messages: int = 0

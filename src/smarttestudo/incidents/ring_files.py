@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What memory had no room for, on disk until no window may ask for it any more."""
+"""Ring on disk of messages that memory had no room for, until no window may ask for them any more."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class RingFiles:
         self.problem = None
 
     def messages(self, given_up: Mapping[str, Sequence[GivenUp]]) -> list[StoredMessage]:
-        """Those of the messages that are there, in their order; valid until the next is stored."""
+        """Messages among those given up that are there, in their order; valid until the next is stored."""
         wanted = {one.number: (topic, one.stamp_ns) for topic, given in given_up.items() for one in given}
         found = [
             StoredMessage(number=number, topic=topic, stamp_ns=stamp_ns, file=file, index=index)

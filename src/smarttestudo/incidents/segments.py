@@ -49,7 +49,7 @@ class BagFolder:
         self.files.insert(0, self.files.pop())
 
     def contents(self) -> dict[str, FileContent]:
-        """What is in its files by name, in the order of time; all of them are closed."""
+        """Content of its files by name, in the order of time; all of them are closed."""
         contents = [(name, segment.content) for name, segment in self.files if segment.content is not None]
         # Some readers go through one file after the other.
         return dict(sorted(contents, key=lambda entry: entry[1].first_ns))
@@ -277,7 +277,7 @@ class _Waiting:
         self._next = next(self._messages, None)
 
     def up_to(self, number: int | None) -> Iterator[IncidentMessage]:
-        """Those before ``number``, or all."""
+        """Messages before ``number``, or all."""
         while self._next is not None and (number is None or self._next.number < number):
             taken, self._next = self._next, next(self._messages, None)
             yield taken

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What incidents take on disk, and making room for new ones."""
+"""Space that incidents take on disk, and making room for new ones."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ class IncidentStore:
         )
 
     def size_bytes(self, name: str) -> int:
-        """What the files of an incident take, whether its record can be read or not."""
+        """Size in bytes of an incident's files, whether its record can be read or not."""
         path = self._path(name)
         with errors_at(path):
             return sum(one.lstat().st_size for one in _files(path))

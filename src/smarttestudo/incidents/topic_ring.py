@@ -52,12 +52,12 @@ class SourceMessage(NamedTuple):
 
     @property
     def held_bytes(self) -> int:
-        """What it takes in memory."""
+        """Bytes in memory for it."""
         return len(self.payload) + MESSAGE_OVERHEAD_BYTES
 
 
 class GivenUp(NamedTuple):
-    """What is kept of a message that was given up: when it came, by steady time and by the clock."""
+    """Record of a message that was given up: when it came, by steady time and by the clock."""
 
     at_ns: int
     stamp_ns: int
@@ -214,7 +214,7 @@ class _Payloads:
         self.start = position
 
     def between(self, start: int, end: int) -> _Blocks:
-        """What lies there."""
+        """Blocks that lie between ``start`` and ``end``."""
         first, last = start // self._block_bytes, -(-end // self._block_bytes)
         known = self.start // self._block_bytes
         return _Blocks(
@@ -304,7 +304,7 @@ class TopicRing:
         self._lost.append((now_ns, lost))
 
     def lost_since(self, from_ns: int) -> list[Missing]:
-        """What was seen to be lost then."""
+        """Losses that were seen at ``from_ns`` or later."""
         return [lost for at_ns, lost in self._lost if at_ns >= from_ns]
 
     def forget_before(self, from_ns: int) -> None:
