@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the ``bag`` commands share: options and output."""
+"""Options and output that the ``bag`` commands share."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def require_bounded(topics: Collection[str], rules: LoadedRules | None) -> None:
 
 
 def topic_mapping(pairs: Sequence[tuple[str, str]]) -> dict[str, str]:
-    """What ``--map`` says; ``UsageError`` for a topic that is paired twice."""
+    """Mapping that ``--map`` gives; ``UsageError`` for a topic that is paired twice."""
     mapping = dict(pairs)
     if len(mapping) < len(pairs) or len(set(mapping.values())) < len(mapping):
         raise UsageError("a topic is paired twice", place="--map", remedy="give each topic once")
@@ -104,7 +104,7 @@ def _topic_pair(text: str) -> tuple[str, str]:
 
 
 def print_incident(recording: Path) -> None:
-    """What a recording that is an incident says of itself, on a line; nothing of any other."""
+    """Print a line on the incident that a recording is; nothing for any other recording."""
     try:
         record = record_beside(recording)
     except RecordingError as error:
@@ -138,7 +138,7 @@ def print_csv(rows: Iterable[Mapping[str, object]]) -> None:
 
 
 def print_notices(notices: Iterable[str]) -> None:
-    """What was lost or odd, on standard error, after what was printed."""
+    """Print what was lost or odd on standard error, after what was printed."""
     sys.stdout.flush()
     for notice in notices:
         print(f"note: {notice}", file=sys.stderr)  # noqa: T201

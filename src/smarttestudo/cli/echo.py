@@ -141,7 +141,7 @@ def _show_rates(
 
 
 def _shower(arguments: argparse.Namespace) -> Callable[[Sequence[Echo]], None]:
-    """What shows the topics: in place on a terminal, line by line in a pipe."""
+    """Function that shows the topics: in place on a terminal, line by line in a pipe."""
     if arguments.json:
         return lambda echoes: _write([_json_line(echo) for echo in echoes])
     if sys.stdout.isatty():
@@ -215,7 +215,7 @@ _ERASE_BELOW = "\x1b[J"
 
 
 def live_lines(stream: TextIO) -> Callable[[Sequence[str]], None]:
-    """What writes lines to the terminal ``stream`` in place of those of the last call."""
+    """Function that writes lines to the terminal ``stream`` in place of those of the last call."""
     shown = 0
 
     def show(lines: Sequence[str]) -> None:

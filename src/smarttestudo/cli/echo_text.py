@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is received of a topic, as lines of text and as JSON."""
+"""Texts of a topic's reception: lines and JSON."""
 
 from __future__ import annotations
 

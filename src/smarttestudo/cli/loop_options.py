@@ -66,7 +66,7 @@ def add_option(parser: argparse.ArgumentParser, flag: str, option: AnyOption) ->
 
 
 def _given(option: AnyOption, text: str) -> ParameterValue:
-    """What a parameter would hold; ``ArgumentTypeError`` for a text that the option cannot have."""
+    """Value that a parameter would hold; ``ArgumentTypeError`` for a text that the option cannot have."""
     try:
         return given_as(option.from_text(text))
     except ValueError as error:

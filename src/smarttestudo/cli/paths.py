@@ -17,5 +17,5 @@ def file_path(text: str) -> Path:
 
 
 def own_name(path: Path) -> str:
-    """What the file or folder at ``path`` is called, also where that is ``.`` or a link."""
+    """Own name of the file or folder at ``path``, also where that is ``.`` or a link."""
     return Path(os.path.realpath(path)).name

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What ``testudo receive`` shows on a terminal."""
+"""Table that ``testudo receive`` shows on a terminal."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _SENT_COLUMNS = (
 def reception_lines(
     reception: Reception, width: int | None = None, routes: Sequence[CommandRoute] = ()
 ) -> list[Line]:
-    """Each robot with its topics, as of the last look, and what is sent to them."""
+    """Lines for each robot with its topics, as of the last look, and what is sent to them."""
     lines: list[Line] = []
     for name, robot in sorted(reception.robots.items()):
         lines += [Line("")] * bool(lines)

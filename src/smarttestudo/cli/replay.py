@@ -58,7 +58,7 @@ _DECLARED_NOTE = "declared: the size that the recording declares for its message
 
 
 def rates_table(outcome: ReplayOutcome) -> Table:
-    """Each relayed topic's messages in and out, and how near its rate came to its target."""
+    """Table of each relayed topic's messages in and out, and how near its rate came to its target."""
     repeats = any(topic.repeated for topic in outcome.topics.values())
     frames = any((topic.frames or 0) > 1 for topic in outcome.topics.values())
     return Table(
@@ -258,7 +258,7 @@ def _require_separate(arguments: argparse.Namespace) -> None:
 
 
 def _run_inputs(arguments: argparse.Namespace) -> int:
-    """What a live run saw, decided anew."""
+    """Decide anew over the inputs that a live run recorded."""
     from smarttestudo.replays.inputs import replay_inputs  # noqa: PLC0415  see run
 
     for option in ("rules", "output", "profile", "budget", "report", "incidents"):

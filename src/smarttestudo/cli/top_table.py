@@ -50,7 +50,7 @@ class Look(Enum):
 
 
 class SortKey(Enum):
-    """What topics are ordered by: the name upwards, numbers downwards."""
+    """Key that topics are ordered by: the name upwards, numbers downwards."""
 
     TOPIC = "topic"
     SOURCE = "source"
@@ -251,7 +251,7 @@ def _target(target_hz: float) -> Cell:
 
 
 def _rule(topic: TopicStatus) -> str:
-    """What decides the rate, then the bounds."""
+    """Reason for the rate, then those for the bounds."""
     rate = f"{topic.reason.value}: {topic.rule}"
     if topic.rule is None:
         rate = topic.reason.value
@@ -278,7 +278,7 @@ _STYLES = {
 
 @contextmanager
 def open_screen() -> Iterator[Show]:
-    """What shows lines on standard output; a terminal's own content is back at the end."""
+    """Open a display of lines on standard output; a terminal's own content is back at the end."""
     if sys.stdout.isatty() and is_unicode(sys.stdout):
         try:
             import rich.live  # noqa: F401, PLC0415  a robot has no rich
