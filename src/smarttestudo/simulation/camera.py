@@ -146,7 +146,7 @@ class Camera(Generic[SeeingT]):
 def drawn_view(
     plan: FloorPlan, caster: RayCaster, lens: Lens, noise: np.random.Generator
 ) -> Callable[[DifferentialDrive], Pixels]:
-    """What draws the robot's view of ``plan``."""
+    """Function that draws the robot's view of ``plan``."""
 
     def look(drive: DifferentialDrive) -> Pixels:
         viewpoint = Viewpoint(

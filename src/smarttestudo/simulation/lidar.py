@@ -102,7 +102,7 @@ class Lidar:
 
 
 def measured_turn(distances_m: Floats, stamp_ns: int, noise: np.random.Generator) -> Scan:
-    """What the LDS-01 reads where its rays truly go so far."""
+    """Scan of the LDS-01 whose rays truly go as far as ``distances_m``."""
     ranges_m = distances_m + noise.normal(0.0, Lidar.noise_m, len(distances_m))
     ranges_m[ranges_m > Lidar.range_max_m] = np.inf
     ranges_m[ranges_m < Lidar.range_min_m] = -np.inf

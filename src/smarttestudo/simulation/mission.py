@@ -29,7 +29,7 @@ from smarttestudo.simulation.tour import Tour, WaypointFollower
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MissionRequest:
-    """What is to be driven where: along a route without a stop, or on a tour.
+    """Request for a mission: where to drive, along a route without a stop, or on a tour.
 
     ``start_ns`` is the time at which the mission starts, ``seed`` fixes every noise.
     """
@@ -59,7 +59,7 @@ def drive_mission(request: MissionRequest) -> Iterator[TimedReading]:
 
 
 def _devices(request: MissionRequest, model: DriveModel) -> Sequence[Device[DifferentialDrive]]:
-    """What the robot carries; each has noise of its own, so that none depends on another."""
+    """Devices that the robot carries; each has noise of its own, so that none depends on another."""
     noises = [np.random.default_rng([request.seed, index, 0]) for index in range(4)]
     caster = RayCaster(request.plan)
     lens = raspberry_pi_lens(request.frames)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the simulated robot's devices read."""
+"""Readings of the simulated robot's devices."""
 
 from __future__ import annotations
 

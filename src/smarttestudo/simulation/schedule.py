@@ -44,7 +44,7 @@ class Device(Protocol[SampledT_contra]):
         """How often it is sampled."""
 
     def sample(self, body: SampledT_contra, /) -> Sequence[tuple[Topic, Reading]]:
-        """What it publishes now; called once each period, in time order."""
+        """Readings that it publishes now; called once each period, in time order."""
 
 
 class DeviceSchedule(Generic[BodyT]):

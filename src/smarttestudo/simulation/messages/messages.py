@@ -56,7 +56,7 @@ _LATCHED_QOS = Qos(reliable=True, transient_local=True, depth=1)
 
 
 def qos_of(topic: Topic) -> Qos:
-    """What the robot offers on ``topic``."""
+    """QoS that the robot offers on ``topic``."""
     return _LATCHED_QOS if topic is Topic.TF_STATIC else _TURTLEBOT3_QOS
 
 

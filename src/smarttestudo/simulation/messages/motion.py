@@ -80,7 +80,7 @@ def command(reading: Command) -> TwistMessage:
 
 
 def velocity(message: Any) -> BodyVelocity:
-    """What a geometry_msgs/msg/Twist asks of a robot; ``ValueError`` for numbers that are none."""
+    """Velocity that a geometry_msgs/msg/Twist asks of a robot; ``ValueError`` for numbers that are none."""
     linear, angular = message.linear, message.angular
     numbers = (linear.x, angular.z, linear.y, linear.z)
     if not all(map(math.isfinite, numbers)):

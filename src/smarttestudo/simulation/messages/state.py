@@ -50,7 +50,7 @@ def jazzy_range(reading: RangeReading) -> JazzyRangeMessage:
 
 
 def _range_fields(reading: RangeReading) -> dict[str, Any]:
-    """What all releases have."""
+    """Fields that all releases have."""
     return {
         "header": header(reading.stamp_ns, RANGE_FRAME),
         "radiation_type": HumbleRangeMessage.INFRARED,

@@ -39,10 +39,10 @@ class Machine(Protocol):
         """Come to rest: the battery is empty."""
 
     def controls(self, engine: Engine) -> Sequence[float]:
-        """What the motors are to do in the next step."""
+        """Controls of the motors for the next step."""
 
     def power_w(self, engine: Engine) -> float:
-        """What it takes from its battery now."""
+        """Power that it takes from its battery now."""
 
 
 class PhysicalBody:
@@ -109,7 +109,7 @@ class PhysicalBody:
             self._live_on(_WALK_STEPS * engine.step_ns / NS_PER_S)
 
     def _live_on(self, dt_s: float) -> None:
-        """What is slower than the physics."""
+        """Advance what is slower than the physics."""
         position = self.engine.position
         for number, person in enumerate(self._walkers):
             person.walk(dt_s, Point(position.x, position.y))

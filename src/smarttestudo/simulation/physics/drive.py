@@ -61,7 +61,7 @@ _SETTLING_STEPS = 300
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PhysicsRequest:
-    """What is to be driven where, by which robot.
+    """Request for a drive: where, and by which robot.
 
     ``seed`` fixes every noise. ``battery_percent`` is left at the start. After ``cover_s`` seconds something
     covers the LiDAR. ``steer`` drives instead of the route. Without ``has_camera`` none is tried.
@@ -105,7 +105,7 @@ class PhysicalRobot:
         self._schedule: DeviceSchedule[PhysicalBody] | None = None
 
     def readings(self, start_ns: int) -> Iterator[TimedReading]:
-        """What arrives on its topics from ``start_ns`` on, in order and without end; to be asked once."""
+        """Readings on its topics from ``start_ns`` on, in order and without end; to be asked once."""
         self.body.skip(start_ns)
         self._schedule = DeviceSchedule(
             self.body, self._devices, seed=self._seed, fixed_frames=self._frames, together=()

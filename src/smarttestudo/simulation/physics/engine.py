@@ -147,7 +147,7 @@ class Engine:
 
     @property
     def actuator_forces(self) -> tuple[float, ...]:
-        """What each actuator does: N m of a wheel, N of a rotor."""
+        """Force or torque of each actuator: N m of a wheel, N of a rotor."""
         return tuple(self._data.actuator_force.tolist())
 
     def place(self, walker: int, position: Vector, orientation: Quaternion) -> None:
@@ -210,7 +210,7 @@ class Engine:
             raise PhysicsError(f"OpenGL cannot draw here: {cause:.120}", remedy=_DRAWING_REMEDY) from error
 
     def picture(self) -> Pixels:
-        """What the robot's camera sees, height × width × RGB; only with an open camera."""
+        """Picture of the robot's camera, height × width × RGB; only with an open camera."""
         self._renderer.update_scene(self._data, camera="camera")
         pixels: Pixels = self._renderer.render()
         return pixels

@@ -23,7 +23,7 @@ QUADROTOR_BATTERY = BatteryType(nominal_v=11.1, capacity_ah=5.0)
 
 
 class BatteryCharge:
-    """What is left in a battery, whose voltage falls in proportion to that."""
+    """Charge left in a battery, whose voltage falls in proportion to that."""
 
     __slots__ = ("current_a", "share", "type")
 

@@ -118,7 +118,7 @@ class Quadrotor:
         ]
 
     def power_w(self, engine: Engine) -> float:
-        """What rotors take now: momentum theory has it as thrust to the power of 1.5."""
+        """Power that rotors take now: momentum theory has it as thrust to the power of 1.5."""
         hover_n = MASS_KG * GRAVITY_M_PER_S2 / 4
         shares = (max(force, 0.0) / hover_n for force in engine.actuator_forces)
         return _IDLE_W + _HOVER_W / 4 * sum(share * math.sqrt(share) for share in shares)

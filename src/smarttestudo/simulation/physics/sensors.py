@@ -38,7 +38,7 @@ class InertialSensor:
         self._noise = noise
 
     def sample(self, body: PhysicalBody) -> Published:
-        """What the robot feels: at rest, gravity up."""
+        """Reading of what the robot feels: at rest, gravity up."""
         noise = self._noise.standard_normal(9).tolist()
         angular, force = body.mean_inertial()
         turned = InertialUnit.yaw_noise_rad
@@ -114,7 +114,7 @@ class Localizer:
 
 
 def camera_view(noise: np.random.Generator) -> Callable[[PhysicalBody], Pixels]:
-    """What draws the robot's view, with the grain of a sensor."""
+    """Function that draws the robot's view, with the grain of a sensor."""
     return lambda body: grained(body.engine.picture(), noise)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Who drives a robot with physics: whoever published /cmd_vel just now, or its own navigator."""
+"""Steering of a robot with physics: by whoever published /cmd_vel just now, or its own navigator."""
 
 from __future__ import annotations
 

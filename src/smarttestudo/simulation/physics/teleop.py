@@ -27,7 +27,7 @@ class Teleop:
 
     @property
     def keys(self) -> str:
-        """What each key does."""
+        """Keys, and what each does."""
         return FLYING_KEYS if self._can_fly else DRIVING_KEYS
 
     def press(self, keys: str) -> None:

@@ -95,14 +95,14 @@ class Waffle:
         self._target_m_per_s = (0.0, 0.0)
 
     def controls(self, _engine: Engine) -> Sequence[float]:
-        """What the motors are to do in the next step."""
+        """Controls of the motors for the next step: the speed of each wheel in rad/s."""
         limit = self.model.wheel_acceleration_m_per_s2 * STEP_S
         (left, right), (to_left, to_right) = self._rim_m_per_s, self._target_m_per_s
         self._rim_m_per_s = (left + _cut(to_left - left, limit), right + _cut(to_right - right, limit))
         return [rim / self.model.wheel_radius_m for rim in self._rim_m_per_s]
 
     def power_w(self, engine: Engine) -> float:
-        """What computer, LiDAR and motors take now."""
+        """Power that computer, LiDAR and motors take now."""
         worked = zip(engine.actuator_forces, engine.joint_speeds, strict=True)
         return _IDLE_W + sum(abs(torque * speed) for torque, speed in worked) / _EFFICIENCY
 
