@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What this process takes of the machine."""
+"""Resources of the machine that this process takes."""
 
 from __future__ import annotations
 

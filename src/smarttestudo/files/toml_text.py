@@ -47,7 +47,7 @@ def parse_toml(text: str, path: Path) -> tuple[dict[str, object], dict[KeyPath, 
 
 
 def _too_many_digits(text: str, path: Path) -> ProfileError:
-    """What is said of a whole number of so many digits that Python does not read it."""
+    """Error for a whole number of so many digits that Python does not read it."""
     matched = _MANY_DIGITS.search(text)
     line = "" if matched is None else f":{text.count(chr(10), 0, matched.start()) + 1}:1"
     return ProfileError(

@@ -30,7 +30,7 @@ class OutputFileError(TestudoError):
 
 @contextmanager
 def whole_file(path: Path, content: str, *, must_be_new: bool = False) -> Iterator[Callable[[str], None]]:
-    """What the block is given appends text; see ``whole_binary_file``.
+    """Write a text file whole: the block is given a function that appends text; see ``whole_binary_file``.
 
     What UTF-8 cannot say, such as the bytes of a strange file name, becomes a ``?``.
     """
@@ -42,11 +42,11 @@ def whole_file(path: Path, content: str, *, must_be_new: bool = False) -> Iterat
 def whole_binary_file(
     path: Path, content: str, *, must_be_new: bool = False
 ) -> Iterator[Callable[[bytes], None]]:
-    """What the block is given appends bytes; the file takes the place of ``path`` once the block ends well.
+    """Write a file whole: the block is given a function that appends bytes.
 
-    Permissions of a file that is replaced stay, and a link stays a link. A device or pipe is written to at
-    once. ``content`` names what the file holds. Raises ``OutputFileError`` where it cannot be written, before
-    the block if that is known by then.
+    The file takes the place of ``path`` once the block ends well. Permissions of a file that is replaced
+    stay, and a link stays a link. A device or pipe is written to at once. ``content`` names what the file
+    holds. Raises ``OutputFileError`` where it cannot be written, before the block if that is known by then.
     """
     with _errors_at(path, content):
         file, workshop, target = _opened(path, must_be_new=must_be_new)
@@ -86,7 +86,7 @@ def not_written(path: Path, content: str, error: OSError) -> OutputFileError:
 
 
 def _opened(path: Path, *, must_be_new: bool) -> tuple[BinaryIO, Path | None, Path]:
-    """What to write into, where that lies until it is whole, and what it then replaces."""
+    """File to write into, its path until it is whole, and the path that it then replaces."""
     _require_new(path, must_be_new=must_be_new)
     mode = _mode(path)
     if mode is not None and stat.S_ISDIR(mode):

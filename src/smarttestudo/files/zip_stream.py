@@ -52,6 +52,6 @@ class _Pieces(io.RawIOBase):
         return len(self._kept) - before
 
     def taken(self) -> bytes:
-        """What was written since the last time."""
+        """Bytes written since the last call."""
         kept, self._kept = bytes(self._kept), bytearray()
         return kept
