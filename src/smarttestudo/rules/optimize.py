@@ -140,7 +140,7 @@ def _solve_again(
 
 
 def infeasible_parts(done: Optimization) -> tuple[Infeasibility, ...]:
-    """What does not fit, each with the smallest changes that would.
+    """Parts that do not fit, each with the smallest changes with which it would.
 
     If the defaults do not fit, they must be changed first, and only they are named.
     """
