@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What scripts and notebooks call; ``from smarttestudo import replay`` and the like.
+"""Functions for scripts and notebooks, as in ``from smarttestudo import replay``.
 
 Whatever goes wrong is a ``TestudoError`` with place, cause and remedy.
 """
@@ -53,7 +53,7 @@ class Record(Protocol):
 
 
 def check_rules(*rules: AnyPath, profile: AnyPath | None = None) -> tuple[Finding, ...]:
-    """What is wrong or doubtful in the rule files, or folders of them, ``rules``, which form one set.
+    """Check ``rules``, files or folders of them that form one set: return what is wrong or doubtful.
 
     With a ``profile`` (TOML) also what breaks its budget. Raises ``TestudoError`` for what cannot be read.
     """
@@ -120,7 +120,7 @@ def measure_loss(
     profile: AnyPath | None = None,
     topics: Sequence[str] = (),
 ) -> LossReport:
-    """What the operator lost between the recordings ``sent`` by the robot and ``received``.
+    """Measure what the operator lost between the recordings ``sent`` by the robot and ``received``.
 
     ``rules`` give the thresholds whose crossings count, ``topics`` are names or patterns, empty for all.
     Raises ``TestudoError`` where one cannot be read, or they share nothing.
