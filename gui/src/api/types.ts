@@ -1143,7 +1143,7 @@ export interface RawStatement {
   text: string;
 }
 
-/** What decided a rate. */
+/** Reason for a rate. */
 export type Reason = "default" | "block" | "unknown" | "floor" | "budget" | "link" | "fallback" | "reload";
 
 /** `PUT /api/recording?name=` with the bytes of a file: what the project calls it. */

@@ -17,7 +17,7 @@ from smarttestudo.files.outputs import require_separate
 
 
 class Drawn(Enum):
-    """The contents of an action's figures."""
+    """Content of an action's figures."""
 
     RATES = "rates over time and a histogram of the times between messages"
     BANDWIDTH = "bandwidth over time, and all topics stacked"

@@ -136,7 +136,7 @@ def _run_loss(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]]
 def _decisions(
     arguments: argparse.Namespace, rules: LoadedRules | None, profile: Profile
 ) -> Sequence[Decision]:
-    """The decisions that were kept, else, where blocks ask for bounds, those of the rules over A."""
+    """Decisions that were kept, else, where blocks ask for bounds, those of the rules over A."""
     from smarttestudo.replays.decisions import decisions_over  # noqa: PLC0415  as above
 
     if arguments.decisions is not None:
@@ -192,7 +192,7 @@ def _curve_tables(curves: LossCurves) -> Iterator[Table]:
 
 
 def _fields(asked: Sequence[Sequence[str]]) -> dict[str, list[str]]:
-    """The fields of ``--field``, by topic; ``UsageError`` for what cannot be a field."""
+    """Fields that ``--field`` asks for, by topic; ``UsageError`` for what cannot be a field."""
     fields: dict[str, list[str]] = {}
     for topic, *names in asked:
         if not topic.startswith("/") or not names:

@@ -82,7 +82,7 @@ def require_bounded(topics: Collection[str], rules: LoadedRules | None) -> None:
 
 
 def topic_mapping(pairs: Sequence[tuple[str, str]]) -> dict[str, str]:
-    """The pairs of ``--map``; ``UsageError`` for a topic that is paired twice."""
+    """Mapping that ``--map`` gives; ``UsageError`` for a topic that is paired twice."""
     mapping = dict(pairs)
     if len(mapping) < len(pairs) or len(set(mapping.values())) < len(mapping):
         raise UsageError("a topic is paired twice", place="--map", remedy="give each topic once")
@@ -104,7 +104,7 @@ def _topic_pair(text: str) -> tuple[str, str]:
 
 
 def print_incident(recording: Path) -> None:
-    """Print on a line which incident a recording is; nothing of any other."""
+    """Print a line on the incident that a recording is; nothing for any other recording."""
     try:
         record = record_beside(recording)
     except RecordingError as error:

@@ -326,7 +326,7 @@ class IncidentRecorder:
     def _given_up(
         self, gone: Mapping[str, Sequence[GivenUp]], inside: Sequence[SourceMessage], from_ns: int
     ) -> dict[str, Sequence[GivenUp]]:
-        """Messages of a window that memory gave up, by topic; of those ``gone`` from rings, without ``inside``."""
+        """Messages of a window that memory gave up, by topic: ``gone`` from the rings less ``inside``."""
         found = {topic: _without(each, topic, inside) for topic, each in gone.items()}
         for topic, samples in self._latched.items():
             # A ring knows what came in the window.

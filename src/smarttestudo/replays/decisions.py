@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The decisions of rules over a recording, without making another one."""
+"""Decisions of rules over a recording, without making another one."""
 
 from __future__ import annotations
 

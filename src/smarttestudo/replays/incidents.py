@@ -81,7 +81,7 @@ class IncidentCutter:
         self._recorder.finish(now_ns)
 
     def notices(self) -> Iterator[str]:
-        """Notices of what was not recorded."""
+        """Notice of incidents that were not recorded."""
         if self._recorder.refused:
             refused = counted(self._recorder.refused, "incident")
             yield f"not recorded, because {MAX_OPEN_INCIDENTS} windows were open: {refused}"
@@ -96,7 +96,7 @@ def _is_recorded(rule_set: RuleSet, channel: Channel) -> bool:
 def incident_cutter(
     request: IncidentRequest | None, rule_set: RuleSet, sources: Mapping[str, Channel], start_ns: int
 ) -> Iterator[IncidentCutter | None]:
-    """The cutter of incidents, if they are asked for; those that are open go if the block fails."""
+    """Cutter of incidents, if they are asked for; incidents that are open go if the block fails."""
     if request is None:
         yield None
         return

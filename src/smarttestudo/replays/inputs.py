@@ -82,7 +82,7 @@ class _Again:
         self._channels: dict[str, Channel] = {}
 
     def take_decisions(self) -> list[Decision]:
-        """The decisions since the last call."""
+        """Decisions since the last call."""
         decisions = self.loop.take_decisions()
         self.decisions += len(decisions)
         return decisions
@@ -94,12 +94,12 @@ class _Again:
         self.loop.take(self._given(recorded))
 
     def notices(self) -> Iterator[str]:
-        """Notices of what was odd, one line each."""
+        """Oddities, one line each."""
         for topic, count in self.loop.knowledge.undecodable.items():
             yield f"{topic}: {counted(count, 'message')} could not be decoded; what checks read was unknown"
 
     def _given(self, recorded: RecordedInput) -> LoopInput:
-        """The input that the loop of the live run was given."""
+        """Input that the loop of the live run was given."""
         match recorded:
             case MessageInput(topic=topic) if self.loop.knowledge.reads(topic):
                 return replace(recorded, message=self._message(recorded))
@@ -121,7 +121,7 @@ class _Again:
 
 
 def _rules(given: RuleTextsInput) -> tuple[RuleSet, Profile]:
-    """The rules that came into force."""
+    """Rules and profile that came into force."""
     if given.relay_all is not None:
         return fallback_rules(given.relay_all), Profile()
 

@@ -18,7 +18,7 @@ from smarttestudo.pacing.bound import BoundRecord
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicOutcome:
-    """The messages of one relayed topic, in and out on ``output_topic``.
+    """Flow of one relayed topic in, and out on ``output_topic``.
 
     ``messages_out`` includes ``repeated``. ``source_hz`` and ``mean_hz`` are (n − 1) / (last − first) of what
     came in and went out. ``target_hz`` is weighted by time, with Full as the source's rate; ``error_percent``

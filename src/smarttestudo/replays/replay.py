@@ -89,7 +89,7 @@ def replay(request: ReplayRequest) -> ReplayOutcome:
 
 
 def replay_together(requests: Sequence[ReplayRequest]) -> list[ReplayOutcome]:
-    """Do what ``replay`` does for each of the requests, which have one recording, in one pass over it.
+    """Replay each of the requests, which have one recording, in one pass over it.
 
     Raises:
         RecordingError, UsageError: as ``replay``.
@@ -242,7 +242,7 @@ class _Run:
         self._report(end_ns)
 
     def outcome(self, wall_seconds: float) -> ReplayOutcome:
-        """The outcome of the run."""
+        """Result of the run."""
         recording, topics = self._request.recording, self._topics
         return ReplayOutcome(
             topics={
@@ -265,7 +265,7 @@ class _Run:
         )
 
     def _notices(self) -> Iterator[str]:
-        """Notices of what was lost or odd, one line each."""
+        """Losses and oddities, one line each."""
         if self._cutter is not None:
             yield from self._cutter.notices()
         if self._loop.knowledge.floors_broke_budget:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The topics of a bag, as a replay must know them before it starts."""
+"""Topics of a bag, as a replay must know them before it starts."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ SAY_AFTER_NS = 5 * NS_PER_S
 
 @dataclass(slots=True)
 class _Served:
-    """A topic as of the last look, and its publisher where all is well."""
+    """State of a topic at the last look, and its publisher where all is well."""
 
     type_name: str | None = None
     problem: str | None = None

@@ -46,7 +46,7 @@ class LinkWatch:
 
     @property
     def state(self) -> LinkState:
-        """The state of the link now."""
+        """State of the link now."""
         return self._link.state
 
     def follow(self, rules: LiveRules, plan: Mapping[str, PlannedRate]) -> None:
@@ -69,7 +69,7 @@ class LinkWatch:
     def changed_receivers(
         self, rules: LiveRules, plan: Mapping[str, PlannedRate], heard_here: Collection[str]
     ) -> list[ListenersChanged | ReceiversReckon]:
-        """The changes for the loop: operator's ends that came, left or reckon something else.
+        """Changes for the loop: operator's ends that came, left or reckon something else.
 
         Topics that are ``heard_here`` are shown as they are by somebody, and are not reckoned for others.
         """
@@ -132,7 +132,7 @@ class LinkWatch:
         return None if known is None else TopicOnLink(counts=known, age_ms=self._link.age_ms(output))
 
     def changed_budget(self, now_ns: int) -> LinkBudget | None:
-        """The budget of the link at ``now_ns``, where that is worth another plan than the last that was told.
+        """Budget of the link at ``now_ns``, where it is worth another plan than the last that was told.
 
         ``now_ns`` is of a clock that never jumps. A fall counts at once. A rise waits, twice as long each
         time that a fall soon undid one: rates that the link nearly carries do not swing.

@@ -41,7 +41,7 @@ _MISSING_NAMED = 3
 
 
 def all_findings(results: Sequence[ParseResult], context: CheckContext) -> list[Finding]:
-    """The findings on files that were read, and where they have no errors, on the budget."""
+    """Findings of the checker on files that were read, and where they have no errors, on the budget."""
     findings = check_rules(results, context)
     has_error = any(finding.severity is Severity.ERROR for finding in findings)
     if results and context.profile is not None and context.has_all_files and not has_error:

@@ -79,7 +79,7 @@ class _Entry(NamedTuple):
 
     @property
     def item(self) -> Item:
-        """The value that stands there."""
+        """Item at this place."""
         return self.body[self.at][1]
 
     def replace(self, item: Item) -> None:

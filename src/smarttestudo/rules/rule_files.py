@@ -156,7 +156,7 @@ FileStates = tuple[tuple[str, "FileState | None"], ...]
 
 
 class FileState(NamedTuple):
-    """The signs that tell one content of a file from the next."""
+    """Metadata of a file that tells one content of it from the next."""
 
     size_bytes: int
     device: int
@@ -166,7 +166,7 @@ class FileState(NamedTuple):
 
 
 def file_states(paths: Iterable[Path]) -> FileStates:
-    """A value that changes when any of the files at ``paths`` does, or a rule file in a folder among them.
+    """State that changes when any of the files at ``paths`` does, or a rule file in a folder among them.
 
     The times of change count, too, which no program can set, so that an editor may keep times or write a new
     file under the old name.

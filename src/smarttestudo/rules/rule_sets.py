@@ -68,7 +68,7 @@ def tier_values_for(files: Sequence[RuleFile], profile: Profile | None, resolve:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadedRules:
-    """Rule files with their findings and what they mean together; ``texts`` are the files by path.
+    """Findings on rule files, and the rules that they form together; ``texts`` are the files by path.
 
     ``rule_set`` is empty where a finding is an error.
     """
