@@ -188,7 +188,7 @@ def _settle_ros(arguments: argparse.Namespace, *, is_fetching: bool) -> None:
 
 
 @contextmanager
-def _sending(commands: OutgoingCommands, pattern: str) -> Iterator[Sending]:
+def _sending(commands: CommandOutbox, pattern: str) -> Iterator[Sending]:
     """Send in a thread and with a node of its own: a disk that is slow delays no joystick."""
     with open_robot(name=f"testudo_send_{os.getpid()}") as robot:
         sending = Sending(

@@ -31,12 +31,12 @@ from smarttestudo.files.outputs import require_separate
 from smarttestudo.incidents.live_incidents import INCIDENT_RING, INCIDENTS, INCIDENTS_PART
 from smarttestudo.incidents.live_outages import CATCH_UP, OUTAGES_PART
 from smarttestudo.link.openmetrics.run_metrics import RunMetrics
+from smarttestudo.link.parts.command_subscribers import COMMANDS_PART
+from smarttestudo.link.parts.live_link import LINK_PART
 from smarttestudo.link.zenoh import open_robot_end
 from smarttestudo.loop.decision_log import growing_decision_log
 from smarttestudo.loop.input_log import INPUTS_FILE, input_log
-from smarttestudo.robot.command_subscribers import COMMANDS_PART
 from smarttestudo.robot.decisions import Decided
-from smarttestudo.robot.link_watch import LINK_PART
 from smarttestudo.robot.option import Settings, given_as
 from smarttestudo.robot.part import PartKind
 from smarttestudo.robot.ros import open_robot

@@ -17,7 +17,7 @@ from smarttestudo.cli.tables import is_unicode, write_text
 from smarttestudo.domain.bound_texts import bound_texts
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import AcceptedTopic, LinkState
+from smarttestudo.domain.link_state import CommandTopic, LinkState
 from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped
 from smarttestudo.report.table import (
@@ -166,7 +166,7 @@ def _capacity(link: LinkState | None) -> str:
     return f"   link: {capacity}{trip}, {counted(link.outages, 'outage')}"
 
 
-def _accepted(topic: AcceptedTopic) -> str:
+def _accepted(topic: CommandTopic) -> str:
     """How a topic does that operators send."""
     if topic.problem is not None:
         return printable(f"accepts {topic.topic}: {topic.problem}")

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.names import full_topic_names
 from smarttestudo.domain.robot import Publisher
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
@@ -37,7 +37,7 @@ class IncomingCommands(Protocol):
     """Commands from operators at the robot's end of a link. Calls never wait for the link."""
 
     @property
-    def topics(self) -> Sequence[AcceptedTopic]:
+    def topics(self) -> Sequence[CommandTopic]:
         """State of each accepted topic."""
 
     @property
@@ -57,10 +57,10 @@ class TooOld:
     """Says of which topics all that arrives lately is too old; each once, until something is delivered."""
 
     def __init__(self) -> None:
-        self._before: dict[str, AcceptedTopic] = {}
+        self._before: dict[str, CommandTopic] = {}
         self._said: set[str] = set()
 
-    def look(self, topics: Sequence[AcceptedTopic]) -> list[str]:
+    def look(self, topics: Sequence[CommandTopic]) -> list[str]:
         """A sentence for each topic of which that is new since the last look."""
         sentences = []
         for now in topics:

@@ -101,7 +101,7 @@ class TopicOnLink:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AcceptedTopic:
+class CommandTopic:
     """A topic that a robot accepts, as the robot's end knows it.
 
     ``type_name`` is what the robot's own nodes subscribe with, ``None`` where none does or ``problem`` says

@@ -11,7 +11,7 @@ from typing import Annotated
 
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import AcceptedTopic, LinkState, TopicOnLink
+from smarttestudo.domain.link_state import CommandTopic, LinkState, TopicOnLink
 from smarttestudo.domain.metric import Metered, MetricKind
 from smarttestudo.domain.record import Count, Decimals, Entry, Mark, Measured, Significant, derived
 from smarttestudo.domain.signal import Truth
@@ -264,7 +264,7 @@ class RuntimeStatus:
     blocks: Annotated[tuple[BlockStatus, ...], Entry(is_lenient=True)] = ()
     link: Annotated[LinkState | None, Entry(omits_default=True)] = None
     """The link to an operator's end, if there is one."""
-    accepted: Annotated[tuple[AcceptedTopic, ...], Entry(keyed_by="topic", omits_default=True)] = ()
+    accepted: Annotated[tuple[CommandTopic, ...], Entry(keyed_by="topic", omits_default=True)] = ()
     """The topics that are accepted of operators."""
     incidents: Annotated[IncidentState | None, Entry(omits_default=True)] = None
     """What rules record, if that is carried out."""

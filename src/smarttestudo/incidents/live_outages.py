@@ -18,7 +18,6 @@ from smarttestudo.incidents.outage_folder import OutageFolder
 from smarttestudo.incidents.task_thread import TaskThread
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.heard_channels import HeardChannels
-from smarttestudo.robot.link_watch import LINK_PERIOD_S
 from smarttestudo.robot.option import Option, Settings, is_true
 from smarttestudo.robot.part import Part, PartContext, PartKind
 from smarttestudo.robot.rules import LiveRules
@@ -41,7 +40,7 @@ CATCH_UP = Option(
 class LiveOutages(Part):
     """Has ``link`` keep what is missed, and a thread of its own write it below ``folder``."""
 
-    poll_s = LINK_PERIOD_S
+    poll_s = 0.25
     needs_every_message = True
 
     def __init__(self, robot: Robot, link: OutgoingLink, folder: Path, settings: Settings) -> None:

@@ -147,7 +147,7 @@ def _solve_again(
     )
 
 
-def infeasible_parts(done: Optimization) -> tuple[Infeasibility, ...]:
+def infeasible_subproblems(done: Optimization) -> tuple[Infeasibility, ...]:
     """Parts that do not fit, each with the smallest changes with which it would.
 
     If the defaults do not fit, they must be changed first, and only they are named.

@@ -16,7 +16,7 @@ from link.protocol.simulated_commands import JOY, TYPE, Clock, Driving, Way
 from link.protocol.simulated_link import MS, Link, S
 from smarttestudo.domain.command import MAX_AGE_NS, MAX_COMMAND_BYTES
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.link.protocol.command_receiver import MAX_BURST, MAX_HZ, CommandReceiver
 from smarttestudo.link.protocol.command_sender import ClockBound, CommandSender
 from smarttestudo.link.protocol.messages import (
@@ -236,14 +236,14 @@ def test_names_are_what_travelled(topics: list[str], sender: int) -> None:
 
 
 def test_what_tells_of_too_many_topics_or_of_none_is_refused() -> None:
-    good = AcceptedStream(topic=AcceptedTopic(topic="/a", type_name="x/msg/Y", age_ms=2.5), revision=3)
+    good = AcceptedStream(topic=CommandTopic(topic="/a", type_name="x/msg/Y", age_ms=2.5), revision=3)
     told = CommandReport(sent_ns=-5, acknowledged={2**64 - 1: 2**64 - 1}, streams=(good,))
     assert COMMAND_REPORTS.from_bytes(COMMAND_REPORTS.to_bytes(told)) == told
     for report in (
-        replace(told, streams=(replace(good, topic=AcceptedTopic(topic="/a b")),)),
-        replace(told, streams=(replace(good, topic=AcceptedTopic(topic="/a", type_name="x")),)),
-        replace(told, streams=(replace(good, topic=AcceptedTopic(topic="/a", age_ms=math.nan)),)),
-        replace(told, streams=(replace(good, topic=AcceptedTopic(topic="/a", refused=-1)),)),
+        replace(told, streams=(replace(good, topic=CommandTopic(topic="/a b")),)),
+        replace(told, streams=(replace(good, topic=CommandTopic(topic="/a", type_name="x")),)),
+        replace(told, streams=(replace(good, topic=CommandTopic(topic="/a", age_ms=math.nan)),)),
+        replace(told, streams=(replace(good, topic=CommandTopic(topic="/a", refused=-1)),)),
         replace(told, streams=(replace(good, revision=2**16),)),
         replace(told, streams=(good,) * 17),
         replace(told, acknowledged=dict.fromkeys(range(5), 1)),

@@ -19,6 +19,7 @@ from functools import partial
 from link.protocol.simulated_link import MS, Link, S
 from link.receive.virtual_robot import Robot
 from smarttestudo.domain.link import ReceivedMessage
+from smarttestudo.link.parts.live_link import LINK_PERIOD_S
 from smarttestudo.link.protocol.messages import REPORTS, Announcement
 from smarttestudo.link.protocol.receiver import LinkReceiver
 from smarttestudo.link.receive.prediction import Predictor
@@ -26,7 +27,6 @@ from smarttestudo.link.zenoh.arrivals import RobotPresence, StreamSaid
 from smarttestudo.loop.inputs import MessageInput, WakeInput
 from smarttestudo.pacing.reckoning.gauges import MovingPart, PoseState
 from smarttestudo.pacing.reckoning.picture import Picture, Shown
-from smarttestudo.robot.link_watch import LINK_PERIOD_S
 
 Poses = Mapping[str, float]
 """The x of each part of a message."""

@@ -15,7 +15,7 @@ from robot.status.virtual_robot import Source, VirtualRobot
 from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.cli.top_table import Look
 from smarttestudo.domain.command import SentCounts
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.link.protocol.command_sender import CommandedRobot
 from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.receive.reception import Reception
@@ -42,7 +42,7 @@ class Robots:
     def __init__(self, *boots: Boot, type_name: str | None = JOY, problem: str | None = None) -> None:
         self.names: tuple[str, ...] = ("/joy",)
         self.sent: list[tuple[Boot, str, bytes]] = []
-        told = AcceptedTopic(topic="/joy", type_name=type_name, problem=problem)
+        told = CommandTopic(topic="/joy", type_name=type_name, problem=problem)
         self.known = dict.fromkeys(boots, told)
 
     def robots(self) -> list[CommandedRobot]:

@@ -17,12 +17,12 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.questions import Asked
 from smarttestudo.domain.robot import Publisher, Qos
 from smarttestudo.domain.status import RuntimeStatus
+from smarttestudo.link.parts.live_link import LinkWatch
 from smarttestudo.link.protocol.sender import LinkSender
 from smarttestudo.loop import RelayLoop
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, RulesInput, WakeInput
 from smarttestudo.pacing.cdr import child_frames
 from smarttestudo.pacing.reckoning.picture import Picture
-from smarttestudo.robot.link_watch import LinkWatch
 from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.topic import PublisherPool
 

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from robot.status.statuses import RELAYED, STATUS
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import RulesOrigin, Silence, TopicStatus
 from smarttestudo.domain.status_json import status_from_text
@@ -112,7 +112,7 @@ def test_topics_are_by_name_and_full_is_null_as_in_decisions() -> None:
 
 
 ACCEPTED = (
-    AcceptedTopic(
+    CommandTopic(
         topic="/joy",
         type_name="sensor_msgs/msg/Joy",
         received=9,
@@ -121,7 +121,7 @@ ACCEPTED = (
         refused=1,
         age_ms=44.5,
     ),
-    AcceptedTopic(topic="/goal_pose", problem="two types"),
+    CommandTopic(topic="/goal_pose", problem="two types"),
 )
 
 

@@ -21,7 +21,7 @@ from smarttestudo.cli.terminal import key_presses
 from smarttestudo.cli.top_table import Line, Look, SortKey, cropped, print_lines, summary_lines, topic_lines
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import AcceptedTopic, LinkState
+from smarttestudo.domain.link_state import CommandTopic, LinkState
 from smarttestudo.domain.status import Silence, TopicStatus
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -90,9 +90,9 @@ def test_what_recording_costs_has_a_line() -> None:
 
 def test_what_is_accepted_of_operators_has_a_line_a_topic() -> None:
     accepted = (
-        AcceptedTopic(topic="/a", type_name="x/msg/Y", delivered=1_200, too_old=3, refused=1, age_ms=44.4),
-        AcceptedTopic(topic="/b"),
-        AcceptedTopic(topic="/c", problem="nodes subscribe to it as\x1b[2J x and as y"),
+        CommandTopic(topic="/a", type_name="x/msg/Y", delivered=1_200, too_old=3, refused=1, age_ms=44.4),
+        CommandTopic(topic="/b"),
+        CommandTopic(topic="/c", problem="nodes subscribe to it as\x1b[2J x and as y"),
     )
     lines = summary_lines(replace(STATUS, accepted=accepted))[-3:]
     assert lines == [

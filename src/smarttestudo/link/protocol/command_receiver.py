@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from smarttestudo.domain.command import MAX_AGE_NS
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.messages import (
     COMMAND_REPORTS,
@@ -47,7 +47,7 @@ class Delivery(NamedTuple):
 class _Topic:
     """``credit_ns`` is the time for which messages may come at once at the highest rate."""
 
-    told: AcceptedTopic
+    told: CommandTopic
     revision: int = 0
     credit_ns: int = MAX_BURST * NS_PER_S // MAX_HZ
     credited_ns: int | None = None
@@ -87,15 +87,15 @@ class CommandReceiver:
     def __init__(self, topics: Sequence[str]) -> None:
         self.malformed = 0
         """Frames that were no message, or one of no accepted topic."""
-        self._topics = [_Topic(AcceptedTopic(topic=topic)) for topic in topics]
+        self._topics = [_Topic(CommandTopic(topic=topic)) for topic in topics]
         self._senders: dict[int, _Sender] = {}
-        self._told: tuple[AcceptedTopic, ...] = ()
+        self._told: tuple[CommandTopic, ...] = ()
         self._told_ns: int | None = None
         self._reported_ns: int | None = None
         self._has_news = False
 
     @property
-    def topics(self) -> list[AcceptedTopic]:
+    def topics(self) -> list[CommandTopic]:
         """The topics with their counts."""
         return [topic.told for topic in self._topics]
 
@@ -195,5 +195,5 @@ class CommandReceiver:
         return sender
 
 
-def _short(topic: AcceptedTopic) -> AcceptedTopic:
+def _short(topic: CommandTopic) -> CommandTopic:
     return replace(topic, problem=topic.problem and topic.problem[:MAX_PROBLEM])

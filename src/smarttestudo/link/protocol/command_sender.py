@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from smarttestudo.domain.command import MAX_AGE_NS, MAX_COMMAND_BYTES, SentCounts
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
@@ -44,7 +44,7 @@ class CommandedRobot:
     """A robot's end that accepts something, as it was heard last, and what was sent to it, by topic."""
 
     boot: Boot
-    topics: Mapping[str, AcceptedTopic]
+    topics: Mapping[str, CommandTopic]
     counts: Mapping[str, SentCounts]
     round_trip_ms: float | None
 
@@ -119,7 +119,7 @@ class CommandSender:
         self._was_full = False
 
     @property
-    def topics(self) -> dict[str, AcceptedTopic]:
+    def topics(self) -> dict[str, CommandTopic]:
         """The topics that the robot accepts, as it told."""
         return {name: stream.topic for name, (_, stream) in self._streams.items()}
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from smarttestudo.domain.command import MAX_COMMAND_BYTES, MAX_COMMAND_TOPICS
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.link import Prediction, StreamInfo
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.parameter import Values
 from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
@@ -102,7 +102,7 @@ class SentNames:
 class AcceptedStream:
     """An accepted topic; ``revision`` changes with its type, so that no bytes are taken for another type."""
 
-    topic: AcceptedTopic
+    topic: CommandTopic
     revision: int
 
 

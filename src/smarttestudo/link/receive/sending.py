@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from smarttestudo.domain.command import MAX_COMMAND_BYTES, SentCounts, TooOld
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.names import output_name
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Qos, Robot, Subscription
@@ -65,7 +65,7 @@ class CommandRoute:
 
     source: str
     boot: Boot
-    told: AcceptedTopic
+    told: CommandTopic
     counts: SentCounts
     round_trip_ms: float | None
     suspect: int = 0
@@ -151,7 +151,7 @@ class Sending:
     def look(self, now_ns: int) -> None:
         """Follow the graph and what the robots accept."""
         robots = self._commands.robots()
-        targets: dict[str, list[tuple[CommandedRobot, AcceptedTopic]]] = {}
+        targets: dict[str, list[tuple[CommandedRobot, CommandTopic]]] = {}
         for robot in robots:
             for topic in robot.topics.values():
                 if topic.topic in self._commands.names and (name := self._name(robot, topic)):
@@ -164,7 +164,7 @@ class Sending:
             self._sources.pop(name).subscription.close()
         self._say_problems(robots, now_ns)
 
-    def _name(self, robot: CommandedRobot, topic: AcceptedTopic) -> str | None:
+    def _name(self, robot: CommandedRobot, topic: CommandTopic) -> str | None:
         try:
             return output_name(topic.topic, self._pattern, robot.boot.robot)
         except TestudoError as error:
@@ -172,7 +172,7 @@ class Sending:
             return None
 
     def _routes(
-        self, name: str, targets: list[tuple[CommandedRobot, AcceptedTopic]], own_nodes: set[str]
+        self, name: str, targets: list[tuple[CommandedRobot, CommandTopic]], own_nodes: set[str]
     ) -> list[CommandRoute]:
         routes = [
             CommandRoute(

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 import zenoh
 
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.robot import Publisher
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.command_receiver import CommandReceiver
@@ -60,7 +60,7 @@ class CommandInbox:
         self._worker.start()
 
     @property
-    def topics(self) -> list[AcceptedTopic]:
+    def topics(self) -> list[CommandTopic]:
         """The accepted topics with their counts."""
         with self._lock:
             return self._receiver.topics

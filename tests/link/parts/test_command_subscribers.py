@@ -11,10 +11,10 @@ import pytest
 
 from robot.status.virtual_robot import VirtualRobot
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.link_state import AcceptedTopic
+from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Endpoint, Publisher, Qos
-from smarttestudo.robot.command_subscribers import QOS, SAY_AFTER_NS, CommandSubscribers
+from smarttestudo.link.parts.command_subscribers import QOS, SAY_AFTER_NS, CommandSubscribers
 
 JOY = "sensor_msgs/msg/Joy"
 TWIST = "geometry_msgs/msg/Twist"
@@ -56,7 +56,7 @@ class Commands:
     """An ``IncomingCommands`` that keeps what it is told."""
 
     def __init__(self) -> None:
-        self.topics = [AcceptedTopic(topic="/joy")]
+        self.topics = [CommandTopic(topic="/joy")]
         self.has_operator = True
         self.names: list[tuple[str, ...]] = [("/joy",)]
         self.followed: list[tuple[str, str | None, Publisher | None, str | None]] = []

@@ -13,7 +13,7 @@ from smarttestudo.domain.link import LinkNeeds
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.robot.link_watch import LinkWatch
+from smarttestudo.link.parts.live_link import LinkWatch
 from smarttestudo.robot.rules import LiveRules
 
 RULES = """\

@@ -15,9 +15,9 @@ from smarttestudo.domain.observation import LinkBudget, ListenersChanged, Receiv
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.link.parts.link_questions import LinkQuestions
 from smarttestudo.loop.inputs import ChangeInput
 from smarttestudo.loop.relay import ReckonedPicture
-from smarttestudo.robot.link_questions import LinkQuestions
 from smarttestudo.robot.part import Part, PartContext, PartKind, RunView
 from smarttestudo.robot.rules import LiveRules
 
