@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
@@ -201,124 +202,61 @@ def accuracies(
     topics = sorted(topic for topic in samples if wanted.get(topic))
     for number, topic in enumerate(topics):
         report(number / len(topics))
-        source = _Source(samples[topic], [one.name for one in wanted[topic]])
-        properties = [_Property(one, source) for one in wanted[topic]]
-        for message in source.messages():
-            for one in properties:
-                one.measure_motion(message)
-                one.send(message)
-        for one in properties:
-            one.turn_to_fixed_rates(end_ns)
-        for message in source.messages():
-            for one in properties:
-                one.send(message)
-        curves += (curve for one in properties if (curve := one.curve(end_ns)).motion.max_per_s)
-        unreadable = len(samples[topic].track) - len(source.stamps_ns)
+        found = [_curve(samples[topic], one, end_ns) for one in wanted[topic]]
+        curves += (one for one in found if one.motion.max_per_s)
+        unreadable = max(len(samples[topic].track) - one.messages for one in found)
         if unreadable:
             unread = counted(unreadable, "message")
             notices.append(f"{topic}: {unread} could not be read and stand in no bound's figures")
     return tuple(curves), tuple(notices)
 
 
-class _Source:
-    """The messages of a topic that can be read, and their stamps and frames once they were."""
+def _curve(samples: TopicSamples, wanted: WantedProperty, end_ns: int) -> AccuracyCurve:
+    """Send a topic within each bound, then at the rates of as many messages."""
+    kind, gauges = samples.kind, samples.track.gauges([wanted.name])
 
-    def __init__(self, samples: TopicSamples, names: Collection[str]) -> None:
-        self.topic, self.kind, self.track = samples.channel.topic, samples.kind, samples.track
-        self.stamps_ns: list[int] = []
-        self.frames: list[tuple[str, ...]] = []
-        self._names = names
+    def readable() -> Iterator[Message]:
+        return (one for one in samples.track.messages([wanted.name]) if None not in one.readings)
 
-    def place(self, name: str) -> int:
-        """Where in the readings of a message that of a property stands."""
-        gauges = self.track.gauges(self._names)
-        return next(number for number, gauge in enumerate(gauges) if name in gauge.distances)
+    def sent(strategies: Iterable[Strategy]) -> dict[Strategy, PacedPicture]:
+        arms = {one: Arm(Picture(gauges, reckons=one.reckons), wanted.name, kind, one) for one in strategies}
+        for message in readable():
+            for arm in arms.values():
+                arm.send(message)
+        return {strategy: arm.finish(end_ns) for strategy, arm in arms.items()}
 
-    def messages(self) -> Iterator[Message]:
-        """Read them, in one pass."""
-        self.stamps_ns, self.frames = [], []
-        for message in self.track.messages(self._names):
-            if None not in message.readings:
-                self.stamps_ns.append(message.stamp_ns)
-                self.frames.append(message.frames)
-                yield message
-
-
-class _Property:
-    """One property of a topic, sent by several strategies at once: within bounds, then at fixed rates."""
-
-    def __init__(self, wanted: WantedProperty, source: _Source) -> None:
-        self._wanted, self._source = wanted, source
-        self._place = source.place(wanted.name)
-        self._gauges = source.track.gauges([wanted.name])
-        self.meter = MotionMeter(self._gauges[0].distances[wanted.name])
-        # Fields that are read by decoding stay as they are, also for who reckons.
-        self._can_reckon = not needs_decoded(self._gauges)
-        receivers = (False, True) if self._can_reckon else (False,)
-        self._arms = self._arms_of(
-            Strategy(reckons=reckons, bound=bound) for reckons in receivers for bound in wanted.bounds
+    meter, stamps_ns, frames = MotionMeter(gauges[0].distances[wanted.name]), [], []
+    for message in readable():
+        stamps_ns.append(message.stamp_ns)
+        frames.append(message.frames)
+        meter.add(message.readings[0])
+    # Fields that are read by decoding stay as they are, also for who reckons.
+    receivers = (False,) if needs_decoded(gauges) else (False, True)
+    within = sent(Strategy(reckons=reckons, bound=bound) for reckons in receivers for bound in wanted.bounds)
+    rate_of = partial(rate_of_messages, stamps_ns=stamps_ns, end_ns=end_ns, kind=kind, frames=frames)
+    at_rates = {
+        one: Strategy(reckons=one.reckons, rate_hz=rate_of(picture.messages))
+        for one, picture in within.items()
+    }
+    fixed = sent(at_rates.values())
+    costs = {
+        (one.reckons, one.bound): BoundCost(
+            within=picture, fixed=fixed[at_rates[one]], fixed_hz=at_rates[one].rate_hz
         )
-        self._within: dict[Strategy, PacedPicture] = {}
-        self._at_rate: dict[Strategy, Strategy] = {}
-
-    def measure_motion(self, message: Message) -> None:
-        """Take note of how the property changed."""
-        self.meter.add(message.readings[self._place])
-
-    def send(self, message: Message) -> None:
-        """Send a message of the source by every strategy."""
-        own = message._replace(readings=(message.readings[self._place],))
-        for arm in self._arms.values():
-            arm.send(own)
-
-    def turn_to_fixed_rates(self, end_ns: int) -> None:
-        """End with the bounds, and turn to the rates of as many messages."""
-        source = self._source
-        self._within = {strategy: arm.finish(end_ns) for strategy, arm in self._arms.items()}
-        self._at_rate = {
-            strategy: Strategy(
-                reckons=strategy.reckons,
-                rate_hz=rate_of_messages(
-                    within.messages, source.stamps_ns, end_ns=end_ns, kind=source.kind, frames=source.frames
-                ),
-            )
-            for strategy, within in self._within.items()
-        }
-        self._arms = self._arms_of(self._at_rate.values())
-
-    def curve(self, end_ns: int) -> AccuracyCurve:
-        """The costs of the bounds, once the source was sent at fixed rates, too."""
-        fixed = {strategy: arm.finish(end_ns) for strategy, arm in self._arms.items()}
-
-        def cost(bound: float, *, reckons: bool) -> BoundCost:
-            strategy = Strategy(reckons=reckons, bound=bound)
-            at_rate = self._at_rate[strategy]
-            return BoundCost(within=self._within[strategy], fixed=fixed[at_rate], fixed_hz=at_rate.rate_hz)
-
-        wanted, stamps_ns = self._wanted, self._source.stamps_ns
-        return AccuracyCurve(
-            topic=self._source.topic,
-            property_name=wanted.name,
-            unit=wanted.unit,
-            messages=len(stamps_ns),
-            source_hz=mean_hz(len(stamps_ns), stamps_ns[-1] - stamps_ns[0] if stamps_ns else 0),
-            motion=self.meter.motion,
-            points=tuple(
-                AccuracyPoint(
-                    bound=bound,
-                    hold=cost(bound, reckons=False),
-                    reckoned=cost(bound, reckons=True) if self._can_reckon else None,
-                )
-                for bound in wanted.bounds
-            ),
-        )
-
-    def _arms_of(self, strategies: Iterable[Strategy]) -> dict[Strategy, Arm]:
-        name, kind = self._wanted.name, self._source.kind
-        return {
-            strategy: Arm(Picture(self._gauges, reckons=strategy.reckons), name, kind, strategy)
-            for strategy in strategies
-        }
+        for one, picture in within.items()
+    }
+    return AccuracyCurve(
+        topic=samples.channel.topic,
+        property_name=wanted.name,
+        unit=wanted.unit,
+        messages=len(stamps_ns),
+        source_hz=mean_hz(len(stamps_ns), stamps_ns[-1] - stamps_ns[0] if stamps_ns else 0),
+        motion=meter.motion,
+        points=tuple(
+            AccuracyPoint(bound=bound, hold=costs[False, bound], reckoned=costs.get((True, bound)))
+            for bound in wanted.bounds
+        ),
+    )
 
 
 class MotionMeter:

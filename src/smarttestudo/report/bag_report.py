@@ -111,7 +111,7 @@ _Known = TypeVar("_Known")
 
 
 def _known(measure: Callable[[], _Known | None]) -> tuple[_Known | None, tuple[str, ...]]:
-    """What was measured of the loss, or why that cannot be said."""
+    """Measure a part of the loss, or say why it is not known."""
     try:
         return measure(), ()
     except RecordingError as error:
