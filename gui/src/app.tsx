@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import type { Signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Api } from "./api/client";
 import { refusalOf } from "./api/refusal";
@@ -12,6 +13,7 @@ import { browserStorage, Drafts } from "./state/drafts";
 import { Keepings } from "./state/keepings";
 import { OpenEditors } from "./state/open_editors";
 import { OpenTabs } from "./state/open_tabs";
+import type { Lost } from "./state/rule_editor";
 import { TourOffer } from "./tour/tour_offer";
 import { KeepingBar } from "./ui/keeping_bar";
 import { type Later, later } from "./ui/later";
@@ -66,6 +68,7 @@ export function App({ api }: { api: Api }) {
       <ServerGone />
       <WatchNotice />
       <KeepingBar keepings={keepings} />
+      <LostNotice lost={editors.lost} />
       <button type="button" class="skip" onClick={() => document.querySelector<HTMLElement>("h1")?.focus()}>
         Skip to the content
       </button>
@@ -82,6 +85,14 @@ export function App({ api }: { api: Api }) {
       <TourOffer route={route} />
     </>
   );
+}
+
+/** Says what somebody left in the blocks of a file and its text did not take. */
+function LostNotice({ lost }: { lost: Signal<Lost | null> }) {
+  if (lost.value === null) return null;
+  const { name, changes, why } = lost.value;
+  const text = `${name}: what the blocks said did not come into the text: ${changes.join("; ")}. ${why}`;
+  return <Notice kind="error" text={text} action={{ label: "Close", act: () => (lost.value = null) }} />;
 }
 
 /** The files of a project, with drafts in this browser. */

@@ -25,7 +25,7 @@ const UNREACHABLE: Problem = {
 export type Rules = Required<Pick<Draft, "text" | "name" | "profile_text">> & Pick<Draft, "profile_name">;
 
 /** The rules of a try, and the recording. */
-export interface Tried {
+interface Tried {
   rules: Rules;
   bag: string;
 }
@@ -37,7 +37,7 @@ export interface TextFile {
 }
 
 /** Which statements of another text come in, and which of them replace one of the same name. */
-export interface ImportChoice {
+interface ImportChoice {
   ids: string[];
   replace_ids: string[];
 }

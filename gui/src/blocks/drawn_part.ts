@@ -73,9 +73,9 @@ export class DrawnPart {
     this.draw(print);
   }
 
-  /** Draws the part around the statement with this number, unless its block is there. */
+  /** Draws the part around the statement with this number. */
   include(index: number): void {
-    if (!this.blockAt(index)) this.move(partAround(index, this.all.length));
+    this.move(partAround(index, this.all.length));
   }
 
   /** Draws what came near the view. */

@@ -17,7 +17,18 @@ import { newWorkspace } from "./new_workspace";
 import { closeField, isTyping, openField } from "./open_field";
 import { blocklyTheme } from "./palette";
 import { type ActedOn, actedOn } from "./rule_acts";
-import { asOfNow, editsOf, isTop, printOf, type Standing, saidBy, statementOf, statementsOf } from "./slots";
+import {
+  asOfNow,
+  isTop,
+  printOf,
+  type Slot,
+  type Standing,
+  saidBy,
+  statementOf,
+  statementsOf,
+  stepsOf,
+  unsaid,
+} from "./slots";
 import { NEW_RATE, NEW_RULE } from "./toolbox";
 import { Warnings } from "./warnings";
 
@@ -26,16 +37,19 @@ const IN_HAND_MS = 50;
 type EditsOf = (document: RuleDocument) => Edit[];
 
 /** What the workspace tells and asks. */
-export interface WorkspaceOwner {
+interface WorkspaceOwner {
   suggestions: Suggestions;
   /** What the menus on blocks do with the page. */
   menus: Omit<MenuPage, "newRate" | "newRule" | "foldAll">;
   /** Rules to take from the list of blocks; null where they cannot be had now. */
   recipes(): Promise<readonly Statement[] | null>;
-  /** Blocks say something else than the text: `editsOf` it bring it there. */
-  changed(editsOf: EditsOf): Promise<void>;
+  /** Blocks say something else than the text: `editsOf` it bring it there; `refused` hears why not, instead of the page. */
+  changed(editsOf: EditsOf, refused?: (why: string) => void): Promise<void>;
+  /** What blocks said when they were left did not come into the text. */
+  lost(changes: readonly string[], why: string): void;
   /** Whether blocks say something that is not in the text yet. */
   ahead(isAhead: boolean): void;
+  tell(message: string): void;
   /** Asks for `show` with what the text says now. */
   showAgain(): void;
   selected(statement: string | null): void;
@@ -160,7 +174,7 @@ export class RuleWorkspace {
 
   /** The block of the statement with this number; it is drawn unless blocks are ahead of the text. */
   private shownAt(index: number): Blockly.BlockSvg | null {
-    if (index >= 0 && !this.isAhead()) this.drawn.include(index);
+    if (index >= 0 && !this.drawn.blockAt(index) && !this.isAhead()) this.drawn.include(index);
     return this.drawn.blockAt(index);
   }
 
@@ -281,7 +295,7 @@ export class RuleWorkspace {
     closeField();
     const isAhead = this.isAhead();
     this.left = asOfNow(this.standing(), this.drawn.slots);
-    if (isAhead) void this.hand();
+    if (isAhead) void this.handLeft(this.left);
     this.workspace.dispose();
   }
 
@@ -335,23 +349,68 @@ export class RuleWorkspace {
       this.mark(this.findings);
     }
     const handed = this.standing().order;
+    let before: Slot[] = [];
     this.underWay++;
-    await this.owner.changed((document) => {
-      if (this.isInHand()) {
-        // Somebody went on while the edits before these were under way.
-        this.settleSoon();
-        return [];
-      }
-      const edits = editsOf(document, this.drawn.first, this.drawn.slots, this.standing());
-      this.column.settle();
-      return edits;
-    });
+    await this.owner.changed(
+      (document) => {
+        // What was left is handed over together.
+        if (this.left) return [];
+        if (this.isInHand()) {
+          // Somebody went on while the edits before these were under way.
+          this.settleSoon();
+          return [];
+        }
+        before = this.drawn.slots.map((slot) => ({ ...slot }));
+        const steps = stepsOf(document, this.drawn.first, this.drawn.slots, this.standing());
+        this.column.settle();
+        return steps.map(({ edit }) => edit);
+      },
+      (why) => {
+        if (this.left) this.drawn.slots = before;
+        else this.owner.tell(why);
+      },
+    );
     this.underWay--;
     if (!this.left) {
       this.takeBack(handed);
       this.owner.showAgain();
     }
     this.owner.ahead(this.isAhead());
+  }
+
+  /** Brings into the text what blocks said when they were left: all at once, else one by one all that is not refused. */
+  private async handLeft(left: Standing): Promise<void> {
+    const { drawn } = this;
+    const givenUp = new Set<Blockly.BlockSvg>();
+    const wanted: Standing = {
+      ...left,
+      says: (block) => (givenUp.has(block) ? { missing: "refused" } : left.says(block)),
+      isDropped: (block) => !givenUp.has(block) && left.isDropped(block),
+    };
+    let why = "";
+    this.underWay++;
+    for (let most = Number.POSITIVE_INFINITY, isOver = false; !isOver; most = 1) {
+      let slots: Slot[] = [];
+      let blocks: Blockly.BlockSvg[] = [];
+      let refusal = "";
+      await this.owner.changed(
+        (document) => {
+          slots = drawn.slots.map((slot) => ({ ...slot }));
+          const steps = stepsOf(document, drawn.first, slots, wanted, most);
+          blocks = steps.map(({ block }) => block);
+          return steps.map(({ edit }) => edit);
+        },
+        (said) => (refusal = said),
+      );
+      why = refusal || why;
+      if (refusal === "") drawn.slots = slots;
+      else if (most === 1) for (const block of blocks) givenUp.add(block);
+      isOver = blocks.length === 0 || (refusal === "" && most > 1);
+    }
+    this.underWay--;
+    const changes = unsaid(drawn.slots, left);
+    if (changes.length > 0) this.owner.lost(changes, why);
+    this.owner.ahead(false);
   }
 
   /** Removes new blocks that did not come into the text: blocks say what the text says. */

@@ -42,7 +42,7 @@ const TryPanel = later(async () => (await import("../panels/try_panel")).TryPane
 export type Tool = "findings" | "optimize" | "try" | "robot";
 
 /** The parts that can have the whole page. */
-export type FullPart = "map" | "results";
+type FullPart = "map" | "results";
 
 const BLOCKS = { least: 20, most: 80 };
 const DOCK = { least: 10, most: 85 };
@@ -213,7 +213,7 @@ function useChoices(editor: RuleEditor) {
 
 function selfSaving(editor: RuleEditor): SelfSaving {
   const { isInFile, conflict, restored } = editor;
-  const content = computed(() => JSON.stringify([editor.text.value, editor.map.value]));
+  const content = computed(() => [editor.text.value, editor.map.value]);
   const [isSound, save] = [() => editor.isSound(), () => editor.save(true)];
   return { content, isSaved: isInFile, conflict, restored, isSound, save };
 }

@@ -135,11 +135,13 @@ function openWorkspace(
       }),
       drawValues,
     },
-    changed: (editsOf) =>
+    changed: (editsOf, refused) =>
       editor.edit((document) => {
         if (document === editor.shown.peek()?.document) workspace.catchUp(document);
         return editsOf(document);
-      }),
+      }, refused),
+    lost: (changes, why) => (editor.lost.value = { name: editor.name, changes, why }),
+    tell: (message) => (editor.message.value = message),
     leftOut: (count) => (editor.blocksLeftOut = count),
     ahead: (isAhead) => editor.ahead.tell(workspace, isAhead),
     showAgain: show,

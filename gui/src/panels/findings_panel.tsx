@@ -47,8 +47,9 @@ export function FindingsPanel({ editor, repair }: { editor: RuleEditor; repair: 
       )}
       {findings.length === 0 && !isGone && <p class="quiet">No findings: the rules can be used as they are.</p>}
       <ul class="findings" aria-label="Findings">
-        {findings.slice(0, limit).map((finding) => (
-          <FindingRow key={`${finding.offset} ${finding.code} ${finding.message}`} {...{ editor, repair, finding }} />
+        {findings.slice(0, limit).map((finding, row) => (
+          // Places and lines change with each key above: a row is written anew, and not made anew.
+          <FindingRow key={row} {...{ editor, repair, finding }} />
         ))}
       </ul>
       {hidden > 0 && (

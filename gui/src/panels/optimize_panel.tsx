@@ -9,7 +9,7 @@ import { href } from "../route";
 import { setBudget } from "../state/budget";
 import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
-import { topicsIn } from "../state/topics_in";
+import { namesLevel, topicsIn } from "../state/topics_in";
 import { download } from "../ui/download";
 import { kilobytes } from "../ui/numbers";
 import { sentence } from "../ui/sentence";
@@ -17,6 +17,7 @@ import { ProfileChangeNotice } from "./profile_change_notice";
 import { SituationBars } from "./situation_bars";
 
 const AFTER_MS = 300;
+const MISSING = "Nothing was downloaded: the panel below says what is missing";
 /** Recordings that are offered to measure in. */
 const MOST_BAGS = 3;
 /** What was asked about: repairs are edits of its text. */
@@ -49,9 +50,10 @@ export function OptimizePanel({ editor, api, project, repair, wantsRates }: Prop
   useEffect(() => {
     if (!wantsRates.value || !isAnswered) return;
     wantsRates.value = false;
+    if (profile === null) return void downloadPlain(editor);
     const rates = result !== null && "download_text" in result ? result.download_text : null;
-    if (profile !== null && rates !== null) download(ratesName(editor), rates);
-    else editor.message.value = "Nothing was downloaded: the panel below says what is missing";
+    if (rates !== null) download(ratesName(editor), rates);
+    else editor.message.value = MISSING;
   }, [wantsRates.value, isAnswered]);
   if (profile === null) {
     return (
@@ -130,6 +132,16 @@ function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswe
 /** What a rule file with numbers instead of levels is called. */
 function ratesName(editor: RuleEditor): string {
   return (editor.name.split("/").at(-1) ?? "rules.adirf").replace(/\.adirf$/, "-rates.adirf");
+}
+
+/** Downloads rules without a profile as they are, unless they name levels, which only a profile makes numbers. */
+async function downloadPlain(editor: RuleEditor): Promise<void> {
+  if (!(await editor.isSound())) editor.message.value = "Nothing was downloaded: the rules have errors";
+  else if (namesLevel(editor.document.value)) editor.message.value = MISSING;
+  else {
+    download(ratesName(editor), editor.text.value);
+    editor.message.value = "Downloaded the rules as they are: they name no quality level";
+  }
 }
 
 /** The smallest change of each part that does not fit, all as one step of undo. */

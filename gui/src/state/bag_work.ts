@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 import { watchProgress } from "../api/progress";
 import { refusal } from "../api/refusal";
 
-export type WorkState<T> =
+type WorkState<T> =
   | { kind: "idle"; note: string }
   | { kind: "running"; share: number }
   | { kind: "done"; answer: T }

@@ -7,7 +7,7 @@ import { type Draft, type DraftKind, type Drafts, NO_ROOM, type Restored } from 
 const WRITE_AFTER_MS = 400;
 
 /** A file that is being changed, as its draft needs it. */
-export interface Unsaved {
+interface Unsaved {
   readonly name: string;
   readonly restored: Signal<Restored | null>;
   readonly message: Signal<string>;

@@ -11,7 +11,7 @@ export const MAP_FRAME = "map";
 const NO_PATH: readonly Point[] = [];
 
 /** Whose floor it is: what its side file says, and who is told of errors. */
-export interface FloorOwner {
+interface FloorOwner {
   readonly map: Signal<MapSetting>;
   tell(error: unknown): void;
 }

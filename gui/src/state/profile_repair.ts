@@ -6,7 +6,7 @@ import type { ProfileEntry, ProfileRow } from "../api/types";
 import type { RuleEditor } from "./rule_editor";
 
 /** What was done to the topic parameters, and what takes it back. */
-export interface ProfileChange {
+interface ProfileChange {
   words: string;
   takeBack(): Promise<void>;
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Condition, RuleDocument } from "../api/types";
+import type { Action, Condition, RuleDocument, Statement } from "../api/types";
+import { statementsIn } from "./statements_in";
 
 /** Every topic that the rules set, bound, record or check. */
 export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlySet<string> {
@@ -18,6 +19,15 @@ export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlyS
     }
   }
   return topics;
+}
+
+/** Whether a rate or a bound of the rules is a quality level. */
+export function namesLevel({ collections }: Pick<RuleDocument, "collections">): boolean {
+  const isLevel = (one: Statement | Action) =>
+    (one.kind === "set" && one.rate.kind === "tier") || (one.kind === "within" && typeof one.bound === "string");
+  return statementsIn({ collections }).some((one) =>
+    one.kind === "rule" ? [...one.then, ...one.else].some(isLevel) : isLevel(one),
+  );
 }
 
 function addChecked(condition: Condition, topics: Set<string>): void {

@@ -13,7 +13,7 @@ import { type AskedCheck, useCheckCourse } from "./use_check_course";
 /** A larger recording is read when somebody asks for it. */
 const READ_AT_ONCE_BYTES = 300e6;
 
-export interface PickedProps {
+interface PickedProps {
   api: Api;
   asked: AskedCheck;
   sizeBytes: number;
