@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import { refusalOf } from "../api/refusal";
 import type { IncidentSummary, IncidentsAnswer } from "../api/types";
 import { FormDialog } from "../ui/dialog";
+import { Problem } from "../ui/notice";
 import { counted, sizeWords } from "../ui/numbers";
 import { moment } from "../ui/times";
 
@@ -39,11 +41,7 @@ export function DeleteDialog({ api, incident, onDeleted, onClose }: DeleteDialog
       )}
       <p class="path">{name}</p>
       <p>The folder is deleted from the disk and cannot be had back.</p>
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { FetchState, IncidentsOfRobot, RobotIncident } from "../api/types";
 import { href } from "../route";
 import type { RobotIncidents } from "../state/robot_incidents";
 import { ColumnHeads } from "../ui/column_heads";
+import { Problem } from "../ui/notice";
 import { counted, readable, sizeWords } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
 import { SUMMARY_COLUMNS, SummaryCells } from "./summary_cells";
@@ -16,11 +18,7 @@ export function RobotIncidentList({ robots }: { robots: RobotIncidents }) {
   return (
     <section class="on-robots" aria-label="On robots">
       <h2>On robots</h2>
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
       {answer === null && !problem && <p class="quiet">Asking the robots …</p>}
       {answer?.problem && <p class="problem">{answer.problem}</p>}
       {answer && !answer.problem && answer.robots.length === 0 && <p class="quiet">No robot is heard over the link.</p>}
@@ -110,11 +108,7 @@ function FetchCell({ robots, robot, incident: { name, kept, summary } }: RowProp
       {fetch?.state === "cancelled" && (
         <span class="quiet"> Cancelled. {sizeWords(fetch.got_kb)} are here already.</span>
       )}
-      {fetch?.state === "failed" && (
-        <p class="problem" role="alert">
-          {fetch.problem}
-        </p>
-      )}
+      {fetch?.state === "failed" && <Problem text={fetch.problem} />}
     </div>
   );
 }

@@ -8,7 +8,7 @@ import { type DraftRow, isNumber, toNumber } from "../state/draft_row";
 import type { ProfileEditor } from "../state/profile_editor";
 import { WorkProgress } from "../ui/work_progress";
 import type { Chart } from "./curve_plot";
-import { CurveTable } from "./curve_table";
+import { CurveTable } from "./curve_tables";
 import { moved, RATES } from "./level_axis";
 import { LevelPlot } from "./level_plot";
 import { stopped } from "./stopped";

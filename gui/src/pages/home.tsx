@@ -12,7 +12,7 @@ import { NEW_PROFILE, type Route, toRoute } from "../route";
 import { FormDialog } from "../ui/dialog";
 import { useDroppedFile } from "../ui/dropped_file";
 import { FileProblem, fileText } from "../ui/file_text";
-import { Notice } from "../ui/notice";
+import { Notice, Problem } from "../ui/notice";
 import { RobotState } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
 import type { PageProps } from "./page_props";
@@ -245,11 +245,7 @@ function NewRules(props: Pick<PageProps, "api" | "refresh" | "project"> & { reci
       </label>
       {about && <p>{about}</p>}
       <p class="quiet">It is created in {props.project.root_name}; a / in the name puts it into a folder.</p>
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import { refusal, refusalOf } from "../api/refusal";
 import type { FileAnswer, Project } from "../api/types";
 import { followersOf } from "../state/robot_trouble";
 import { FormDialog } from "../ui/dialog";
+import { Problem } from "../ui/notice";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
 
@@ -110,11 +112,7 @@ function NameDialog(props: FileActsProps & { name: string; isCopy: boolean; onCl
           this name, and will not find it under another one.
         </p>
       )}
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

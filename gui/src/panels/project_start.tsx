@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import { refusalOf } from "../api/refusal";
@@ -7,6 +8,7 @@ import type { Project } from "../api/types";
 import { toRoute } from "../route";
 import { layoutName, PLAIN_GRID, writeLayout } from "../state/layout";
 import { FormDialog } from "../ui/dialog";
+import { Problem } from "../ui/notice";
 import { counted, durationWords } from "../ui/numbers";
 import { ownProfile } from "./profile_choice";
 
@@ -123,11 +125,7 @@ function StartDialog({ api, project, refresh, origin, onClose }: Props & { origi
         <Choice name="sizes" label="Measure sizes" note="topic parameters, in a profile of the same name" />
         {origin.bag !== null && <Choice name="path" label="Show the path" note="below the zones on the map" />}
       </div>
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

@@ -8,6 +8,7 @@ import type { RuleEditor } from "../state/rule_editor";
 import { Trial } from "../state/trial";
 import { bagsIn, changedSince, type FileTries, fileOf, recordingOf } from "../state/tries";
 import { TryResult } from "../try/try_result";
+import { Choice } from "../ui/choice";
 import { NeedsServer } from "../ui/server_gone";
 import { WorkProgress } from "../ui/work_progress";
 
@@ -51,14 +52,13 @@ export function TryPanel({ editor, api, project, tries, keepings, refresh }: Pro
   return (
     <div class="try">
       <div class="row">
-        <label>
-          Recording
-          <select value={bag} disabled={isRunning} onChange={(event) => (tries.bag.value = event.currentTarget.value)}>
-            {bags.map((name) => (
-              <option key={name}>{name}</option>
-            ))}
-          </select>
-        </label>
+        <Choice
+          label="Recording"
+          value={bag}
+          choices={bags}
+          disabled={isRunning}
+          choose={(name) => (tries.bag.value = name)}
+        />
         {!isRunning && (
           <NeedsServer>
             <button type="button" class="primary" onClick={() => void run()}>

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Api } from "../api/client";
@@ -7,6 +8,7 @@ import { refusalOf } from "../api/refusal";
 import type { RuleVersion, VersionsAnswer } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { DifferenceWords } from "../ui/difference_words";
+import { Problem } from "../ui/notice";
 import { NeedsServer } from "../ui/server_gone";
 import { TextComparison } from "../ui/text_comparison";
 import { moment } from "../ui/times";
@@ -46,11 +48,7 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
   const { versions, most, folder } = list.value;
   return (
     <section class="versions-pane" aria-label="Versions">
-      {problem.value && (
-        <p class="problem" role="alert">
-          {problem.value}
-        </p>
-      )}
+      <Problem text={problem.value} />
       {versions.length === 0 && <p class="quiet">None yet: each save of this file keeps one.</p>}
       <ol class="version-list">
         {versions.map((version, index) => (

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import { refusalOf } from "../api/refusal";
@@ -7,6 +8,7 @@ import type { PlacedFinding, Statement } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { FormDialog } from "../ui/dialog";
 import { download } from "../ui/download";
+import { Problem } from "../ui/notice";
 import { idOf, StatementChecklist } from "./statement_checklist";
 
 /** Downloads a rule file of the statements that somebody chooses. */
@@ -41,11 +43,7 @@ export function ExportDialog({ editor, api, onClose }: { editor: RuleEditor; api
         onChoose={setChosen}
         problem={(statement) => broken.get(idOf(statement)) ?? null}
       />
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

@@ -4,6 +4,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { Playback, SPEEDS } from "../state/playback";
 import type { Timeline } from "../state/timeline";
+import { Choice } from "../ui/choice";
 
 const STEPS = 500;
 const WIDTH = 1000;
@@ -66,17 +67,13 @@ function Player({ timeline }: { timeline: Timeline }) {
       <button type="button" class="small player" onClick={() => (isPlaying ? playback.pause() : playback.play())}>
         {isPlaying ? "Pause" : "Play"}
       </button>
-      <select
-        aria-label="Speed"
+      <Choice
+        isBare
+        label="Speed"
         value={playback.speed.value}
-        onChange={(event) => (playback.speed.value = Number(event.currentTarget.value))}
-      >
-        {SPEEDS.map((speed) => (
-          <option key={speed} value={speed}>
-            {speed}×
-          </option>
-        ))}
-      </select>
+        choices={SPEEDS.map((speed) => [speed, `${speed}×`] as const)}
+        choose={(speed) => (playback.speed.value = speed)}
+      />
     </>
   );
 }

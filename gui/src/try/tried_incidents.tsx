@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { TryIncident } from "../api/types";
 import { missingWords, windowWords } from "../incidents/missing_words";
 import { href } from "../route";
 import type { Keepings } from "../state/keepings";
 import type { Trial } from "../state/trial";
+import { Problem } from "../ui/notice";
 import { counted, sizeWords } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
 
@@ -18,11 +20,7 @@ export function TriedIncidents({ keepings, trial }: { keepings: Keepings; trial:
         What the rules would have recorded{" "}
         {incidents.length > 0 && <span class="quiet">(red on the slider and the charts)</span>}
       </h3>
-      {keepings.problem.value && (
-        <p class="problem" role="alert">
-          {keepings.problem.value}
-        </p>
-      )}
+      <Problem text={keepings.problem.value} />
       {incidents.length === 0 ? (
         <p class="quiet">
           Nothing: no rule with a recording began to hold. One that holds from the start on begins nothing either,

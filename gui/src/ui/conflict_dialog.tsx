@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import { type Conflict, type Contested, isStatus } from "../state/conflict";
 import { FormDialog } from "./dialog";
 import { DifferenceWords } from "./difference_words";
+import { Problem } from "./notice";
 import { TextComparison } from "./text_comparison";
 
 interface Props {
@@ -77,11 +79,7 @@ function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflic
         {isGone ? "Or save yours under another name" : "Or keep both, yours under another name"}
         <input name="name" required autocomplete="off" placeholder={`mine${ending}`} />
       </label>
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

@@ -19,3 +19,12 @@ export function Notice(props: {
     </div>
   );
 }
+
+/** Why something was refused; nothing where it was not. */
+export function Problem({ text }: { text: string | null | undefined }) {
+  return text ? (
+    <p class="problem" role="alert">
+      {text}
+    </p>
+  ) : null;
+}

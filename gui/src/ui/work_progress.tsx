@@ -1,16 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { BagWork } from "../state/bag_work";
+import { Problem } from "./notice";
 
 /** How far work on a recording is, and the button that ends it; or why it failed. */
 export function WorkProgress<T>({ work, doing }: { work: BagWork<T>; doing: string }) {
   const state = work.state.value;
   if (state.kind === "failed") {
-    return (
-      <p class="problem" role="alert">
-        {state.why}
-      </p>
-    );
+    return <Problem text={state.why} />;
   }
   if (state.kind === "idle") return <p role="status">{state.note}</p>;
   if (state.kind !== "running") return null;
