@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Signal } from "@preact/signals";
+import type { ComponentType } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
-import type { Api } from "./api/client";
-import { refusalOf } from "./api/refusal";
+import { type Api, refusalOf } from "./api/client";
 import type { Project } from "./api/types";
 import { HomePage } from "./pages/home";
-import { KnownFile } from "./pages/known_file";
 import type { PageProps } from "./pages/page_props";
-import { type Route, readRoute, toRoute } from "./route";
+import { href, NEW_PROFILE, type Route, readRoute, toRoute } from "./route";
 import { browserStorage, Drafts } from "./state/drafts";
 import { Keepings } from "./state/keepings";
 import { OpenEditors } from "./state/open_editors";
@@ -119,4 +118,38 @@ function useRoute(): Route {
     return () => removeEventListener("hashchange", follow);
   }, []);
   return route;
+}
+
+interface Props {
+  Page: ComponentType<PageProps>;
+  route: Route;
+  props: PageProps;
+  onMissing: (name: string) => void;
+}
+
+/** The page of a file that is there, or of none; the address of one that is not there leads home. */
+export function KnownFile({ Page, route, props, onMissing }: Props) {
+  const [isThere, setIsThere] = useState(mayBeNew(route, props));
+  useEffect(() => {
+    if (isThere) return;
+    props.api.fileState(route.name).then(
+      ({ hash }) => {
+        if (hash !== null) return setIsThere(true);
+        onMissing(route.name);
+        location.replace(href({ page: "home", name: "" }));
+      },
+      // The page says itself why a file cannot be read.
+      () => setIsThere(true),
+    );
+  }, []);
+  return isThere ? <Page {...props} /> : <p class="quiet center">Loading …</p>;
+}
+
+/** Whether the page of the address shows no file, one that is known, or a table that begins with it. */
+function mayBeNew({ page, name, rules }: Route, { project, editors }: PageProps): boolean {
+  if (page !== "rules" && page !== "topics") return true;
+  const isKnown = (kind: "rules" | "profile") =>
+    editors.unsaved(kind).includes(name) || project.files.some((file) => file.kind === kind && file.name === name);
+  if (page === "rules") return isKnown("rules");
+  return isKnown("profile") || rules !== undefined || name === NEW_PROFILE;
 }

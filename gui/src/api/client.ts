@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { sentence } from "../ui/sentence";
+import { sentence } from "../ui/numbers";
 import type { Condition, Draft, Edit, Problem, ProfileEntry, ProfileTable, Routes } from "./types";
 
 /** What the server refused, or that it did not answer (status 0). */
@@ -342,5 +342,21 @@ async function send(method: string, path: string, body: unknown, how: RequestIni
   } catch (error) {
     if (how.signal?.aborted) throw error;
     throw new ApiError(0, UNREACHABLE);
+  }
+}
+
+/** What the server says when it refuses; anything else is a bug and goes on. */
+export function refusal(error: unknown): string {
+  if (!(error instanceof ApiError)) throw error;
+  return error.message;
+}
+
+/** Does work; what the server refused of it, empty where it is done. */
+export async function refusalOf(work: () => Promise<unknown>): Promise<string> {
+  try {
+    await work();
+    return "";
+  } catch (error) {
+    return refusal(error);
   }
 }

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import type { Edit, PlacedFinding, RuleDocument, Statement } from "../api/types";
+import type { PlacedFinding, RuleDocument, Statement } from "../api/types";
 import type { Folds } from "../state/folds";
+import type { Lost } from "../state/rule_editor";
 import { Badges } from "./badges";
 import type { RuleAct } from "./block_types";
 import { Column } from "./column";
@@ -10,6 +11,7 @@ import { DrawnPart, quietly } from "./drawn_part";
 import type { Suggestions } from "./fields";
 import { FOLDED } from "./folded_type";
 import { showJoins } from "./joins";
+import { asOfNow, bringLeft } from "./left_blocks";
 import type { RuleState } from "./live_states";
 import type { MenuPage } from "./menus";
 import { fingerprint, toBlock, toStatement } from "./model";
@@ -18,7 +20,7 @@ import { closeField, isTyping, openField } from "./open_field";
 import { blocklyTheme } from "./palette";
 import { type ActedOn, actedOn } from "./rule_acts";
 import {
-  asOfNow,
+  type Changed,
   isTop,
   printOf,
   type Slot,
@@ -27,14 +29,11 @@ import {
   statementOf,
   statementsOf,
   stepsOf,
-  unsaid,
 } from "./slots";
 import { NEW_RATE, NEW_RULE } from "./toolbox";
 import { Warnings } from "./warnings";
 
 const IN_HAND_MS = 50;
-
-type EditsOf = (document: RuleDocument) => Edit[];
 
 /** What the workspace tells and asks. */
 interface WorkspaceOwner {
@@ -43,10 +42,9 @@ interface WorkspaceOwner {
   menus: Omit<MenuPage, "newRate" | "newRule" | "foldAll">;
   /** Rules to take from the list of blocks; null where they cannot be had now. */
   recipes(): Promise<readonly Statement[] | null>;
-  /** Blocks say something else than the text: `editsOf` it bring it there; `refused` hears why not, instead of the page. */
-  changed(editsOf: EditsOf, refused?: (why: string) => void): Promise<void>;
+  changed: Changed;
   /** What blocks said when they were left did not come into the text. */
-  lost(changes: readonly string[], why: string): void;
+  lost(lost: Omit<Lost, "name">): void;
   /** Whether blocks say something that is not in the text yet. */
   ahead(isAhead: boolean): void;
   tell(message: string): void;
@@ -163,8 +161,7 @@ export class RuleWorkspace {
 
   /** Shows which block says a statement, drawing it first; the focus stays where somebody works. */
   reveal(id: string | null): void {
-    const index = id === null ? -1 : this.drawn.all.findIndex((statement) => statement.id === id);
-    const block = this.shownAt(index);
+    const block = this.shownAt(id === null ? -1 : this.drawn.all.findIndex((statement) => statement.id === id));
     // Scrolling draws anew, so that each key stroke in one statement must not do it.
     if (block === this.revealed) return;
     this.revealed = block;
@@ -353,11 +350,9 @@ export class RuleWorkspace {
     this.underWay++;
     await this.owner.changed(
       (document) => {
-        // What was left is handed over together.
-        if (this.left) return [];
-        if (this.isInHand()) {
-          // Somebody went on while the edits before these were under way.
-          this.settleSoon();
+        if (this.left || this.isInHand()) {
+          // What was left comes together; else somebody went on while the edits before these were under way.
+          if (!this.left) this.settleSoon();
           return [];
         }
         before = this.drawn.slots.map((slot) => ({ ...slot }));
@@ -378,38 +373,12 @@ export class RuleWorkspace {
     this.owner.ahead(this.isAhead());
   }
 
-  /** Brings into the text what blocks said when they were left: all at once, else one by one all that is not refused. */
+  /** As `hand`, for what blocks said when they were left. */
   private async handLeft(left: Standing): Promise<void> {
-    const { drawn } = this;
-    const givenUp = new Set<Blockly.BlockSvg>();
-    const wanted: Standing = {
-      ...left,
-      says: (block) => (givenUp.has(block) ? { missing: "refused" } : left.says(block)),
-      isDropped: (block) => !givenUp.has(block) && left.isDropped(block),
-    };
-    let why = "";
     this.underWay++;
-    for (let most = Number.POSITIVE_INFINITY, isOver = false; !isOver; most = 1) {
-      let slots: Slot[] = [];
-      let blocks: Blockly.BlockSvg[] = [];
-      let refusal = "";
-      await this.owner.changed(
-        (document) => {
-          slots = drawn.slots.map((slot) => ({ ...slot }));
-          const steps = stepsOf(document, drawn.first, slots, wanted, most);
-          blocks = steps.map(({ block }) => block);
-          return steps.map(({ edit }) => edit);
-        },
-        (said) => (refusal = said),
-      );
-      why = refusal || why;
-      if (refusal === "") drawn.slots = slots;
-      else if (most === 1) for (const block of blocks) givenUp.add(block);
-      isOver = blocks.length === 0 || (refusal === "" && most > 1);
-    }
+    const lost = await bringLeft(this.drawn, left, this.owner.changed);
     this.underWay--;
-    const changes = unsaid(drawn.slots, left);
-    if (changes.length > 0) this.owner.lost(changes, why);
+    if (lost !== null) this.owner.lost(lost);
     this.owner.ahead(false);
   }
 

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
 import type { Edit, PlacedCollection, RuleDocument, Statement } from "../api/types";
-import { statementTitle } from "../sharing/statement_title";
 import { edited } from "./edited";
 import { fingerprint, toStatement } from "./model";
 
@@ -56,17 +55,8 @@ export interface Standing {
 
 export type Said = Statement | { missing: string } | null;
 
-/** What blocks say now, for a time at which they are gone. */
-export function asOfNow({ order, isDropped, says }: Standing, slots: readonly Slot[]): Standing {
-  const all = new Set([...order, ...slots.map(({ block }) => block)]);
-  const said = new Map([...all].map((block) => [block, says(block)]));
-  const dropped = new Set([...all].filter(isDropped));
-  return {
-    order: [...order],
-    isDropped: (block) => dropped.has(block),
-    says: (block) => said.get(block) ?? null,
-  };
-}
+/** Blocks say something else than the text: `editsOf` it bring it there; `refused` hears why not, instead of the page. */
+export type Changed = (editsOf: (document: RuleDocument) => Edit[], refused?: (why: string) => void) => Promise<void>;
 
 /** An edit, and the block that says it. */
 export interface Step {
@@ -91,18 +81,6 @@ export function stepsOf(
     collections = edited(collections, step.edit);
   }
   return steps;
-}
-
-/** What blocks say and the text does not, in a few words each. */
-export function unsaid(slots: readonly Slot[], { order, says }: Standing): string[] {
-  const prints = new Map(slots.map(({ block, print }) => [block, print]));
-  return [...new Set([...slots.map(({ block }) => block), ...order])].flatMap((block) => {
-    const said = says(block);
-    if (said !== null && "missing" in said) return [];
-    const print = prints.get(block);
-    if (said === null) return print === undefined ? [] : ["a block that was deleted"];
-    return fingerprint(said) === print ? [] : [statementTitle(said)];
-  });
 }
 
 /**

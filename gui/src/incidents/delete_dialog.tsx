@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 import { useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { IncidentSummary, IncidentsAnswer } from "../api/types";
 import { FormDialog } from "../ui/dialog";
 import { Problem } from "../ui/notice";

@@ -4,11 +4,11 @@
 import type { FetchState, IncidentsOfRobot, RobotIncident } from "../api/types";
 import { href } from "../route";
 import type { RobotIncidents } from "../state/robot_incidents";
-import { ColumnHeads } from "../ui/column_heads";
+import { ColumnHeads } from "../ui/data_table";
 import { Problem } from "../ui/notice";
 import { counted, readable, sizeWords } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
-import { SUMMARY_COLUMNS, SummaryCells } from "./summary_cells";
+import { SUMMARY_COLUMNS, SummaryCells } from "./incident_table";
 
 /** What the robots on the link recorded: listed at once, fetched one by one. Nothing without a link. */
 export function RobotIncidentList({ robots }: { robots: RobotIncidents }) {

@@ -9,10 +9,9 @@ import type { ProfileEditor } from "../state/profile_editor";
 import { WorkProgress } from "../ui/work_progress";
 import type { Chart } from "./curve_plot";
 import { AccuracyTables } from "./curve_tables";
-import { boundsIn, moved } from "./level_axis";
+import { boundsIn, moved, stopped } from "./level_axis";
 import { LevelPlot } from "./level_plot";
 import { needOf } from "./needs";
-import { stopped } from "./stopped";
 import { useMeasured } from "./use_measured";
 
 /** The six accuracies of a property's levels on the messages that each needs: dragged or moved by keys. */

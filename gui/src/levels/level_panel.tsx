@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusal } from "../api/refusal";
+import { type Api, refusal } from "../api/client";
 import type { LevelledProperty } from "../api/types";
 import { ACCURACY_UNITS, keysOf } from "../state/accuracies";
 import type { DraftRow } from "../state/draft_row";

@@ -1,17 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useMemo, useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusal } from "../api/refusal";
+import { type Api, refusal } from "../api/client";
 import type { Curve } from "../api/types";
 import { type DraftRow, isNumber, toNumber } from "../state/draft_row";
 import type { ProfileEditor } from "../state/profile_editor";
 import { WorkProgress } from "../ui/work_progress";
 import type { Chart } from "./curve_plot";
 import { CurveTable } from "./curve_tables";
-import { moved, RATES } from "./level_axis";
+import { moved, RATES, stopped } from "./level_axis";
 import { LevelPlot } from "./level_plot";
-import { stopped } from "./stopped";
 import { useMeasured } from "./use_measured";
 
 /** The six rates of a topic's levels on what each rate loses: dragged, moved by keys, or proposed. */

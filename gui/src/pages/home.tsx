@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useId, useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
-import { refusal, refusalOf } from "../api/refusal";
+import { type Api, ApiError, refusal, refusalOf } from "../api/client";
 import type { FileAnswer, Project } from "../api/types";
 import { FileLists } from "../panels/file_lists";
 import { ownProfile } from "../panels/profile_choice";
@@ -10,8 +9,7 @@ import { RecordingList, RecordingStart } from "../panels/project_start";
 import { RECIPES } from "../recipes/recipes";
 import { NEW_PROFILE, type Route, toRoute } from "../route";
 import { FormDialog } from "../ui/dialog";
-import { useDroppedFile } from "../ui/dropped_file";
-import { FileProblem, fileText } from "../ui/file_text";
+import { FileProblem, fileText, useDroppedFile } from "../ui/files";
 import { Notice, Problem } from "../ui/notice";
 import { RobotState } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { IncidentAnswer, IncidentCourse, IncidentsAnswer, ListedIncident } from "../api/types";
 import { DeleteDialog } from "../incidents/delete_dialog";
 import { CourseView } from "../incidents/incident_course";

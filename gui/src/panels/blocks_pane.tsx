@@ -3,18 +3,17 @@
 import { effect, type ReadonlySignal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
+import type { DrawValues } from "../blocks/number_field";
 import type { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
-import type { DrawValues } from "../blocks/threshold_field";
 import { recipeRules } from "../recipes/recipe_rules";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
-import { NARROW } from "../ui/narrow";
-import { onceLoaded } from "../ui/once_loaded";
+import { onceLoaded } from "../ui/later";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
-import { watchSize, watchTheme } from "../ui/watch";
+import { NARROW, watchSize, watchTheme } from "../ui/watch";
 import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
@@ -140,7 +139,7 @@ function openWorkspace(
         if (document === editor.shown.peek()?.document) workspace.catchUp(document);
         return editsOf(document);
       }, refused),
-    lost: (changes, why) => (editor.lost.value = { name: editor.name, changes, why }),
+    lost: (lost) => (editor.lost.value = { name: editor.name, ...lost }),
     tell: (message) => (editor.message.value = message),
     leftOut: (count) => (editor.blocksLeftOut = count),
     ahead: (isAhead) => editor.ahead.tell(workspace, isAhead),

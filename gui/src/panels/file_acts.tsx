@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 import { useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusal, refusalOf } from "../api/refusal";
+import { type Api, refusal, refusalOf } from "../api/client";
 import type { FileAnswer, Project } from "../api/types";
 import { followersOf } from "../state/robot_trouble";
 import { FormDialog } from "../ui/dialog";

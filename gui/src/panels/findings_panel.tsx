@@ -2,17 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from "preact/hooks";
 import type { PlacedFinding, Severity } from "../api/types";
+import { statementTitle } from "../blocks/rule_words";
 import { href } from "../route";
-import { statementTitle } from "../sharing/statement_title";
 import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
-import { counted } from "../ui/numbers";
+import { counted, sentence } from "../ui/numbers";
 import { useRobot } from "../ui/robot_state";
-import { sentence } from "../ui/sentence";
 import { NeedsServer } from "../ui/server_gone";
 import { clock } from "../ui/times";
-import { ProfileChangeNotice } from "./profile_change_notice";
-import { ownProfile } from "./profile_choice";
+import { ownProfile, ProfileChangeNotice } from "./profile_choice";
 
 const MARKS: Record<Severity, string> = { error: "Error", warning: "Warning", info: "Note" };
 

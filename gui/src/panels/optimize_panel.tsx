@@ -2,19 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import type { Api, Rules } from "../api/client";
-import { refusal } from "../api/refusal";
-import type { OptimizeAnswer, Project, Refusal, Repair } from "../api/types";
+import { type Api, type Rules, refusal } from "../api/client";
+import type { OptimizeAnswer, Project, Refusal, Repair, SituationLoad } from "../api/types";
 import { href } from "../route";
-import { setBudget } from "../state/budget";
-import type { ProfileRepair } from "../state/profile_repair";
+import { type ProfileRepair, setBudget } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
-import { namesLevel, topicsIn } from "../state/topics_in";
-import { download } from "../ui/download";
-import { kilobytes } from "../ui/numbers";
-import { sentence } from "../ui/sentence";
-import { ProfileChangeNotice } from "./profile_change_notice";
-import { SituationBars } from "./situation_bars";
+import { namesLevel, topicsIn } from "../state/statements";
+import { download } from "../ui/files";
+import { hz, kilobytes, readable, sentence } from "../ui/numbers";
+import { ProfileChangeNotice } from "./profile_choice";
 
 const AFTER_MS = 300;
 const MISSING = "Nothing was downloaded: the panel below says what is missing";
@@ -197,4 +193,44 @@ async function optimize(editor: RuleEditor, api: Api, done: (result: Result) => 
   } catch (error) {
     done({ refused: refusal(error), text, profile_text });
   }
+}
+
+/** What each topic takes of the link in one situation, as shares of the budget. */
+export function SituationBars({ situation, budgetKbPerS }: { situation: SituationLoad; budgetKbPerS: number }) {
+  const loads = [...situation.loads].sort((a, b) => b.kb_per_s - a.kb_per_s);
+  const share = situation.kb_per_s / budgetKbPerS;
+  const scale = Math.max(budgetKbPerS, situation.kb_per_s);
+  return (
+    <figure class={share > 1 ? "situation over" : "situation"}>
+      <figcaption>
+        <strong>{situation.title}</strong>
+        <span class="quiet">
+          {kilobytes(situation.kb_per_s)} KB/s, {readable(share * 100)} % of the budget
+        </span>
+      </figcaption>
+      <meter min={0} max={1} value={Math.min(share, 1)} aria-label={`${situation.title}: share of the budget`} />
+      <table>
+        <thead class="visually-hidden">
+          <tr>
+            <th>Topic</th>
+            <th>Share</th>
+            <th>Rate</th>
+            <th>KB/s</th>
+          </tr>
+        </thead>
+        <tbody>
+          {loads.map((load) => (
+            <tr key={load.topic}>
+              <th scope="row">{load.topic}</th>
+              <td class="bar-cell" aria-hidden="true">
+                <span class="load" style={{ width: `${(100 * load.kb_per_s) / scale}%` }} />
+              </td>
+              <td class="number">{hz(load.rate_hz)}</td>
+              <td class="number">{kilobytes(load.kb_per_s)} KB/s</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </figure>
+  );
 }

@@ -3,8 +3,10 @@
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
 import { href } from "../route";
+import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
 import { Choice } from "../ui/choice";
+import { Notice } from "../ui/notice";
 
 /** Where topic parameters that are made for a rule file go. */
 export const ownProfile = (rules: string) => rules.replace(/(\.adirf)?$/, ".toml");
@@ -39,4 +41,11 @@ export function ProfileChoice({ editor, api, project }: { editor: RuleEditor; ap
       </a>
     </div>
   );
+}
+
+/** What was changed in another file than the one that is open, with the way back. */
+export function ProfileChangeNotice({ repair }: { repair: ProfileRepair }) {
+  const change = repair.done.value;
+  if (change === null) return null;
+  return <Notice kind="info" text={change.words} action={{ label: "Take it back", act: change.takeBack }} />;
 }

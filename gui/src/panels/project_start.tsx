@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 import { useEffect, useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { Project } from "../api/types";
 import { toRoute } from "../route";
 import { layoutName, PLAIN_GRID, writeLayout } from "../state/layout";

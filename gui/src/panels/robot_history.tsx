@@ -6,7 +6,7 @@ import type { RobotEvent, RobotHistoryAnswer } from "../api/types";
 import { MapCanvas } from "../map/map_canvas";
 import type { MapView } from "../map/map_view";
 import { duration } from "../state/robot_trouble";
-import { ColumnHeads } from "../ui/column_heads";
+import { ColumnHeads } from "../ui/data_table";
 import { clock } from "../ui/times";
 import { useAsked } from "../ui/use_asked";
 

@@ -5,7 +5,8 @@ import type { Problem } from "../api/types";
 import { RULES_WORDS } from "../state/connection";
 import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush, Stage } from "../state/rule_push";
-import { sentence } from "../ui/sentence";
+import { FormDialog } from "../ui/dialog";
+import { sentence } from "../ui/numbers";
 
 type Kept = Extract<Stage, { kind: "kept" }>;
 type Trying = Extract<Stage, { kind: "trying" }>;
@@ -194,4 +195,33 @@ function showLine(editor: RuleEditor, line: number): void {
   const offset = lines.slice(0, line - 1).reduce((sum, each) => sum + each.length + 1, 0);
   const end = offset + (lines[line - 1]?.length ?? 0);
   editor.spot.value = { offset, end_offset: end, from: "findings" };
+}
+
+/** What would change on the robot, before anything is sent. */
+export function SendDialog({ rulePush }: { rulePush: RulePush }) {
+  const stage = rulePush.stage.value;
+  if (stage.kind !== "asked") return null;
+  const { preview, node } = stage;
+  // Sending closes the dialog, too, and the stage of that must stay.
+  const close = () => rulePush.stage.peek() === stage && rulePush.close();
+  if (preview.same) {
+    return (
+      <FormDialog title={`Send to ${node}`} submit="Close" isNotice onSubmit={close} onClose={close}>
+        <p>The robot already has these rules. Comments and layout of the text are not sent.</p>
+      </FormDialog>
+    );
+  }
+  return (
+    <FormDialog title={`Send to ${node}`} submit="Send" onSubmit={() => rulePush.send()} onClose={close}>
+      <p>This changes on the robot:</p>
+      <ul class="differences" aria-label="Differences">
+        {preview.differences.map((difference) => (
+          <li key={difference}>{difference}</li>
+        ))}
+      </ul>
+      <p class="quiet">
+        The robot checks the rules and tries them. It returns to its previous rules unless you keep them.
+      </p>
+    </FormDialog>
+  );
 }

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { statementTitle } from "../blocks/rule_words";
 import { type Found, found, type Limit } from "../blocks/search";
-import { statementTitle } from "../sharing/statement_title";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 

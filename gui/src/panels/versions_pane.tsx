@@ -3,14 +3,12 @@
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { RuleVersion, VersionsAnswer } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
-import { DifferenceWords } from "../ui/difference_words";
+import { DifferenceWords, TextComparison } from "../ui/difference_words";
 import { Problem } from "../ui/notice";
 import { NeedsServer } from "../ui/server_gone";
-import { TextComparison } from "../ui/text_comparison";
 import { moment } from "../ui/times";
 
 const SHOWN_CHANGES = 5;

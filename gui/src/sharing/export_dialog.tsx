@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 import { useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { PlacedFinding, Statement } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { FormDialog } from "../ui/dialog";
-import { download } from "../ui/download";
+import { download } from "../ui/files";
 import { Problem } from "../ui/notice";
 import { idOf, StatementChecklist } from "./statement_checklist";
 

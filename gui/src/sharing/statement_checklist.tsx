@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ComponentChildren } from "preact";
 import type { Statement } from "../api/types";
-import { statementTitle } from "./statement_title";
+import { statementTitle } from "../blocks/rule_words";
 
 /** Statements with a checkbox each; one with a `problem` cannot be chosen. */
 export function StatementChecklist(props: {

@@ -3,7 +3,7 @@
 import { batch, computed, signal } from "@preact/signals";
 import { type Api, ApiError, type TextFile } from "../api/client";
 import type { EditAnswer, ImportConflict, ImportPreview, PlacedFinding } from "../api/types";
-import { FileProblem, fileText } from "../ui/file_text";
+import { FileProblem, fileText } from "../ui/files";
 import type { RuleEditor } from "./rule_editor";
 
 /** An import that is being put together: the other file, what of it shall come, and what that leads to. */

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { KeepState, KeepsAnswer } from "../api/types";
 import type { Trial } from "./trial";
 

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { FetchesAnswer, FetchState, RobotIncidentsAnswer } from "../api/types";
 
 const FOLLOW_MS = 700;

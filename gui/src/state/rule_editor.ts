@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, signal } from "@preact/signals";
-import type { Api, Rules } from "../api/client";
-import { refusal, refusalOf } from "../api/refusal";
+import { type Api, type Rules, refusal, refusalOf } from "../api/client";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { sectionsOf } from "../blocks/sections";
 import { counted } from "../ui/numbers";
@@ -24,7 +23,7 @@ import { keepDraft } from "./kept_draft";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
 import { RuleProfile } from "./rule_profile";
 import type { Spot } from "./spot";
-import { statementsIn } from "./statements_in";
+import { statementsIn } from "./statements";
 import { Words } from "./words";
 import { WorkAhead } from "./work_ahead";
 

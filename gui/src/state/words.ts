@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Api, Rules } from "../api/client";
 import type { RuleDocument, Vocabulary } from "../api/types";
-import { topicsIn } from "./topics_in";
+import { topicsIn } from "./statements";
 
 const KEPT_MS = 5000;
 

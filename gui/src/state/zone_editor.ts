@@ -3,8 +3,7 @@
 import { computed, effect, signal, untracked } from "@preact/signals";
 import type { Api } from "../api/client";
 import type { Edit, RuleZones, ZoneBounds, ZonesAnswer } from "../api/types";
-import type { Drawn } from "../map/map_owner";
-import type { MapZone, Point } from "../map/shapes";
+import type { Drawn, MapZone, Point } from "../map/shapes";
 import type { RuleEditor } from "./rule_editor";
 
 export const DRAFT = "draft";

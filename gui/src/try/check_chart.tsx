@@ -5,6 +5,7 @@ import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
 import type { Timeline } from "../state/timeline";
 import type { Turns } from "../state/turns";
+import { NeedsServer } from "../ui/server_gone";
 import { Strip } from "./strip";
 import { TruthBar } from "./truth_bar";
 
@@ -65,5 +66,30 @@ export function CheckChart({ timeline, values, threshold, isFixed = false, timeW
         ))}
       </div>
     </>
+  );
+}
+
+interface OtherProps {
+  threshold: Signal<number>;
+  /** The threshold that the rules have. */
+  written: number;
+  write: (threshold: number) => void;
+}
+
+/** What can be done with a threshold that was dragged: it goes into the rules, or back to theirs. */
+export function OtherThreshold({ threshold, written, write }: OtherProps) {
+  const { value } = threshold;
+  if (value === written) return null;
+  return (
+    <NeedsServer>
+      <div class="row">
+        <button type="button" class="small" onClick={() => write(value)}>
+          Write {value} into the rules
+        </button>
+        <button type="button" class="small" onClick={() => (threshold.value = written)}>
+          Back to {written}
+        </button>
+      </div>
+    </NeedsServer>
   );
 }

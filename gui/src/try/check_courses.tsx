@@ -8,8 +8,8 @@ import type { Trial } from "../state/trial";
 import { checksIn, thresholdEdits, type WrittenCheck } from "../state/written_checks";
 import { Choice } from "../ui/choice";
 import { WorkProgress } from "../ui/work_progress";
+import { OtherThreshold } from "./check_chart";
 import { CourseChart } from "./course_chart";
-import { OtherThreshold } from "./other_threshold";
 import { useCheckCourse } from "./use_check_course";
 
 interface Props {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import type { TryCrossing, TryFieldLoss, TryImages, TryTopicLoss } from "../api/types";
 import type { Trial } from "../state/trial";
 import { Choice } from "../ui/choice";
 import { DataTable } from "../ui/data_table";
 import { readable } from "../ui/numbers";
-import { LossStrip } from "./loss_strip";
+import { Strip } from "./strip";
 
 const nameOf = (loss: TryFieldLoss) => `${loss.topic} ${loss.field}`;
 const LEAST = 0.0001;
@@ -101,5 +101,15 @@ function ImageTable({ images }: { images: TryImages[] }) {
         shown(received.longest_blind_s),
       ])}
     />
+  );
+}
+
+/** The error of one value over time. */
+export function LossStrip({ trial, field }: { trial: Trial; field: TryFieldLoss }) {
+  const lines = useMemo(() => ({ after: field.error_bins }), [field]);
+  return (
+    <Strip timeline={trial} lines={lines} label={`Error of ${field.topic} ${field.field}`}>
+      <span class="quiet">Largest error in each stretch of time ({field.unit || "in its own unit"})</span>
+    </Strip>
   );
 }

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { Playback, SPEEDS } from "../state/playback";
-import type { Timeline } from "../state/timeline";
+import { Playback, SPEEDS, type Timeline } from "../state/timeline";
 import { Choice } from "../ui/choice";
 
 const STEPS = 500;

@@ -5,9 +5,8 @@ import { useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import { type Conflict, type Contested, isStatus } from "../state/conflict";
 import { FormDialog } from "./dialog";
-import { DifferenceWords } from "./difference_words";
+import { DifferenceWords, TextComparison } from "./difference_words";
 import { Problem } from "./notice";
-import { TextComparison } from "./text_comparison";
 
 interface Props {
   api: Api;

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { ComponentChildren } from "preact";
-import { ColumnHeads } from "./column_heads";
 
 interface Props {
   heads: readonly string[];
@@ -33,5 +32,20 @@ export function DataTable({ heads, rows, words = [], caption, label, class: look
         ))}
       </tbody>
     </table>
+  );
+}
+
+/** The head of a table: a title for each column. */
+export function ColumnHeads({ names }: { names: readonly string[] }) {
+  return (
+    <thead>
+      <tr>
+        {names.map((name) => (
+          <th key={name} scope="col">
+            {name}
+          </th>
+        ))}
+      </tr>
+    </thead>
   );
 }

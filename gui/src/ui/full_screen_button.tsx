@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { FullScreen } from "../state/full_screen";
+import type { FullScreen } from "../state/room";
 
 interface Props<Part extends string> {
   full: FullScreen<Part>;

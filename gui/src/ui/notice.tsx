@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import type { Signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 
 /** A message that stays until what it says is over. */
 export function Notice(props: {
@@ -27,4 +29,20 @@ export function Problem({ text }: { text: string | null | undefined }) {
       {text}
     </p>
   ) : null;
+}
+
+const SHOWN_MS = 6000;
+
+/** What just happened, said once and then gone. */
+export function Toast({ message }: { message: Signal<string> }) {
+  const text = message.value;
+  useEffect(() => {
+    const timer = setTimeout(() => (message.value = ""), SHOWN_MS);
+    return () => clearTimeout(timer);
+  }, [text]);
+  return (
+    <p class="toast" role="status" aria-live="polite">
+      {text}
+    </p>
+  );
 }

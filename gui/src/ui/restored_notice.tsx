@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { refusal } from "../api/refusal";
+import { refusal } from "../api/client";
 import type { Contested } from "../state/conflict";
 
 const TIME = { dateStyle: "medium", timeStyle: "short" } as const;

@@ -3,7 +3,7 @@
 import { useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
-import { refusal } from "../api/refusal";
+import { refusal } from "../api/client";
 import type { Contested } from "../state/conflict";
 import { Notice } from "./notice";
 import { useRobot } from "./robot_state";

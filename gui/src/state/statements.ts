@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Action, Condition, RuleDocument, Statement } from "../api/types";
-import { statementsIn } from "./statements_in";
 
 /** Every topic that the rules set, bound, record or check. */
 export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlySet<string> {
@@ -34,4 +33,9 @@ function addChecked(condition: Condition, topics: Set<string>): void {
   if (condition.kind === "check") topics.add(condition.topic);
   else if (condition.kind === "not" || condition.kind === "timed") addChecked(condition.term, topics);
   else for (const term of condition.terms) addChecked(term, topics);
+}
+
+/** All statements of a document in the order of the text. */
+export function statementsIn({ collections }: Pick<RuleDocument, "collections">): Statement[] {
+  return collections.flatMap(({ statements }) => statements);
 }
