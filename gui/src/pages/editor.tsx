@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, type Signal, useComputed, useSignal } from "@preact/signals";
+import { computed, type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { refusal } from "../api/client";
 import { BlocksPane } from "../panels/blocks_pane";
@@ -121,7 +121,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
         <section class="dock" aria-label="Results" ref={results}>
           <h2 class="visually-hidden">Results</h2>
           <div class="dock-bar">
-            <Tabs label="Results" choices={useChoices(editor).value} chosen={tool} />
+            <ResultTabs {...{ editor, tool }} />
             <NeedsServer changes>
               <ProfileChoice {...{ editor, api, project }} />
             </NeedsServer>
@@ -197,16 +197,16 @@ function useRobotSide(api: PageProps["api"], editor: RuleEditor): { robotRules: 
   return side;
 }
 
-function useChoices(editor: RuleEditor) {
-  return useComputed((): Choice<Tool>[] => [
-    {
-      value: "findings",
-      label: `Findings (${editor.isChecked.value ? editor.findings.value.length : "…"})`,
-    },
+/** The tabs of the results; how many findings there are changes more often than the page. */
+function ResultTabs({ editor, tool }: { editor: RuleEditor; tool: Signal<Tool> }) {
+  const count = editor.isChecked.value ? editor.findings.value.length : "…";
+  const choices: Choice<Tool>[] = [
+    { value: "findings", label: `Findings (${count})` },
     { value: "optimize", label: "Optimize" },
     { value: "try", label: "Try on a recording" },
     { value: "robot", label: "Robot" },
-  ]);
+  ];
+  return <Tabs label="Results" choices={choices} chosen={tool} />;
 }
 
 function selfSaving(editor: RuleEditor): SelfSaving {

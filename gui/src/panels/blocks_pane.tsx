@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { effect, type ReadonlySignal, useSignal } from "@preact/signals";
+import { effect, type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { DrawValues } from "../blocks/number_field";
@@ -37,10 +37,13 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
     });
   }, []);
   const { isServerGone } = useRobot();
-  const isBehind = !editor.document.value.parses && editor.shown.value?.text !== editor.text.value;
-  const isReadOnly = editor.isBroken.value || editor.shown.value === null || !isLoaded.value;
-  const errors = editor.errors.value.length;
-  const isMany = isLong(editor);
+  // Each key changes what these are made of, and seldom one of them.
+  const isBehind = useComputed(
+    () => !editor.document.value.parses && editor.shown.value?.text !== editor.text.value,
+  ).value;
+  const isReadOnly = useComputed(() => editor.isBroken.value || editor.shown.value === null || !isLoaded.value).value;
+  const errors = useComputed(() => editor.errors.value.length).value;
+  const isMany = useComputed(() => isLong(editor)).value;
   const go = (index: number) => void workspace.current?.unfold(index);
   return (
     <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">

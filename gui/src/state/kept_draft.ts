@@ -25,13 +25,18 @@ export function keepDraft(drafts: Drafts, kind: DraftKind, file: Unsaved): void 
     due = null;
     write();
   };
+  // A key that comes meanwhile is more urgent.
+  const settleIdle = () => {
+    if ("requestIdleCallback" in globalThis) requestIdleCallback(settle, { timeout: WRITE_AFTER_MS });
+    else settle();
+  };
   effect(() => {
     const draft = file.draft();
     const write = () => {
       if (draft !== null && !drafts.keep(kind, file.name, draft())) file.message.value = NO_ROOM;
     };
     if (draft !== null) {
-      due = { write, timer: due?.timer ?? setTimeout(settle, WRITE_AFTER_MS) };
+      due = { write, timer: due?.timer ?? setTimeout(settleIdle, WRITE_AFTER_MS) };
       return;
     }
     if (due !== null) clearTimeout(due.timer);
