@@ -343,9 +343,11 @@ export class RuleEditor implements Contested {
     const isProfileKnown = this.profileChoice.isKnown.peek();
     try {
       const askedMs = performance.now();
-      const document = await this.api.document(rules);
-      this.checks.answerMs = performance.now() - askedMs;
-      const vocabulary = await this.words.of(rules, document);
+      const read = this.api.document(rules).then((document) => {
+        this.checks.answerMs = performance.now() - askedMs;
+        return document;
+      });
+      const [document, vocabulary] = await Promise.all([read, this.words.of(rules, read)]);
       if (rules.text !== this.text.value) return;
       batch(() => {
         this.vocabulary.value = vocabulary;
