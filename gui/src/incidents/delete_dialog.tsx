@@ -24,7 +24,7 @@ export function DeleteDialog({ api, incident, onDeleted, onClose }: DeleteDialog
   const remove = async () => {
     setProblem(
       await refusalOf(async () => {
-        onDeleted(await api.deleteIncident(name));
+        onDeleted(await api.ask("POST /api/incident/delete", { name }));
       }),
     );
   };

@@ -34,7 +34,11 @@ export function AccuracyLevels(props: {
   const chart = useMemo(() => chartOf(points), [points]);
   const levels = row.accuracies[tiersKey];
   const measure = () =>
-    work.start(async (run, signal) => ({ topic, bag, found: await api.accuracy(bag, topic, run, signal) }));
+    work.start(async (run, signal) => ({
+      topic,
+      bag,
+      found: await api.ask("POST /api/profile/accuracy", { bag, topic, run }, { signal }),
+    }));
   const place = (bounds: Six, goesOn: boolean, why: string) => {
     const needs = needsOf(points, bounds);
     const lost = row.accuracies[needsKey] !== null && needs === null;

@@ -20,7 +20,11 @@ export function RateLevels({ editor, api, row, bag }: { editor: ProfileEditor; a
   const chart = useMemo(() => chartOf(curve), [curve]);
   const levels = levelsOf(row);
   const measure = () =>
-    work.start(async (run, signal) => ({ topic, bag, found: await api.curve(bag, topic, run, signal) }));
+    work.start(async (run, signal) => ({
+      topic,
+      bag,
+      found: await api.ask("POST /api/profile/curve", { bag, topic, run }, { signal }),
+    }));
   const move = (index: number, rate_hz: number, goesOn: boolean) => {
     if (!levels) return;
     const next = moved(RATES, levels, index, rate_hz);

@@ -184,7 +184,7 @@ interface SavesProps {
 function SavesByItself({ api, project, onSet, onRefused }: SavesProps) {
   const set = async (isWanted: boolean) => {
     try {
-      await api.setSavesByItself(isWanted);
+      await api.ask("PUT /api/project/settings", { saves_by_itself: isWanted });
       await onSet();
     } catch (error) {
       onRefused(refusal(error));

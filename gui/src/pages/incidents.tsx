@@ -105,11 +105,11 @@ function HowToGetSome({ root }: { root: string }) {
 }
 
 function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
-  const [incident, read, problem] = useAnswer<IncidentAnswer>(() => api.incident(name));
+  const [incident, read, problem] = useAnswer<IncidentAnswer>(() => api.ask("POST /api/incident", { name }));
   const course = useMemo(() => new BagWork<IncidentCourse>(), []);
   const [isAsked, setAsked] = useState(false);
   useEffect(() => {
-    void course.start((run, signal) => api.incidentCourse(name, run, signal));
+    void course.start((run, signal) => api.ask("POST /api/incident/course", { name, run }, { signal }));
     return () => course.cancel();
   }, []);
   const state = course.state.value;

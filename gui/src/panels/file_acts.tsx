@@ -29,7 +29,7 @@ export function FileActs(props: FileActsProps & { name: string }) {
   const remove = async () => {
     try {
       const file = await api.read(name);
-      await api.remove(name, file.hash);
+      await api.ask("POST /api/file/delete", { name, base_hash: file.hash });
       onDeleted(file);
     } catch (error) {
       onRefused(refusal(error));
@@ -81,7 +81,8 @@ function NameDialog(props: FileActsProps & { name: string; isCopy: boolean; onCl
       await refusalOf(async () => {
         const file = await api.read(name);
         if (isCopy) await api.save(wanted, file.text, null);
-        else if (wanted !== name) await api.rename(name, wanted, file.hash);
+        else if (wanted !== name)
+          await api.ask("POST /api/file/rename", { name, new_name: wanted, base_hash: file.hash });
         onClose();
       }),
     );

@@ -188,7 +188,7 @@ async function optimize(editor: RuleEditor, api: Api, done: (result: Result) => 
   const { rules } = editor;
   const { text, profile_text } = rules;
   try {
-    const answer = await api.optimize(rules);
+    const answer = await api.ask("POST /api/optimize", rules);
     if (text === editor.text.value) done({ ...answer, text, profile_text });
   } catch (error) {
     done({ refused: refusal(error), text, profile_text });

@@ -44,7 +44,7 @@ export function RecordingStart({ bag, ...props }: Props & { bag: string; onClose
     name: nameOf(bag),
     bag,
     read: async () => {
-      const { topics, duration_s, rules_text } = await api.recording(bag);
+      const { topics, duration_s, rules_text } = await api.ask("POST /api/recording", { bag });
       const said = `${counted(topics.length, "topic")}, ${durationWords(duration_s)}.`;
       return { said, rules_text, profile: async () => (await api.measureProfile(bag)).text };
     },
@@ -60,7 +60,7 @@ export function RobotStart({ node, label, ...props }: Props & { node: string; la
     name: label.split("/").find((part) => part !== "") ?? "robot",
     bag: null,
     read: async () => {
-      const { topics, rules_text, profile_text } = await api.robotStart(node);
+      const { topics, rules_text, profile_text } = await api.ask("POST /api/robot/start", { node });
       return { said: `${counted(topics.length, "topic")} relayed now.`, rules_text, profile: async () => profile_text };
     },
   };

@@ -30,7 +30,10 @@ export function RobotChecks({ api, node, propose }: Props) {
   const [windowS, setWindow] = useState<number>(WINDOWS_S[0]);
   const [chosen, setChosen] = useState<string>("");
   const [number, setNumber] = useState<number | null>(null);
-  const answer = useAsked(() => api.robotChecks(node, windowS, number), [node, windowS, number]);
+  const answer = useAsked(
+    () => api.ask("POST /api/robot/checks", { node, window_s: windowS, check: number }),
+    [node, windowS, number],
+  );
   const timeline = useMemo(() => nowAtTheEnd(windowS), [windowS]);
   const checks = answer?.checks ?? [];
   // Other rules number their checks anew.

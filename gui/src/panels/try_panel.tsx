@@ -47,7 +47,8 @@ export function TryPanel({ editor, api, project, tries, keepings, refresh }: Pro
   const run = () =>
     work.start(async (name, signal) => {
       const { files } = await api.project();
-      return new Trial(await api.tryOnBag(rules, bag, name, signal), rules, bag, fileOf(bag, files));
+      const answer = await api.ask("POST /api/try", { ...rules, bag, run: name }, { signal });
+      return new Trial(answer, rules, bag, fileOf(bag, files));
     });
   return (
     <div class="try">

@@ -29,7 +29,7 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
     void read();
   });
   useEffect(() => () => (compared.value = null), []);
-  const textOf = async (id: string) => (await api.version(editor.name, id)).text;
+  const textOf = async (id: string) => (await api.ask("POST /api/version", { name: editor.name, id })).text;
   const compare = (id: string) =>
     guarded(async () => (compared.value = compared.peek()?.id === id ? null : { id, text: await textOf(id) }));
   const bringBack = (id: string) =>

@@ -19,7 +19,7 @@ export function ExportDialog({ editor, api, onClose }: { editor: RuleEditor; api
   const save = async () => {
     setProblem(
       await refusalOf(async () => {
-        const { text } = await api.exportRules(rules, [...chosen]);
+        const { text } = await api.ask("POST /api/export", { text: rules.text, name: rules.name, ids: [...chosen] });
         download(fileName(rules.name), text);
         onClose();
       }),

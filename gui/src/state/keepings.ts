@@ -29,12 +29,13 @@ export class Keepings {
 
   keep(trial: Trial, number: number, title: string): Promise<void> {
     const run = this.runOf(trial, number);
-    return this.follow(() => this.api.keepIncident({ rules: trial.tried, bag: trial.bag }, { number, run, title }));
+    const kept = { ...trial.tried, bag: trial.bag, number, run, title };
+    return this.follow(() => this.api.ask("POST /api/try/keep", kept));
   }
 
   /** Ends one that is running; forgets one that has ended. */
   end(run: string): Promise<void> {
-    return this.follow(() => this.api.endKeeping(run));
+    return this.follow(() => this.api.ask("POST /api/try/keep/cancel", { run }));
   }
 
   /** How far an incident of a try is kept; null where nobody asked for it. */

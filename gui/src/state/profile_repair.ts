@@ -22,12 +22,13 @@ export class ProfileRepair {
   ) {}
 
   /** Writes one entry. */
-  mend(entry: ProfileEntry): Promise<void> {
+  mend({ topic, key, value }: ProfileEntry): Promise<void> {
     const words = (name: string) =>
-      entry.value === null
-        ? `Took ${entry.key} of ${entry.topic} out of ${name}`
-        : `Added ${entry.key} = ${entry.value} for ${entry.topic} to ${name}`;
-    return this.change(words, async (name, text) => (await this.api.profileEntry({ name, text }, entry)).text);
+      value === null ? `Took ${key} of ${topic} out of ${name}` : `Added ${key} = ${value} for ${topic} to ${name}`;
+    return this.change(
+      words,
+      async (name, text) => (await this.api.ask("POST /api/profile/entry", { name, text, topic, key, value })).text,
+    );
   }
 
   /** Fills what the table lacks, and nothing else, with what a recording says of the topics of the rules. */

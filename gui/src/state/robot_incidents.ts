@@ -50,11 +50,11 @@ export class RobotIncidents {
   }
 
   fetch(robot: string, name: string): Promise<void> {
-    return this.follow(() => this.api.fetchIncident(robot, name));
+    return this.follow(() => this.api.ask("POST /api/robot-incidents/fetch", { robot, name }));
   }
 
   cancel(robot: string, name: string): Promise<void> {
-    return this.follow(() => this.api.cancelFetch(robot, name));
+    return this.follow(() => this.api.ask("POST /api/robot-incidents/cancel", { robot, name }));
   }
 
   of(robot: string, name: string): FetchState | null {

@@ -230,7 +230,7 @@ export class RuleEditor implements Contested {
   }
 
   async format(): Promise<void> {
-    await this.inTurn(async () => this.setText((await this.api.format(this.rules)).text));
+    await this.inTurn(async () => this.setText((await this.api.ask("POST /api/format", this.rules)).text));
   }
 
   async setText(text: string): Promise<void> {

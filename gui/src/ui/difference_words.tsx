@@ -19,7 +19,7 @@ export function DifferenceWords({ api, title, oldText, newText }: Props) {
   useEffect(() => {
     let isAsked = true;
     const show = (found: typeof answer) => isAsked && setAnswer(found);
-    api.difference(oldText, newText).then(show, (error: unknown) => {
+    api.ask("POST /api/difference", { old_text: oldText, new_text: newText }).then(show, (error: unknown) => {
       show({ problem: refusal(error) });
     });
     return () => {
