@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { Signal } from "@preact/signals";
 import type { ComponentType } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
@@ -12,8 +13,9 @@ import { browserStorage, Drafts } from "./state/drafts";
 import { Keepings } from "./state/keepings";
 import { OpenEditors } from "./state/open_editors";
 import { OpenTabs } from "./state/open_tabs";
-import type { Lost } from "./state/rule_editor";
+import type { Lost } from "./state/work_ahead";
 import { TourOffer } from "./tour/tour_offer";
+import { Button } from "./ui/button";
 import { KeepingBar } from "./ui/keeping_bar";
 import { type Later, later } from "./ui/later";
 import { Notice } from "./ui/notice";
@@ -68,9 +70,11 @@ export function App({ api }: { api: Api }) {
       <WatchNotice />
       <KeepingBar keepings={keepings} />
       <LostNotice lost={editors.lost} />
-      <button type="button" class="skip" onClick={() => document.querySelector<HTMLElement>("h1")?.focus()}>
-        Skip to the content
-      </button>
+      <Button
+        label="Skip to the content"
+        class="skip"
+        onClick={() => document.querySelector<HTMLElement>("h1")?.focus()}
+      />
       {route.page === "home" ? (
         <HomePage {...props} missing={missing} />
       ) : (

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
-import type { Lost } from "../state/rule_editor";
+import type { Lost } from "../state/work_ahead";
 import { fingerprint } from "./model";
 import { statementTitle } from "./rule_words";
 import { type Changed, type Slot, type Standing, stepsOf } from "./slots";

@@ -3,7 +3,7 @@
 import * as Blockly from "blockly/core";
 import type { PlacedFinding, RuleDocument, Statement } from "../api/types";
 import type { Folds } from "../state/folds";
-import type { Lost } from "../state/rule_editor";
+import type { Lost } from "../state/work_ahead";
 import { Badges } from "./badges";
 import type { RuleAct } from "./block_types";
 import { Column } from "./column";
@@ -244,10 +244,6 @@ export class RuleWorkspace {
 
   resize(): void {
     Blockly.svgResize(this.workspace);
-  }
-
-  focus(): void {
-    Blockly.getFocusManager().focusTree(this.workspace);
   }
 
   /** Adds a rule that is to be changed. */

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { IncidentSummary, ListedIncident } from "../api/types";
 import { href } from "../route";
+import { Button } from "../ui/button";
 import { ColumnHeads } from "../ui/data_table";
 import { sizeWords } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
@@ -59,9 +61,7 @@ function BadRow({ one, remove }: { one: ListedIncident; remove: Remove }) {
       <SizeCell size_kb={one.size_kb} />
       <td data-label="">
         <NeedsServer changes>
-          <button type="button" class="small" onClick={() => remove(one)}>
-            Delete
-          </button>
+          <Button label="Delete" class="small" onClick={() => remove(one)} />
         </NeedsServer>
       </td>
       <td data-label="Folder" class="path">

@@ -4,6 +4,7 @@
 import type { FetchState, IncidentsOfRobot, RobotIncident } from "../api/types";
 import { href } from "../route";
 import type { RobotIncidents } from "../state/robot_incidents";
+import { Button } from "../ui/button";
 import { ColumnHeads } from "../ui/data_table";
 import { Problem } from "../ui/notice";
 import { counted, readable, sizeWords } from "../ui/numbers";
@@ -96,14 +97,12 @@ function FetchCell({ robots, robot, incident: { name, kept, summary } }: RowProp
   return (
     <div>
       <NeedsServer changes>
-        <button
-          type="button"
+        <Button
+          label={word}
           class="small"
           aria-label={`${word}: ${summary.title} of ${robot}`}
           onClick={() => void robots.fetch(robot, name)}
-        >
-          {word}
-        </button>
+        />
       </NeedsServer>
       {fetch?.state === "cancelled" && (
         <span class="quiet"> Cancelled. {sizeWords(fetch.got_kb)} are here already.</span>
@@ -119,9 +118,7 @@ function Running({ fetch, title, cancel }: { fetch: FetchState; title: string; c
     <div class="fetching">
       <progress max={1} value={total_kb > 0 ? got_kb / total_kb : 0} aria-label={`Fetching ${title}`} />
       <NeedsServer changes>
-        <button type="button" class="small" onClick={cancel}>
-          Cancel
-        </button>
+        <Button label="Cancel" class="small" onClick={cancel} />
       </NeedsServer>
       <span class="quiet">
         {sizeWords(got_kb)} of {sizeWords(total_kb)}, {readable(rate_kb_per_s)} KB/s

@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { AccuracyNeeds, BoundNeed, LevelledProperty } from "../api/types";
 import { ACCURACY_UNITS, keysOf, type Six, sixOf } from "../state/accuracies";
 import type { DraftRow } from "../state/draft_row";
 import type { ProfileEditor } from "../state/profile_editor";
+import { Button } from "../ui/button";
 import { WorkProgress } from "../ui/work_progress";
 import type { Chart } from "./curve_plot";
 import { AccuracyTables } from "./curve_tables";
@@ -58,25 +60,17 @@ export function AccuracyLevels(props: {
     <>
       <div class="row">
         {bag !== "" && state.kind !== "running" && (
-          <button type="button" onClick={() => void measure()}>
-            Show what each accuracy needs
-          </button>
+          <Button label="Show what each accuracy needs" onClick={() => void measure()} />
         )}
         <WorkProgress work={work} doing={`Measuring ${topic}`} />
         {usual && !levels && (
-          <button
-            type="button"
+          <Button
+            label="Place six levels"
             class="primary"
             onClick={() => place(usual, false, "The levels are the measured bounds.")}
-          >
-            Place six levels
-          </button>
+          />
         )}
-        {levels && isNew && (
-          <button type="button" onClick={() => place(levels, false, "")}>
-            Write what the levels need
-          </button>
-        )}
+        {levels && isNew && <Button label="Write what the levels need" onClick={() => place(levels, false, "")} />}
       </div>
       {found && !points && (
         <p class="quiet">

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useMemo, useState } from "preact/hooks";
 import { type Api, refusal } from "../api/client";
 import type { Curve } from "../api/types";
 import { type DraftRow, isNumber, toNumber } from "../state/draft_row";
 import type { ProfileEditor } from "../state/profile_editor";
+import { Button } from "../ui/button";
 import { WorkProgress } from "../ui/work_progress";
 import type { Chart } from "./curve_plot";
 import { CurveTable } from "./curve_tables";
@@ -35,9 +37,7 @@ export function RateLevels({ editor, api, row, bag }: { editor: ProfileEditor; a
     <>
       <div class="row">
         {bag !== "" && state.kind !== "running" && (
-          <button type="button" onClick={() => void measure()}>
-            Show what each rate loses
-          </button>
+          <Button label="Show what each rate loses" onClick={() => void measure()} />
         )}
         <WorkProgress work={work} doing={`Measuring ${topic}`} />
         <Proposal {...{ editor, api, row, curve, setNote }} hasLevels={levels !== null} />
@@ -80,13 +80,11 @@ function Proposal(props: {
   const bends = curve?.tiers_hz;
   if (bends) {
     return (
-      <button
-        type="button"
+      <Button
+        label="Use the proposed levels"
         class="primary"
         onClick={() => place(bends, "The levels are where the error falls to 20, 10, 5, 2, 1 and 0 % of the range.")}
-      >
-        Use the proposed levels
-      </button>
+      />
     );
   }
   const source_hz = toNumber(row.source_hz) ?? curve?.source_hz ?? null;
@@ -98,11 +96,7 @@ function Proposal(props: {
       setNote(refusal(error));
     }
   };
-  return (
-    <button type="button" onClick={() => void guess()}>
-      Place six levels
-    </button>
-  );
+  return <Button label="Place six levels" onClick={() => void guess()} />;
 }
 
 /** The levels of a row; null unless all six are numbers that do not fall. */

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useId, useState } from "preact/hooks";
 import { type Api, ApiError, refusal, refusalOf } from "../api/client";
 import type { FileAnswer, Project } from "../api/types";
@@ -8,6 +9,7 @@ import { ownProfile } from "../panels/profile_choice";
 import { RecordingList, RecordingStart } from "../panels/project_start";
 import { RECIPES } from "../recipes/recipes";
 import { NEW_PROFILE, type Route, toRoute } from "../route";
+import { Button } from "../ui/button";
 import { FormDialog } from "../ui/dialog";
 import { FileProblem, fileText, useDroppedFile } from "../ui/files";
 import { Notice, Problem } from "../ui/notice";
@@ -128,9 +130,7 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
           <h2>Start from a recipe</h2>
           <div class="row">
             {RECIPES.map(({ title }) => (
-              <button key={title} type="button" onClick={() => setCreating(title)}>
-                {title}
-              </button>
+              <Button label={title} key={title} onClick={() => setCreating(title)} />
             ))}
           </div>
         </section>
@@ -165,9 +165,7 @@ function Card({ title, text, act }: { title: string; text: string; act: () => vo
   const id = useId();
   return (
     <div class="card">
-      <button type="button" aria-describedby={id} onClick={act}>
-        {title}
-      </button>
+      <Button label={title} aria-describedby={id} onClick={act} />
       <p id={id}>{text}</p>
     </div>
   );

@@ -11,6 +11,7 @@ import { RobotTopics } from "../panels/robot_topics";
 import { RobotTotals } from "../panels/robot_totals";
 import { href } from "../route";
 import { byTrouble, inOrderOf, troubleOf } from "../state/robot_trouble";
+import { Button } from "../ui/button";
 import { Header } from "../ui/header";
 import { later } from "../ui/later";
 import { Problem } from "../ui/notice";
@@ -99,9 +100,11 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
         <div class="row">
           <a href={href({ page: "robots", name: "" })}>All robots</a>
           <NeedsServer changes>
-            <button type="button" disabled={live === null} onClick={() => setStarting(true)}>
-              Start a project from this robot
-            </button>
+            <Button
+              label="Start a project from this robot"
+              disabled={live === null}
+              onClick={() => setStarting(true)}
+            />
           </NeedsServer>
         </div>
         {isStarting && (

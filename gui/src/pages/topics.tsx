@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { computed } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusal, refusalOf } from "../api/client";
@@ -10,6 +11,7 @@ import type { OpenEditors } from "../state/open_editors";
 import type { ProfileEditor } from "../state/profile_editor";
 import { saveByItself } from "../state/save_by_itself";
 import { topicsIn } from "../state/statements";
+import { Button } from "../ui/button";
 import { ConflictDialog } from "../ui/conflict_dialog";
 import { FormDialog } from "../ui/dialog";
 import { Header } from "../ui/header";
@@ -140,9 +142,11 @@ export function MeasureRobot({ measure }: { measure: (seconds: number) => Promis
   };
   return (
     <>
-      <button type="button" disabled={runningS !== null} onClick={() => setAsking(true)}>
-        {runningS === null ? "Measure on the robot" : `Measuring for ${runningS} s …`}
-      </button>
+      <Button
+        label={runningS === null ? "Measure on the robot" : `Measuring for ${runningS} s …`}
+        disabled={runningS !== null}
+        onClick={() => setAsking(true)}
+      />
       {isAsking && (
         <FormDialog
           title="Measure on the robot"
@@ -200,9 +204,11 @@ export function RulesTopics({ api, editors, editor, rules }: Props) {
             {missing.length === 1 ? "1 topic of the rules is" : `${missing.length} topics of the rules are`} not in the
             table.
           </p>
-          <button type="button" class="small" onClick={() => editor.addTopics(missing)}>
-            Add {missing.length === 1 ? missing[0] : "them"}
-          </button>
+          <Button
+            label={`Add ${missing.length === 1 ? missing[0] : "them"}`}
+            class="small"
+            onClick={() => editor.addTopics(missing)}
+          />
         </>
       )}
     </div>

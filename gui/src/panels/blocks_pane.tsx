@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { effect, type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
@@ -10,6 +11,7 @@ import { recipeRules } from "../recipes/recipe_rules";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
+import { Button } from "../ui/button";
 import { onceLoaded } from "../ui/later";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
@@ -53,23 +55,22 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
       <div class="pane-bar">
         <h2>Blocks</h2>
         <NeedsServer>
-          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addDefault()}>
-            New rate
-          </button>
-          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addRule()}>
-            New rule
-          </button>
+          <Button
+            label="New rate"
+            class="small"
+            disabled={isReadOnly}
+            onClick={() => workspace.current?.addDefault()}
+          />
+          <Button label="New rule" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addRule()} />
         </NeedsServer>
         <RuleSearch editor={editor} robotRules={robotRules} onGo={go} />
         {isMany && (
-          <button
-            type="button"
+          <Button
+            label="Outline"
             class="small"
             aria-expanded={hasOutline.value}
             onClick={() => (hasOutline.value = !hasOutline.value)}
-          >
-            Outline
-          </button>
+          />
         )}
         {isBehind && (
           <p class="pane-note" role="status">

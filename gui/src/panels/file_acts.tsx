@@ -5,6 +5,7 @@ import { useState } from "preact/hooks";
 import { type Api, refusal, refusalOf } from "../api/client";
 import type { FileAnswer, Project } from "../api/types";
 import { followersOf } from "../state/robot_trouble";
+import { Button } from "../ui/button";
 import { FormDialog } from "../ui/dialog";
 import { Problem } from "../ui/notice";
 import { useRobot } from "../ui/robot_state";
@@ -38,28 +39,20 @@ export function FileActs(props: FileActsProps & { name: string }) {
   };
   return (
     <>
-      <button
-        type="button"
+      <Button
+        label="…"
         class="more"
         aria-label={`More for ${name}`}
         title="Rename, duplicate or delete"
         aria-expanded={isOpen}
         onClick={() => setIsOpen(!isOpen)}
-      >
-        …
-      </button>
+      />
       {isOpen && (
         <span class="file-acts">
           <NeedsServer changes>
-            <button type="button" aria-label={`Rename ${name}`} onClick={() => setAsked("rename")}>
-              Rename
-            </button>
-            <button type="button" aria-label={`Duplicate ${name}`} onClick={() => setAsked("duplicate")}>
-              Duplicate
-            </button>
-            <button type="button" aria-label={`Delete ${name}`} onClick={() => void remove()}>
-              Delete
-            </button>
+            <Button label="Rename" aria-label={`Rename ${name}`} onClick={() => setAsked("rename")} />
+            <Button label="Duplicate" aria-label={`Duplicate ${name}`} onClick={() => setAsked("duplicate")} />
+            <Button label="Delete" aria-label={`Delete ${name}`} onClick={() => void remove()} />
           </NeedsServer>
         </span>
       )}

@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useState } from "preact/hooks";
 import type { PlacedFinding, Severity } from "../api/types";
 import { statementTitle } from "../blocks/rule_words";
 import { href } from "../route";
 import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
+import { Button } from "../ui/button";
 import { counted, sentence } from "../ui/numbers";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
@@ -51,9 +53,11 @@ export function FindingsPanel({ editor, repair }: { editor: RuleEditor; repair: 
         ))}
       </ul>
       {hidden > 0 && (
-        <button type="button" class="small" onClick={() => setLimit(limit + Math.min(hidden, 5 * SHOWN))}>
-          Show {Math.min(hidden, 5 * SHOWN)} more of {hidden}
-        </button>
+        <Button
+          label={`Show ${Math.min(hidden, 5 * SHOWN)} more of ${hidden}`}
+          class="small"
+          onClick={() => setLimit(limit + Math.min(hidden, 5 * SHOWN))}
+        />
       )}
     </>
   );
@@ -70,14 +74,12 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
   return (
     <li class={finding.severity}>
       <span class="mark">{MARKS[finding.severity]}</span>
-      <button
-        type="button"
+      <Button
+        label={`Line ${finding.line}`}
         class="link"
         title="Show in text and blocks"
         onClick={() => show(finding.offset, finding.end_offset)}
-      >
-        Line {finding.line}
-      </button>
+      />
       <span class="message">
         {sentence(finding.message)}
         {finding.hint && <span class="quiet"> {sentence(finding.hint)}</span>}
@@ -87,34 +89,26 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
           {[own, ...related].map(
             (statement) =>
               statement && (
-                <button
+                <Button
+                  label={`Show ${statementTitle(statement)}`}
                   key={statement.id}
-                  type="button"
                   class="small"
                   onClick={() => show(statement.offset, statement.end_offset)}
-                >
-                  Show {statementTitle(statement)}
-                </button>
+                />
               ),
           )}
         </span>
       )}
       <NeedsServer>
-        {fix && (
-          <button type="button" class="small fix" onClick={() => void editor.fix(finding)}>
-            {fix.title}
-          </button>
-        )}
+        {fix && <Button label={fix.title} class="small fix" onClick={() => void editor.fix(finding)} />}
         {profile_fix && profile !== undefined && (
           <NeedsServer changes>
-            <button
-              type="button"
+            <Button
+              label={`${profile_fix.title}, in ${profile}`}
               class="small fix"
               title={`Changes ${profile_fix.key} in ${profile}`}
               onClick={() => void repair.mend(profile_fix).catch((error: unknown) => editor.tell(error))}
-            >
-              {profile_fix.title}, in {profile}
-            </button>
+            />
           </NeedsServer>
         )}
       </NeedsServer>
@@ -124,9 +118,7 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
         </a>
       )}
       {!hasWay && related.length === 0 && (
-        <button type="button" class="small" onClick={() => show(finding.offset, finding.end_offset)}>
-          Show it
-        </button>
+        <Button label="Show it" class="small" onClick={() => show(finding.offset, finding.end_offset)} />
       )}
       <a
         class="why"

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { RuleZones, ZoneBounds } from "../api/types";
@@ -9,6 +10,7 @@ import { bounded, type MapOwner, type Tool } from "../map/shapes";
 import type { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { DRAFT, type ZoneEditor } from "../state/zone_editor";
+import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/server_gone";
 import { FloorNotes } from "./floor_bar";
 import { ChosenZoneForm, DraftForm } from "./zone_forms";
@@ -78,25 +80,21 @@ function Tools({ zones, tool }: { zones: ZoneEditor; tool: Signal<Tool> }) {
   return (
     <div class="map-tools" role="toolbar" aria-label="Zones">
       {TOOLS.map((each) => (
-        <button
+        <Button
+          label={each.label}
           key={each.tool}
-          type="button"
           class="small"
           aria-pressed={tool.value === each.tool}
           disabled={isBroken}
           onClick={() => (tool.value = each.tool)}
-        >
-          {each.label}
-        </button>
+        />
       ))}
-      <button
-        type="button"
+      <Button
+        label="Type a zone"
         class="small"
         disabled={isBroken}
         onClick={() => (zones.draft.value = { rectangles: [FIRST_SIDES], polygon: null })}
-      >
-        Type a zone
-      </button>
+      />
       {hint && (
         <p class="map-hint" role="status">
           {hint}
@@ -146,14 +144,12 @@ export function ZoneList({ zones }: { zones: ZoneEditor }) {
       <ul aria-label="Zones">
         {placed.map((rule) => (
           <li key={rule.id}>
-            <button
-              type="button"
+            <Button
+              label={rule.label}
               class="small"
               aria-pressed={rule === chosen.value}
               onClick={() => zones.choose(rule.id)}
-            >
-              {rule.label}
-            </button>
+            />
             <span class="quiet">{saidOf(rule)}</span>
           </li>
         ))}

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { Signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { type Api, type Rules, refusal } from "../api/client";
@@ -8,6 +9,7 @@ import { href } from "../route";
 import { type ProfileRepair, setBudget } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
 import { namesLevel, topicsIn } from "../state/statements";
+import { Button } from "../ui/button";
 import { download } from "../ui/files";
 import { hz, kilobytes, readable, sentence } from "../ui/numbers";
 import { ProfileChangeNotice } from "./profile_choice";
@@ -96,9 +98,7 @@ function MissingEntries(props: Pick<Props, "editor" | "project" | "repair"> & { 
   return (
     <div class="row">
       {bags.slice(0, MOST_BAGS).map((bag) => (
-        <button key={bag} type="button" class="small fix" onClick={() => measure(bag)}>
-          Measure it in {bag}
-        </button>
+        <Button label={`Measure it in ${bag}`} key={bag} class="small fix" onClick={() => measure(bag)} />
       ))}
       <a href={href({ page: "topics", name: profile, rules: editor.name })}>Enter it in {profile}</a>
     </div>
@@ -113,14 +113,12 @@ function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswe
         {result.feasible ? "Everything fits into" : "Not everything fits into"}{" "}
         <strong>{kilobytes(result.budget_kb_per_s)} KB/s</strong>.
       </p>
-      <button
-        type="button"
+      <Button
+        label="Download rates"
         class="primary"
         disabled={numeric === null}
         onClick={() => numeric !== null && download(ratesName(editor), numeric)}
-      >
-        Download rates
-      </button>
+      />
     </div>
   );
 }
@@ -147,14 +145,12 @@ function RepairAll({ editor, refusals, text }: { editor: RuleEditor; refusals: r
   // The last place comes first, so that each edit finds its place after those before it.
   const edits = repairs.flatMap((each) => each.edits).sort((one, other) => other.offset - one.offset);
   return (
-    <button
-      type="button"
+    <Button
+      label={`Repair all ${repairs.length}`}
       class="small fix"
       title={repairs.map(({ sentence }) => sentence).join("; ")}
       onClick={() => void editor.repair(text, { edits })}
-    >
-      Repair all {repairs.length}
-    </button>
+    />
   );
 }
 
@@ -164,15 +160,13 @@ function RefusalCard({ api, editor, refusal, text }: { api: Api; editor: RuleEdi
       <p>{sentence(refusal.message)}</p>
       <div class="row">
         {refusal.repairs.map((repair) => (
-          <button
+          <Button
+            label={repair.title}
             key={repair.sentence}
-            type="button"
             class="small repair"
             title={repair.sentence}
             onClick={() => void apply(api, editor, repair, text)}
-          >
-            {repair.title}
-          </button>
+          />
         ))}
       </div>
     </div>

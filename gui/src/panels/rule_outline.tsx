@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import type { VNode } from "preact";
 import { useRef } from "preact/hooks";
@@ -8,7 +9,9 @@ import type { RuleState } from "../blocks/live_states";
 import { ruleName, ruleSets, statementTitle } from "../blocks/rule_words";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
+import { Button } from "../ui/button";
 import { Icon } from "../ui/icon";
+import { OptionRow } from "../ui/option_row";
 
 /** A text with more statements than this has an outline. */
 const MANY = 20;
@@ -61,12 +64,8 @@ export function RuleOutline({ editor, robotRules, onGo, onFoldAll }: Props) {
   return (
     <nav class="outline" aria-label="Outline of the rules">
       <div class="row">
-        <button type="button" class="small" onClick={() => onFoldAll(true)}>
-          Fold all
-        </button>
-        <button type="button" class="small" onClick={() => onFoldAll(false)}>
-          Unfold all
-        </button>
+        <Button label="Fold all" class="small" onClick={() => onFoldAll(true)} />
+        <Button label="Unfold all" class="small" onClick={() => onFoldAll(false)} />
       </div>
       <div
         ref={list}
@@ -127,14 +126,10 @@ interface LineProps {
 
 function Line({ statement, index, note, active, onGo }: LineProps) {
   return (
-    // The keyboard chooses in the list as a whole.
-    // biome-ignore lint/a11y/useKeyWithClickEvents: see above
-    // biome-ignore lint/a11y/useFocusableInteractive: see above
-    <div
+    <OptionRow
       id={`outline-${index}`}
-      role="option"
-      aria-selected={index === active.peek()}
-      onClick={() => {
+      isChosen={index === active.peek()}
+      act={() => {
         active.value = index;
         onGo.current(index);
       }}
@@ -151,7 +146,7 @@ function Line({ statement, index, note, active, onGo }: LineProps) {
         {note.startsWith(MARK) && <Icon name="warning" />}
         {note.replace(MARK, "")}
       </span>
-    </div>
+    </OptionRow>
   );
 }
 

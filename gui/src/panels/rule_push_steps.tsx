@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useRef } from "preact/hooks";
 import type { Problem } from "../api/types";
 import { RULES_WORDS } from "../state/connection";
 import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush, Stage } from "../state/rule_push";
+import { Button } from "../ui/button";
 import { FormDialog } from "../ui/dialog";
 import { sentence } from "../ui/numbers";
 
@@ -82,12 +84,8 @@ function TryingSteps({ rulePush, stage }: { rulePush: RulePush; stage: Trying })
         words={`${stage.node} follows these rules. Unless you keep them, it returns to its previous rules.`}
         leftS={leftS}
       />
-      <button type="button" class="primary" onClick={() => void rulePush.keep()}>
-        Keep these rules
-      </button>
-      <button type="button" onClick={() => rulePush.letGo()}>
-        Do not keep them
-      </button>
+      <Button label="Keep these rules" class="primary" onClick={() => void rulePush.keep()} />
+      <Button label="Do not keep them" onClick={() => rulePush.letGo()} />
       <progress aria-label="Time left to keep the rules" max={stage.withinS} value={leftS} />
     </div>
   );
@@ -112,14 +110,12 @@ function KeptSteps({ rulePush, stage }: { rulePush: RulePush; stage: Kept }) {
       />
       {lasting !== null && (
         <>
-          <button
-            type="button"
+          <Button
+            label="Write to its file"
             disabled={lasting.writable_file === ""}
             aria-describedby={lasting.why_not ? "why-not-written" : undefined}
             onClick={() => void rulePush.write()}
-          >
-            Write to its file
-          </button>
+          />
           {lasting.why_not && (
             <p class="quiet" id="why-not-written">
               {lasting.why_not}
@@ -177,11 +173,7 @@ function Refusal({ outcome, problem, editor }: { outcome: string; problem: Probl
 }
 
 function LineLink({ line, editor }: { line: number; editor: RuleEditor }) {
-  return (
-    <button type="button" class="link" onClick={() => showLine(editor, line)}>
-      line {line}
-    </button>
-  );
+  return <Button label={`line ${line}`} class="link" onClick={() => showLine(editor, line)} />;
 }
 
 /** The line in a robot's message, as in `rules_text:2:5`. */

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
@@ -8,6 +9,7 @@ import type { RuleEditor } from "../state/rule_editor";
 import { Trial } from "../state/trial";
 import { bagsIn, changedSince, type FileTries, fileOf, recordingOf } from "../state/tries";
 import { TryResult } from "../try/try_result";
+import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
 import { NeedsServer } from "../ui/server_gone";
 import { WorkProgress } from "../ui/work_progress";
@@ -62,9 +64,7 @@ export function TryPanel({ editor, api, project, tries, keepings, refresh }: Pro
         />
         {!isRunning && (
           <NeedsServer>
-            <button type="button" class="primary" onClick={() => void run()}>
-              Run the rules on it
-            </button>
+            <Button label="Run the rules on it" class="primary" onClick={() => void run()} />
           </NeedsServer>
         )}
         <WorkProgress work={work} doing={`Replaying ${bag}`} />

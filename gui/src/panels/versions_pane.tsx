@@ -6,6 +6,7 @@ import { useEffect } from "preact/hooks";
 import { type Api, refusalOf } from "../api/client";
 import type { RuleVersion, VersionsAnswer } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
+import { Button } from "../ui/button";
 import { DifferenceWords, TextComparison } from "../ui/difference_words";
 import { Problem } from "../ui/notice";
 import { NeedsServer } from "../ui/server_gone";
@@ -57,18 +58,14 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
               {index === 0 && <span class="quiet">the newest</span>}
               <span class="version-tools">
                 <NeedsServer>
-                  <button
-                    type="button"
+                  <Button
+                    label="Compare"
                     class="small"
                     aria-expanded={compared.value?.id === version.id}
                     onClick={() => void compare(version.id)}
-                  >
-                    Compare
-                  </button>
+                  />
                   <NeedsServer changes>
-                    <button type="button" class="small" onClick={() => void bringBack(version.id)}>
-                      Bring back
-                    </button>
+                    <Button label="Bring back" class="small" onClick={() => void bringBack(version.id)} />
                   </NeedsServer>
                 </NeedsServer>
               </span>

@@ -5,6 +5,7 @@ import { useRef, useState } from "preact/hooks";
 import type { ZoneBounds } from "../api/types";
 import type { Point } from "../map/shapes";
 import { type Draft, USUAL_RECTANGLES, type ZoneEditor } from "../state/zone_editor";
+import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
 import { focusPageSoon } from "../ui/dialog";
 import { Problem } from "../ui/notice";
@@ -257,16 +258,14 @@ function GoesTo({ zones, topic, canAdd }: { zones: ZoneEditor; topic: string; ca
         <button type="submit" class="small primary" disabled={!canAdd || editor.isBroken.value}>
           Add the zone
         </button>
-        <button
-          type="button"
+        <Button
+          label="Discard"
           class="small"
           onClick={() => {
             zones.discard();
             focusPageSoon();
           }}
-        >
-          Discard
-        </button>
+        />
       </div>
     </form>
   );

@@ -5,8 +5,9 @@ import type { Api } from "../api/client";
 import type { Drafts } from "./drafts";
 import { Folds } from "./folds";
 import { ProfileEditor } from "./profile_editor";
-import { type Lost, RuleEditor } from "./rule_editor";
+import { RuleEditor } from "./rule_editor";
 import { Tries } from "./tries";
+import type { Lost } from "./work_ahead";
 
 /** The files that were opened: what is not saved is still there when somebody comes back to it. */
 export class OpenEditors {

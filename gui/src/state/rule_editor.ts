@@ -25,16 +25,9 @@ import { RuleProfile } from "./rule_profile";
 import type { Spot } from "./spot";
 import { statementsIn } from "./statements";
 import { Words } from "./words";
-import { WorkAhead } from "./work_ahead";
+import { type Lost, WorkAhead } from "./work_ahead";
 
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
-
-/** What blocks said when they were left and the text does not say, in a few words each. */
-export interface Lost {
-  readonly name: string;
-  readonly changes: readonly string[];
-  readonly why: string;
-}
 
 /** One open rule file. Its text is the truth; blocks and findings are what the server reads in it. */
 export class RuleEditor implements Contested {

@@ -148,10 +148,6 @@ export class TextEditor {
     if (focus) this.view.focus();
   }
 
-  focus(): void {
-    this.view.focus();
-  }
-
   dispose(): void {
     this.view.destroy();
   }

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
 import type { Timeline } from "../state/timeline";
 import type { Turns } from "../state/turns";
+import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/server_gone";
 import { Strip } from "./strip";
 import { TruthBar } from "./truth_bar";
@@ -83,12 +85,8 @@ export function OtherThreshold({ threshold, written, write }: OtherProps) {
   return (
     <NeedsServer>
       <div class="row">
-        <button type="button" class="small" onClick={() => write(value)}>
-          Write {value} into the rules
-        </button>
-        <button type="button" class="small" onClick={() => (threshold.value = written)}>
-          Back to {written}
-        </button>
+        <Button label={`Write ${value} into the rules`} class="small" onClick={() => write(value)} />
+        <Button label={`Back to ${written}`} class="small" onClick={() => (threshold.value = written)} />
       </div>
     </NeedsServer>
   );

@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { Playback, SPEEDS, type Timeline } from "../state/timeline";
+import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
 
 const STEPS = 500;
@@ -63,9 +65,11 @@ function Player({ timeline }: { timeline: Timeline }) {
   const isPlaying = playback.isPlaying.value;
   return (
     <>
-      <button type="button" class="small player" onClick={() => (isPlaying ? playback.pause() : playback.play())}>
-        {isPlaying ? "Pause" : "Play"}
-      </button>
+      <Button
+        label={isPlaying ? "Pause" : "Play"}
+        class="small player"
+        onClick={() => (isPlaying ? playback.pause() : playback.play())}
+      />
       <Choice
         isBare
         label="Speed"

@@ -6,6 +6,7 @@ import { missingWords, windowWords } from "../incidents/missing_words";
 import { href } from "../route";
 import type { Keepings } from "../state/keepings";
 import type { Trial } from "../state/trial";
+import { Button } from "../ui/button";
 import { Problem } from "../ui/notice";
 import { counted, sizeWords } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
@@ -45,23 +46,19 @@ function TriedIncident(props: { keepings: Keepings; trial: Trial; incident: TryI
   return (
     <li>
       <div class="row">
-        <button type="button" class="link" title="Move the time there" onClick={() => trial.goTo(t)}>
-          {t.toFixed(1)} s
-        </button>
+        <Button label={`${t.toFixed(1)} s`} class="link" title="Move the time there" onClick={() => trial.goTo(t)} />
         <strong>{title}</strong>
         <span>
           by {rule}, {windowWords(incident)}: {counted(incident.messages, "message")}, {sizeWords(incident.size_kb)}
         </span>
         {(keep === null || keep.state === "failed") && (
           <NeedsServer changes>
-            <button
-              type="button"
+            <Button
+              label="Keep it"
               class="small"
               onClick={() => void keepings.keep(trial, incident.number, name)}
               aria-label={`Keep it: ${name}`}
-            >
-              Keep it
-            </button>
+            />
           </NeedsServer>
         )}
         {keep?.state === "running" && <span class="quiet">Being kept: {Math.round(100 * keep.share)} %</span>}

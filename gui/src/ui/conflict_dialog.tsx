@@ -4,6 +4,7 @@
 import { useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import { type Conflict, type Contested, isStatus } from "../state/conflict";
+import { Button } from "./button";
 import { FormDialog } from "./dialog";
 import { DifferenceWords, TextComparison } from "./difference_words";
 import { Problem } from "./notice";
@@ -63,15 +64,9 @@ function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflic
         </div>
       )}
       <div class="ways">
-        {!isGone && (
-          <button type="button" onClick={() => void guarded(() => file.readAgain())}>
-            Read again
-          </button>
-        )}
+        {!isGone && <Button label="Read again" onClick={() => void guarded(() => file.readAgain())} />}
         {!isGone && <span>loads their version; Undo restores yours.</span>}
-        <button type="button" onClick={() => void guarded(() => file.saveAnyway())}>
-          Save anyway
-        </button>
+        <Button label="Save anyway" onClick={() => void guarded(() => file.saveAnyway())} />
         <span>{isGone ? "creates the file again." : "replaces theirs with yours."}</span>
       </div>
       <label>

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { Signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { Button } from "./button";
 
 /** A message that stays until what it says is over. */
 export function Notice(props: {
@@ -13,11 +15,7 @@ export function Notice(props: {
   return (
     <div class={`notice ${props.kind}`} role={props.kind === "error" ? "alert" : "status"}>
       <span>{props.text}</span>
-      {action && (
-        <button type="button" onClick={() => void action.act()}>
-          {action.label}
-        </button>
-      )}
+      {action && <Button label={action.label} onClick={() => void action.act()} />}
     </div>
   );
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 import type { BagWork } from "../state/bag_work";
+import { Button } from "./button";
 import { Problem } from "./notice";
 
 /** How far work on a recording is, and the button that ends it; or why it failed. */
@@ -17,9 +18,7 @@ export function WorkProgress<T>({ work, doing }: { work: BagWork<T>; doing: stri
       <span role="status">{doing} …</span>
       <progress max={1} value={state.share} aria-label={doing} />
       <span class="number">{Math.round(100 * state.share)} %</span>
-      <button type="button" onClick={() => work.cancel()}>
-        Cancel
-      </button>
+      <Button label="Cancel" onClick={() => work.cancel()} />
     </div>
   );
 }
