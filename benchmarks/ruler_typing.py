@@ -170,19 +170,20 @@ def in_text(page: Page, watch: Watch, keys: int) -> Iterator[Strokes]:
 
 
 def in_block(page: Page, watch: Watch, keys: int) -> Iterator[Strokes]:
-    """Change fields of a block again and again."""
+    """Open a field of a block again and again, and change it."""
     blocks = page.get_by_role("region", name="Blocks", exact=True)
     pane = blocks.bounding_box() or {"y": 0.0, "height": 0.0}
     end_px = pane["y"] + pane["height"] - GRIP_PX
     rates = blocks.get_by_role("button", name="Edit rate").all()
-    next(rate for rate in rates if pane["y"] < (rate.bounding_box() or pane)["y"] < end_px).click()
+    boxes = (rate.bounding_box() or pane for rate in rates)
+    place = next(box for box in boxes if pane["y"] < box["y"] < end_px)
     page.evaluate(COLLECT)
     watch.lap_ms()
-    for _ in range(keys // 4):
+    for _ in range(keys // 3):
+        page.mouse.click(place["x"] + GRIP_PX / 4, place["y"] + place["height"] / 2)
         typed(page, "12")
         page.keyboard.press("Enter")
         page.wait_for_timeout(400)
-        page.keyboard.press("Enter")
     yield strokes("field of a block", page, watch)
 
 

@@ -1,18 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
+import type { Signal } from "@preact/signals";
+import type { ComponentType } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
-import type { Api } from "./api/client";
-import { refusalOf } from "./api/refusal";
+import { type Api, refusalOf } from "./api/client";
 import type { Project } from "./api/types";
 import { HomePage } from "./pages/home";
-import { KnownFile } from "./pages/known_file";
 import type { PageProps } from "./pages/page_props";
-import { type Route, readRoute, toRoute } from "./route";
+import { href, NEW_PROFILE, type Route, readRoute, toRoute } from "./route";
 import { browserStorage, Drafts } from "./state/drafts";
 import { Keepings } from "./state/keepings";
 import { OpenEditors } from "./state/open_editors";
 import { OpenTabs } from "./state/open_tabs";
+import type { Lost } from "./state/work_ahead";
 import { TourOffer } from "./tour/tour_offer";
+import { Button } from "./ui/button";
 import { KeepingBar } from "./ui/keeping_bar";
 import { type Later, later } from "./ui/later";
 import { Notice } from "./ui/notice";
@@ -66,9 +69,12 @@ export function App({ api }: { api: Api }) {
       <ServerGone />
       <WatchNotice />
       <KeepingBar keepings={keepings} />
-      <button type="button" class="skip" onClick={() => document.querySelector<HTMLElement>("h1")?.focus()}>
-        Skip to the content
-      </button>
+      <LostNotice lost={editors.lost} />
+      <Button
+        label="Skip to the content"
+        class="skip"
+        onClick={() => document.querySelector<HTMLElement>("h1")?.focus()}
+      />
       {route.page === "home" ? (
         <HomePage {...props} missing={missing} />
       ) : (
@@ -82,6 +88,14 @@ export function App({ api }: { api: Api }) {
       <TourOffer route={route} />
     </>
   );
+}
+
+/** Says what somebody left in the blocks of a file and its text did not take. */
+function LostNotice({ lost }: { lost: Signal<Lost | null> }) {
+  if (lost.value === null) return null;
+  const { name, changes, why } = lost.value;
+  const text = `${name}: what the blocks said did not come into the text: ${changes.join("; ")}. ${why}`;
+  return <Notice kind="error" text={text} action={{ label: "Close", act: () => (lost.value = null) }} />;
 }
 
 /** The files of a project, with drafts in this browser. */
@@ -108,4 +122,38 @@ function useRoute(): Route {
     return () => removeEventListener("hashchange", follow);
   }, []);
   return route;
+}
+
+interface Props {
+  Page: ComponentType<PageProps>;
+  route: Route;
+  props: PageProps;
+  onMissing: (name: string) => void;
+}
+
+/** The page of a file that is there, or of none; the address of one that is not there leads home. */
+export function KnownFile({ Page, route, props, onMissing }: Props) {
+  const [isThere, setIsThere] = useState(mayBeNew(route, props));
+  useEffect(() => {
+    if (isThere) return;
+    props.api.fileState(route.name).then(
+      ({ hash }) => {
+        if (hash !== null) return setIsThere(true);
+        onMissing(route.name);
+        location.replace(href({ page: "home", name: "" }));
+      },
+      // The page says itself why a file cannot be read.
+      () => setIsThere(true),
+    );
+  }, []);
+  return isThere ? <Page {...props} /> : <p class="quiet center">Loading …</p>;
+}
+
+/** Whether the page of the address shows no file, one that is known, or a table that begins with it. */
+function mayBeNew({ page, name, rules }: Route, { project, editors }: PageProps): boolean {
+  if (page !== "rules" && page !== "topics") return true;
+  const isKnown = (kind: "rules" | "profile") =>
+    editors.unsaved(kind).includes(name) || project.files.some((file) => file.kind === kind && file.name === name);
+  if (page === "rules") return isKnown("rules");
+  return isKnown("profile") || rules !== undefined || name === NEW_PROFILE;
 }

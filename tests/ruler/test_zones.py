@@ -116,6 +116,15 @@ def test_a_new_zone_is_a_rule_at_the_end_and_nothing_else_changes(examples_page:
     assert zones(examples_page, made["text"])["rules"][-1]["label"] == "Zone 1"
 
 
+def test_the_rule_of_a_new_zone_sets_the_topic_that_it_reads_where_that_has_a_default(
+    examples_page: Page,
+) -> None:
+    text = "begin\n  SetFrequency /scan 5\n  SetFrequency /odom 4\nend\n"
+    for topic, said in (("/odom", "/odom 10"), ("/amcl_pose", "/scan 10")):
+        made = edit(examples_page, text, kind="zone_new", topic=topic, rectangles=[BOX], label="Zone 1").json
+        assert f"SetFrequency {said}\n" in made["text"].split("Then")[1]
+
+
 def test_a_zone_goes_into_a_rule_as_only_there_or_as_there_too(examples_page: Page) -> None:
     text = f"begin\n  {rule('A', 'CheckValue /battery_state level < 20')}\nend\n"
     only = edit(examples_page, text, kind="zone_new", topic="/odom", rectangles=[BOX], into="s1").json["text"]

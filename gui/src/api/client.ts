@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { sentence } from "../ui/sentence";
-import type { Condition, Draft, Edit, Problem, ProfileEntry, ProfileTable, Routes } from "./types";
+import { sentence } from "../ui/numbers";
+import type { Draft, Edit, Problem, ProfileTable, Routes } from "./types";
 
 /** What the server refused, or that it did not answer (status 0). */
 export class ApiError extends Error {
@@ -24,28 +24,25 @@ const UNREACHABLE: Problem = {
 /** A rule file as every call names it. */
 export type Rules = Required<Pick<Draft, "text" | "name" | "profile_text">> & Pick<Draft, "profile_name">;
 
-/** The rules of a try, and the recording. */
-export interface Tried {
-  rules: Rules;
-  bag: string;
-}
-
 /** A text and what its file is called. */
 export interface TextFile {
   name: string;
   text: string;
 }
 
-/** Which statements of another text come in, and which of them replace one of the same name. */
-export interface ImportChoice {
-  ids: string[];
-  replace_ids: string[];
-}
-
 type Answer<R extends keyof Routes> = Promise<Routes[R]["answered"]>;
 
 /** The calls of the server; each fails with an ApiError. */
 export class Api {
+  /** What the server answers on a route; `how` says what ends it, or lets it outlive the page. */
+  ask<R extends keyof Routes>(
+    route: R,
+    asked: Routes[R]["asked"],
+    how: { signal?: AbortSignal; keepalive?: true } = {},
+  ): Answer<R> {
+    return call(route, asked, how);
+  }
+
   project(): Answer<"GET /api/project"> {
     return call("GET /api/project", null);
   }
@@ -64,32 +61,9 @@ export class Api {
     return call("PUT /api/file", { name, text, base_hash: baseHash, by_itself: byItself });
   }
 
-  /** Calls a file otherwise; `hash` is what the page knows to be in it. */
-  rename(name: string, newName: string, hash: string): Answer<"POST /api/file/rename"> {
-    return call("POST /api/file/rename", { name, new_name: newName, base_hash: hash });
-  }
-
-  remove(name: string, hash: string): Answer<"POST /api/file/delete"> {
-    return call("POST /api/file/delete", { name, base_hash: hash });
-  }
-
-  /** Whether changes are saved without being asked, for everybody who opens the project. */
-  setSavesByItself(savesByItself: boolean): Answer<"PUT /api/project/settings"> {
-    return call("PUT /api/project/settings", { saves_by_itself: savesByItself });
-  }
-
   /** What was saved of a rule file, the newest first. */
   versions(name: string): Answer<"GET /api/versions"> {
     return call("GET /api/versions", null, { query: `?name=${encodeURIComponent(name)}` });
-  }
-
-  version(name: string, id: string): Answer<"POST /api/version"> {
-    return call("POST /api/version", { name, id });
-  }
-
-  /** What a robot does otherwise with the new text of a rule file, in words. */
-  difference(oldText: string, newText: string): Answer<"POST /api/difference"> {
-    return call("POST /api/difference", { old_text: oldText, new_text: newText });
   }
 
   document(rules: Rules): Answer<"POST /api/document"> {
@@ -99,10 +73,6 @@ export class Api {
   /** Does edits in their order, each in the text that those before it made; all of them or none. */
   edit(rules: Rules, edits: Edit[]): Answer<"POST /api/edit"> {
     return call("POST /api/edit", { ...rules, edits });
-  }
-
-  format(rules: Rules): Answer<"POST /api/format"> {
-    return call("POST /api/format", rules);
   }
 
   vocabulary(text: string, profileText: string | null): Answer<"POST /api/vocabulary"> {
@@ -128,22 +98,6 @@ export class Api {
     return call("POST /api/profile/write", { ...table, name, base_text: baseText });
   }
 
-  /** A profile with one entry changed: its comments, and all else in it, stay. */
-  profileEntry(profile: TextFile, entry: ProfileEntry): Answer<"POST /api/profile/entry"> {
-    const { topic, key, value } = entry;
-    return call("POST /api/profile/entry", { ...profile, topic, key, value });
-  }
-
-  /** Why a table could not be written; empty if it could. */
-  checkProfile(name: string, table: ProfileTable, baseText: string): Answer<"POST /api/profile/check"> {
-    return call("POST /api/profile/check", { ...table, name, base_text: baseText });
-  }
-
-  /** What a recording of the project holds. */
-  recording(bag: string): Answer<"POST /api/recording"> {
-    return call("POST /api/recording", { bag });
-  }
-
   /** Copies a file into the project as a new recording. */
   addRecording(file: File): Answer<"PUT /api/recording"> {
     return call("PUT /api/recording", null, { query: `?name=${encodeURIComponent(file.name)}`, file });
@@ -153,57 +107,12 @@ export class Api {
     return call("POST /api/profile/measure", { bag });
   }
 
-  exportRules({ text, name }: Rules, ids: string[]): Answer<"POST /api/export"> {
-    return call("POST /api/export", { text, name, ids });
-  }
-
-  importPreview({ text, name }: Rules, other: TextFile): Answer<"POST /api/import/preview"> {
-    return call("POST /api/import/preview", { text, name, other_text: other.text, other_name: other.name });
-  }
-
-  importRules(rules: Rules, otherText: string, choice: ImportChoice): Answer<"POST /api/import"> {
-    return call("POST /api/import", { ...rules, other_text: otherText, ...choice });
-  }
-
   zones(rules: Rules): Answer<"POST /api/zones"> {
     return call("POST /api/zones", rules);
   }
 
-  /** The rectangles that cover a polygon. */
-  cover(corners: [number, number][], maxRectangles: number): Answer<"POST /api/zones/cover"> {
-    return call("POST /api/zones/cover", { corners, max_rectangles: maxRectangles });
-  }
-
   backgrounds(): Answer<"GET /api/backgrounds"> {
     return call("GET /api/backgrounds", null);
-  }
-
-  background(kind: "map" | "image", name: string): Answer<"POST /api/background"> {
-    return call("POST /api/background", { kind, name });
-  }
-
-  drivenPath(bag: string): Answer<"POST /api/background/path"> {
-    return call("POST /api/background/path", { bag });
-  }
-
-  /** Measures what a robot publishes now, for so many seconds. */
-  measureLive(seconds: number): Answer<"POST /api/profile/measure-live"> {
-    return call("POST /api/profile/measure-live", { seconds });
-  }
-
-  /** What was heard of a robot within the last hour. */
-  robotHistory(node: string): Answer<"POST /api/robot/history"> {
-    return call("POST /api/robot/history", { node });
-  }
-
-  /** What the checks of a robot read in its last minutes, and when its rules held. */
-  robotChecks(node: string, window_s: number, check: number | null): Answer<"POST /api/robot/checks"> {
-    return call("POST /api/robot/checks", { node, window_s, check });
-  }
-
-  /** Rules and topic parameters from what a robot relays now. */
-  robotStart(node: string): Answer<"POST /api/robot/start"> {
-    return call("POST /api/robot/start", { node });
   }
 
   /** What would change on a robot that gets these rules. */
@@ -216,77 +125,14 @@ export class Api {
     return call("POST /api/push", { ...rules, node });
   }
 
-  /** Lets a robot keep the rules that it tries. */
-  confirmPush(node: string, hash: string): Answer<"POST /api/push/confirm"> {
-    return call("POST /api/push/confirm", { node, hash });
-  }
-
-  /** How long the rules last that a robot keeps, and whether they can be written to its file. */
-  keptRules(node: string): Answer<"POST /api/push/lasting"> {
-    return call("POST /api/push/lasting", { node });
-  }
-
-  /** Writes the rules that a robot keeps to its file. */
-  writeKept(node: string, hash: string): Answer<"POST /api/push/write"> {
-    return call("POST /api/push/write", { node, hash });
-  }
-
-  optimize(rules: Rules): Answer<"POST /api/optimize"> {
-    return call("POST /api/optimize", rules);
-  }
-
-  tryOnBag(rules: Rules, bag: string, run: string, signal: AbortSignal): Answer<"POST /api/try"> {
-    return call("POST /api/try", { ...rules, bag, run }, { signal });
-  }
-
-  /** What a check reads over a recording, and when it holds. */
-  checkCourse(
-    asked: { bag: string; condition: Condition; profile_text: string | null },
-    run: string,
-    signal: AbortSignal,
-  ): Answer<"POST /api/check/course"> {
-    return call("POST /api/check/course", { ...asked, run }, { signal });
-  }
-
-  /** Begins to write an incident that a try showed into the project. */
-  keepIncident(tried: Tried, incident: { number: number; run: string; title: string }): Answer<"POST /api/try/keep"> {
-    return call("POST /api/try/keep", { ...tried.rules, bag: tried.bag, ...incident });
-  }
-
   /** The incidents that are being kept, and those that were since. */
   keeps(): Answer<"GET /api/try/keeps"> {
     return call("GET /api/try/keeps", null);
   }
 
-  endKeeping(run: string): Answer<"POST /api/try/keep/cancel"> {
-    return call("POST /api/try/keep/cancel", { run });
-  }
-
-  curve(bag: string, topic: string, run: string, signal: AbortSignal): Answer<"POST /api/profile/curve"> {
-    return call("POST /api/profile/curve", { bag, topic, run }, { signal });
-  }
-
-  accuracy(bag: string, topic: string, run: string, signal: AbortSignal): Answer<"POST /api/profile/accuracy"> {
-    return call("POST /api/profile/accuracy", { bag, topic, run }, { signal });
-  }
-
   /** What rules recorded, the newest first. */
   incidents(): Answer<"GET /api/incidents"> {
     return call("GET /api/incidents", null);
-  }
-
-  /** What an incident holds; from now on somebody has read it. */
-  incident(name: string): Answer<"POST /api/incident"> {
-    return call("POST /api/incident", { name });
-  }
-
-  incidentCourse(name: string, run: string, signal: AbortSignal): Answer<"POST /api/incident/course"> {
-    return call("POST /api/incident/course", { name, run }, { signal });
-  }
-
-  /** Deletes an incident; what is left. */
-  deleteIncident(name: string): Answer<"POST /api/incident/delete"> {
-    return call("POST /api/incident/delete", { name });
   }
 
   /** What the robots on the link recorded. */
@@ -297,14 +143,6 @@ export class Api {
   /** What is being fetched from robots, and how far it is. */
   fetches(): Answer<"GET /api/robot-incidents/fetches"> {
     return call("GET /api/robot-incidents/fetches", null);
-  }
-
-  fetchIncident(robot: string, name: string): Answer<"POST /api/robot-incidents/fetch"> {
-    return call("POST /api/robot-incidents/fetch", { robot, name });
-  }
-
-  cancelFetch(robot: string, name: string): Answer<"POST /api/robot-incidents/cancel"> {
-    return call("POST /api/robot-incidents/cancel", { robot, name });
   }
 
   /** Six levels for a source of which only the rate is known. */
@@ -342,5 +180,21 @@ async function send(method: string, path: string, body: unknown, how: RequestIni
   } catch (error) {
     if (how.signal?.aborted) throw error;
     throw new ApiError(0, UNREACHABLE);
+  }
+}
+
+/** What the server says when it refuses; anything else is a bug and goes on. */
+export function refusal(error: unknown): string {
+  if (!(error instanceof ApiError)) throw error;
+  return error.message;
+}
+
+/** Does work; what the server refused of it, empty where it is done. */
+export async function refusalOf(work: () => Promise<unknown>): Promise<string> {
+  try {
+    await work();
+    return "";
+  } catch (error) {
+    return refusal(error);
   }
 }

@@ -6,7 +6,7 @@ const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 8000;
 
 /** What the socket tells. */
-export interface LiveOwner {
+interface LiveOwner {
   /** The server's greeting came: from now on it can be told something. */
   heard(push: Push): void;
   /** The server cannot be reached; it is tried again by itself. */

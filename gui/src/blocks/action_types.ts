@@ -1,7 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import { boundProblem, parseBound } from "./bound_text";
+import {
+  ALL_TOPICS,
+  boundProblem,
+  parseBound,
+  parseRate,
+  parseTopics,
+  rateProblem,
+  rateText,
+  topicsText,
+} from "./field_text";
 import {
   button,
   chain,
@@ -13,9 +22,7 @@ import {
   timeUnitField,
   topicField,
 } from "./fields";
-import { parseRate, rateProblem, rateText } from "./rate_text";
 import { SuggestionField } from "./suggestion_field";
-import { ALL_TOPICS, parseTopics, topicsText } from "./topic_list";
 
 const ACTION = "Action";
 

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
 import type { Action, DurationUnit, DurationValue, SetStatement } from "../api/types";
-import { parseBound } from "./bound_text";
-import { parseRate, rateText } from "./rate_text";
-import { parseTopics, topicsText } from "./topic_list";
+import { parseBound, parseRate, parseTopics, rateText, topicsText } from "./field_text";
 
 type State = Blockly.serialization.blocks.State;
 

@@ -206,14 +206,19 @@ export class Column {
   }
 
   private drawHeadings(): void {
-    for (const drawn of this.drawnHeadings.splice(0)) drawn.remove();
-    for (const [block, words] of this.shape.headings) {
-      if (block.isDisposed()) continue;
-      const place = { class: "section-heading", x: LEFT, y: topOf(block) - GAP / 2 };
-      const text = Blockly.utils.dom.createSvgElement(Blockly.utils.Svg.TEXT, place, this.workspace.getCanvas());
-      text.textContent = words;
-      this.drawnHeadings.push(text);
+    const wanted = [...this.shape.headings].filter(([block]) => !block.isDisposed());
+    for (const drawn of this.drawnHeadings.splice(wanted.length)) drawn.remove();
+    while (this.drawnHeadings.length < wanted.length) {
+      const look = { class: "section-heading", x: LEFT };
+      const { createSvgElement } = Blockly.utils.dom;
+      this.drawnHeadings.push(createSvgElement(Blockly.utils.Svg.TEXT, look, this.workspace.getCanvas()));
     }
+    wanted.forEach(([block, words], index) => {
+      const text = this.drawnHeadings[index] as SVGElement;
+      const y = String(topOf(block) - GAP / 2);
+      if (text.getAttribute("y") !== y) text.setAttribute("y", y);
+      if (text.textContent !== words) text.textContent = words;
+    });
   }
 
   /** The stack that somebody types in, or that of `anchor`, which stays where it is on the screen. */

@@ -3,15 +3,16 @@
 import * as Blockly from "blockly/core";
 import type { RuleDocument, Statement } from "../api/types";
 import type { Folds } from "../state/folds";
-import { statementsIn } from "../state/statements_in";
+import { statementsIn } from "../state/statements";
+import { DEFAULT_TYPES } from "./actions";
 import { showRawText } from "./block_types";
 import { type Column, GAP, HEADING } from "./column";
 import type { Suggestions } from "./fields";
 import { FOLDED } from "./folded_type";
 import { showJoins } from "./joins";
+import { checksOf } from "./live_states";
 import { fingerprint, toBlock } from "./model";
-import { covers, follow, inPart, type Part, partAround, partAt } from "./part";
-import { Rows } from "./rows";
+import { covers, follow, inPart, offsetsOf, type Part, partAround, partAt } from "./part";
 import { newSlot, printOf, type Slot, statementOf } from "./slots";
 
 type Print = (slot: Slot) => string | null;
@@ -73,9 +74,9 @@ export class DrawnPart {
     this.draw(print);
   }
 
-  /** Draws the part around the statement with this number, unless its block is there. */
+  /** Draws the part around the statement with this number. */
   include(index: number): void {
-    if (!this.blockAt(index)) this.move(partAround(index, this.all.length));
+    this.move(partAround(index, this.all.length));
   }
 
   /** Draws what came near the view. */
@@ -198,4 +199,48 @@ export function quietly(work: () => void): void {
   } finally {
     Blockly.Events.enable();
   }
+}
+
+/** The height of one line of a block, before any was drawn. */
+const LINE = 48;
+
+/** How much room statements need in the column, in the units of the canvas: as they were drawn, else about so much. */
+export class Rows {
+  private readonly drawn = new Map<string, number>();
+
+  constructor(private readonly isFolded: (statement: Statement) => boolean) {}
+
+  measure(statements: readonly Statement[], slots: readonly Slot[]): void {
+    slots.forEach(({ block }, index) => {
+      const statement = statements[index];
+      if (statement && block.height > 0) this.drawn.set(this.look(statement), block.height);
+    });
+  }
+
+  /** Where each statement begins below the top of the column, and where the last one ends. */
+  offsets(statements: readonly Statement[], sections: ReadonlyMap<number, string>): number[] {
+    return offsetsOf(
+      statements.map((statement, index) => {
+        const next = statements[index + 1];
+        const hangs = next && isDefault(statement) && isDefault(next) && !sections.has(index + 1);
+        const heading = sections.has(index + 1) ? HEADING : 0;
+        return (this.drawn.get(this.look(statement)) ?? this.guess(statement)) + (hangs ? 0 : GAP) + heading;
+      }),
+    );
+  }
+
+  private look(statement: Statement): string {
+    if (statement.kind !== "rule") return statement.kind;
+    return this.isFolded(statement) ? "folded" : `${statement.key}`;
+  }
+
+  private guess(statement: Statement): number {
+    if (statement.kind !== "rule" || this.isFolded(statement)) return LINE;
+    const parts = checksOf(statement.condition).length + statement.then.length + statement.else.length;
+    return LINE * (4 + parts);
+  }
+}
+
+function isDefault({ kind }: Statement): boolean {
+  return DEFAULT_TYPES.has(`adirf_${kind}`);
 }

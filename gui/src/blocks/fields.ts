@@ -3,11 +3,9 @@
 import * as Blockly from "blockly/core";
 import type { DurationUnit, Operator } from "../api/types";
 import type { PickerChoice } from "../ui/picker_matches";
-import { ChoiceField } from "./choice_field";
-import { NumberField } from "./number_field";
+import { type DrawValues, NumberField, ThresholdField } from "./number_field";
+import { openNext, takeKey } from "./open_field";
 import { oneWord, SuggestionField } from "./suggestion_field";
-import { TextField } from "./text_field";
-import { type DrawValues, ThresholdField } from "./threshold_field";
 
 /** What the blocks suggest. */
 export interface Suggestions {
@@ -121,4 +119,49 @@ export function chain(block: Blockly.BlockSvg, type: string, style: string): voi
   block.setPreviousStatement(true, type);
   block.setNextStatement(true, type);
   block.setStyle(style);
+}
+
+/** A field with a list to choose from; Tab takes what is marked in the open list and goes on to the next field. */
+export class ChoiceField extends Blockly.FieldDropdown {
+  protected override showEditor_(event?: MouseEvent): void {
+    super.showEditor_(event);
+    const list = this.menu_?.getElement();
+    list?.addEventListener("keydown", (key) => {
+      if (key.key !== "Tab") return;
+      key.preventDefault();
+      key.stopPropagation();
+      list.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
+      openNext(this, key.shiftKey);
+    });
+  }
+}
+
+/** A field for a text; while it is empty it says what belongs there. */
+export class TextField extends Blockly.FieldTextInput {
+  constructor(
+    value: string,
+    private readonly label: string,
+    private readonly placeholder: string,
+    validator?: (text: string) => string | null,
+  ) {
+    super(value, (validator ?? null) as never, { spellcheck: false });
+    this.setAriaTypeName(label);
+  }
+
+  protected override widgetCreate_(): HTMLInputElement {
+    const input = super.widgetCreate_() as HTMLInputElement;
+    input.setAttribute("aria-label", this.label);
+    input.placeholder = this.placeholder;
+    return input;
+  }
+
+  protected override onHtmlInputKeyDown_(event: KeyboardEvent): void {
+    if (!takeKey(this, event, false)) super.onHtmlInputKeyDown_(event);
+  }
+
+  protected override getDisplayText_(): string {
+    const isEmpty = this.getText() === "";
+    this.fieldGroup_?.classList.toggle("placeholder", isEmpty);
+    return isEmpty ? this.placeholder : super.getDisplayText_();
+  }
 }

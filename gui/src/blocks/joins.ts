@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
-import { parseBound } from "./bound_text";
+import { parseBound } from "./field_text";
 import type { Suggestions } from "./fields";
 
 const CONDITIONS = new Set(["adirf_check", "adirf_all", "adirf_any", "adirf_not"]);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 import type { CheckCondition, Condition, Live, LiveTime, RuleDocument, TimedCondition, TruthName } from "../api/types";
-import { statementsIn } from "../state/statements_in";
+import { statementsIn } from "../state/statements";
 
 /** What a robot says of one check now. */
 export interface CheckState {

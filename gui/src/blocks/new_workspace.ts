@@ -3,16 +3,14 @@
 import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Statement } from "../api/types";
-import { NARROW } from "../ui/narrow";
-import { addAnotherOnShiftEnter } from "./another";
+import { NARROW } from "../ui/watch";
 import { addBound, addCheck, addRate, addRecord, toggleElse } from "./block_buttons";
 import { type BlockButtons, defineBlocks } from "./block_types";
 import type { Suggestions } from "./fields";
 import { type MenuPage, useOwnMenus } from "./menus";
-import { useOwnKeys } from "./own_keys";
 import { blocklyTheme } from "./palette";
-import { offerRecipes } from "./recipe_category";
-import { toolbox } from "./toolbox";
+import { addAnotherOnShiftEnter, useOwnKeys } from "./shortcuts";
+import { offerRecipes, toolbox } from "./toolbox";
 
 const SCALE = 0.72;
 const SCALE_FOR_FINGERS = 0.95;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Action, RuleStatement } from "../api/types";
+import type { Action, RuleStatement, Statement } from "../api/types";
+import { rateText } from "./field_text";
 import { checksOf } from "./live_states";
-import { rateText } from "./rate_text";
 
 /** What an action does, in the fewest words. */
 export function actionWords(action: Action): string {
@@ -33,4 +33,22 @@ export function ruleSets({ then, else: otherwise }: RuleStatement, mostLetters: 
   const shown = all.slice(0, count).join(", ");
   const cut = shown.length > mostLetters ? `${shown.slice(0, mostLetters - 1)}…` : shown;
   return more > 0 ? `${cut} and ${more} more` : cut;
+}
+
+/** A statement in a few words, for lists. */
+export function statementTitle(statement: Statement): string {
+  switch (statement.kind) {
+    case "set": {
+      const unit = statement.rate.kind === "hz" ? " Hz" : "";
+      return `${statement.topic} at ${rateText(statement.rate)}${unit}`;
+    }
+    case "keep":
+      return `keep ${statement.topic} at least at ${statement.hz} Hz`;
+    case "within":
+      return `keep ${statement.topic} ${statement.property} within ${statement.bound}`;
+    case "rule":
+      return `Rule ${statement.name ?? statement.label ?? `in line ${statement.line ?? ""}`}`;
+    case "raw":
+      return statement.text.split(/\r?\n/, 1)[0] ?? "";
+  }
 }

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import type { Edit, PlacedFinding, RuleDocument, Statement } from "../api/types";
+import type { PlacedFinding, RuleDocument, Statement } from "../api/types";
 import type { Folds } from "../state/folds";
+import type { Lost } from "../state/work_ahead";
 import { Badges } from "./badges";
 import type { RuleAct } from "./block_types";
 import { Column } from "./column";
@@ -10,6 +11,7 @@ import { DrawnPart, quietly } from "./drawn_part";
 import type { Suggestions } from "./fields";
 import { FOLDED } from "./folded_type";
 import { showJoins } from "./joins";
+import { asOfNow, bringLeft } from "./left_blocks";
 import type { RuleState } from "./live_states";
 import type { MenuPage } from "./menus";
 import { fingerprint, toBlock, toStatement } from "./model";
@@ -17,25 +19,35 @@ import { newWorkspace } from "./new_workspace";
 import { closeField, isTyping, openField } from "./open_field";
 import { blocklyTheme } from "./palette";
 import { type ActedOn, actedOn } from "./rule_acts";
-import { asOfNow, editsOf, isTop, printOf, type Standing, saidBy, statementOf, statementsOf } from "./slots";
+import {
+  type Changed,
+  isTop,
+  printOf,
+  type Slot,
+  type Standing,
+  saidBy,
+  statementOf,
+  statementsOf,
+  stepsOf,
+} from "./slots";
 import { NEW_RATE, NEW_RULE } from "./toolbox";
 import { Warnings } from "./warnings";
 
 const IN_HAND_MS = 50;
 
-type EditsOf = (document: RuleDocument) => Edit[];
-
 /** What the workspace tells and asks. */
-export interface WorkspaceOwner {
+interface WorkspaceOwner {
   suggestions: Suggestions;
   /** What the menus on blocks do with the page. */
   menus: Omit<MenuPage, "newRate" | "newRule" | "foldAll">;
   /** Rules to take from the list of blocks; null where they cannot be had now. */
   recipes(): Promise<readonly Statement[] | null>;
-  /** Blocks say something else than the text: `editsOf` it bring it there. */
-  changed(editsOf: EditsOf): Promise<void>;
+  changed: Changed;
+  /** What blocks said when they were left did not come into the text. */
+  lost(lost: Omit<Lost, "name">): void;
   /** Whether blocks say something that is not in the text yet. */
   ahead(isAhead: boolean): void;
+  tell(message: string): void;
   /** Asks for `show` with what the text says now. */
   showAgain(): void;
   selected(statement: string | null): void;
@@ -149,8 +161,7 @@ export class RuleWorkspace {
 
   /** Shows which block says a statement, drawing it first; the focus stays where somebody works. */
   reveal(id: string | null): void {
-    const index = id === null ? -1 : this.drawn.all.findIndex((statement) => statement.id === id);
-    const block = this.shownAt(index);
+    const block = this.shownAt(id === null ? -1 : this.drawn.all.findIndex((statement) => statement.id === id));
     // Scrolling draws anew, so that each key stroke in one statement must not do it.
     if (block === this.revealed) return;
     this.revealed = block;
@@ -160,7 +171,7 @@ export class RuleWorkspace {
 
   /** The block of the statement with this number; it is drawn unless blocks are ahead of the text. */
   private shownAt(index: number): Blockly.BlockSvg | null {
-    if (index >= 0 && !this.isAhead()) this.drawn.include(index);
+    if (index >= 0 && !this.drawn.blockAt(index) && !this.isAhead()) this.drawn.include(index);
     return this.drawn.blockAt(index);
   }
 
@@ -235,10 +246,6 @@ export class RuleWorkspace {
     Blockly.svgResize(this.workspace);
   }
 
-  focus(): void {
-    Blockly.getFocusManager().focusTree(this.workspace);
-  }
-
   /** Adds a rule that is to be changed. */
   addRule(): void {
     this.add(toBlock(NEW_RULE));
@@ -281,7 +288,7 @@ export class RuleWorkspace {
     closeField();
     const isAhead = this.isAhead();
     this.left = asOfNow(this.standing(), this.drawn.slots);
-    if (isAhead) void this.hand();
+    if (isAhead) void this.handLeft(this.left);
     this.workspace.dispose();
   }
 
@@ -335,23 +342,40 @@ export class RuleWorkspace {
       this.mark(this.findings);
     }
     const handed = this.standing().order;
+    let before: Slot[] = [];
     this.underWay++;
-    await this.owner.changed((document) => {
-      if (this.isInHand()) {
-        // Somebody went on while the edits before these were under way.
-        this.settleSoon();
-        return [];
-      }
-      const edits = editsOf(document, this.drawn.first, this.drawn.slots, this.standing());
-      this.column.settle();
-      return edits;
-    });
+    await this.owner.changed(
+      (document) => {
+        if (this.left || this.isInHand()) {
+          // What was left comes together; else somebody went on while the edits before these were under way.
+          if (!this.left) this.settleSoon();
+          return [];
+        }
+        before = this.drawn.slots.map((slot) => ({ ...slot }));
+        const steps = stepsOf(document, this.drawn.first, this.drawn.slots, this.standing());
+        this.column.settle();
+        return steps.map(({ edit }) => edit);
+      },
+      (why) => {
+        if (this.left) this.drawn.slots = before;
+        else this.owner.tell(why);
+      },
+    );
     this.underWay--;
     if (!this.left) {
       this.takeBack(handed);
       this.owner.showAgain();
     }
     this.owner.ahead(this.isAhead());
+  }
+
+  /** As `hand`, for what blocks said when they were left. */
+  private async handLeft(left: Standing): Promise<void> {
+    this.underWay++;
+    const lost = await bringLeft(this.drawn, left, this.owner.changed);
+    this.underWay--;
+    if (lost !== null) this.owner.lost(lost);
+    this.owner.ahead(false);
   }
 
   /** Removes new blocks that did not come into the text: blocks say what the text says. */

@@ -55,28 +55,32 @@ export interface Standing {
 
 export type Said = Statement | { missing: string } | null;
 
-/** What blocks say now, for a time at which they are gone. */
-export function asOfNow({ order, isDropped, says }: Standing, slots: readonly Slot[]): Standing {
-  const all = new Set([...order, ...slots.map(({ block }) => block)]);
-  const said = new Map([...all].map((block) => [block, says(block)]));
-  const dropped = new Set([...all].filter(isDropped));
-  return {
-    order: [...order],
-    isDropped: (block) => dropped.has(block),
-    says: (block) => said.get(block) ?? null,
-  };
+/** Blocks say something else than the text: `editsOf` it bring it there; `refused` hears why not, instead of the page. */
+export type Changed = (editsOf: (document: RuleDocument) => Edit[], refused?: (why: string) => void) => Promise<void>;
+
+/** An edit, and the block that says it. */
+export interface Step {
+  readonly edit: Edit;
+  readonly block: Blockly.BlockSvg;
 }
 
-/** The edits, one after the other, that bring the text to what the blocks say; as `nextEdit` for each. */
-export function editsOf(document: RuleDocument, first: number, slots: Slot[], standing: Standing): Edit[] {
-  const edits: Edit[] = [];
+/** The edits, one after the other and at `most` so many, that bring the text to what the blocks say; as `nextStep` for each. */
+export function stepsOf(
+  document: RuleDocument,
+  first: number,
+  slots: Slot[],
+  standing: Standing,
+  most = Number.POSITIVE_INFINITY,
+): Step[] {
+  const steps: Step[] = [];
   let collections = document.collections;
-  for (;;) {
-    const edit = nextEdit(collections, first, slots, standing);
-    if (edit === null) return edits;
-    edits.push(edit);
-    collections = edited(collections, edit);
+  while (steps.length < most) {
+    const step = nextStep(collections, first, slots, standing);
+    if (step === null) break;
+    steps.push(step);
+    collections = edited(collections, step.edit);
   }
+  return steps;
 }
 
 /**
@@ -85,7 +89,7 @@ export function editsOf(document: RuleDocument, first: number, slots: Slot[], st
  *
  * `first` is the number of the first slot's statement. `slots` is in the order of the text and is changed as if the edit were done.
  */
-function nextEdit(collections: PlacedCollection[], first: number, slots: Slot[], standing: Standing): Edit | null {
+function nextStep(collections: PlacedCollection[], first: number, slots: Slot[], standing: Standing): Step | null {
   const places = placedIn(collections).slice(first, first + slots.length);
   const isKnown = slots.every((slot, index) => slot.print === printAt(places, index));
   if (places.length !== slots.length || !isKnown) return null;
@@ -105,13 +109,13 @@ function printAt(places: Placed[], index: number): string | null {
   return place ? fingerprint(place.statement) : null;
 }
 
-function nextDelete(slots: Slot[], { says }: Standing): Edit | null {
+function nextDelete(slots: Slot[], { says }: Standing): Step | null {
   const index = slots.findIndex(({ block }) => says(block) === null);
   const [slot] = index < 0 ? [] : slots.splice(index, 1);
-  return slot ? { kind: "delete", id: slot.id } : null;
+  return slot ? { edit: { kind: "delete", id: slot.id }, block: slot.block } : null;
 }
 
-function nextReplace(slots: Slot[], { says }: Standing): Edit | null {
+function nextReplace(slots: Slot[], { says }: Standing): Step | null {
   for (const slot of slots) {
     const statement = says(slot.block);
     if (statement === null || "missing" in statement) continue;
@@ -121,11 +125,8 @@ function nextReplace(slots: Slot[], { says }: Standing): Edit | null {
     const comments = statement.comments?.join("\n") ?? null;
     const known = comments === slot.comments;
     slot.comments = comments;
-    return {
-      kind: "replace",
-      id: slot.id,
-      statement: { ...statement, comments: known ? null : (statement.comments ?? []) },
-    };
+    const written = { ...statement, comments: known ? null : (statement.comments ?? []) };
+    return { edit: { kind: "replace", id: slot.id, statement: written }, block: slot.block };
   }
   return null;
 }
@@ -135,7 +136,7 @@ function nextInsert(
   places: Placed[],
   slots: Slot[],
   { order, says }: Standing,
-): Edit | null {
+): Step | null {
   for (const block of order) {
     if (slotOf(slots, block) >= 0) continue;
     const statement = says(block);
@@ -144,7 +145,7 @@ function nextInsert(
     const target = collectionAt(places, at, fallback);
     if (target === null) continue;
     slots.splice(at, 0, newSlot(block, statement));
-    return { kind: "insert", collection: target.id, index: target.index, statement };
+    return { edit: { kind: "insert", collection: target.id, index: target.index, statement }, block };
   }
   return null;
 }
@@ -171,7 +172,7 @@ function collectionAt(
   return fallback ? { id: fallback.id, index: 0 } : null;
 }
 
-function nextMove(places: Placed[], slots: Slot[], { order, isDropped }: Standing): Edit | null {
+function nextMove(places: Placed[], slots: Slot[], { order, isDropped }: Standing): Step | null {
   for (const block of order.filter(isDropped)) {
     const here = slotOf(slots, block);
     const above = slotAbove(slots, order, block);
@@ -183,7 +184,7 @@ function nextMove(places: Placed[], slots: Slot[], { order, isDropped }: Standin
     slots.splice(isDown ? above : above + 1, 0, slot);
     const isOut = isDown && places[here]?.collection === target.collection;
     const index = target.index + (above < 0 || isOut ? 0 : 1);
-    return { kind: "move", id: slot.id, collection: target.collection.id, index };
+    return { edit: { kind: "move", id: slot.id, collection: target.collection.id, index }, block };
   }
   return null;
 }

@@ -7,7 +7,7 @@ import type { PickerChoice } from "../ui/picker_matches";
 import { type QuietField, takeKey } from "./open_field";
 
 /** What a field offers, and what it keeps that it does not offer. */
-export interface Offer {
+interface Offer {
   /** What can be typed beside what is offered. */
   hint: string;
   /** What can be picked for a block, asked when its field opens and when the signals that it reads change. */

@@ -11,7 +11,7 @@ import type { Suggestions } from "./fields";
 export const ON_ROBOT = "on the robot now";
 
 /** Everything that is known of topics now; what a field offers follows each of them. */
-export interface KnownNow {
+interface KnownNow {
   /** The topic parameters of the rules. */
   profile: ReadonlySignal<{ name: string } | null>;
   vocabulary: ReadonlySignal<Vocabulary | null>;

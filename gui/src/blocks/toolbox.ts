@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
-import type { Condition, RuleStatement, SetStatement } from "../api/types";
+import type { Condition, RuleStatement, SetStatement, Statement } from "../api/types";
 import { toBlock } from "./model";
-import { RECIPES } from "./recipe_category";
 
 const set = (topic: string, hz: number): SetStatement => ({ kind: "set", topic, rate: { kind: "hz", value: hz } });
 const check = (topic: string, property: string, op: "<" | ">", value: number): Condition => ({
@@ -58,4 +57,33 @@ export function toolbox(): Blockly.utils.toolbox.ToolboxDefinition {
       { kind: "category", name: "Recipes", categorystyle: "rule", custom: RECIPES },
     ],
   };
+}
+
+type Shown = Blockly.utils.toolbox.FlyoutItemInfo[];
+
+const LOADING = { kind: "label", text: "Loading …" } as Shown[number];
+
+/** The category of the toolbox whose rules are asked for when it is opened first. */
+export const RECIPES = "RECIPES";
+
+/** Fills the category of recipes, at first with a word until the rules are there. */
+export function offerRecipes(
+  workspace: Blockly.WorkspaceSvg,
+  recipes: () => Promise<readonly Statement[] | null>,
+): void {
+  let shown: Shown | null = null;
+  let isAsked = false;
+  const ask = async () => {
+    isAsked = true;
+    const rules = await recipes();
+    isAsked = false;
+    if (rules === null) return;
+    shown = rules.map((each) => ({ kind: "block", ...toBlock(each) }));
+    // The page may have been left meanwhile.
+    if (workspace.rendered) workspace.refreshToolboxSelection();
+  };
+  workspace.registerToolboxCategoryCallback(RECIPES, () => {
+    if (shown === null && !isAsked) void ask();
+    return shown ?? [LOADING];
+  });
 }

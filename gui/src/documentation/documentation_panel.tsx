@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useRef, useState } from "preact/hooks";
+import { Button } from "../ui/button";
 import { DocumentationReader } from "./reader";
 
 const HELP = "#/help/";
@@ -38,9 +40,7 @@ export function DocumentationPanel(props: { anchor: string; onClose: () => void 
         <a href={`${HELP}${anchor}`} target="_blank" rel="noreferrer">
           On a page of its own
         </a>
-        <button type="button" class="small" title="Close (Escape)" onClick={props.onClose}>
-          Close
-        </button>
+        <Button label="Close" class="small" title="Close (Escape)" onClick={props.onClose} />
       </div>
       <DocumentationReader anchor={anchor} isSearchFirst />
     </dialog>

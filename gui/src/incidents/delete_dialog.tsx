@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { IncidentSummary, IncidentsAnswer } from "../api/types";
 import { FormDialog } from "../ui/dialog";
+import { Problem } from "../ui/notice";
 import { counted, sizeWords } from "../ui/numbers";
 import { moment } from "../ui/times";
 
@@ -23,7 +24,7 @@ export function DeleteDialog({ api, incident, onDeleted, onClose }: DeleteDialog
   const remove = async () => {
     setProblem(
       await refusalOf(async () => {
-        onDeleted(await api.deleteIncident(name));
+        onDeleted(await api.ask("POST /api/incident/delete", { name }));
       }),
     );
   };
@@ -39,11 +40,7 @@ export function DeleteDialog({ api, incident, onDeleted, onClose }: DeleteDialog
       )}
       <p class="path">{name}</p>
       <p>The folder is deleted from the disk and cannot be had back.</p>
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

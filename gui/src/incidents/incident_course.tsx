@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useMemo } from "preact/hooks";
 import type { IncidentCourse, TopicRates } from "../api/types";
 import { Timeline } from "../state/timeline";
 import { PathMap } from "../try/path_map";
 import { Scrubber } from "../try/scrubber";
 import { Strip } from "../try/strip";
+import { Button } from "../ui/button";
 import { readable } from "../ui/numbers";
 import { sinceMoment } from "./missing_words";
 import type { Ground } from "./rule_ground";
@@ -30,14 +32,12 @@ export function CourseView({ course, ground }: { course: IncidentCourse; ground:
         said={now}
         ticksS={NONE}
         after={
-          <button
-            type="button"
+          <Button
+            label="To the moment"
             class="small"
             disabled={now === "the moment"}
             onClick={() => timeline.goTo(course.trigger_s)}
-          >
-            To the moment
-          </button>
+          />
         }
       />
       <div class={course.path.length > 1 ? "try-columns" : ""}>

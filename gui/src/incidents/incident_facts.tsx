@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { IncidentAnswer, IncidentValue, RecordedTopic } from "../api/types";
 import { href } from "../route";
+import { DataTable } from "../ui/data_table";
 import { counted, readable, sizeWords } from "../ui/numbers";
 import { moment } from "../ui/times";
 import { missingWords, sinceMoment, windowWords } from "./missing_words";
@@ -74,30 +75,21 @@ export function RecordedTopics({ topics }: { topics: readonly RecordedTopic[] })
   return (
     <section aria-label="Topics">
       <h2>Topics</h2>
-      <table class="try-table" aria-label="Topics">
-        <thead>
-          <tr>
-            <th scope="col">Topic</th>
-            <th scope="col">Messages</th>
-            <th scope="col">Size</th>
-          </tr>
-        </thead>
-        <tbody>
-          {topics.map(({ topic, type, messages, size_kb, latched_s }) => (
-            <tr key={topic}>
-              <th scope="row">
-                {topic}
-                <div class="quiet">{type || "not published"}</div>
-              </th>
-              <td class="number">
-                {readable(messages)}
-                {latched_s.length > 0 && <div class="quiet">{latchedWords(latched_s)}</div>}
-              </td>
-              <td class="number">{sizeWords(size_kb)}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
+      <DataTable
+        label="Topics"
+        heads={["Topic", "Messages", "Size"]}
+        rows={topics.map(({ topic, type, messages, size_kb, latched_s }) => [
+          <>
+            {topic}
+            <div class="quiet">{type || "not published"}</div>
+          </>,
+          <>
+            {readable(messages)}
+            {latched_s.length > 0 && <div class="quiet">{latchedWords(latched_s)}</div>}
+          </>,
+          sizeWords(size_kb),
+        ])}
+      />
     </section>
   );
 }

@@ -1,11 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { ListedIncident } from "../api/types";
-import { href } from "../route";
-import { ColumnHeads } from "../ui/column_heads";
-import { NeedsServer } from "../ui/server_gone";
-import { SizeCell, SUMMARY_COLUMNS, SummaryCells } from "./summary_cells";
 
+import type { IncidentSummary, ListedIncident } from "../api/types";
+import { href } from "../route";
+import { Button } from "../ui/button";
+import { ColumnHeads } from "../ui/data_table";
+import { sizeWords } from "../ui/numbers";
+import { NeedsServer } from "../ui/server_gone";
+import { ago, moment } from "../ui/times";
+import { briefly, windowWords } from "./missing_words";
+
+export const SUMMARY_COLUMNS = ["Incident", "When", "Rule", "Kept", "Size", "Missing"];
 const COLUMNS = [...SUMMARY_COLUMNS, "Folder"];
 
 /** A row for each incident, the newest first; on a narrow screen a card. One that cannot be read says why. */
@@ -56,9 +61,7 @@ function BadRow({ one, remove }: { one: ListedIncident; remove: Remove }) {
       <SizeCell size_kb={one.size_kb} />
       <td data-label="">
         <NeedsServer changes>
-          <button type="button" class="small" onClick={() => remove(one)}>
-            Delete
-          </button>
+          <Button label="Delete" class="small" onClick={() => remove(one)} />
         </NeedsServer>
       </td>
       <td data-label="Folder" class="path">
@@ -70,4 +73,30 @@ function BadRow({ one, remove }: { one: ListedIncident; remove: Remove }) {
 
 function folderOf(name: string): string {
   return name.includes("/") ? name.slice(0, name.lastIndexOf("/")) : "the project";
+}
+
+/** What the rows of all incidents say after its name, here and on robots. */
+export function SummaryCells({ summary, size_kb }: { summary: IncidentSummary; size_kb: number }) {
+  const { rule, triggered_ms, missing } = summary;
+  return (
+    <>
+      <td data-label="When">
+        <time title={ago(triggered_ms, Date.now())}>{moment(triggered_ms)}</time>
+      </td>
+      <td data-label="Rule">{rule}</td>
+      <td data-label="Kept">{windowWords(summary)}</td>
+      <SizeCell size_kb={size_kb} />
+      <td data-label="Missing">
+        {missing.length === 0 ? <span class="well">nothing</span> : <span class="trouble">{briefly(missing)}</span>}
+      </td>
+    </>
+  );
+}
+
+export function SizeCell({ size_kb }: { size_kb: number }) {
+  return (
+    <td data-label="Size" class="number">
+      {sizeWords(size_kb)}
+    </td>
+  );
 }

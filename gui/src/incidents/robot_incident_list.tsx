@@ -1,12 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { FetchState, IncidentsOfRobot, RobotIncident } from "../api/types";
 import { href } from "../route";
 import type { RobotIncidents } from "../state/robot_incidents";
-import { ColumnHeads } from "../ui/column_heads";
+import { Button } from "../ui/button";
+import { ColumnHeads } from "../ui/data_table";
+import { Problem } from "../ui/notice";
 import { counted, readable, sizeWords } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
-import { SUMMARY_COLUMNS, SummaryCells } from "./summary_cells";
+import { SUMMARY_COLUMNS, SummaryCells } from "./incident_table";
 
 /** What the robots on the link recorded: listed at once, fetched one by one. Nothing without a link. */
 export function RobotIncidentList({ robots }: { robots: RobotIncidents }) {
@@ -16,11 +19,7 @@ export function RobotIncidentList({ robots }: { robots: RobotIncidents }) {
   return (
     <section class="on-robots" aria-label="On robots">
       <h2>On robots</h2>
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
       {answer === null && !problem && <p class="quiet">Asking the robots …</p>}
       {answer?.problem && <p class="problem">{answer.problem}</p>}
       {answer && !answer.problem && answer.robots.length === 0 && <p class="quiet">No robot is heard over the link.</p>}
@@ -98,23 +97,17 @@ function FetchCell({ robots, robot, incident: { name, kept, summary } }: RowProp
   return (
     <div>
       <NeedsServer changes>
-        <button
-          type="button"
+        <Button
+          label={word}
           class="small"
           aria-label={`${word}: ${summary.title} of ${robot}`}
           onClick={() => void robots.fetch(robot, name)}
-        >
-          {word}
-        </button>
+        />
       </NeedsServer>
       {fetch?.state === "cancelled" && (
         <span class="quiet"> Cancelled. {sizeWords(fetch.got_kb)} are here already.</span>
       )}
-      {fetch?.state === "failed" && (
-        <p class="problem" role="alert">
-          {fetch.problem}
-        </p>
-      )}
+      {fetch?.state === "failed" && <Problem text={fetch.problem} />}
     </div>
   );
 }
@@ -125,9 +118,7 @@ function Running({ fetch, title, cancel }: { fetch: FetchState; title: string; c
     <div class="fetching">
       <progress max={1} value={total_kb > 0 ? got_kb / total_kb : 0} aria-label={`Fetching ${title}`} />
       <NeedsServer changes>
-        <button type="button" class="small" onClick={cancel}>
-          Cancel
-        </button>
+        <Button label="Cancel" class="small" onClick={cancel} />
       </NeedsServer>
       <span class="quiet">
         {sizeWords(got_kb)} of {sizeWords(total_kb)}, {readable(rate_kb_per_s)} KB/s

@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { type Signal, signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusal } from "../api/refusal";
+import { type Api, refusal } from "../api/client";
 import type { IncidentAnswer } from "../api/types";
 import type { MapPicture, MapZone } from "../map/shapes";
 import { layoutName, PLAIN_GRID, readLayout } from "../state/layout";
 import { MapFloor } from "../state/map_floor";
-import { zonesAt } from "../try/try_map";
+import { zonesAt } from "../try/try_result";
 
 /** What a path is drawn on. */
 export interface Ground {

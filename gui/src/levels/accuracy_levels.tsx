@@ -1,18 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { AccuracyNeeds, BoundNeed, LevelledProperty } from "../api/types";
 import { ACCURACY_UNITS, keysOf, type Six, sixOf } from "../state/accuracies";
 import type { DraftRow } from "../state/draft_row";
 import type { ProfileEditor } from "../state/profile_editor";
+import { Button } from "../ui/button";
 import { WorkProgress } from "../ui/work_progress";
-import { AccuracyTables } from "./accuracy_tables";
 import type { Chart } from "./curve_plot";
-import { boundsIn, moved } from "./level_axis";
+import { AccuracyTables } from "./curve_tables";
+import { boundsIn, moved, stopped } from "./level_axis";
 import { LevelPlot } from "./level_plot";
 import { needOf } from "./needs";
-import { stopped } from "./stopped";
 import { useMeasured } from "./use_measured";
 
 /** The six accuracies of a property's levels on the messages that each needs: dragged or moved by keys. */
@@ -35,7 +36,11 @@ export function AccuracyLevels(props: {
   const chart = useMemo(() => chartOf(points), [points]);
   const levels = row.accuracies[tiersKey];
   const measure = () =>
-    work.start(async (run, signal) => ({ topic, bag, found: await api.accuracy(bag, topic, run, signal) }));
+    work.start(async (run, signal) => ({
+      topic,
+      bag,
+      found: await api.ask("POST /api/profile/accuracy", { bag, topic, run }, { signal }),
+    }));
   const place = (bounds: Six, goesOn: boolean, why: string) => {
     const needs = needsOf(points, bounds);
     const lost = row.accuracies[needsKey] !== null && needs === null;
@@ -55,25 +60,17 @@ export function AccuracyLevels(props: {
     <>
       <div class="row">
         {bag !== "" && state.kind !== "running" && (
-          <button type="button" onClick={() => void measure()}>
-            Show what each accuracy needs
-          </button>
+          <Button label="Show what each accuracy needs" onClick={() => void measure()} />
         )}
         <WorkProgress work={work} doing={`Measuring ${topic}`} />
         {usual && !levels && (
-          <button
-            type="button"
+          <Button
+            label="Place six levels"
             class="primary"
             onClick={() => place(usual, false, "The levels are the measured bounds.")}
-          >
-            Place six levels
-          </button>
+          />
         )}
-        {levels && isNew && (
-          <button type="button" onClick={() => place(levels, false, "")}>
-            Write what the levels need
-          </button>
-        )}
+        {levels && isNew && <Button label="Write what the levels need" onClick={() => place(levels, false, "")} />}
       </div>
       {found && !points && (
         <p class="quiet">

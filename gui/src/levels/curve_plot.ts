@@ -4,7 +4,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { LevelAxis } from "./level_axis";
 
-export const PLOT_HEIGHT_PX = 290;
+const PLOT_HEIGHT_PX = 290;
 /** Room above the curve, for the names of the levels. */
 const HEADROOM = 1.15;
 

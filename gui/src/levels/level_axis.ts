@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { TIERS } from "../api/types";
+import { readable } from "../ui/numbers";
 
 /** A stretch of rates or bounds, as the logarithm of which a plot shows them. */
 export interface LevelAxis {
@@ -67,4 +69,12 @@ export function moved(
 export function limitsOf(kind: LevelKind, levels: readonly number[], index: number): [least: number, most: number] {
   const [below, above] = kind.falls ? [index + 1, index - 1] : [index - 1, index + 1];
   return [levels[below] ?? kind.least, levels[above] ?? kind.most];
+}
+
+/** Why a moved level did not go on; empty where it did. */
+export function stopped(kind: LevelKind, index: number, { levels, stoppedBy }: ReturnType<typeof moved>): string {
+  if (stoppedBy === null) return "";
+  const way = stoppedBy < index === kind.falls ? "above" : "below";
+  const at = `${readable(levels[stoppedBy] ?? 0)} ${kind.unit}`;
+  return `${TIERS[index]} stops at ${TIERS[stoppedBy]} (${at}): it cannot lie ${way} it.`;
 }

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusal } from "../api/refusal";
+import { type Api, refusal } from "../api/client";
 import type { LevelledProperty } from "../api/types";
 import { ACCURACY_UNITS, keysOf } from "../state/accuracies";
 import type { DraftRow } from "../state/draft_row";
 import type { ProfileEditor } from "../state/profile_editor";
+import { Choice } from "../ui/choice";
 import { AccuracyLevels } from "./accuracy_levels";
 import { RateLevels } from "./rate_levels";
 
@@ -44,7 +44,7 @@ export function LevelPanel({ editor, api, bags }: { editor: ProfileEditor; api: 
             choose={setLevelsOf}
           />
         )}
-        {bags.length > 0 && <Choice label="Recording" value={bag} none="none" choices={bags} choose={setBag} />}
+        {bags.length > 0 && <Choice label="Recording" value={bag} choices={[["", "none"], ...bags]} choose={setBag} />}
       </div>
       {property ? (
         <AccuracyLevels {...{ editor, api, row, bag, property }} />
@@ -70,25 +70,4 @@ function useKnown(editor: ProfileEditor, api: Api, rows: readonly DraftRow[]): R
   const types = rows.map((row) => row.type).join(" ");
   useEffect(() => void ask(), [types, editor.isSaved.value]);
   return known;
-}
-
-/** One of some words; `none` is for the empty one. */
-function Choice(props: {
-  label: string;
-  value: string;
-  choices: string[];
-  none?: string;
-  choose: (value: string) => void;
-}) {
-  return (
-    <label>
-      {props.label}
-      <select value={props.value} onChange={(event) => props.choose(event.currentTarget.value)}>
-        {props.none !== undefined && <option value="">{props.none}</option>}
-        {props.choices.map((each) => (
-          <option key={each}>{each}</option>
-        ))}
-      </select>
-    </label>
-  );
 }

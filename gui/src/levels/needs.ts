@@ -4,7 +4,7 @@ import type { BoundNeed } from "../api/types";
 
 const DIGITS = 3;
 
-export interface Need {
+interface Need {
   hz: number;
   isMeasured: boolean;
 }

@@ -1,17 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useMemo, useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusal } from "../api/refusal";
+import { type Api, refusal } from "../api/client";
 import type { Curve } from "../api/types";
 import { type DraftRow, isNumber, toNumber } from "../state/draft_row";
 import type { ProfileEditor } from "../state/profile_editor";
+import { Button } from "../ui/button";
 import { WorkProgress } from "../ui/work_progress";
 import type { Chart } from "./curve_plot";
-import { CurveTable } from "./curve_table";
-import { moved, RATES } from "./level_axis";
+import { CurveTable } from "./curve_tables";
+import { moved, RATES, stopped } from "./level_axis";
 import { LevelPlot } from "./level_plot";
-import { stopped } from "./stopped";
 import { useMeasured } from "./use_measured";
 
 /** The six rates of a topic's levels on what each rate loses: dragged, moved by keys, or proposed. */
@@ -22,7 +22,11 @@ export function RateLevels({ editor, api, row, bag }: { editor: ProfileEditor; a
   const chart = useMemo(() => chartOf(curve), [curve]);
   const levels = levelsOf(row);
   const measure = () =>
-    work.start(async (run, signal) => ({ topic, bag, found: await api.curve(bag, topic, run, signal) }));
+    work.start(async (run, signal) => ({
+      topic,
+      bag,
+      found: await api.ask("POST /api/profile/curve", { bag, topic, run }, { signal }),
+    }));
   const move = (index: number, rate_hz: number, goesOn: boolean) => {
     if (!levels) return;
     const next = moved(RATES, levels, index, rate_hz);
@@ -33,9 +37,7 @@ export function RateLevels({ editor, api, row, bag }: { editor: ProfileEditor; a
     <>
       <div class="row">
         {bag !== "" && state.kind !== "running" && (
-          <button type="button" onClick={() => void measure()}>
-            Show what each rate loses
-          </button>
+          <Button label="Show what each rate loses" onClick={() => void measure()} />
         )}
         <WorkProgress work={work} doing={`Measuring ${topic}`} />
         <Proposal {...{ editor, api, row, curve, setNote }} hasLevels={levels !== null} />
@@ -78,13 +80,11 @@ function Proposal(props: {
   const bends = curve?.tiers_hz;
   if (bends) {
     return (
-      <button
-        type="button"
+      <Button
+        label="Use the proposed levels"
         class="primary"
         onClick={() => place(bends, "The levels are where the error falls to 20, 10, 5, 2, 1 and 0 % of the range.")}
-      >
-        Use the proposed levels
-      </button>
+      />
     );
   }
   const source_hz = toNumber(row.source_hz) ?? curve?.source_hz ?? null;
@@ -96,11 +96,7 @@ function Proposal(props: {
       setNote(refusal(error));
     }
   };
-  return (
-    <button type="button" onClick={() => void guess()}>
-      Place six levels
-    </button>
-  );
+  return <Button label="Place six levels" onClick={() => void guess()} />;
 }
 
 /** The levels of a row; null unless all six are numbers that do not fall. */

@@ -3,9 +3,8 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Icon, type IconName } from "../ui/icon";
 import { watchSize, watchTheme } from "../ui/watch";
-import type { MapOwner } from "./map_owner";
 import type { MapView } from "./map_view";
-import type { MapPicture, MapZone, Point } from "./shapes";
+import type { MapOwner, MapPicture, MapZone, Point } from "./shapes";
 
 /**
  * A map in metres with its buttons, the pointer's place and a scale bar; OpenLayers loads when it is first shown.

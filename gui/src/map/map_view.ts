@@ -17,7 +17,6 @@ import VectorSource from "ol/source/Vector";
 import type Style from "ol/style/Style";
 import View from "ol/View";
 import { FloorLayer, niceStep } from "./floor_layer";
-import type { MapOwner, Tool } from "./map_owner";
 import {
   dotStyle,
   handleStyle,
@@ -35,9 +34,11 @@ import {
   extentOf,
   finiteCorners,
   grown,
+  type MapOwner,
   type MapPicture,
   type MapZone,
   type Point,
+  type Tool,
   widened,
 } from "./shapes";
 import { handlesOf } from "./zone_drag";

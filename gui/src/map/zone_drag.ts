@@ -10,7 +10,7 @@ const LEAST_SIDE_M = 0.01;
 const LEAST_PX = { middle: 64, any: 32 };
 
 /** A place to take hold of a rectangle: which of its sides follow the pointer (-1 the lower one, 1 the upper). */
-export interface Handle {
+interface Handle {
   place: Point;
   x: -1 | 0 | 1;
   y: -1 | 0 | 1;

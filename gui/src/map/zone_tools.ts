@@ -7,8 +7,16 @@ import Snap from "ol/interaction/Snap";
 import type OlMap from "ol/Map";
 import type VectorSource from "ol/source/Vector";
 import type Style from "ol/style/Style";
-import type { MapOwner, Tool } from "./map_owner";
-import { bounded, closed, type Extent, type MapZone, type Point, toCentimetres } from "./shapes";
+import {
+  bounded,
+  closed,
+  type Extent,
+  type MapOwner,
+  type MapZone,
+  type Point,
+  type Tool,
+  toCentimetres,
+} from "./shapes";
 import { type DragOwner, ZoneDrag } from "./zone_drag";
 
 const SNAP_PX = 8;

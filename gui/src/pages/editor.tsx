@@ -1,23 +1,22 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, type Signal, useComputed, useSignal } from "@preact/signals";
+import { computed, type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { refusal } from "../api/refusal";
-import { BlocksPane } from "../panels/blocks_pane";
+import { refusal } from "../api/client";
+import { BlocksPane, loadBlocks } from "../panels/blocks_pane";
 import { EditorBar } from "../panels/editor_bar";
 import { FindingsPanel } from "../panels/findings_panel";
 import { OptimizePanel } from "../panels/optimize_panel";
 import { ProfileChoice } from "../panels/profile_choice";
 import { RobotPanel } from "../panels/robot_panel";
-import { SendDialog } from "../panels/send_dialog";
+import { SendDialog } from "../panels/rule_push_steps";
 import { type Side, SidePane } from "../panels/side_pane";
 import { valuesOfRecording } from "../panels/threshold_values";
 import { toRoute } from "../route";
 import { browserStorage } from "../state/drafts";
-import { FullScreen } from "../state/full_screen";
-import { PaneSizes } from "../state/pane_sizes";
 import { ProfileRepair } from "../state/profile_repair";
 import { RobotRules } from "../state/robot_rules";
+import { FullScreen, PaneSizes } from "../state/room";
 import type { RuleEditor } from "../state/rule_editor";
 import { RulePush } from "../state/rule_push";
 import { type SelfSaving, saveByItself } from "../state/save_by_itself";
@@ -26,15 +25,14 @@ import { showInEditor } from "../try/show_in_editor";
 import { ConflictDialog } from "../ui/conflict_dialog";
 import { FullScreenButton } from "../ui/full_screen_button";
 import { later } from "../ui/later";
-import { showOnNarrow } from "../ui/narrow";
-import { Notice } from "../ui/notice";
+import { Notice, Toast } from "../ui/notice";
 import { RestoredNotice } from "../ui/restored_notice";
 import { useRobot } from "../ui/robot_state";
 import { DiskNotice, NeedsServer, useDiskLooks, useReturn } from "../ui/server_gone";
 import { Splitter } from "../ui/splitter";
 import { type Choice, Tabs } from "../ui/tabs";
-import { Toast } from "../ui/toast";
 import { useUndoKeys } from "../ui/undo_keys";
+import { showOnNarrow } from "../ui/watch";
 import type { PageProps } from "./page_props";
 
 const TryPanel = later(async () => (await import("../panels/try_panel")).TryPanel);
@@ -42,7 +40,7 @@ const TryPanel = later(async () => (await import("../panels/try_panel")).TryPane
 export type Tool = "findings" | "optimize" | "try" | "robot";
 
 /** The parts that can have the whole page. */
-export type FullPart = "map" | "results";
+type FullPart = "map" | "results";
 
 const BLOCKS = { least: 20, most: 80 };
 const DOCK = { least: 10, most: 85 };
@@ -66,7 +64,10 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
   const room = useRoom(tool, side, tries);
   useShownRobot(node, tool);
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
-  useEffect(() => void open(editor, setState), []);
+  useEffect(() => {
+    void open(editor, setState);
+    void loadBlocks();
+  }, []);
   useUndoKeys(editor);
   useDiskLooks(editor, state === "open");
   useReturn(() => state === "open" && editor.revive());
@@ -123,7 +124,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
         <section class="dock" aria-label="Results" ref={results}>
           <h2 class="visually-hidden">Results</h2>
           <div class="dock-bar">
-            <Tabs label="Results" choices={useChoices(editor).value} chosen={tool} />
+            <ResultTabs {...{ editor, tool }} />
             <NeedsServer changes>
               <ProfileChoice {...{ editor, api, project }} />
             </NeedsServer>
@@ -199,21 +200,21 @@ function useRobotSide(api: PageProps["api"], editor: RuleEditor): { robotRules: 
   return side;
 }
 
-function useChoices(editor: RuleEditor) {
-  return useComputed((): Choice<Tool>[] => [
-    {
-      value: "findings",
-      label: `Findings (${editor.isChecked.value ? editor.findings.value.length : "…"})`,
-    },
+/** The tabs of the results; how many findings there are changes more often than the page. */
+function ResultTabs({ editor, tool }: { editor: RuleEditor; tool: Signal<Tool> }) {
+  const count = editor.isChecked.value ? editor.findings.value.length : "…";
+  const choices: Choice<Tool>[] = [
+    { value: "findings", label: `Findings (${count})` },
     { value: "optimize", label: "Optimize" },
     { value: "try", label: "Try on a recording" },
     { value: "robot", label: "Robot" },
-  ]);
+  ];
+  return <Tabs label="Results" choices={choices} chosen={tool} />;
 }
 
 function selfSaving(editor: RuleEditor): SelfSaving {
   const { isInFile, conflict, restored } = editor;
-  const content = computed(() => JSON.stringify([editor.text.value, editor.map.value]));
+  const content = computed(() => [editor.text.value, editor.map.value]);
   const [isSound, save] = [() => editor.isSound(), () => editor.save(true)];
   return { content, isSaved: isInFile, conflict, restored, isSound, save };
 }

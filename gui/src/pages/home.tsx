@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useId, useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
-import { refusal, refusalOf } from "../api/refusal";
+import { type Api, ApiError, refusal, refusalOf } from "../api/client";
 import type { FileAnswer, Project } from "../api/types";
 import { FileLists } from "../panels/file_lists";
 import { ownProfile } from "../panels/profile_choice";
 import { RecordingList, RecordingStart } from "../panels/project_start";
 import { RECIPES } from "../recipes/recipes";
 import { NEW_PROFILE, type Route, toRoute } from "../route";
+import { Button } from "../ui/button";
 import { FormDialog } from "../ui/dialog";
-import { useDroppedFile } from "../ui/dropped_file";
-import { FileProblem, fileText } from "../ui/file_text";
-import { Notice } from "../ui/notice";
+import { FileProblem, fileText, useDroppedFile } from "../ui/files";
+import { Notice, Problem } from "../ui/notice";
 import { RobotState } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
 import type { PageProps } from "./page_props";
@@ -130,9 +130,7 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
           <h2>Start from a recipe</h2>
           <div class="row">
             {RECIPES.map(({ title }) => (
-              <button key={title} type="button" onClick={() => setCreating(title)}>
-                {title}
-              </button>
+              <Button label={title} key={title} onClick={() => setCreating(title)} />
             ))}
           </div>
         </section>
@@ -167,9 +165,7 @@ function Card({ title, text, act }: { title: string; text: string; act: () => vo
   const id = useId();
   return (
     <div class="card">
-      <button type="button" aria-describedby={id} onClick={act}>
-        {title}
-      </button>
+      <Button label={title} aria-describedby={id} onClick={act} />
       <p id={id}>{text}</p>
     </div>
   );
@@ -186,7 +182,7 @@ interface SavesProps {
 function SavesByItself({ api, project, onSet, onRefused }: SavesProps) {
   const set = async (isWanted: boolean) => {
     try {
-      await api.setSavesByItself(isWanted);
+      await api.ask("PUT /api/project/settings", { saves_by_itself: isWanted });
       await onSet();
     } catch (error) {
       onRefused(refusal(error));
@@ -245,11 +241,7 @@ function NewRules(props: Pick<PageProps, "api" | "refresh" | "project"> & { reci
       </label>
       {about && <p>{about}</p>}
       <p class="quiet">It is created in {props.project.root_name}; a / in the name puts it into a folder.</p>
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

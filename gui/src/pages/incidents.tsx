@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useMemo, useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { IncidentAnswer, IncidentCourse, IncidentsAnswer, ListedIncident } from "../api/types";
 import { DeleteDialog } from "../incidents/delete_dialog";
 import { CourseView } from "../incidents/incident_course";
@@ -13,6 +13,7 @@ import { useRuleGround } from "../incidents/rule_ground";
 import { href, toRoute } from "../route";
 import { BagWork } from "../state/bag_work";
 import { RobotIncidents } from "../state/robot_incidents";
+import { Button } from "../ui/button";
 import { Header } from "../ui/header";
 import { Notice } from "../ui/notice";
 import { counted } from "../ui/numbers";
@@ -35,15 +36,13 @@ function AllIncidents({ api, root }: { api: Api; root: string }) {
   return (
     <>
       <Header title="Incidents">
-        <button
-          type="button"
+        <Button
+          label="Look again"
           onClick={() => {
             void read();
             void robots.ask();
           }}
-        >
-          Look again
-        </button>
+        />
       </Header>
       <main class="robots incidents">
         {problem && <Notice kind="error" text={problem} action={{ label: "Try again", act: read }} />}
@@ -106,11 +105,11 @@ function HowToGetSome({ root }: { root: string }) {
 }
 
 function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
-  const [incident, read, problem] = useAnswer<IncidentAnswer>(() => api.incident(name));
+  const [incident, read, problem] = useAnswer<IncidentAnswer>(() => api.ask("POST /api/incident", { name }));
   const course = useMemo(() => new BagWork<IncidentCourse>(), []);
   const [isAsked, setAsked] = useState(false);
   useEffect(() => {
-    void course.start((run, signal) => api.incidentCourse(name, run, signal));
+    void course.start((run, signal) => api.ask("POST /api/incident/course", { name, run }, { signal }));
     return () => course.cancel();
   }, []);
   const state = course.state.value;
@@ -124,9 +123,7 @@ function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
               Download
             </a>
             <NeedsServer changes>
-              <button type="button" onClick={() => setAsked(true)}>
-                Delete
-              </button>
+              <Button label="Delete" onClick={() => setAsked(true)} />
             </NeedsServer>
           </>
         )}

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Project } from "../api/types";
@@ -10,8 +11,10 @@ import { RobotTopics } from "../panels/robot_topics";
 import { RobotTotals } from "../panels/robot_totals";
 import { href } from "../route";
 import { byTrouble, inOrderOf, troubleOf } from "../state/robot_trouble";
+import { Button } from "../ui/button";
 import { Header } from "../ui/header";
 import { later } from "../ui/later";
+import { Problem } from "../ui/notice";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
 import type { PageProps } from "./page_props";
@@ -97,9 +100,11 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
         <div class="row">
           <a href={href({ page: "robots", name: "" })}>All robots</a>
           <NeedsServer changes>
-            <button type="button" disabled={live === null} onClick={() => setStarting(true)}>
-              Start a project from this robot
-            </button>
+            <Button
+              label="Start a project from this robot"
+              disabled={live === null}
+              onClick={() => setStarting(true)}
+            />
           </NeedsServer>
         </div>
         {isStarting && (
@@ -110,11 +115,7 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
           />
         )}
         {kind !== "connected" && <p>{why}</p>}
-        {isFailing && (
-          <p class="problem" role="alert">
-            {why}
-          </p>
-        )}
+        {isFailing && <Problem text={why} />}
         {live && <RobotTotals live={live} />}
         {live && <RobotTopics link={link} live={live} />}
         {link.robot.value?.node === node && <RobotChecks api={props.api} node={node} propose={null} />}

@@ -1,20 +1,23 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { computed } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusal, refusalOf } from "../api/client";
 import { LevelPanel } from "../levels/level_panel";
-import { MeasureRobot } from "../panels/measure_robot";
-import { RulesTopics } from "../panels/rules_topics";
 import { TopicTable } from "../panels/topic_table";
-import { toRoute } from "../route";
+import { href, toRoute } from "../route";
+import type { OpenEditors } from "../state/open_editors";
+import type { ProfileEditor } from "../state/profile_editor";
 import { saveByItself } from "../state/save_by_itself";
+import { topicsIn } from "../state/statements";
+import { Button } from "../ui/button";
 import { ConflictDialog } from "../ui/conflict_dialog";
+import { FormDialog } from "../ui/dialog";
 import { Header } from "../ui/header";
-import { Notice } from "../ui/notice";
+import { Notice, Toast } from "../ui/notice";
 import { RestoredNotice } from "../ui/restored_notice";
 import { DiskNotice, NeedsServer, useDiskLooks, useReturn } from "../ui/server_gone";
-import { Toast } from "../ui/toast";
 import { ToolButton, UndoButtons } from "../ui/tool_button";
 import { useUndoKeys } from "../ui/undo_keys";
 import type { PageProps } from "./page_props";
@@ -122,4 +125,97 @@ function MeasureChoice({ bags, measure }: { bags: string[]; measure: (bag: strin
       </select>
     </label>
   );
+}
+
+const USUAL_S = 10;
+const LONGEST_S = 60;
+
+/** Asks for how long to listen to the robot, and then measures its topics. */
+export function MeasureRobot({ measure }: { measure: (seconds: number) => Promise<void> }) {
+  const [isAsking, setAsking] = useState(false);
+  const [runningS, setRunning] = useState<number | null>(null);
+  const run = async (seconds: number) => {
+    setAsking(false);
+    setRunning(seconds);
+    await measure(seconds);
+    setRunning(null);
+  };
+  return (
+    <>
+      <Button
+        label={runningS === null ? "Measure on the robot" : `Measuring for ${runningS} s …`}
+        disabled={runningS !== null}
+        onClick={() => setAsking(true)}
+      />
+      {isAsking && (
+        <FormDialog
+          title="Measure on the robot"
+          submit="Measure"
+          onSubmit={(form) => run(Number(form.get("seconds")))}
+          onClose={() => setAsking(false)}
+        >
+          <label>
+            Seconds
+            <input name="seconds" type="number" min={1} max={LONGEST_S} step="any" value={USUAL_S} required autofocus />
+          </label>
+          <p class="quiet">
+            Sizes and rates of all topics that the robot publishes now. It takes every message of every topic meanwhile:
+            do not do this over a slow radio.
+          </p>
+        </FormDialog>
+      )}
+    </>
+  );
+}
+
+interface Props {
+  api: Api;
+  editors: OpenEditors;
+  editor: ProfileEditor;
+  /** The rule file that the table is for. */
+  rules: string;
+}
+
+/** The way back to the rules, and a row for each topic of them that the table lacks; a new table begins with those. */
+export function RulesTopics({ api, editors, editor, rules }: Props) {
+  const [topics, setTopics] = useState<readonly string[]>([]);
+  const [problem, setProblem] = useState("");
+  useEffect(() => {
+    topicsOf(api, editors, rules).then(
+      (found) => {
+        setTopics(found);
+        const isEmpty = editor.rows.peek().every((row) => row.topic.trim() === "");
+        if (editor.isNew.peek() && editor.isSaved.peek() && isEmpty && found.length > 0) editor.begin(found);
+      },
+      (error: unknown) => {
+        setProblem(refusal(error));
+      },
+    );
+  }, []);
+  const known = new Set(editor.rows.value.map((row) => row.topic.trim()));
+  const missing = topics.filter((topic) => !known.has(topic));
+  return (
+    <div class="row">
+      <a href={href({ page: "rules", name: rules })}>Back to {rules}</a>
+      {problem && <p class="problem">{problem}</p>}
+      {missing.length > 0 && (
+        <>
+          <p role="status">
+            {missing.length === 1 ? "1 topic of the rules is" : `${missing.length} topics of the rules are`} not in the
+            table.
+          </p>
+          <Button
+            label={`Add ${missing.length === 1 ? missing[0] : "them"}`}
+            class="small"
+            onClick={() => editor.addTopics(missing)}
+          />
+        </>
+      )}
+    </div>
+  );
+}
+
+async function topicsOf(api: Api, editors: OpenEditors, rules: string): Promise<string[]> {
+  const text = editors.unsavedText(rules) ?? (await api.read(rules)).text;
+  return [...topicsIn(await api.document({ text, name: rules, profile_text: null }))].sort();
 }

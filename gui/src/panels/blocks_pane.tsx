@@ -1,22 +1,26 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { effect, type ReadonlySignal, useSignal } from "@preact/signals";
+
+import { effect, type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
+import type { DrawValues } from "../blocks/number_field";
 import type { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
-import type { DrawValues } from "../blocks/threshold_field";
 import { recipeRules } from "../recipes/recipe_rules";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
-import { NARROW } from "../ui/narrow";
-import { onceLoaded } from "../ui/once_loaded";
+import { Button } from "../ui/button";
+import { onceLoaded } from "../ui/later";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
-import { watchSize, watchTheme } from "../ui/watch";
+import { NARROW, watchSize, watchTheme } from "../ui/watch";
 import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
+
+/** Loads what draws blocks, which is large: it may come while the server reads the rules. */
+export const loadBlocks = () => import("../blocks/rule_workspace");
 
 /** The left half: the rules as blocks. */
 export function BlocksPane(props: Omit<Shown, "isServerGone">) {
@@ -29,7 +33,7 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
     const here = host.current;
     if (!here) return;
     // The text can be read and changed before the blocks are there, which take longer.
-    return onceLoaded(import("../blocks/rule_workspace"), ({ RuleWorkspace }) => {
+    return onceLoaded(loadBlocks(), ({ RuleWorkspace }) => {
       const shown = { editor, api, robotRules, tried, drawValues, isServerGone };
       const opened = openWorkspace(RuleWorkspace, here, shown);
       workspace.current = opened.workspace;
@@ -38,33 +42,35 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
     });
   }, []);
   const { isServerGone } = useRobot();
-  const isBehind = !editor.document.value.parses && editor.shown.value?.text !== editor.text.value;
-  const isReadOnly = editor.isBroken.value || editor.shown.value === null || !isLoaded.value;
-  const errors = editor.errors.value.length;
-  const isMany = isLong(editor);
+  // Each key changes what these are made of, and seldom one of them.
+  const isBehind = useComputed(
+    () => !editor.document.value.parses && editor.shown.value?.text !== editor.text.value,
+  ).value;
+  const isReadOnly = useComputed(() => editor.isBroken.value || editor.shown.value === null || !isLoaded.value).value;
+  const errors = useComputed(() => editor.errors.value.length).value;
+  const isMany = useComputed(() => isLong(editor)).value;
   const go = (index: number) => void workspace.current?.unfold(index);
   return (
     <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">
       <div class="pane-bar">
         <h2>Blocks</h2>
         <NeedsServer>
-          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addDefault()}>
-            New rate
-          </button>
-          <button type="button" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addRule()}>
-            New rule
-          </button>
+          <Button
+            label="New rate"
+            class="small"
+            disabled={isReadOnly}
+            onClick={() => workspace.current?.addDefault()}
+          />
+          <Button label="New rule" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addRule()} />
         </NeedsServer>
         <RuleSearch editor={editor} robotRules={robotRules} onGo={go} />
         {isMany && (
-          <button
-            type="button"
+          <Button
+            label="Outline"
             class="small"
             aria-expanded={hasOutline.value}
             onClick={() => (hasOutline.value = !hasOutline.value)}
-          >
-            Outline
-          </button>
+          />
         )}
         {isBehind && (
           <p class="pane-note" role="status">
@@ -135,11 +141,13 @@ function openWorkspace(
       }),
       drawValues,
     },
-    changed: (editsOf) =>
+    changed: (editsOf, refused) =>
       editor.edit((document) => {
         if (document === editor.shown.peek()?.document) workspace.catchUp(document);
         return editsOf(document);
-      }),
+      }, refused),
+    lost: (lost) => (editor.lost.value = { name: editor.name, ...lost }),
+    tell: (message) => (editor.message.value = message),
     leftOut: (count) => (editor.blocksLeftOut = count),
     ahead: (isAhead) => editor.ahead.tell(workspace, isAhead),
     showAgain: show,

@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusal, refusalOf } from "../api/refusal";
+import { type Api, refusal, refusalOf } from "../api/client";
 import type { FileAnswer, Project } from "../api/types";
 import { followersOf } from "../state/robot_trouble";
+import { Button } from "../ui/button";
 import { FormDialog } from "../ui/dialog";
+import { Problem } from "../ui/notice";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
 
@@ -28,7 +30,7 @@ export function FileActs(props: FileActsProps & { name: string }) {
   const remove = async () => {
     try {
       const file = await api.read(name);
-      await api.remove(name, file.hash);
+      await api.ask("POST /api/file/delete", { name, base_hash: file.hash });
       onDeleted(file);
     } catch (error) {
       onRefused(refusal(error));
@@ -37,28 +39,20 @@ export function FileActs(props: FileActsProps & { name: string }) {
   };
   return (
     <>
-      <button
-        type="button"
+      <Button
+        label="…"
         class="more"
         aria-label={`More for ${name}`}
         title="Rename, duplicate or delete"
         aria-expanded={isOpen}
         onClick={() => setIsOpen(!isOpen)}
-      >
-        …
-      </button>
+      />
       {isOpen && (
         <span class="file-acts">
           <NeedsServer changes>
-            <button type="button" aria-label={`Rename ${name}`} onClick={() => setAsked("rename")}>
-              Rename
-            </button>
-            <button type="button" aria-label={`Duplicate ${name}`} onClick={() => setAsked("duplicate")}>
-              Duplicate
-            </button>
-            <button type="button" aria-label={`Delete ${name}`} onClick={() => void remove()}>
-              Delete
-            </button>
+            <Button label="Rename" aria-label={`Rename ${name}`} onClick={() => setAsked("rename")} />
+            <Button label="Duplicate" aria-label={`Duplicate ${name}`} onClick={() => setAsked("duplicate")} />
+            <Button label="Delete" aria-label={`Delete ${name}`} onClick={() => void remove()} />
           </NeedsServer>
         </span>
       )}
@@ -80,7 +74,8 @@ function NameDialog(props: FileActsProps & { name: string; isCopy: boolean; onCl
       await refusalOf(async () => {
         const file = await api.read(name);
         if (isCopy) await api.save(wanted, file.text, null);
-        else if (wanted !== name) await api.rename(name, wanted, file.hash);
+        else if (wanted !== name)
+          await api.ask("POST /api/file/rename", { name, new_name: wanted, base_hash: file.hash });
         onClose();
       }),
     );
@@ -110,11 +105,7 @@ function NameDialog(props: FileActsProps & { name: string; isCopy: boolean; onCl
           this name, and will not find it under another one.
         </p>
       )}
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useState } from "preact/hooks";
 import type { FileKind, FoundFile, Project } from "../api/types";
 import { href, type Route } from "../route";
 import type { OpenEditors } from "../state/open_editors";
 import { followersOf } from "../state/robot_trouble";
+import { Button } from "../ui/button";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
 import { ago, moment } from "../ui/times";
@@ -35,9 +37,7 @@ export function FileLists({ onNew, ...props }: Props & { onNew: () => void }) {
           onInput={(event) => setWanted(event.currentTarget.value)}
         />
         <NeedsServer changes>
-          <button type="button" onClick={onNew}>
-            New Rule File
-          </button>
+          <Button label="New Rule File" onClick={onNew} />
         </NeedsServer>
       </div>
       <div class="file-lists">

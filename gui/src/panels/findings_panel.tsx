@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useState } from "preact/hooks";
 import type { PlacedFinding, Severity } from "../api/types";
+import { statementTitle } from "../blocks/rule_words";
 import { href } from "../route";
-import { statementTitle } from "../sharing/statement_title";
 import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
-import { counted } from "../ui/numbers";
+import { Button } from "../ui/button";
+import { counted, sentence } from "../ui/numbers";
 import { useRobot } from "../ui/robot_state";
-import { sentence } from "../ui/sentence";
 import { NeedsServer } from "../ui/server_gone";
 import { clock } from "../ui/times";
-import { ProfileChangeNotice } from "./profile_change_notice";
-import { ownProfile } from "./profile_choice";
+import { ownProfile, ProfileChangeNotice } from "./profile_choice";
 
 const MARKS: Record<Severity, string> = { error: "Error", warning: "Warning", info: "Note" };
 
@@ -47,14 +47,17 @@ export function FindingsPanel({ editor, repair }: { editor: RuleEditor; repair: 
       )}
       {findings.length === 0 && !isGone && <p class="quiet">No findings: the rules can be used as they are.</p>}
       <ul class="findings" aria-label="Findings">
-        {findings.slice(0, limit).map((finding) => (
-          <FindingRow key={`${finding.offset} ${finding.code} ${finding.message}`} {...{ editor, repair, finding }} />
+        {findings.slice(0, limit).map((finding, row) => (
+          // Places and lines change with each key above: a row is written anew, and not made anew.
+          <FindingRow key={row} {...{ editor, repair, finding }} />
         ))}
       </ul>
       {hidden > 0 && (
-        <button type="button" class="small" onClick={() => setLimit(limit + Math.min(hidden, 5 * SHOWN))}>
-          Show {Math.min(hidden, 5 * SHOWN)} more of {hidden}
-        </button>
+        <Button
+          label={`Show ${Math.min(hidden, 5 * SHOWN)} more of ${hidden}`}
+          class="small"
+          onClick={() => setLimit(limit + Math.min(hidden, 5 * SHOWN))}
+        />
       )}
     </>
   );
@@ -71,14 +74,12 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
   return (
     <li class={finding.severity}>
       <span class="mark">{MARKS[finding.severity]}</span>
-      <button
-        type="button"
+      <Button
+        label={`Line ${finding.line}`}
         class="link"
         title="Show in text and blocks"
         onClick={() => show(finding.offset, finding.end_offset)}
-      >
-        Line {finding.line}
-      </button>
+      />
       <span class="message">
         {sentence(finding.message)}
         {finding.hint && <span class="quiet"> {sentence(finding.hint)}</span>}
@@ -88,34 +89,26 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
           {[own, ...related].map(
             (statement) =>
               statement && (
-                <button
+                <Button
+                  label={`Show ${statementTitle(statement)}`}
                   key={statement.id}
-                  type="button"
                   class="small"
                   onClick={() => show(statement.offset, statement.end_offset)}
-                >
-                  Show {statementTitle(statement)}
-                </button>
+                />
               ),
           )}
         </span>
       )}
       <NeedsServer>
-        {fix && (
-          <button type="button" class="small fix" onClick={() => void editor.fix(finding)}>
-            {fix.title}
-          </button>
-        )}
+        {fix && <Button label={fix.title} class="small fix" onClick={() => void editor.fix(finding)} />}
         {profile_fix && profile !== undefined && (
           <NeedsServer changes>
-            <button
-              type="button"
+            <Button
+              label={`${profile_fix.title}, in ${profile}`}
               class="small fix"
               title={`Changes ${profile_fix.key} in ${profile}`}
               onClick={() => void repair.mend(profile_fix).catch((error: unknown) => editor.tell(error))}
-            >
-              {profile_fix.title}, in {profile}
-            </button>
+            />
           </NeedsServer>
         )}
       </NeedsServer>
@@ -125,9 +118,7 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
         </a>
       )}
       {!hasWay && related.length === 0 && (
-        <button type="button" class="small" onClick={() => show(finding.offset, finding.end_offset)}>
-          Show it
-        </button>
+        <Button label="Show it" class="small" onClick={() => show(finding.offset, finding.end_offset)} />
       )}
       <a
         class="why"

@@ -3,6 +3,7 @@
 import type { BackgroundChoice } from "../api/types";
 import { MAP_FRAME, type MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
+import { Choice } from "../ui/choice";
 import { Notice } from "../ui/notice";
 import { typedNumber } from "../ui/numbers";
 
@@ -17,26 +18,21 @@ export function FloorChoice({ floor, editor }: { floor: MapFloor; editor: RuleEd
   const pick = (value: string) => floor.choose(pictures.find((choice) => keyOf(choice) === value) ?? null);
   return (
     <div class="floor-bar">
-      <label>
-        Background
-        <select value={kind === null ? "" : `${kind} ${name}`} onChange={(event) => pick(event.currentTarget.value)}>
-          <option value="">Plain grid</option>
-          {pictures.map((choice) => (
-            <option key={keyOf(choice)} value={keyOf(choice)}>
-              {KINDS[choice.kind]}: {choice.name}
-            </option>
-          ))}
-        </select>
-      </label>
-      <label>
-        Path of
-        <select value={bag ?? ""} onChange={(event) => floor.choosePath(event.currentTarget.value || null)}>
-          <option value="">no recording</option>
-          {bags.map((choice) => (
-            <option key={choice.name}>{choice.name}</option>
-          ))}
-        </select>
-      </label>
+      <Choice
+        label="Background"
+        value={kind === null ? "" : `${kind} ${name}`}
+        choices={[
+          ["", "Plain grid"],
+          ...pictures.map((choice) => [keyOf(choice), `${KINDS[choice.kind]}: ${choice.name}`] as const),
+        ]}
+        choose={pick}
+      />
+      <Choice
+        label="Path of"
+        value={bag ?? ""}
+        choices={[["", "no recording"], ...bags.map((choice) => choice.name)]}
+        choose={(path) => floor.choosePath(path || null)}
+      />
     </div>
   );
 }

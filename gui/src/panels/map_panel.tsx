@@ -3,18 +3,17 @@
 
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import type { ZoneBounds } from "../api/types";
+import type { RuleZones, ZoneBounds } from "../api/types";
 import { MapCanvas } from "../map/map_canvas";
-import type { MapOwner, Tool } from "../map/map_owner";
 import type { MapView } from "../map/map_view";
-import { bounded } from "../map/shapes";
+import { bounded, type MapOwner, type Tool } from "../map/shapes";
 import type { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { DRAFT, type ZoneEditor } from "../state/zone_editor";
+import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/server_gone";
 import { FloorNotes } from "./floor_bar";
 import { ChosenZoneForm, DraftForm } from "./zone_forms";
-import { ZoneList } from "./zone_list";
 
 const TOOLS: { tool: Tool; label: string }[] = [
   { tool: "choose", label: "Choose" },
@@ -81,25 +80,21 @@ function Tools({ zones, tool }: { zones: ZoneEditor; tool: Signal<Tool> }) {
   return (
     <div class="map-tools" role="toolbar" aria-label="Zones">
       {TOOLS.map((each) => (
-        <button
+        <Button
+          label={each.label}
           key={each.tool}
-          type="button"
           class="small"
           aria-pressed={tool.value === each.tool}
           disabled={isBroken}
           onClick={() => (tool.value = each.tool)}
-        >
-          {each.label}
-        </button>
+        />
       ))}
-      <button
-        type="button"
+      <Button
+        label="Type a zone"
         class="small"
         disabled={isBroken}
         onClick={() => (zones.draft.value = { rectangles: [FIRST_SIDES], polygon: null })}
-      >
-        Type a zone
-      </button>
+      />
       {hint && (
         <p class="map-hint" role="status">
           {hint}
@@ -131,4 +126,62 @@ function ownerOf(zones: ZoneEditor, done: () => void): MapOwner {
     },
     failed: () => (zones.editor.message.value = "The picture of the map cannot be shown"),
   };
+}
+
+/** Every zone in words, with what else its rule asks for, and which zones clash. */
+export function ZoneList({ zones }: { zones: ZoneEditor }) {
+  const { rules, chosen, answer } = zones;
+  const placed = rules.value.filter((rule) => rule.zones.length > 0);
+  const mixed = rules.value.filter((rule) => rule.is_too_mixed);
+  const others = rules.value.length - placed.length - mixed.length;
+  return (
+    <div class="zone-list">
+      {answer.value?.zones.clashes.map((clash) => (
+        <p key={`${clash.first} ${clash.second} ${clash.message}`} class="problem">
+          Clash: {clash.message}. <span class="quiet">{clash.hint}</span>
+        </p>
+      ))}
+      <ul aria-label="Zones">
+        {placed.map((rule) => (
+          <li key={rule.id}>
+            <Button
+              label={rule.label}
+              class="small"
+              aria-pressed={rule === chosen.value}
+              onClick={() => zones.choose(rule.id)}
+            />
+            <span class="quiet">{saidOf(rule)}</span>
+          </li>
+        ))}
+      </ul>
+      {answer.value && placed.length === 0 && (
+        <p class="quiet">No rule depends on the position. Draw a zone, or type one.</p>
+      )}
+      {placed.length > 0 && others > 0 && (
+        <p class="quiet">{others === 1 ? "1 rule does" : `${others} rules do`} not depend on the position.</p>
+      )}
+      {mixed.map((rule) => (
+        <p key={rule.id} class="quiet">
+          {rule.label} has too many conditions on the position to be drawn; its checks are in the block.
+        </p>
+      ))}
+    </div>
+  );
+}
+
+function saidOf(rule: RuleZones): string {
+  const topics = [...new Set(rule.zones.map((zone) => zone.topic))].join(", ");
+  const [first] = rule.zones;
+  const place = rule.zones.length === 1 && first ? sidesOf(first.rectangle) : `${rule.zones.length} rectangles`;
+  const others = rule.others.length > 0 ? `, if also ${rule.others.join(" and ")}` : "";
+  return `${topics}: ${place}${rule.holds_elsewhere ? "" : others}${rule.holds_elsewhere ? "; it can hold elsewhere too" : ""}`;
+}
+
+function sidesOf({ min_x, max_x, min_y, max_y }: ZoneBounds): string {
+  const axis = (name: string, from: number | null, to: number | null) => {
+    if (from === null && to === null) return `any ${name}`;
+    if (from === null) return `${name} below ${to} m`;
+    return to === null ? `${name} above ${from} m` : `${name} ${from} … ${to} m`;
+  };
+  return `${axis("x", min_x, max_x)}, ${axis("y", min_y, max_y)}`;
 }

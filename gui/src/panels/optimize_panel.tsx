@@ -1,22 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { Signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import type { Api, Rules } from "../api/client";
-import { refusal } from "../api/refusal";
-import type { OptimizeAnswer, Project, Refusal, Repair } from "../api/types";
+import { type Api, type Rules, refusal } from "../api/client";
+import type { OptimizeAnswer, Project, Refusal, Repair, SituationLoad } from "../api/types";
 import { href } from "../route";
-import { setBudget } from "../state/budget";
-import type { ProfileRepair } from "../state/profile_repair";
+import { type ProfileRepair, setBudget } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
-import { topicsIn } from "../state/topics_in";
-import { download } from "../ui/download";
-import { kilobytes } from "../ui/numbers";
-import { sentence } from "../ui/sentence";
-import { ProfileChangeNotice } from "./profile_change_notice";
-import { SituationBars } from "./situation_bars";
+import { namesLevel, topicsIn } from "../state/statements";
+import { Button } from "../ui/button";
+import { download } from "../ui/files";
+import { hz, kilobytes, readable, sentence } from "../ui/numbers";
+import { ProfileChangeNotice } from "./profile_choice";
 
 const AFTER_MS = 300;
+const MISSING = "Nothing was downloaded: the panel below says what is missing";
 /** Recordings that are offered to measure in. */
 const MOST_BAGS = 3;
 /** What was asked about: repairs are edits of its text. */
@@ -49,9 +48,10 @@ export function OptimizePanel({ editor, api, project, repair, wantsRates }: Prop
   useEffect(() => {
     if (!wantsRates.value || !isAnswered) return;
     wantsRates.value = false;
+    if (profile === null) return void downloadPlain(editor);
     const rates = result !== null && "download_text" in result ? result.download_text : null;
-    if (profile !== null && rates !== null) download(ratesName(editor), rates);
-    else editor.message.value = "Nothing was downloaded: the panel below says what is missing";
+    if (rates !== null) download(ratesName(editor), rates);
+    else editor.message.value = MISSING;
   }, [wantsRates.value, isAnswered]);
   if (profile === null) {
     return (
@@ -98,9 +98,7 @@ function MissingEntries(props: Pick<Props, "editor" | "project" | "repair"> & { 
   return (
     <div class="row">
       {bags.slice(0, MOST_BAGS).map((bag) => (
-        <button key={bag} type="button" class="small fix" onClick={() => measure(bag)}>
-          Measure it in {bag}
-        </button>
+        <Button label={`Measure it in ${bag}`} key={bag} class="small fix" onClick={() => measure(bag)} />
       ))}
       <a href={href({ page: "topics", name: profile, rules: editor.name })}>Enter it in {profile}</a>
     </div>
@@ -115,14 +113,12 @@ function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswe
         {result.feasible ? "Everything fits into" : "Not everything fits into"}{" "}
         <strong>{kilobytes(result.budget_kb_per_s)} KB/s</strong>.
       </p>
-      <button
-        type="button"
+      <Button
+        label="Download rates"
         class="primary"
         disabled={numeric === null}
         onClick={() => numeric !== null && download(ratesName(editor), numeric)}
-      >
-        Download rates
-      </button>
+      />
     </div>
   );
 }
@@ -132,6 +128,16 @@ function ratesName(editor: RuleEditor): string {
   return (editor.name.split("/").at(-1) ?? "rules.adirf").replace(/\.adirf$/, "-rates.adirf");
 }
 
+/** Downloads rules without a profile as they are, unless they name levels, which only a profile makes numbers. */
+async function downloadPlain(editor: RuleEditor): Promise<void> {
+  if (!(await editor.isSound())) editor.message.value = "Nothing was downloaded: the rules have errors";
+  else if (namesLevel(editor.document.value)) editor.message.value = MISSING;
+  else {
+    download(ratesName(editor), editor.text.value);
+    editor.message.value = "Downloaded the rules as they are: they name no quality level";
+  }
+}
+
 /** The smallest change of each part that does not fit, all as one step of undo. */
 function RepairAll({ editor, refusals, text }: { editor: RuleEditor; refusals: readonly Refusal[]; text: string }) {
   const repairs = refusals.flatMap(({ repairs }) => repairs.find((each) => each.budget_kb_per_s === null) ?? []);
@@ -139,14 +145,12 @@ function RepairAll({ editor, refusals, text }: { editor: RuleEditor; refusals: r
   // The last place comes first, so that each edit finds its place after those before it.
   const edits = repairs.flatMap((each) => each.edits).sort((one, other) => other.offset - one.offset);
   return (
-    <button
-      type="button"
+    <Button
+      label={`Repair all ${repairs.length}`}
       class="small fix"
       title={repairs.map(({ sentence }) => sentence).join("; ")}
       onClick={() => void editor.repair(text, { edits })}
-    >
-      Repair all {repairs.length}
-    </button>
+    />
   );
 }
 
@@ -156,15 +160,13 @@ function RefusalCard({ api, editor, refusal, text }: { api: Api; editor: RuleEdi
       <p>{sentence(refusal.message)}</p>
       <div class="row">
         {refusal.repairs.map((repair) => (
-          <button
+          <Button
+            label={repair.title}
             key={repair.sentence}
-            type="button"
             class="small repair"
             title={repair.sentence}
             onClick={() => void apply(api, editor, repair, text)}
-          >
-            {repair.title}
-          </button>
+          />
         ))}
       </div>
     </div>
@@ -180,9 +182,49 @@ async function optimize(editor: RuleEditor, api: Api, done: (result: Result) => 
   const { rules } = editor;
   const { text, profile_text } = rules;
   try {
-    const answer = await api.optimize(rules);
+    const answer = await api.ask("POST /api/optimize", rules);
     if (text === editor.text.value) done({ ...answer, text, profile_text });
   } catch (error) {
     done({ refused: refusal(error), text, profile_text });
   }
+}
+
+/** What each topic takes of the link in one situation, as shares of the budget. */
+export function SituationBars({ situation, budgetKbPerS }: { situation: SituationLoad; budgetKbPerS: number }) {
+  const loads = [...situation.loads].sort((a, b) => b.kb_per_s - a.kb_per_s);
+  const share = situation.kb_per_s / budgetKbPerS;
+  const scale = Math.max(budgetKbPerS, situation.kb_per_s);
+  return (
+    <figure class={share > 1 ? "situation over" : "situation"}>
+      <figcaption>
+        <strong>{situation.title}</strong>
+        <span class="quiet">
+          {kilobytes(situation.kb_per_s)} KB/s, {readable(share * 100)} % of the budget
+        </span>
+      </figcaption>
+      <meter min={0} max={1} value={Math.min(share, 1)} aria-label={`${situation.title}: share of the budget`} />
+      <table>
+        <thead class="visually-hidden">
+          <tr>
+            <th>Topic</th>
+            <th>Share</th>
+            <th>Rate</th>
+            <th>KB/s</th>
+          </tr>
+        </thead>
+        <tbody>
+          {loads.map((load) => (
+            <tr key={load.topic}>
+              <th scope="row">{load.topic}</th>
+              <td class="bar-cell" aria-hidden="true">
+                <span class="load" style={{ width: `${(100 * load.kb_per_s) / scale}%` }} />
+              </td>
+              <td class="number">{hz(load.rate_hz)}</td>
+              <td class="number">{kilobytes(load.kb_per_s)} KB/s</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </figure>
+  );
 }

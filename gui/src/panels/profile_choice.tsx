@@ -3,7 +3,10 @@
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
 import { href } from "../route";
+import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
+import { Choice } from "../ui/choice";
+import { Notice } from "../ui/notice";
 
 /** Where topic parameters that are made for a rule file go. */
 export const ownProfile = (rules: string) => rules.replace(/(\.adirf)?$/, ".toml");
@@ -27,20 +30,22 @@ export function ProfileChoice({ editor, api, project }: { editor: RuleEditor; ap
           {gone} is gone
         </span>
       )}
-      <label>
-        Profile (topic parameters)
-        <select value={chosen} onChange={(event) => telling(choose(event.currentTarget.value))}>
-          <option value="">none</option>
-          {names.map((name) => (
-            <option key={name} value={name}>
-              {name}
-            </option>
-          ))}
-        </select>
-      </label>
+      <Choice
+        label="Profile (topic parameters)"
+        value={chosen}
+        choices={[["", "none"], ...names]}
+        choose={(name) => telling(choose(name))}
+      />
       <a href={href({ page: "topics", name: chosen || own, rules: editor.name })}>
         {chosen || names.includes(own) ? "Edit" : "Create"}
       </a>
     </div>
   );
+}
+
+/** What was changed in another file than the one that is open, with the way back. */
+export function ProfileChangeNotice({ repair }: { repair: ProfileRepair }) {
+  const change = repair.done.value;
+  if (change === null) return null;
+  return <Notice kind="info" text={change.words} action={{ label: "Take it back", act: change.takeBack }} />;
 }

@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { Project } from "../api/types";
 import { toRoute } from "../route";
 import { layoutName, PLAIN_GRID, writeLayout } from "../state/layout";
 import { FormDialog } from "../ui/dialog";
+import { Problem } from "../ui/notice";
 import { counted, durationWords } from "../ui/numbers";
 import { ownProfile } from "./profile_choice";
 
@@ -43,7 +44,7 @@ export function RecordingStart({ bag, ...props }: Props & { bag: string; onClose
     name: nameOf(bag),
     bag,
     read: async () => {
-      const { topics, duration_s, rules_text } = await api.recording(bag);
+      const { topics, duration_s, rules_text } = await api.ask("POST /api/recording", { bag });
       const said = `${counted(topics.length, "topic")}, ${durationWords(duration_s)}.`;
       return { said, rules_text, profile: async () => (await api.measureProfile(bag)).text };
     },
@@ -59,7 +60,7 @@ export function RobotStart({ node, label, ...props }: Props & { node: string; la
     name: label.split("/").find((part) => part !== "") ?? "robot",
     bag: null,
     read: async () => {
-      const { topics, rules_text, profile_text } = await api.robotStart(node);
+      const { topics, rules_text, profile_text } = await api.ask("POST /api/robot/start", { node });
       return { said: `${counted(topics.length, "topic")} relayed now.`, rules_text, profile: async () => profile_text };
     },
   };
@@ -123,11 +124,7 @@ function StartDialog({ api, project, refresh, origin, onClose }: Props & { origi
         <Choice name="sizes" label="Measure sizes" note="topic parameters, in a profile of the same name" />
         {origin.bag !== null && <Choice name="path" label="Show the path" note="below the zones on the map" />}
       </div>
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

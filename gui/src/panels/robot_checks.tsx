@@ -6,9 +6,9 @@ import type { Api } from "../api/client";
 import type { RobotCheck, RobotChecksAnswer, RobotCheckValues } from "../api/types";
 import { Timeline } from "../state/timeline";
 import { holdsWords, truthAt } from "../state/turns";
-import { CheckChart } from "../try/check_chart";
-import { OtherThreshold } from "../try/other_threshold";
+import { CheckChart, OtherThreshold } from "../try/check_chart";
 import { RuleStates } from "../try/rule_states";
+import { Choice } from "../ui/choice";
 import { durationWords } from "../ui/numbers";
 import { clock } from "../ui/times";
 import { useAsked } from "../ui/use_asked";
@@ -30,7 +30,10 @@ export function RobotChecks({ api, node, propose }: Props) {
   const [windowS, setWindow] = useState<number>(WINDOWS_S[0]);
   const [chosen, setChosen] = useState<string>("");
   const [number, setNumber] = useState<number | null>(null);
-  const answer = useAsked(() => api.robotChecks(node, windowS, number), [node, windowS, number]);
+  const answer = useAsked(
+    () => api.ask("POST /api/robot/checks", { node, window_s: windowS, check: number }),
+    [node, windowS, number],
+  );
   const timeline = useMemo(() => nowAtTheEnd(windowS), [windowS]);
   const checks = answer?.checks ?? [];
   // Other rules number their checks anew.
@@ -43,16 +46,12 @@ export function RobotChecks({ api, node, propose }: Props) {
     <section class="robot-checks" aria-label="Rules and checks over time">
       <div class="row">
         <h2>Rules and checks over time</h2>
-        <label>
-          Shown
-          <select value={windowS} onChange={(event) => setWindow(Number(event.currentTarget.value))}>
-            {WINDOWS_S.map((seconds) => (
-              <option key={seconds} value={seconds}>
-                last {durationWords(seconds)}
-              </option>
-            ))}
-          </select>
-        </label>
+        <Choice
+          label="Shown"
+          value={windowS}
+          choices={WINDOWS_S.map((seconds) => [seconds, `last ${durationWords(seconds)}`] as const)}
+          choose={setWindow}
+        />
       </div>
       <RuleStates
         title={agoS < 1 ? "Rules now, and when they held" : `Rules at ${clockOf(-agoS)}, and when they held`}
@@ -63,15 +62,12 @@ export function RobotChecks({ api, node, propose }: Props) {
         show={null}
       />
       {checks.length > 0 && (
-        <label>
-          Value and threshold of
-          <select value={chosen} onChange={(event) => setChosen(event.currentTarget.value)}>
-            <option value="">Choose a check</option>
-            {[...new Set(checks.map(titleOf))].map((title) => (
-              <option key={title}>{title}</option>
-            ))}
-          </select>
-        </label>
+        <Choice
+          label="Value and threshold of"
+          value={chosen}
+          choices={[["", "Choose a check"], ...new Set(checks.map(titleOf))]}
+          choose={setChosen}
+        />
       )}
       {one && answer.values?.check === found && (
         <CheckValues key={chosen} {...{ one, timeline, propose }} values={answer.values} answer={answer} />

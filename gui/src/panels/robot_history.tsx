@@ -6,7 +6,7 @@ import type { RobotEvent, RobotHistoryAnswer } from "../api/types";
 import { MapCanvas } from "../map/map_canvas";
 import type { MapView } from "../map/map_view";
 import { duration } from "../state/robot_trouble";
-import { ColumnHeads } from "../ui/column_heads";
+import { ColumnHeads } from "../ui/data_table";
 import { clock } from "../ui/times";
 import { useAsked } from "../ui/use_asked";
 
@@ -14,7 +14,7 @@ const COLUMNS = ["At", "What", "Was", "Became", "Because of"];
 
 /** What the server heard of a robot within the last hour: where it went, and what changed. */
 export function RobotHistory({ api, node }: { api: Api; node: string }) {
-  const history = useAsked(() => api.robotHistory(node), [node]);
+  const history = useAsked(() => api.ask("POST /api/robot/history", { node }), [node]);
   if (history === null) return null;
   return (
     <section class="robot-history" aria-label="Last hour">

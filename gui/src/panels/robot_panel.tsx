@@ -8,6 +8,7 @@ import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush } from "../state/rule_push";
 import { checksIn, thresholdEdits } from "../state/written_checks";
+import { Choice } from "../ui/choice";
 import { later } from "../ui/later";
 import { useRobot } from "../ui/robot_state";
 import type { Propose } from "./robot_checks";
@@ -67,24 +68,18 @@ function RobotChoice({ link }: { link: RobotLink }) {
   if (robots.length === 0) return null;
   return (
     <>
-      <label>
-        Robot
-        <select value={link.node.value ?? ""} onChange={(event) => link.choose(event.currentTarget.value)}>
-          {robots.map(({ node, label, is_heard }) => (
-            <option key={node} value={node}>
-              {is_heard ? label : `${label} (silent)`}
-            </option>
-          ))}
-        </select>
-      </label>
-      <label>
-        Updates (1/s)
-        <select value={link.updateHz.value} onChange={(event) => link.updateAt(Number(event.currentTarget.value))}>
-          {UPDATE_RATES_HZ.map((rate) => (
-            <option key={rate}>{rate}</option>
-          ))}
-        </select>
-      </label>
+      <Choice
+        label="Robot"
+        value={link.node.value ?? ""}
+        choices={robots.map(({ node, label, is_heard }) => [node, is_heard ? label : `${label} (silent)`] as const)}
+        choose={(node) => link.choose(node)}
+      />
+      <Choice
+        label="Updates (1/s)"
+        value={link.updateHz.value}
+        choices={UPDATE_RATES_HZ}
+        choose={(rate) => link.updateAt(rate)}
+      />
     </>
   );
 }

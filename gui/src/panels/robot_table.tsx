@@ -3,7 +3,7 @@
 import type { Project, RobotSummary } from "../api/types";
 import { href } from "../route";
 import { age, duration, isOverBudget, linkWords, OLD_MS, rulesFor, troubleOf } from "../state/robot_trouble";
-import { ColumnHeads } from "../ui/column_heads";
+import { ColumnHeads } from "../ui/data_table";
 import { readable } from "../ui/numbers";
 
 const NOW_S = 4;

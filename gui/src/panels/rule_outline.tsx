@@ -1,17 +1,22 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
+
+import { type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import type { VNode } from "preact";
 import { useRef } from "preact/hooks";
 import type { Statement } from "../api/types";
-import { ruleName, ruleSets } from "../blocks/rule_words";
-import { statementTitle } from "../sharing/statement_title";
+import type { RuleState } from "../blocks/live_states";
+import { ruleName, ruleSets, statementTitle } from "../blocks/rule_words";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
+import { Button } from "../ui/button";
 import { Icon } from "../ui/icon";
+import { OptionRow } from "../ui/option_row";
 
 /** A text with more statements than this has an outline. */
 const MANY = 20;
 const MOST_LETTERS = 60;
+const MARK = "!";
 /** So many lines are drawn together once they come near the view: the browser looks after each such stretch at each frame. */
 const STRETCH_LINES = 25;
 const STEPS: Readonly<Record<string, number>> = { ArrowDown: 1, ArrowUp: -1, PageDown: 10, PageUp: -10 };
@@ -31,6 +36,9 @@ export function isLong(editor: RuleEditor): boolean {
 export function RuleOutline({ editor, robotRules, onGo, onFoldAll }: Props) {
   const list = useRef<HTMLDivElement>(null);
   const active = useSignal(0);
+  const drawn = useRef(new Map<number, { said: string; node: VNode }>());
+  const go = useRef(onGo);
+  go.current = onGo;
   const sections = useComputed(() => inSections(editor.shownStatements.value, editor.shownSections.value));
   useSignalEffect(() => {
     const { spot } = editor;
@@ -56,12 +64,8 @@ export function RuleOutline({ editor, robotRules, onGo, onFoldAll }: Props) {
   return (
     <nav class="outline" aria-label="Outline of the rules">
       <div class="row">
-        <button type="button" class="small" onClick={() => onFoldAll(true)}>
-          Fold all
-        </button>
-        <button type="button" class="small" onClick={() => onFoldAll(false)}>
-          Unfold all
-        </button>
+        <Button label="Fold all" class="small" onClick={() => onFoldAll(true)} />
+        <Button label="Unfold all" class="small" onClick={() => onFoldAll(false)} />
       </div>
       <div
         ref={list}
@@ -78,31 +82,33 @@ export function RuleOutline({ editor, robotRules, onGo, onFoldAll }: Props) {
                 {title}
               </p>
             )}
-            {inStretches(statements).map(({ from, lines }) => (
-              <div key={from} class="stretch" role="presentation" style={{ "--lines": lines.length }}>
-                {lines.map((statement, line) => (
-                  // The keyboard chooses in the list as a whole.
-                  // biome-ignore lint/a11y/useKeyWithClickEvents: see above
-                  // biome-ignore lint/a11y/useFocusableInteractive: see above
-                  <div
-                    key={statement.key}
-                    id={`outline-${first + from + line}`}
-                    role="option"
-                    aria-selected={first + from + line === active.value}
-                    onClick={() => {
-                      active.value = first + from + line;
-                      onGo(first + from + line);
-                    }}
-                  >
-                    <Line statement={statement} />
-                    <span class="quiet">
-                      {marked.has(statement.id ?? null) && <Icon name="warning" />}
-                      {stateWords(statement, states.get(statement.id ?? "")?.state)}
-                    </span>
-                  </div>
-                ))}
-              </div>
-            ))}
+            {inStretches(statements).map(({ from, lines }) => {
+              const at = first + from;
+              const notes = lines.map((statement) => noteOf(statement, marked, states));
+              const isActive = active.value >= at && active.value < at + lines.length;
+              const said = [
+                isActive ? active.value : "",
+                ...lines.map(({ key }, line) => `${key} ${notes[line]}`),
+              ].join();
+              const known = drawn.current.get(at);
+              // The same node again is not looked at: a key changes one stretch of many.
+              if (known?.said === said) return known.node;
+              const node = (
+                <div key={from} class="stretch" role="presentation" style={{ "--lines": lines.length }}>
+                  {lines.map((statement, line) => (
+                    <Line
+                      key={statement.key}
+                      {...{ statement, active }}
+                      index={at + line}
+                      note={notes[line] ?? ""}
+                      onGo={go}
+                    />
+                  ))}
+                </div>
+              );
+              drawn.current.set(at, { said, node });
+              return node;
+            })}
           </div>
         ))}
       </div>
@@ -110,19 +116,50 @@ export function RuleOutline({ editor, robotRules, onGo, onFoldAll }: Props) {
   );
 }
 
-function Line({ statement }: { statement: Statement }) {
-  if (statement.kind !== "rule") return <span>{statementTitle(statement)}</span>;
+interface LineProps {
+  statement: Statement;
+  index: number;
+  note: string;
+  active: Signal<number>;
+  onGo: { readonly current: (index: number) => void };
+}
+
+function Line({ statement, index, note, active, onGo }: LineProps) {
   return (
-    <span>
-      {ruleName(statement)}
-      <span class="quiet sets">{ruleSets(statement, MOST_LETTERS)}</span>
-    </span>
+    <OptionRow
+      id={`outline-${index}`}
+      isChosen={index === active.peek()}
+      act={() => {
+        active.value = index;
+        onGo.current(index);
+      }}
+    >
+      {statement.kind === "rule" ? (
+        <span>
+          {ruleName(statement)}
+          <span class="quiet sets">{ruleSets(statement, MOST_LETTERS)}</span>
+        </span>
+      ) : (
+        <span>{statementTitle(statement)}</span>
+      )}
+      <span class="quiet">
+        {note.startsWith(MARK) && <Icon name="warning" />}
+        {note.replace(MARK, "")}
+      </span>
+    </OptionRow>
   );
 }
 
-function stateWords(statement: Statement, state: string | undefined): string {
-  if (statement.kind === "rule" && statement.is_disabled) return "⊘ off";
-  return state === "true" ? "✓ holds" : "";
+/** What stands behind a statement: whether something was found in it, and its state. */
+function noteOf(
+  statement: Statement,
+  marked: ReadonlySet<string | null>,
+  states: ReadonlyMap<string, RuleState>,
+): string {
+  const id = statement.id ?? "";
+  const isOff = statement.kind === "rule" && statement.is_disabled;
+  const state = isOff ? "⊘ off" : states.get(id)?.state === "true" ? "✓ holds" : "";
+  return `${marked.has(id) ? MARK : ""}${state}`;
 }
 
 interface Section {

@@ -1,11 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useRef } from "preact/hooks";
 import type { Problem } from "../api/types";
 import { RULES_WORDS } from "../state/connection";
 import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush, Stage } from "../state/rule_push";
-import { sentence } from "../ui/sentence";
+import { Button } from "../ui/button";
+import { FormDialog } from "../ui/dialog";
+import { sentence } from "../ui/numbers";
 
 type Kept = Extract<Stage, { kind: "kept" }>;
 type Trying = Extract<Stage, { kind: "trying" }>;
@@ -81,12 +84,8 @@ function TryingSteps({ rulePush, stage }: { rulePush: RulePush; stage: Trying })
         words={`${stage.node} follows these rules. Unless you keep them, it returns to its previous rules.`}
         leftS={leftS}
       />
-      <button type="button" class="primary" onClick={() => void rulePush.keep()}>
-        Keep these rules
-      </button>
-      <button type="button" onClick={() => rulePush.letGo()}>
-        Do not keep them
-      </button>
+      <Button label="Keep these rules" class="primary" onClick={() => void rulePush.keep()} />
+      <Button label="Do not keep them" onClick={() => rulePush.letGo()} />
       <progress aria-label="Time left to keep the rules" max={stage.withinS} value={leftS} />
     </div>
   );
@@ -111,14 +110,12 @@ function KeptSteps({ rulePush, stage }: { rulePush: RulePush; stage: Kept }) {
       />
       {lasting !== null && (
         <>
-          <button
-            type="button"
+          <Button
+            label="Write to its file"
             disabled={lasting.writable_file === ""}
             aria-describedby={lasting.why_not ? "why-not-written" : undefined}
             onClick={() => void rulePush.write()}
-          >
-            Write to its file
-          </button>
+          />
           {lasting.why_not && (
             <p class="quiet" id="why-not-written">
               {lasting.why_not}
@@ -176,11 +173,7 @@ function Refusal({ outcome, problem, editor }: { outcome: string; problem: Probl
 }
 
 function LineLink({ line, editor }: { line: number; editor: RuleEditor }) {
-  return (
-    <button type="button" class="link" onClick={() => showLine(editor, line)}>
-      line {line}
-    </button>
-  );
+  return <Button label={`line ${line}`} class="link" onClick={() => showLine(editor, line)} />;
 }
 
 /** The line in a robot's message, as in `rules_text:2:5`. */
@@ -194,4 +187,33 @@ function showLine(editor: RuleEditor, line: number): void {
   const offset = lines.slice(0, line - 1).reduce((sum, each) => sum + each.length + 1, 0);
   const end = offset + (lines[line - 1]?.length ?? 0);
   editor.spot.value = { offset, end_offset: end, from: "findings" };
+}
+
+/** What would change on the robot, before anything is sent. */
+export function SendDialog({ rulePush }: { rulePush: RulePush }) {
+  const stage = rulePush.stage.value;
+  if (stage.kind !== "asked") return null;
+  const { preview, node } = stage;
+  // Sending closes the dialog, too, and the stage of that must stay.
+  const close = () => rulePush.stage.peek() === stage && rulePush.close();
+  if (preview.same) {
+    return (
+      <FormDialog title={`Send to ${node}`} submit="Close" isNotice onSubmit={close} onClose={close}>
+        <p>The robot already has these rules. Comments and layout of the text are not sent.</p>
+      </FormDialog>
+    );
+  }
+  return (
+    <FormDialog title={`Send to ${node}`} submit="Send" onSubmit={() => rulePush.send()} onClose={close}>
+      <p>This changes on the robot:</p>
+      <ul class="differences" aria-label="Differences">
+        {preview.differences.map((difference) => (
+          <li key={difference}>{difference}</li>
+        ))}
+      </ul>
+      <p class="quiet">
+        The robot checks the rules and tries them. It returns to its previous rules unless you keep them.
+      </p>
+    </FormDialog>
+  );
 }

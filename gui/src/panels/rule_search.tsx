@@ -1,11 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { statementTitle } from "../blocks/rule_words";
 import { type Found, found, type Limit } from "../blocks/search";
-import { statementTitle } from "../sharing/statement_title";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
+import { Button } from "../ui/button";
+import { OptionRow } from "../ui/option_row";
 
 const SHOWN = 50;
 const LIMITS: [Limit, string][] = [
@@ -91,15 +94,13 @@ export function RuleSearch({ editor, robotRules, onGo }: Props) {
         <div class="found">
           <div class="row" role="group" aria-label="Limit the search">
             {LIMITS.filter(([each]) => each !== "holds" || robotRules.states.value.size > 0).map(([each, words]) => (
-              <button
+              <Button
+                label={words}
                 key={each}
-                type="button"
                 class="small"
                 aria-pressed={limit.value === each}
                 onClick={() => change(() => (limit.value = each))}
-              >
-                {words}
-              </button>
+              />
             ))}
             <span role="status">
               {hits.value.length} of {editor.shownStatements.value.length}
@@ -117,20 +118,11 @@ function FoundList({ hits, chosen, onGo }: { hits: readonly Found[]; chosen: num
     <>
       <div role="listbox" id="found-rules" aria-label="Rules that were found" tabIndex={-1}>
         {hits.slice(0, SHOWN).map((hit, at) => (
-          // The keyboard chooses in the field above.
-          // biome-ignore lint/a11y/useKeyWithClickEvents: see above
-          // biome-ignore lint/a11y/useFocusableInteractive: see above
-          <div
-            key={hit.statement.id}
-            id={`found-rule-${at}`}
-            role="option"
-            aria-selected={at === chosen}
-            onClick={() => onGo(hit)}
-          >
+          <OptionRow key={hit.statement.id} id={`found-rule-${at}`} isChosen={at === chosen} act={() => onGo(hit)}>
             {statementTitle(hit.statement)}
             {hit.statement.kind === "rule" && hit.statement.is_disabled && <span class="quiet"> ⊘ switched off</span>}
             <span class="quiet line">line {hit.statement.line}</span>
-          </div>
+          </OptionRow>
         ))}
       </div>
       {hits.length > SHOWN && <p class="quiet">{hits.length - SHOWN} more: type more of what you look for.</p>}

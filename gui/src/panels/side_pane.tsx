@@ -3,8 +3,8 @@
 import { type Signal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Api } from "../api/client";
-import type { FullScreen } from "../state/full_screen";
 import { MapFloor } from "../state/map_floor";
+import type { FullScreen } from "../state/room";
 import type { RuleEditor } from "../state/rule_editor";
 import { ZoneEditor } from "../state/zone_editor";
 import { FullScreenButton } from "../ui/full_screen_button";

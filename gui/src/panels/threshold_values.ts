@@ -3,11 +3,11 @@
 import type { Api } from "../api/client";
 import type { FoundFile } from "../api/types";
 import { toCondition } from "../blocks/conditions";
-import type { DrawValues } from "../blocks/threshold_field";
+import type { DrawValues } from "../blocks/number_field";
 import type { RuleEditor } from "../state/rule_editor";
 import { bagsIn, type FileTries, fileOf, recordingOf } from "../state/tries";
 import { checkIn } from "../state/written_checks";
-import { onceLoaded } from "../ui/once_loaded";
+import { onceLoaded } from "../ui/later";
 
 /** Draws the values of a check in the recording of its rules; nothing in a project without recordings. */
 export function valuesOfRecording(

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect } from "preact/hooks";
 import { TIERS } from "../api/types";
 import { type DraftRow, isNumber, type NumberField } from "../state/draft_row";
 import { tableCells } from "../state/pasted_table";
 import type { ProfileEditor } from "../state/profile_editor";
+import { Button } from "../ui/button";
 
 /** The thesis's table of topic parameters, filled by hand or pasted from a spreadsheet. */
 export function TopicTable({ editor }: { editor: ProfileEditor }) {
@@ -35,9 +37,7 @@ export function TopicTable({ editor }: { editor: ProfileEditor }) {
           </tbody>
         </table>
       </div>
-      <button type="button" onClick={() => editor.addRow()}>
-        Add topic
-      </button>
+      <Button label="Add topic" onClick={() => editor.addRow()} />
       <ul class="problems" aria-label="Problems" aria-live="polite">
         {problems.map((problem) => (
           <li key={problem} class="problem">
@@ -106,9 +106,7 @@ function TopicRow({ editor, row, number }: { editor: ProfileEditor; row: DraftRo
       {cell("Priority", row.priority, field("priority"), "1")}
       {cell("Source (Hz)", row.source_hz, field("source_hz"))}
       <td>
-        <button type="button" class="small" aria-label={`Remove ${of}`} onClick={() => editor.removeRow(row.key)}>
-          −
-        </button>
+        <Button label="−" class="small" aria-label={`Remove ${of}`} onClick={() => editor.removeRow(row.key)} />
       </td>
     </tr>
   );

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
@@ -8,6 +9,8 @@ import type { RuleEditor } from "../state/rule_editor";
 import { Trial } from "../state/trial";
 import { bagsIn, changedSince, type FileTries, fileOf, recordingOf } from "../state/tries";
 import { TryResult } from "../try/try_result";
+import { Button } from "../ui/button";
+import { Choice } from "../ui/choice";
 import { NeedsServer } from "../ui/server_gone";
 import { WorkProgress } from "../ui/work_progress";
 
@@ -46,24 +49,22 @@ export function TryPanel({ editor, api, project, tries, keepings, refresh }: Pro
   const run = () =>
     work.start(async (name, signal) => {
       const { files } = await api.project();
-      return new Trial(await api.tryOnBag(rules, bag, name, signal), rules, bag, fileOf(bag, files));
+      const answer = await api.ask("POST /api/try", { ...rules, bag, run: name }, { signal });
+      return new Trial(answer, rules, bag, fileOf(bag, files));
     });
   return (
     <div class="try">
       <div class="row">
-        <label>
-          Recording
-          <select value={bag} disabled={isRunning} onChange={(event) => (tries.bag.value = event.currentTarget.value)}>
-            {bags.map((name) => (
-              <option key={name}>{name}</option>
-            ))}
-          </select>
-        </label>
+        <Choice
+          label="Recording"
+          value={bag}
+          choices={bags}
+          disabled={isRunning}
+          choose={(name) => (tries.bag.value = name)}
+        />
         {!isRunning && (
           <NeedsServer>
-            <button type="button" class="primary" onClick={() => void run()}>
-              Run the rules on it
-            </button>
+            <Button label="Run the rules on it" class="primary" onClick={() => void run()} />
           </NeedsServer>
         )}
         <WorkProgress work={work} doing={`Replaying ${bag}`} />

@@ -1,14 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { RuleVersion, VersionsAnswer } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
-import { DifferenceWords } from "../ui/difference_words";
+import { Button } from "../ui/button";
+import { DifferenceWords, TextComparison } from "../ui/difference_words";
+import { Problem } from "../ui/notice";
 import { NeedsServer } from "../ui/server_gone";
-import { TextComparison } from "../ui/text_comparison";
 import { moment } from "../ui/times";
 
 const SHOWN_CHANGES = 5;
@@ -29,7 +30,7 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
     void read();
   });
   useEffect(() => () => (compared.value = null), []);
-  const textOf = async (id: string) => (await api.version(editor.name, id)).text;
+  const textOf = async (id: string) => (await api.ask("POST /api/version", { name: editor.name, id })).text;
   const compare = (id: string) =>
     guarded(async () => (compared.value = compared.peek()?.id === id ? null : { id, text: await textOf(id) }));
   const bringBack = (id: string) =>
@@ -46,11 +47,7 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
   const { versions, most, folder } = list.value;
   return (
     <section class="versions-pane" aria-label="Versions">
-      {problem.value && (
-        <p class="problem" role="alert">
-          {problem.value}
-        </p>
-      )}
+      <Problem text={problem.value} />
       {versions.length === 0 && <p class="quiet">None yet: each save of this file keeps one.</p>}
       <ol class="version-list">
         {versions.map((version, index) => (
@@ -61,18 +58,14 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
               {index === 0 && <span class="quiet">the newest</span>}
               <span class="version-tools">
                 <NeedsServer>
-                  <button
-                    type="button"
+                  <Button
+                    label="Compare"
                     class="small"
                     aria-expanded={compared.value?.id === version.id}
                     onClick={() => void compare(version.id)}
-                  >
-                    Compare
-                  </button>
+                  />
                   <NeedsServer changes>
-                    <button type="button" class="small" onClick={() => void bringBack(version.id)}>
-                      Bring back
-                    </button>
+                    <Button label="Bring back" class="small" onClick={() => void bringBack(version.id)} />
                   </NeedsServer>
                 </NeedsServer>
               </span>

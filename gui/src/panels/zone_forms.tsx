@@ -5,7 +5,10 @@ import { useRef, useState } from "preact/hooks";
 import type { ZoneBounds } from "../api/types";
 import type { Point } from "../map/shapes";
 import { type Draft, USUAL_RECTANGLES, type ZoneEditor } from "../state/zone_editor";
+import { Button } from "../ui/button";
+import { Choice } from "../ui/choice";
 import { focusPageSoon } from "../ui/dialog";
+import { Problem } from "../ui/notice";
 import { typedNumber } from "../ui/numbers";
 
 const SIDES = [
@@ -27,17 +30,13 @@ export function ChosenZoneForm({ zones }: { zones: ZoneEditor }) {
       <div class="row zone-head">
         <h2>{rule.label}</h2>
         {isMany && (
-          <select
-            aria-label="Rectangle"
+          <Choice
+            isBare
+            label="Rectangle"
             value={index}
-            onChange={(event) => (zones.index.value = Number(event.currentTarget.value))}
-          >
-            {rule.zones.map((_, each) => (
-              <option key={each} value={each}>
-                rectangle {each + 1} of {rule.zones.length}
-              </option>
-            ))}
-          </select>
+            choices={rule.zones.map((_, each) => [each, `rectangle ${each + 1} of ${rule.zones.length}`] as const)}
+            choose={(each) => (zones.index.value = each)}
+          />
         )}
       </div>
       <SidesForm
@@ -66,18 +65,20 @@ export function DraftForm({ zones, topic }: { zones: ZoneEditor; topic: string }
     <div class="zone-form" role="group" aria-label="New zone">
       <div class="row zone-head">
         <h2>New zone</h2>
-        <select
-          aria-label="Shape"
+        <Choice
+          isBare
+          label="Shape"
           value={isPolygon ? "polygon" : "rectangle"}
+          choices={[
+            ["rectangle", "Rectangle"],
+            ["polygon", "Polygon"],
+          ]}
           disabled={draft.polygon !== null}
-          onChange={(event) => {
-            setShape(event.currentTarget.value as typeof shape);
+          choose={(next) => {
+            setShape(next);
             setStale(null);
           }}
-        >
-          <option value="rectangle">Rectangle</option>
-          <option value="polygon">Polygon</option>
-        </select>
+        />
       </div>
       {isPolygon ? (
         <PolygonForm zones={zones} draft={draft} changed={() => setStale(draft)} />
@@ -139,11 +140,7 @@ function SidesForm({ rectangle, submit, disabled = false, done }: SidesProps) {
           {submit}
         </button>
       )}
-      {problem.text && problem.key === form.current.key && (
-        <p class="problem" role="alert">
-          {problem.text}
-        </p>
-      )}
+      {problem.text && problem.key === form.current.key && <Problem text={problem.text} />}
     </form>
   );
 }
@@ -213,11 +210,7 @@ function PolygonForm({ zones, draft, changed }: { zones: ZoneEditor; draft: Draf
         Show
       </button>
       {polygon && <p role="status">{saidOf(draft.rectangles.length, polygon.area_m2, polygon.over_m2)}</p>}
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </form>
   );
 }
@@ -265,16 +258,14 @@ function GoesTo({ zones, topic, canAdd }: { zones: ZoneEditor; topic: string; ca
         <button type="submit" class="small primary" disabled={!canAdd || editor.isBroken.value}>
           Add the zone
         </button>
-        <button
-          type="button"
+        <Button
+          label="Discard"
           class="small"
           onClick={() => {
             zones.discard();
             focusPageSoon();
           }}
-        >
-          Discard
-        </button>
+        />
       </div>
     </form>
   );

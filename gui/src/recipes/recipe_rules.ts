@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Api } from "../api/client";
 import type { Statement } from "../api/types";
-import { statementsIn } from "../state/statements_in";
+import { statementsIn } from "../state/statements";
 import { RECIPES } from "./recipes";
 
 /** The rules of all recipes, as the server reads them. */

@@ -7,7 +7,7 @@ import sensor from "./sensor_fault.adirf?raw";
 import link from "./weak_link.adirf?raw";
 
 /** A rule file to start from. */
-export interface Recipe {
+interface Recipe {
   title: string;
   /** When and what for, in a sentence or two. */
   about: string;

@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { PlacedFinding, Statement } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { FormDialog } from "../ui/dialog";
-import { download } from "../ui/download";
+import { download } from "../ui/files";
+import { Problem } from "../ui/notice";
 import { idOf, StatementChecklist } from "./statement_checklist";
 
 /** Downloads a rule file of the statements that somebody chooses. */
@@ -18,7 +19,7 @@ export function ExportDialog({ editor, api, onClose }: { editor: RuleEditor; api
   const save = async () => {
     setProblem(
       await refusalOf(async () => {
-        const { text } = await api.exportRules(rules, [...chosen]);
+        const { text } = await api.ask("POST /api/export", { text: rules.text, name: rules.name, ids: [...chosen] });
         download(fileName(rules.name), text);
         onClose();
       }),
@@ -41,11 +42,7 @@ export function ExportDialog({ editor, api, onClose }: { editor: RuleEditor; api
         onChoose={setChosen}
         problem={(statement) => broken.get(idOf(statement)) ?? null}
       />
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useMemo } from "preact/hooks";
 import type { Api, TextFile } from "../api/client";
 import type { Project, Statement } from "../api/types";
 import { ImportDraft } from "../state/import_draft";
 import type { RuleEditor } from "../state/rule_editor";
 import { FormDialog } from "../ui/dialog";
+import { Problem } from "../ui/notice";
 import { idOf, StatementChecklist } from "./statement_checklist";
 
 /** Brings rules of another file into this one; `dropped` is a file that somebody dropped on the page. */
@@ -34,11 +36,7 @@ export function ImportDialog(props: {
       onClose={props.onClose}
     >
       <SourceChoice {...props} draft={draft} />
-      {draft.problem.value && (
-        <p class="problem" role="alert">
-          {draft.problem.value}
-        </p>
-      )}
+      <Problem text={draft.problem.value} />
       {preview && (
         <StatementChecklist
           label="Parts to import"

@@ -5,7 +5,7 @@ import { useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
-import { useDroppedFile } from "../ui/dropped_file";
+import { useDroppedFile } from "../ui/files";
 import { ExportDialog } from "./export_dialog";
 import { ImportDialog } from "./import_dialog";
 

@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { ComponentChildren } from "preact";
 import type { Statement } from "../api/types";
-import { statementTitle } from "./statement_title";
+import { statementTitle } from "../blocks/rule_words";
+import { Button } from "../ui/button";
 
 /** Statements with a checkbox each; one with a `problem` cannot be chosen. */
 export function StatementChecklist(props: {
@@ -26,12 +28,8 @@ export function StatementChecklist(props: {
         <span class="quiet" role="status">
           {props.chosen.size} of {props.statements.length} chosen
         </span>
-        <button type="button" class="small" onClick={() => props.onChoose(new Set(free))}>
-          All
-        </button>
-        <button type="button" class="small" onClick={() => props.onChoose(new Set())}>
-          None
-        </button>
+        <Button label="All" class="small" onClick={() => props.onChoose(new Set(free))} />
+        <Button label="None" class="small" onClick={() => props.onChoose(new Set())} />
       </div>
       <ul>
         {props.statements.map((statement) => {

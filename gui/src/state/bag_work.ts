@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
-import { watchProgress } from "../api/progress";
-import { refusal } from "../api/refusal";
+import { refusal } from "../api/client";
+import type { Push } from "../api/types";
 
-export type WorkState<T> =
+type WorkState<T> =
   | { kind: "idle"; note: string }
   | { kind: "running"; share: number }
   | { kind: "done"; answer: T }
@@ -41,4 +41,18 @@ export class BagWork<T> {
     this.running = null;
     this.state.value = { kind: "idle", note: this.state.peek().kind === "running" ? "Cancelled." : "" };
   }
+}
+
+/** Tells how far the work called `run` is, 0 … 1, until what it returns is called. */
+export function watchProgress(run: string, tell: (share: number) => void): () => void {
+  const socket = new WebSocket(new URL("ws", location.href.replace(/^http/, "ws")));
+  socket.onmessage = ({ data }) => {
+    const push = JSON.parse(String(data)) as Push;
+    if (push.kind === "progress" && push.run === run) tell(push.share);
+  };
+  return () => {
+    // A socket that is closed while it opens is an error in the browser's console.
+    if (socket.readyState === WebSocket.CONNECTING) socket.onopen = () => socket.close();
+    else socket.close();
+  };
 }

@@ -13,7 +13,7 @@ export type ServerState =
   | { kind: "other"; version: string };
 
 /** What the top of every page says of the robot: few words, and why in full. */
-export interface Connection {
+interface Connection {
   kind: "connected" | "silent" | "none";
   /** Whether the robot is heard and does not do what it should. */
   isFailing: boolean;

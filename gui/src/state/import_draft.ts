@@ -3,7 +3,7 @@
 import { batch, computed, signal } from "@preact/signals";
 import { type Api, ApiError, type TextFile } from "../api/client";
 import type { EditAnswer, ImportConflict, ImportPreview, PlacedFinding } from "../api/types";
-import { FileProblem, fileText } from "../ui/file_text";
+import { FileProblem, fileText } from "../ui/files";
 import type { RuleEditor } from "./rule_editor";
 
 /** An import that is being put together: the other file, what of it shall come, and what that leads to. */
@@ -75,7 +75,12 @@ export class ImportDraft {
   private async read(source: () => Promise<TextFile>): Promise<void> {
     await this.try(async () => {
       const file = await source();
-      const preview = await this.api.importPreview(this.rules, file);
+      const preview = await this.api.ask("POST /api/import/preview", {
+        text: this.rules.text,
+        name: this.rules.name,
+        other_text: file.text,
+        other_name: file.name,
+      });
       const same = new Set(preview.conflicts.filter((each) => each.is_same).map(({ id }) => id));
       const all = preview.document.collections.flatMap((collection) => collection.statements);
       batch(() => {
@@ -96,7 +101,12 @@ export class ImportDraft {
     if (source === null || chosen.size === 0) return;
     await this.try(async () => {
       const replace_ids = [...replacing].filter((id) => chosen.has(id));
-      const answer = await this.api.importRules(this.rules, source.text, { ids: [...chosen], replace_ids });
+      const answer = await this.api.ask("POST /api/import", {
+        ...this.rules,
+        other_text: source.text,
+        ids: [...chosen],
+        replace_ids,
+      });
       if (chosen === this.chosen.value && replacing === this.replacing.value) this.outcome.value = answer;
     });
   }

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { KeepState, KeepsAnswer } from "../api/types";
 import type { Trial } from "./trial";
 
@@ -30,12 +29,13 @@ export class Keepings {
 
   keep(trial: Trial, number: number, title: string): Promise<void> {
     const run = this.runOf(trial, number);
-    return this.follow(() => this.api.keepIncident({ rules: trial.tried, bag: trial.bag }, { number, run, title }));
+    const kept = { ...trial.tried, bag: trial.bag, number, run, title };
+    return this.follow(() => this.api.ask("POST /api/try/keep", kept));
   }
 
   /** Ends one that is running; forgets one that has ended. */
   end(run: string): Promise<void> {
-    return this.follow(() => this.api.endKeeping(run));
+    return this.follow(() => this.api.ask("POST /api/try/keep/cancel", { run }));
   }
 
   /** How far an incident of a try is kept; null where nobody asked for it. */

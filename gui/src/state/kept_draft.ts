@@ -7,7 +7,7 @@ import { type Draft, type DraftKind, type Drafts, NO_ROOM, type Restored } from 
 const WRITE_AFTER_MS = 400;
 
 /** A file that is being changed, as its draft needs it. */
-export interface Unsaved {
+interface Unsaved {
   readonly name: string;
   readonly restored: Signal<Restored | null>;
   readonly message: Signal<string>;
@@ -25,13 +25,18 @@ export function keepDraft(drafts: Drafts, kind: DraftKind, file: Unsaved): void 
     due = null;
     write();
   };
+  // A key that comes meanwhile is more urgent.
+  const settleIdle = () => {
+    if ("requestIdleCallback" in globalThis) requestIdleCallback(settle, { timeout: WRITE_AFTER_MS });
+    else settle();
+  };
   effect(() => {
     const draft = file.draft();
     const write = () => {
       if (draft !== null && !drafts.keep(kind, file.name, draft())) file.message.value = NO_ROOM;
     };
     if (draft !== null) {
-      due = { write, timer: due?.timer ?? setTimeout(settle, WRITE_AFTER_MS) };
+      due = { write, timer: due?.timer ?? setTimeout(settleIdle, WRITE_AFTER_MS) };
       return;
     }
     if (due !== null) clearTimeout(due.timer);

@@ -36,10 +36,12 @@ export function layoutName(name: string): string {
   return `${name.slice(0, cut)}.${name.slice(cut)}.layout.json`;
 }
 
-/** The map of the saved side file; an unreadable one is the plain grid, for it holds nothing but looks. */
+/** The map of the saved side file; none or an unreadable one is the plain grid, for it holds nothing but looks. */
 export async function readLayout(api: Api, name: string): Promise<{ map: MapSetting; hash: string | null }> {
+  const side = layoutName(name);
   try {
-    const { text, hash } = await api.read(layoutName(name));
+    if ((await api.fileState(side)).hash === null) return { map: PLAIN_GRID, hash: null };
+    const { text, hash } = await api.read(side);
     return { map: sideFileOf(text).map, hash };
   } catch (error) {
     if (error instanceof ApiError) return { map: PLAIN_GRID, hash: null };

@@ -11,7 +11,7 @@ export const MAP_FRAME = "map";
 const NO_PATH: readonly Point[] = [];
 
 /** Whose floor it is: what its side file says, and who is told of errors. */
-export interface FloorOwner {
+interface FloorOwner {
   readonly map: Signal<MapSetting>;
   tell(error: unknown): void;
 }
@@ -96,7 +96,7 @@ export class MapFloor {
   private async loadBackground(kind: MapSetting["kind"], name: string): Promise<void> {
     this.background.value = null;
     if (kind === null) return;
-    const found = await this.api.background(kind, name);
+    const found = await this.api.ask("POST /api/background", { kind, name });
     if (this.editor.map.peek().name !== name) return;
     this.background.value = found;
     if (this.editor.map.peek().hash === "") this.accept();
@@ -105,7 +105,7 @@ export class MapFloor {
   private async loadPath(bag: string | null): Promise<void> {
     this.driven.value = null;
     if (bag === null) return;
-    const found = await this.api.drivenPath(bag);
+    const found = await this.api.ask("POST /api/background/path", { bag });
     if (this.editor.map.peek().bag === bag) this.driven.value = found;
   }
 

@@ -1,16 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { ReadonlySignal } from "@preact/signals";
+import { type ReadonlySignal, signal } from "@preact/signals";
 import type { Api } from "../api/client";
 import type { Drafts } from "./drafts";
 import { Folds } from "./folds";
 import { ProfileEditor } from "./profile_editor";
 import { RuleEditor } from "./rule_editor";
 import { Tries } from "./tries";
+import type { Lost } from "./work_ahead";
 
 /** The files that were opened: what is not saved is still there when somebody comes back to it. */
 export class OpenEditors {
   readonly tries = new Tries();
+  /** What was left in blocks last and did not come into the text, until somebody read it. */
+  readonly lost = signal<Lost | null>(null);
   private readonly rules = new Map<string, RuleEditor>();
   private readonly profiles = new Map<string, ProfileEditor>();
 
@@ -22,7 +25,7 @@ export class OpenEditors {
   of(api: Api, name: string): RuleEditor {
     const folds = this.folds.get(name) ?? new Folds();
     this.folds.set(name, folds);
-    return unsavedOrNew(this.rules, name, () => new RuleEditor(api, name, this.drafts, folds));
+    return unsavedOrNew(this.rules, name, () => new RuleEditor(api, name, this.drafts, folds, this.lost));
   }
 
   /** What is not saved of a rule file that is open; null where nothing is. */

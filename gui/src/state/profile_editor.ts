@@ -108,7 +108,7 @@ export class ProfileEditor implements Contested {
 
   /** Replaces the table by one measured on the robot for so many seconds. */
   async measureLive(seconds: number): Promise<void> {
-    await this.take(await this.api.measureLive(seconds));
+    await this.take(await this.api.ask("POST /api/profile/measure-live", { seconds }));
   }
 
   async save(): Promise<void> {
@@ -188,13 +188,13 @@ export class ProfileEditor implements Contested {
     this.changed();
   }
 
-  /** Adds rows for topics, in the place of rows without one. */
   /** Begins a new table with rows for topics: nobody changed anything yet. */
   begin(topics: readonly string[]): void {
     this.rows.value = topics.map((topic) => this.draftRow({ topic }));
     void this.check();
   }
 
+  /** Adds rows for topics, in the place of rows without one. */
   addTopics(topics: readonly string[]): void {
     this.remember();
     const named = this.rows.value.filter((row) => row.topic.trim() !== "");
@@ -263,7 +263,8 @@ export class ProfileEditor implements Contested {
 
   private async refusalOf(table: ProfileTable): Promise<string> {
     try {
-      return (await this.api.checkProfile(this.name, table, this.baseText)).problem;
+      return (await this.api.ask("POST /api/profile/check", { ...table, name: this.name, base_text: this.baseText }))
+        .problem;
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
       // A server that is gone refuses nothing: once it is back, the table can be saved.

@@ -6,7 +6,7 @@ import type { ProfileEntry, ProfileRow } from "../api/types";
 import type { RuleEditor } from "./rule_editor";
 
 /** What was done to the topic parameters, and what takes it back. */
-export interface ProfileChange {
+interface ProfileChange {
   words: string;
   takeBack(): Promise<void>;
 }
@@ -22,12 +22,13 @@ export class ProfileRepair {
   ) {}
 
   /** Writes one entry. */
-  mend(entry: ProfileEntry): Promise<void> {
+  mend({ topic, key, value }: ProfileEntry): Promise<void> {
     const words = (name: string) =>
-      entry.value === null
-        ? `Took ${entry.key} of ${entry.topic} out of ${name}`
-        : `Added ${entry.key} = ${entry.value} for ${entry.topic} to ${name}`;
-    return this.change(words, async (name, text) => (await this.api.profileEntry({ name, text }, entry)).text);
+      value === null ? `Took ${key} of ${topic} out of ${name}` : `Added ${key} = ${value} for ${topic} to ${name}`;
+    return this.change(
+      words,
+      async (name, text) => (await this.api.ask("POST /api/profile/entry", { name, text, topic, key, value })).text,
+    );
   }
 
   /** Fills what the table lacks, and nothing else, with what a recording says of the topics of the rules. */
@@ -77,4 +78,18 @@ export class ProfileRepair {
 function filled(own: ProfileRow | undefined, other: ProfileRow): ProfileRow {
   const said = Object.entries(own ?? {}).filter(([, value]) => value !== null && value !== undefined);
   return { ...other, ...Object.fromEntries(said) };
+}
+
+/** Sets the budget in the file of an editor's topic parameters, and keeps everything else in it. */
+export async function setBudget(api: Api, editor: RuleEditor, budgetKbPerS: number): Promise<void> {
+  const name = editor.profile.peek()?.name;
+  if (name === undefined) return;
+  await editor.inTurn(async () => {
+    const { text, hash } = await api.read(name);
+    const table = await api.parseProfile(name, text);
+    const written = await api.writeProfile(name, { ...table, budget_kb_per_s: budgetKbPerS }, text);
+    await api.save(name, written.text, hash);
+    editor.message.value = `Saved ${name}: ${budgetKbPerS} KB/s`;
+    await editor.useProfile(name);
+  });
 }

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
-import type { Api } from "../api/client";
-import { refusalOf } from "../api/refusal";
+import { type Api, refusalOf } from "../api/client";
 import type { FetchesAnswer, FetchState, RobotIncidentsAnswer } from "../api/types";
 
 const FOLLOW_MS = 700;
@@ -51,11 +50,11 @@ export class RobotIncidents {
   }
 
   fetch(robot: string, name: string): Promise<void> {
-    return this.follow(() => this.api.fetchIncident(robot, name));
+    return this.follow(() => this.api.ask("POST /api/robot-incidents/fetch", { robot, name }));
   }
 
   cancel(robot: string, name: string): Promise<void> {
-    return this.follow(() => this.api.cancelFetch(robot, name));
+    return this.follow(() => this.api.ask("POST /api/robot-incidents/cancel", { robot, name }));
   }
 
   of(robot: string, name: string): FetchState | null {

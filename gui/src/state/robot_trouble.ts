@@ -9,7 +9,7 @@ const LONGEST_IN_S = 120;
 const S_PER_MIN = 60;
 
 /** What is wrong with a robot, in words; `rank` orders troubles, the worst is 0. */
-export interface Trouble {
+interface Trouble {
   rank: number;
   words: string;
 }

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, signal } from "@preact/signals";
-import type { Api, Rules } from "../api/client";
-import { refusal } from "../api/refusal";
+import { type Api, type Rules, refusal, refusalOf } from "../api/client";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { sectionsOf } from "../blocks/sections";
 import { counted } from "../ui/numbers";
@@ -24,9 +23,9 @@ import { keepDraft } from "./kept_draft";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
 import { RuleProfile } from "./rule_profile";
 import type { Spot } from "./spot";
-import { statementsIn } from "./statements_in";
+import { statementsIn } from "./statements";
 import { Words } from "./words";
-import { WorkAhead } from "./work_ahead";
+import { type Lost, WorkAhead } from "./work_ahead";
 
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 
@@ -101,6 +100,8 @@ export class RuleEditor implements Contested {
     private readonly drafts: Drafts,
     /** Which rules are folded. */
     readonly folds = new Folds(),
+    /** Says what was left in the blocks of this file and did not come into its text. */
+    readonly lost = signal<Lost | null>(null),
   ) {
     this.words = new Words(api);
     this.profileChoice = new RuleProfile(api);
@@ -114,15 +115,13 @@ export class RuleEditor implements Contested {
     return { text: this.text.value, name: this.name, profile_text: profile?.text ?? null, ...named };
   }
 
-  /** Reads the file, its side file if the project has one, and what was not saved of them. */
+  /** Reads the file, its side file if there is one, and what was not saved of them. */
   async open(): Promise<void> {
     const draft = await this.drafts.takeOver("rules", this.name);
     // What was not saved of a file that is gone can still be saved.
     const onDisk = draft ? readIfThere(this.api, this.name) : this.api.read(this.name);
-    const [found, { files }] = await Promise.all([onDisk, this.api.project()]);
+    const [found, side] = await Promise.all([onDisk, readLayout(this.api, this.name)]);
     const file = found ?? { text: "", hash: null };
-    const hasLayout = files.some((each) => each.name === layoutName(this.name));
-    const side = hasLayout ? await readLayout(this.api, this.name) : { map: PLAIN_GRID, hash: null };
     this.layoutHash = side.hash;
     batch(() => {
       this.map.value = side.map;
@@ -192,19 +191,24 @@ export class RuleEditor implements Contested {
     this.goTo(this.history.redo(this.text.value));
   }
 
-  /** Does edits of the text that was read as one step of undo; what is refused is told, and changes nothing. */
-  edit(edits: (document: RuleDocument) => Edit[]): Promise<void> {
+  /** Does edits of the text that was read as one step of undo; `refused` hears why they change nothing. */
+  edit(
+    edits: (document: RuleDocument) => Edit[],
+    refused: (why: string) => void = (why) => (this.message.value = why),
+  ): Promise<void> {
     return this.inTurn(async () => {
-      // Edits name statements by what the server read last, which must be this text.
-      if (!(await this.isRead())) return;
+      // Edits name statements by what the server read last, which must be this text; where it cannot, that was told.
+      if (!(await this.isRead())) return refused(this.message.value);
       const before = this.text.value;
       const wanted = edits(this.document.value);
       if (wanted.length === 0) return;
-      const { text, document } = await this.api.edit(this.rules, wanted);
-      if (text === before) return;
-      if (this.text.value === before) this.replaceText(text, document);
-      else
-        this.message.value = "The text was changed at the same time, so the edit in the blocks was dropped: try again";
+      const why = await refusalOf(async () => {
+        const { text, document } = await this.api.edit(this.rules, wanted);
+        if (text === before) return;
+        if (this.text.value === before) this.replaceText(text, document);
+        else refused("The text was changed at the same time, so the edit in the blocks was dropped: try again");
+      });
+      if (why !== "") refused(why);
     });
   }
 
@@ -219,7 +223,7 @@ export class RuleEditor implements Contested {
   }
 
   async format(): Promise<void> {
-    await this.inTurn(async () => this.setText((await this.api.format(this.rules)).text));
+    await this.inTurn(async () => this.setText((await this.api.ask("POST /api/format", this.rules)).text));
   }
 
   async setText(text: string): Promise<void> {
@@ -332,9 +336,11 @@ export class RuleEditor implements Contested {
     const isProfileKnown = this.profileChoice.isKnown.peek();
     try {
       const askedMs = performance.now();
-      const document = await this.api.document(rules);
-      this.checks.answerMs = performance.now() - askedMs;
-      const vocabulary = await this.words.of(rules, document);
+      const read = this.api.document(rules).then((document) => {
+        this.checks.answerMs = performance.now() - askedMs;
+        return document;
+      });
+      const [document, vocabulary] = await Promise.all([read, this.words.of(rules, read)]);
       if (rules.text !== this.text.value) return;
       batch(() => {
         this.vocabulary.value = vocabulary;

@@ -96,7 +96,7 @@ export class RulePush {
     if (stage.kind !== "trying") return;
     const unknown = `It is not known whether the rules were kept. If not, the robot reverts them within ${stage.withinS} s.`;
     await this.guarded(unknown, "The rules were not kept, and the robot reverts them.", async () => {
-      await this.api.confirmPush(stage.node, stage.hash);
+      await this.api.ask("POST /api/push/confirm", { node: stage.node, hash: stage.hash });
       const { node, hash, isSeen } = stage;
       this.stage.value = { kind: "kept", node, hash, isSeen, lasting: null };
     });
@@ -106,7 +106,7 @@ export class RulePush {
   async askLasting(): Promise<void> {
     const { node } = { node: "", ...this.stage.peek() };
     try {
-      const lasting = await this.api.keptRules(node);
+      const lasting = await this.api.ask("POST /api/push/lasting", { node });
       const stage = this.stage.peek();
       if (stage.kind === "kept" && stage.node === node) this.stage.value = { ...stage, lasting };
     } catch (error) {
@@ -120,7 +120,10 @@ export class RulePush {
     if (stage.kind !== "kept") return;
     const unknown = "It is not known whether the rules were written to the robot's file.";
     await this.guarded(unknown, "The rules are in force, and were not written to the robot's file.", async () => {
-      const { file, previous_file: previousFile } = await this.api.writeKept(stage.node, stage.hash);
+      const { file, previous_file: previousFile } = await this.api.ask("POST /api/push/write", {
+        node: stage.node,
+        hash: stage.hash,
+      });
       this.stage.value = { kind: "written", node: stage.node, file, previousFile };
     });
   }

@@ -34,7 +34,7 @@ export class Tries {
 }
 
 /** What a try was about; `recording` is the bag as it was then. */
-export interface Subject {
+interface Subject {
   tried: Rules;
   bag: string;
   recording: FoundFile | undefined;

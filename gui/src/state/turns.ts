@@ -12,7 +12,7 @@ export function truthAt(turns: Turns, timeS: number): TruthName {
 }
 
 /** From when to when something was true, false or unknown, in s; one ends where the next begins. */
-export interface Stretch {
+interface Stretch {
   truth: TruthName;
   fromS: number;
   toS: number;

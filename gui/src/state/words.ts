@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Api, Rules } from "../api/client";
 import type { RuleDocument, Vocabulary } from "../api/types";
-import { topicsIn } from "./topics_in";
+import { topicsIn } from "./statements";
 
 const KEPT_MS = 5000;
 
@@ -12,11 +12,14 @@ export class Words {
 
   constructor(private readonly api: Api) {}
 
-  async of({ text, profile_text }: Rules, document: RuleDocument): Promise<Vocabulary> {
-    const key = JSON.stringify([profile_text, [...topicsIn(document)].sort()]);
+  async of({ text, profile_text }: Rules, document: Promise<RuleDocument>): Promise<Vocabulary> {
     const askedMs = performance.now();
+    // The first time there is nothing to compare, and no reason to wait.
+    const first = this.known === null ? this.api.vocabulary(text, profile_text) : null;
+    first?.catch(() => undefined);
+    const key = JSON.stringify([profile_text, [...topicsIn(await document)].sort()]);
     if (key !== this.known?.key || askedMs - this.known.askedMs >= KEPT_MS) {
-      this.known = { key, askedMs, vocabulary: await this.api.vocabulary(text, profile_text) };
+      this.known = { key, askedMs, vocabulary: await (first ?? this.api.vocabulary(text, profile_text)) };
     }
     return this.known.vocabulary;
   }

@@ -2,6 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, signal } from "@preact/signals";
 
+/** What blocks said when they were left and the text does not say, in a few words each. */
+export interface Lost {
+  readonly name: string;
+  readonly changes: readonly string[];
+  readonly why: string;
+}
+
 /** Who has something that is on its way into a text, such as the blocks that are shown, or that were left. */
 export class WorkAhead {
   private readonly those = signal<ReadonlySet<object>>(new Set());

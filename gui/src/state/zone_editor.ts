@@ -3,8 +3,7 @@
 import { computed, effect, signal, untracked } from "@preact/signals";
 import type { Api } from "../api/client";
 import type { Edit, RuleZones, ZoneBounds, ZonesAnswer } from "../api/types";
-import type { Drawn } from "../map/map_owner";
-import type { MapZone, Point } from "../map/shapes";
+import type { Drawn, MapZone, Point } from "../map/shapes";
 import type { RuleEditor } from "./rule_editor";
 
 export const DRAFT = "draft";
@@ -80,10 +79,10 @@ export class ZoneEditor {
   /** Makes a draft of the rectangles that cover a polygon. */
   async cover(corners: readonly Point[], most: number): Promise<void> {
     try {
-      const { rectangles, polygon_m2, over_m2 } = await this.api.cover(
-        corners.map(([x, y]) => [x, y]),
-        most,
-      );
+      const { rectangles, polygon_m2, over_m2 } = await this.api.ask("POST /api/zones/cover", {
+        corners: corners.map(([x, y]) => [x, y]),
+        max_rectangles: most,
+      });
       this.draft.value = { rectangles, polygon: { corners, area_m2: polygon_m2, over_m2, most } };
     } catch (error) {
       this.editor.tell(error);

@@ -3,7 +3,7 @@
 import { autocompletion, completionKeymap, completionStatus, startCompletion } from "@codemirror/autocomplete";
 import { defaultKeymap } from "@codemirror/commands";
 import { indentUnit } from "@codemirror/language";
-import { type Diagnostic, lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
+import { type Diagnostic, forEachDiagnostic, lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
 import { EditorSelection, EditorState, StateEffect, StateField } from "@codemirror/state";
 import {
   Decoration,
@@ -22,7 +22,7 @@ import { adirf, adirfColours, suggest } from "./language";
 const SUGGESTIONS_SHOWN = 10;
 
 /** What the text tells and asks. */
-export interface TextOwner {
+interface TextOwner {
   typed(text: string): void;
   cursorAt(offset: number): void;
   fix(finding: PlacedFinding): void;
@@ -52,6 +52,7 @@ export class TextEditor {
   private text = "";
   /** Whether a change comes from the page and not from a key. */
   private isOurs = false;
+  private findings: readonly PlacedFinding[] = [];
 
   constructor(
     host: HTMLElement,
@@ -108,20 +109,31 @@ export class TextEditor {
     if (completionStatus(this.view.state) !== null) startCompletion(this.view);
   }
 
+  /** Marks what was found; where the marks that moved with the text say the same, nothing is drawn anew. */
   mark(findings: readonly PlacedFinding[]): void {
-    const end = this.view.state.doc.length;
-    const diagnostics = findings.map((finding): Diagnostic => {
+    const { state } = this.view;
+    const end = state.doc.length;
+    const words = (all: readonly PlacedFinding[]) => all.map(({ code, message }) => `${code} ${message}`).join("\n");
+    const isSameOrder = words(this.findings) === words(findings);
+    this.findings = findings;
+    const diagnostics = findings.map((finding, index): Diagnostic => {
       const { fix } = finding;
+      // The finding at this place of the newest list.
+      const apply = () => this.findings[index] && this.owner.fix(this.findings[index]);
       return {
         from: Math.min(finding.offset, end),
         to: Math.min(finding.end_offset, end),
         severity: finding.severity,
         source: finding.code,
         message: finding.hint ? `${finding.message}. ${finding.hint}` : finding.message,
-        ...(fix ? { actions: [{ name: fix.title, apply: () => this.owner.fix(finding) }] } : {}),
+        ...(fix ? { actions: [{ name: fix.title, apply }] } : {}),
       };
     });
-    this.quietly(() => this.view.dispatch(setDiagnostics(this.view.state, diagnostics)));
+    const said = diagnostics.map(({ from, to, ...of }) => saidBy(of, from, to)).sort();
+    const shown: string[] = [];
+    forEachDiagnostic(state, (of, from, to) => shown.push(saidBy(of, from, to)));
+    if (isSameOrder && said.join("\n") === shown.sort().join("\n")) return;
+    this.quietly(() => this.view.dispatch(setDiagnostics(state, diagnostics)));
   }
 
   /** Highlights a stretch and scrolls to it; with `focus` the cursor goes there too. An empty one is no highlight. */
@@ -136,10 +148,6 @@ export class TextEditor {
     if (focus) this.view.focus();
   }
 
-  focus(): void {
-    this.view.focus();
-  }
-
   dispose(): void {
     this.view.destroy();
   }
@@ -152,4 +160,13 @@ export class TextEditor {
       this.isOurs = false;
     }
   }
+}
+
+/** All that a mark shows, at a place. */
+function saidBy(
+  { severity, source, message, actions }: Omit<Diagnostic, "from" | "to">,
+  from: number,
+  to: number,
+): string {
+  return JSON.stringify([from, to, severity, source, message, actions?.map(({ name }) => name)]);
 }

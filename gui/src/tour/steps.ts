@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /** One stop of the tour: what it says, and the part of the page that it points at. */
-export interface TourStep {
+interface TourStep {
   title: string;
   text: string;
   /** Finds that part by what it is called on the page. */

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
+import { Button } from "../ui/button";
 import { type Box, placed, shownPart } from "./placement";
 import { STEPS } from "./steps";
 
@@ -35,12 +37,8 @@ export function TourCard({ onEnd }: { onEnd: () => void }) {
           <p>{step.text}</p>
         </div>
         <div class="row end">
-          <button type="button" class="link tour-skip" hidden={isLast} onClick={onEnd}>
-            Skip the tour
-          </button>
-          <button type="button" hidden={at === 0} onClick={() => setAt(at - 1)}>
-            Back
-          </button>
+          <Button label="Skip the tour" class="link tour-skip" hidden={isLast} onClick={onEnd} />
+          <Button label="Back" hidden={at === 0} onClick={() => setAt(at - 1)} />
           <button type="button" class="primary" ref={next} onClick={() => (isLast ? onEnd() : setAt(at + 1))}>
             {isLast ? "Finish" : "Next"}
           </button>

@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useRef, useState } from "preact/hooks";
 import { type Route, toRoute } from "../route";
 import { browserStorage } from "../state/drafts";
+import { Button } from "../ui/button";
 import { focusPageSoon } from "../ui/dialog";
 
 const KEY = "tour";
@@ -45,9 +47,7 @@ export function TourOffer({ route }: { route: Route }) {
         Five steps on an example show what is where. It takes a minute, and your files stay as they are.
       </p>
       <div class="row end">
-        <button type="button" onClick={() => answer(false)}>
-          No, thanks
-        </button>
+        <Button label="No, thanks" onClick={() => answer(false)} />
         <button type="button" class="primary" ref={yes} onClick={() => answer(true)}>
           Take the tour
         </button>

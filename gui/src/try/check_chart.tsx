@@ -1,10 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
 import type { Timeline } from "../state/timeline";
 import type { Turns } from "../state/turns";
+import { Button } from "../ui/button";
+import { NeedsServer } from "../ui/server_gone";
 import { Strip } from "./strip";
 import { TruthBar } from "./truth_bar";
 
@@ -65,5 +68,26 @@ export function CheckChart({ timeline, values, threshold, isFixed = false, timeW
         ))}
       </div>
     </>
+  );
+}
+
+interface OtherProps {
+  threshold: Signal<number>;
+  /** The threshold that the rules have. */
+  written: number;
+  write: (threshold: number) => void;
+}
+
+/** What can be done with a threshold that was dragged: it goes into the rules, or back to theirs. */
+export function OtherThreshold({ threshold, written, write }: OtherProps) {
+  const { value } = threshold;
+  if (value === written) return null;
+  return (
+    <NeedsServer>
+      <div class="row">
+        <Button label={`Write ${value} into the rules`} class="small" onClick={() => write(value)} />
+        <Button label={`Back to ${written}`} class="small" onClick={() => (threshold.value = written)} />
+      </div>
+    </NeedsServer>
   );
 }

@@ -6,9 +6,10 @@ import type { Api } from "../api/client";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { checksIn, thresholdEdits, type WrittenCheck } from "../state/written_checks";
+import { Choice } from "../ui/choice";
 import { WorkProgress } from "../ui/work_progress";
+import { OtherThreshold } from "./check_chart";
 import { CourseChart } from "./course_chart";
-import { OtherThreshold } from "./other_threshold";
 import { useCheckCourse } from "./use_check_course";
 
 interface Props {
@@ -26,17 +27,15 @@ export function CheckCourses({ editor, api, trial }: Props) {
   return (
     <section class="check-courses" aria-label="Why this threshold">
       <h3>Why this threshold</h3>
-      <label>
-        Value and threshold of
-        <select value={chosen} onChange={(event) => setChosen(Number(event.currentTarget.value))}>
-          <option value={-1}>Choose a check</option>
-          {checks.map(({ rule, words }, index) => (
-            <option key={index} value={index}>
-              {words} ({rule})
-            </option>
-          ))}
-        </select>
-      </label>
+      <Choice
+        label="Value and threshold of"
+        value={chosen}
+        choices={[
+          [-1, "Choose a check"],
+          ...checks.map(({ rule, words }, index) => [index, `${words} (${rule})`] as const),
+        ]}
+        choose={setChosen}
+      />
       {one && <CourseOfCheck key={`${chosen} ${one.words}`} {...{ editor, api, trial, one }} />}
     </section>
   );

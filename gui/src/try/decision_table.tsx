@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Trial } from "../state/trial";
+import { Button } from "../ui/button";
 import { hz } from "../ui/numbers";
 
 /** Every decision; a time leads there. */
@@ -28,9 +30,7 @@ export function DecisionTable({ trial }: { trial: Trial }) {
             {decisions.map((decision, index) => (
               <tr key={index}>
                 <td class="number">
-                  <button type="button" class="link" onClick={() => trial.goTo(decision.t)}>
-                    {decision.t.toFixed(1)}
-                  </button>
+                  <Button label={decision.t.toFixed(1)} class="link" onClick={() => trial.goTo(decision.t)} />
                 </td>
                 <td>{decision.topic}</td>
                 <td class="number">{decision.start ? "–" : hz(decision.from_hz ?? null)}</td>

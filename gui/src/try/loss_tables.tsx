@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import type { TryCrossing, TryFieldLoss, TryImages, TryTopicLoss } from "../api/types";
 import type { Trial } from "../state/trial";
+import { Choice } from "../ui/choice";
+import { DataTable } from "../ui/data_table";
 import { readable } from "../ui/numbers";
-import { LossStrip } from "./loss_strip";
+import { Strip } from "./strip";
 
 const nameOf = (loss: TryFieldLoss) => `${loss.topic} ${loss.field}`;
 const LEAST = 0.0001;
@@ -24,14 +26,7 @@ export function LossTables({ trial }: { trial: Trial }) {
     <section class="loss" aria-label="What the operator loses">
       <h3>What the operator loses</h3>
       {fields.length > 0 && (
-        <label>
-          Error over time of
-          <select value={chosen} onChange={(event) => setChosen(event.currentTarget.value)}>
-            {fields.map((each) => (
-              <option key={nameOf(each)}>{nameOf(each)}</option>
-            ))}
-          </select>
-        </label>
+        <Choice label="Error over time of" value={chosen} choices={fields.map(nameOf)} choose={setChosen} />
       )}
       {field && <LossStrip key={chosen} {...{ trial, field }} />}
       {fields.length > 0 && <FieldTable {...{ trial, fields }} />}
@@ -45,9 +40,9 @@ export function LossTables({ trial }: { trial: Trial }) {
 function FieldTable({ trial, fields }: { trial: Trial; fields: TryFieldLoss[] }) {
   const bin = trial.bin.value;
   return (
-    <LossTable
+    <DataTable
       caption="Error when the last received value is held"
-      headings={["Value", "Unit", "Mean (RMSE)", "Largest", "Mean (% of its range)", "Largest here"]}
+      heads={["Value", "Unit", "Mean (RMSE)", "Largest", "Mean (% of its range)", "Largest here"]}
       rows={fields.map((each) => [
         nameOf(each),
         each.unit,
@@ -63,9 +58,9 @@ function FieldTable({ trial, fields }: { trial: Trial; fields: TryFieldLoss[] })
 function AgeTable({ trial, topics }: { trial: Trial; topics: TryTopicLoss[] }) {
   const bin = trial.bin.value;
   return (
-    <LossTable
+    <DataTable
       caption="Age of the newest message received"
-      headings={["Topic", "Mean (s)", "95 % below (s)", "Greatest (s)", "Greatest here (s)"]}
+      heads={["Topic", "Mean (s)", "95 % below (s)", "Greatest (s)", "Greatest here (s)"]}
       rows={topics.map(({ topic, received: { age }, age_s_bins }) => [
         topic,
         shown(age?.mean_s),
@@ -79,9 +74,9 @@ function AgeTable({ trial, topics }: { trial: Trial; topics: TryTopicLoss[] }) {
 
 function CrossingTable({ crossings }: { crossings: TryCrossing[] }) {
   return (
-    <LossTable
+    <DataTable
       caption="Thresholds of your checks that were crossed"
-      headings={["Check", "Crossed", "Seen in time", "Seen late", "Missed", "Latest (s)"]}
+      heads={["Check", "Crossed", "Seen in time", "Seen late", "Missed", "Latest (s)"]}
       rows={crossings.map((each) => [
         each.check,
         String(each.crossings),
@@ -96,9 +91,9 @@ function CrossingTable({ crossings }: { crossings: TryCrossing[] }) {
 
 function ImageTable({ images }: { images: TryImages[] }) {
   return (
-    <LossTable
+    <DataTable
       caption="Images"
-      headings={["Topic", "Frames sent by the robot", "Frames received", "Longest without one (s)"]}
+      heads={["Topic", "Frames sent by the robot", "Frames received", "Longest without one (s)"]}
       rows={images.map(({ topic, sent, received }) => [
         topic,
         String(sent.frames),
@@ -109,31 +104,12 @@ function ImageTable({ images }: { images: TryImages[] }) {
   );
 }
 
-function LossTable({ caption, headings, rows }: { caption: string; headings: string[]; rows: string[][] }) {
+/** The error of one value over time. */
+export function LossStrip({ trial, field }: { trial: Trial; field: TryFieldLoss }) {
+  const lines = useMemo(() => ({ after: field.error_bins }), [field]);
   return (
-    <table class="try-table">
-      <caption>{caption}</caption>
-      <thead>
-        <tr>
-          {headings.map((heading) => (
-            <th key={heading} scope="col">
-              {heading}
-            </th>
-          ))}
-        </tr>
-      </thead>
-      <tbody>
-        {rows.map(([name = "", ...cells]) => (
-          <tr key={name}>
-            <th scope="row">{name}</th>
-            {cells.map((cell, index) => (
-              <td key={index} class="number">
-                {cell}
-              </td>
-            ))}
-          </tr>
-        ))}
-      </tbody>
-    </table>
+    <Strip timeline={trial} lines={lines} label={`Error of ${field.topic} ${field.field}`}>
+      <span class="quiet">Largest error in each stretch of time ({field.unit || "in its own unit"})</span>
+    </Strip>
   );
 }

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { Signal } from "@preact/signals";
 import { render } from "preact";
 import { useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import { Timeline } from "../state/timeline";
+import { Button } from "../ui/button";
 import { sizeWords } from "../ui/numbers";
 import { WorkProgress } from "../ui/work_progress";
 import { CourseChart } from "./course_chart";
@@ -13,7 +15,7 @@ import { type AskedCheck, useCheckCourse } from "./use_check_course";
 /** A larger recording is read when somebody asks for it. */
 const READ_AT_ONCE_BYTES = 300e6;
 
-export interface PickedProps {
+interface PickedProps {
   api: Api;
   asked: AskedCheck;
   sizeBytes: number;
@@ -31,9 +33,11 @@ function PickedThreshold(props: PickedProps) {
   const { bag, check } = props.asked;
   if (isAsked) return <PickedCourse {...props} />;
   return (
-    <button type="button" class="small" onClick={() => setAsked(true)}>
-      Show {check.topic} {check.property} in {bag} ({sizeWords(props.sizeBytes / 1000)})
-    </button>
+    <Button
+      label={`Show ${check.topic} ${check.property} in ${bag} (${sizeWords(props.sizeBytes / 1000)})`}
+      class="small"
+      onClick={() => setAsked(true)}
+    />
   );
 }
 

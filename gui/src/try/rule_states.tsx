@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { TruthName } from "../api/types";
 import type { Timeline } from "../state/timeline";
 import type { RuleNow } from "../state/trial";
+import { Button } from "../ui/button";
 import { TruthBar } from "./truth_bar";
 
 const WORDS: Record<TruthName, string> = { true: "holds", false: "does not hold", unknown: "unknown" };
@@ -41,9 +43,5 @@ export function RuleStates({ title, rules, timeline, show }: Props) {
 
 function RuleName({ rule, show }: { rule: RuleNow; show: ((line: number) => void) | null }) {
   if (show === null) return <span>{rule.rule}</span>;
-  return (
-    <button type="button" class="link" title="Show in the rules" onClick={() => show(rule.line)}>
-      {rule.rule}
-    </button>
-  );
+  return <Button label={rule.rule} class="link" title="Show in the rules" onClick={() => show(rule.line)} />;
 }

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { Playback, SPEEDS } from "../state/playback";
-import type { Timeline } from "../state/timeline";
+import { Playback, SPEEDS, type Timeline } from "../state/timeline";
+import { Button } from "../ui/button";
+import { Choice } from "../ui/choice";
 
 const STEPS = 500;
 const WIDTH = 1000;
@@ -63,20 +65,18 @@ function Player({ timeline }: { timeline: Timeline }) {
   const isPlaying = playback.isPlaying.value;
   return (
     <>
-      <button type="button" class="small player" onClick={() => (isPlaying ? playback.pause() : playback.play())}>
-        {isPlaying ? "Pause" : "Play"}
-      </button>
-      <select
-        aria-label="Speed"
+      <Button
+        label={isPlaying ? "Pause" : "Play"}
+        class="small player"
+        onClick={() => (isPlaying ? playback.pause() : playback.play())}
+      />
+      <Choice
+        isBare
+        label="Speed"
         value={playback.speed.value}
-        onChange={(event) => (playback.speed.value = Number(event.currentTarget.value))}
-      >
-        {SPEEDS.map((speed) => (
-          <option key={speed} value={speed}>
-            {speed}×
-          </option>
-        ))}
-      </select>
+        choices={SPEEDS.map((speed) => [speed, `${speed}×`] as const)}
+        choose={(speed) => (playback.speed.value = speed)}
+      />
     </>
   );
 }

@@ -1,10 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { TryIncident } from "../api/types";
 import { missingWords, windowWords } from "../incidents/missing_words";
 import { href } from "../route";
 import type { Keepings } from "../state/keepings";
 import type { Trial } from "../state/trial";
+import { Button } from "../ui/button";
+import { Problem } from "../ui/notice";
 import { counted, sizeWords } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
 
@@ -18,11 +21,7 @@ export function TriedIncidents({ keepings, trial }: { keepings: Keepings; trial:
         What the rules would have recorded{" "}
         {incidents.length > 0 && <span class="quiet">(red on the slider and the charts)</span>}
       </h3>
-      {keepings.problem.value && (
-        <p class="problem" role="alert">
-          {keepings.problem.value}
-        </p>
-      )}
+      <Problem text={keepings.problem.value} />
       {incidents.length === 0 ? (
         <p class="quiet">
           Nothing: no rule with a recording began to hold. One that holds from the start on begins nothing either,
@@ -47,23 +46,19 @@ function TriedIncident(props: { keepings: Keepings; trial: Trial; incident: TryI
   return (
     <li>
       <div class="row">
-        <button type="button" class="link" title="Move the time there" onClick={() => trial.goTo(t)}>
-          {t.toFixed(1)} s
-        </button>
+        <Button label={`${t.toFixed(1)} s`} class="link" title="Move the time there" onClick={() => trial.goTo(t)} />
         <strong>{title}</strong>
         <span>
           by {rule}, {windowWords(incident)}: {counted(incident.messages, "message")}, {sizeWords(incident.size_kb)}
         </span>
         {(keep === null || keep.state === "failed") && (
           <NeedsServer changes>
-            <button
-              type="button"
+            <Button
+              label="Keep it"
               class="small"
               onClick={() => void keepings.keep(trial, incident.number, name)}
               aria-label={`Keep it: ${name}`}
-            >
-              Keep it
-            </button>
+            />
           </NeedsServer>
         )}
         {keep?.state === "running" && <span class="quiet">Being kept: {Math.round(100 * keep.share)} %</span>}

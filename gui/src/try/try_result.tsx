@@ -1,22 +1,27 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { effect } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
+import type { RuleZones, TryTopic } from "../api/types";
+import type { MapZone } from "../map/shapes";
 import type { Keepings } from "../state/keepings";
+import { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
-import { showOnNarrow } from "../ui/narrow";
-import { counted, durationWords, sizeWords } from "../ui/numbers";
+import { ZoneEditor } from "../state/zone_editor";
+import { Icon, type IconName } from "../ui/icon";
+import { counted, durationWords, hz, readable, sizeWords } from "../ui/numbers";
+import { showOnNarrow } from "../ui/watch";
 import { CheckCourses } from "./check_courses";
 import { DecisionTable } from "./decision_table";
 import { LossTables } from "./loss_tables";
-import { RateStrips } from "./rate_strips";
+import { PathMap } from "./path_map";
 import { RuleStates } from "./rule_states";
+import { Scrubber } from "./scrubber";
 import { showInEditor } from "./show_in_editor";
-import { TrialScrubber } from "./trial_scrubber";
+import { Strip } from "./strip";
 import { TriedIncidents } from "./tried_incidents";
-import { TryMap } from "./try_map";
 import { worstLoss } from "./worst_loss";
 
 interface Props {
@@ -98,4 +103,109 @@ function followInEditor(editor: RuleEditor, trial: Trial): () => void {
 /** `rules and recording`. */
 function andWords(words: readonly string[]): string {
   return [words.slice(0, -1).join(", "), ...words.slice(-1)].filter(Boolean).join(" and ");
+}
+
+/** Where the robot went and is at the time of the scrubber, with a dot wherever something was decided. */
+export function TryMap({ editor, api, trial }: { editor: RuleEditor; api: Api; trial: Trial }) {
+  const zones = useMemo(() => new ZoneEditor(api, editor), []);
+  const floor = useMemo(() => new MapFloor(api, editor), []);
+  useEffect(() => zones.follow(), []);
+  useEffect(() => floor.followPicture(), []);
+  const deciding = trial.rules.value.filter(({ decides }) => decides.length > 0).map(({ rule }) => rule);
+  const shown = useMemo(() => zonesAt(zones.rules.value, deciding), [zones.rules.value, deciding.join("\n")]);
+  return (
+    <PathMap
+      timeline={trial}
+      path={trial.answer.path}
+      dotsS={trial.decisionTimes}
+      dotsAre="Dots are decisions."
+      picture={floor.picture.value}
+      zones={shown}
+    />
+  );
+}
+
+/** The zones of the rules; those of the rules in `deciding` are in another colour. */
+export function zonesAt(rules: readonly RuleZones[], deciding: readonly string[]): MapZone[] {
+  return rules
+    .filter((rule) => rule.zones.length > 0)
+    .map(({ id, label, zones }) => ({
+      id,
+      label,
+      rectangles: zones.map((zone) => zone.rectangle),
+      tone: deciding.includes(label) ? "selected" : "zone",
+    }));
+}
+
+/** The time of a try, with a tick for each decision. */
+export function TrialScrubber({ trial }: { trial: Trial }) {
+  const time = trial.time.value;
+  const leader = trial.leader.value;
+  const decides = leader ? `${leader.rule} decides` : "defaults decide";
+  return (
+    <Scrubber
+      timeline={trial}
+      label="Time in the recording (s)"
+      words={`${time.toFixed(1)} s of ${durationWords(trial.durationS)}, ${decides}`}
+      said={`${time.toFixed(1)} s`}
+      ticksS={trial.decisionTimes}
+      before={<DecisionStep trial={trial} step={-1} label="Decision before" icon="before" />}
+      after={<DecisionStep trial={trial} step={1} label="Next decision" icon="after" />}
+    />
+  );
+}
+
+function DecisionStep({ trial, step, label, icon }: { trial: Trial; step: -1 | 1; label: string; icon: IconName }) {
+  const next = trial.neighbour(step);
+  return (
+    <button
+      type="button"
+      class="small"
+      aria-label={label}
+      title={label}
+      disabled={next === null}
+      onClick={() => next !== null && trial.goTo(next)}
+    >
+      <Icon name={icon} />
+    </button>
+  );
+}
+
+const IN_DOUBT: Record<string, string> = { unknown: ", which might hold" };
+
+/** The rate of every topic over time, before and after, on one cursor. */
+export function RateStrips({ trial }: { trial: Trial }) {
+  return (
+    <section aria-label="Rates">
+      <h3>Rates (Hz) over time (s)</h3>
+      <p class="quiet">Dashed as recorded, filled with the rules. Press or drag on a chart to move the time.</p>
+      {trial.answer.topics.map((topic) => (
+        <RateStrip key={topic.topic} {...{ trial, topic }} />
+      ))}
+    </section>
+  );
+}
+
+function RateStrip({ trial, topic }: { trial: Trial; topic: TryTopic }) {
+  const lines = useMemo(
+    () => ({ before: trial.whole(topic.before_hz_bins), after: trial.whole(topic.after_hz_bins) }),
+    [trial, topic],
+  );
+  return (
+    <Strip timeline={trial} lines={lines} label={`Rate of ${topic.topic}`}>
+      <strong>{topic.topic}</strong> <RateNow {...{ trial, topic }} />
+    </Strip>
+  );
+}
+
+function RateNow({ trial, topic }: { trial: Trial; topic: TryTopic }) {
+  const bin = trial.bin.value;
+  const decision = trial.plan.value.get(topic.topic);
+  const [before, after] = [topic.before_hz_bins[bin] ?? 0, topic.after_hz_bins[bin] ?? 0];
+  return (
+    <span class="quiet">
+      {decision && `${hz(decision.to_hz)} by ${decision.rule ?? decision.reason}${IN_DOUBT[decision.reason] ?? ""}: `}
+      {readable(after)} of {readable(before)} Hz sent
+    </span>
+  );
 }

@@ -30,7 +30,11 @@ export function useCheckCourse(
     const ask = () =>
       void work.start((run, signal) => {
         const condition = withValue(asked.condition, asked.check, threshold);
-        return api.checkCourse({ bag: asked.bag, condition, profile_text: asked.profileText }, run, signal);
+        return api.ask(
+          "POST /api/check/course",
+          { bag: asked.bag, condition, profile_text: asked.profileText, run },
+          { signal },
+        );
       });
     // Who drags is answered once the line rests.
     const timer = window.setTimeout(ask, course === null ? 0 : ASK_AFTER_MS);

@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
 import { type Conflict, type Contested, isStatus } from "../state/conflict";
+import { Button } from "./button";
 import { FormDialog } from "./dialog";
-import { DifferenceWords } from "./difference_words";
-import { TextComparison } from "./text_comparison";
+import { DifferenceWords, TextComparison } from "./difference_words";
+import { Problem } from "./notice";
 
 interface Props {
   api: Api;
@@ -62,26 +64,16 @@ function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflic
         </div>
       )}
       <div class="ways">
-        {!isGone && (
-          <button type="button" onClick={() => void guarded(() => file.readAgain())}>
-            Read again
-          </button>
-        )}
+        {!isGone && <Button label="Read again" onClick={() => void guarded(() => file.readAgain())} />}
         {!isGone && <span>loads their version; Undo restores yours.</span>}
-        <button type="button" onClick={() => void guarded(() => file.saveAnyway())}>
-          Save anyway
-        </button>
+        <Button label="Save anyway" onClick={() => void guarded(() => file.saveAnyway())} />
         <span>{isGone ? "creates the file again." : "replaces theirs with yours."}</span>
       </div>
       <label>
         {isGone ? "Or save yours under another name" : "Or keep both, yours under another name"}
         <input name="name" required autocomplete="off" placeholder={`mine${ending}`} />
       </label>
-      {problem && (
-        <p class="problem" role="alert">
-          {problem}
-        </p>
-      )}
+      <Problem text={problem} />
     </FormDialog>
   );
 }

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { Button } from "./button";
 
 /** A modal form. The browser's own dialog keeps the focus inside and closes on Escape. */
 export function FormDialog(props: {
@@ -36,11 +38,7 @@ export function FormDialog(props: {
         <h2>{props.title}</h2>
         {props.children}
         <div class="row end">
-          {!props.isNotice && (
-            <button type="button" onClick={() => dialog.current?.close()}>
-              Cancel
-            </button>
-          )}
+          {!props.isNotice && <Button label="Cancel" onClick={() => dialog.current?.close()} />}
           <button type="submit" class="primary" disabled={props.canSubmit === false}>
             {props.submit}
           </button>

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import type { Api } from "../api/client";
-import { refusal } from "../api/refusal";
+import { type Api, refusal } from "../api/client";
 import type { DifferenceAnswer } from "../api/types";
+import { differingLines } from "../text/difference";
 
 interface Props {
   api: Api;
@@ -19,7 +19,7 @@ export function DifferenceWords({ api, title, oldText, newText }: Props) {
   useEffect(() => {
     let isAsked = true;
     const show = (found: typeof answer) => isAsked && setAnswer(found);
-    api.difference(oldText, newText).then(show, (error: unknown) => {
+    api.ask("POST /api/difference", { old_text: oldText, new_text: newText }).then(show, (error: unknown) => {
       show({ problem: refusal(error) });
     });
     return () => {
@@ -45,4 +45,25 @@ export function DifferenceWords({ api, title, oldText, newText }: Props) {
 function reservation({ differences, old_parses, new_parses }: DifferenceAnswer): string {
   if (!old_parses || !new_parses) return "A text has errors of syntax: what cannot be read is not compared in words.";
   return differences.length === 0 ? "For a robot they are the same: comments, layout or order differ." : "";
+}
+
+/** The lines in which two texts differ, side by side; `a` and `b` are what the texts are called. */
+export function TextComparison(props: { a: string; textA: string; b: string; textB: string }) {
+  const { line, a, b } = differingLines(props.textA, props.textB);
+  return (
+    <div class="versions">
+      <Side title={`${props.a}, from line ${line}`} text={a} />
+      <Side title={`${props.b}, from line ${line}`} text={b} />
+    </div>
+  );
+}
+
+function Side({ title, text }: { title: string; text: string }) {
+  return (
+    <figure aria-label={title}>
+      <figcaption class="quiet">{title}</figcaption>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach */}
+      <pre tabIndex={0}>{text || "(nothing)"}</pre>
+    </figure>
+  );
 }

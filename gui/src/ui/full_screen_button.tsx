@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { FullScreen } from "../state/full_screen";
+
+import type { FullScreen } from "../state/room";
+import { Button } from "./button";
 
 interface Props<Part extends string> {
   full: FullScreen<Part>;
@@ -14,13 +16,11 @@ export function FullScreenButton<Part extends string>({ full, part, what }: Prop
   const isFull = full.part.value === part;
   const label = isFull ? "Leave full screen" : "Full screen";
   return (
-    <button
-      type="button"
+    <Button
+      label={label}
       class="small full-screen-button"
       aria-label={`${label}: ${what}`}
       onClick={() => full.toggle(part)}
-    >
-      {label}
-    </button>
+    />
   );
 }

@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { KeepState } from "../api/types";
 import { href } from "../route";
 import type { Keepings } from "../state/keepings";
+import { Button } from "./button";
 
 /** Which incidents the server keeps now, and what came of it, on every page until somebody has read it. */
 export function KeepingBar({ keepings }: { keepings: Keepings }) {
@@ -26,9 +28,7 @@ function Keeping({ keep, end }: { keep: KeepState; end: () => void }) {
         <span role="status">Keeping {what} …</span>
         <progress max={1} value={share} aria-label={`Keeping ${what}`} />
         <span class="number">{Math.round(100 * share)} %</span>
-        <button type="button" class="small" aria-label={`Cancel keeping ${what}`} onClick={end}>
-          Cancel
-        </button>
+        <Button label="Cancel" class="small" aria-label={`Cancel keeping ${what}`} onClick={end} />
       </div>
     );
   }
@@ -46,9 +46,7 @@ function Keeping({ keep, end }: { keep: KeepState; end: () => void }) {
           </a>
         </span>
       )}
-      <button type="button" class="small" aria-label={`Close: ${what}`} onClick={end}>
-        Close
-      </button>
+      <Button label="Close" class="small" aria-label={`Close: ${what}`} onClick={end} />
     </div>
   );
 }

@@ -1,6 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
+import type { Signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { Button } from "./button";
+
 /** A message that stays until what it says is over. */
 export function Notice(props: {
   kind: "error" | "warning" | "info";
@@ -11,11 +15,32 @@ export function Notice(props: {
   return (
     <div class={`notice ${props.kind}`} role={props.kind === "error" ? "alert" : "status"}>
       <span>{props.text}</span>
-      {action && (
-        <button type="button" onClick={() => void action.act()}>
-          {action.label}
-        </button>
-      )}
+      {action && <Button label={action.label} onClick={() => void action.act()} />}
     </div>
+  );
+}
+
+/** Why something was refused; nothing where it was not. */
+export function Problem({ text }: { text: string | null | undefined }) {
+  return text ? (
+    <p class="problem" role="alert">
+      {text}
+    </p>
+  ) : null;
+}
+
+const SHOWN_MS = 6000;
+
+/** What just happened, said once and then gone. */
+export function Toast({ message }: { message: Signal<string> }) {
+  const text = message.value;
+  useEffect(() => {
+    const timer = setTimeout(() => (message.value = ""), SHOWN_MS);
+    return () => clearTimeout(timer);
+  }, [text]);
+  return (
+    <p class="toast" role="status" aria-live="polite">
+      {text}
+    </p>
   );
 }

@@ -89,3 +89,8 @@ const MINUTES_FROM_S = 120;
 export function durationWords(seconds: number): string {
   return seconds < MINUTES_FROM_S ? `${readable(seconds)} s` : `${readable(seconds / 60)} min`;
 }
+
+/** A message of the server as a sentence: a capital first, unless the first word is a name, as in `pose_y is …`. */
+export function sentence(text: string): string {
+  return /^[a-z]+(?=[\s,:;]|$)/.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text;
+}

@@ -4,7 +4,7 @@ import { type Found, matching, type PickerChoice } from "./picker_matches";
 import { PickerPopup } from "./picker_popup";
 
 /** What a picker offers and what it may keep. */
-export interface PickerOwner {
+interface PickerOwner {
   /** What is picked, such as "topic to send". */
   label: string;
   /** What can be typed beside what is offered. */

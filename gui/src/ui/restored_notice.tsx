@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { refusal } from "../api/refusal";
+
+import { refusal } from "../api/client";
 import type { Contested } from "../state/conflict";
+import { Button } from "./button";
 
 const TIME = { dateStyle: "medium", timeStyle: "short" } as const;
 
@@ -25,16 +27,10 @@ export function RestoredNotice({ file }: { file: Contested & { message: { value:
       </span>
       <span class="row">
         {restored.isContested && (
-          <button type="button" class="small" onClick={() => void guarded(() => file.compare())}>
-            Compare
-          </button>
+          <Button label="Compare" class="small" onClick={() => void guarded(() => file.compare())} />
         )}
-        <button type="button" class="small" onClick={() => void guarded(() => file.dropRestored())}>
-          Drop them
-        </button>
-        <button type="button" class="small" onClick={() => (file.restored.value = null)}>
-          Close
-        </button>
+        <Button label="Drop them" class="small" onClick={() => void guarded(() => file.dropRestored())} />
+        <Button label="Close" class="small" onClick={() => (file.restored.value = null)} />
       </span>
     </div>
   );

@@ -3,7 +3,7 @@
 import { useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
-import { refusal } from "../api/refusal";
+import { refusal } from "../api/client";
 import type { Contested } from "../state/conflict";
 import { Notice } from "./notice";
 import { useRobot } from "./robot_state";
@@ -11,7 +11,7 @@ import { clock } from "./times";
 
 const LOOK_MS = 4000;
 /** Why something cannot be pressed. */
-export const NEEDS_SERVER = "This needs the Ruler's server, which does not answer now";
+const NEEDS_SERVER = "This needs the Ruler's server, which does not answer now";
 const MAY_ONLY_WATCH = "You may only watch here: this would change a file or a robot";
 
 /** Says on every page that the server is gone, and what still works, until it is back. */

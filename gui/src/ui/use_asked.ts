@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import { refusal } from "../api/refusal";
+import { refusal } from "../api/client";
 
 const ASK_EVERY_MS = 2000;
 

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { parseBound } from "../../src/blocks/bound_text";
-import { ALL_TOPICS, parseTopics, topicsText } from "../../src/blocks/topic_list";
+import { ALL_TOPICS, parseBound, parseTopics, topicsText } from "../../src/blocks/field_text";
 
 test.each([
   ["0.05", 0.05],

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { parseRate, RATE_WORDS, rateText } from "../../src/blocks/rate_text";
+import { parseRate, RATE_WORDS, rateText } from "../../src/blocks/field_text";
 
 test.each([
   ["10", { kind: "hz", value: 10 }],

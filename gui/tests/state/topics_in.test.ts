@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import type { CheckCondition, RuleDocument, SetStatement, Statement } from "../../src/api/types";
-import { topicsIn } from "../../src/state/topics_in";
+import { topicsIn } from "../../src/state/statements";
 
 const check = (topic: string): CheckCondition => ({ kind: "check", topic, property: "rate", op: ">", value: 1 });
 const set = (topic: string): SetStatement => ({ kind: "set", topic, rate: { kind: "full", value: null } });

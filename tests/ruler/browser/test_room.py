@@ -102,6 +102,19 @@ def test_what_cannot_be_downloaded_is_said(ruler: RulerPage) -> None:
     ).to_be_visible()
 
 
+def test_rules_in_plain_numbers_are_downloaded_without_a_profile(ruler: RulerPage, project: Path) -> None:
+    text = "begin\n    SetFrequency /odom 10\nend\n"
+    (project / "plain.adirf").write_text(text)
+    ruler.home()
+    ruler.open("plain.adirf")
+    ruler.page.get_by_label("Topic parameters").select_option("")
+    with ruler.page.expect_download() as download:
+        ruler.tool("Optimize and Download").click()
+    assert download.value.suggested_filename == "plain-rates.adirf"
+    assert download.value.path().read_text() == text
+    expect(ruler.page.get_by_text("Downloaded the rules as they are")).to_be_visible()
+
+
 def test_one_main_button_says_what_is_next(ruler: RulerPage) -> None:
     ruler.open("zone.adirf")
     main = ruler.page.get_by_role("toolbar", name="Tools").locator("button.primary")

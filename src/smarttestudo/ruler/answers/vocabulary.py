@@ -92,10 +92,10 @@ DEFAULT_USER = "default"
 """Who names a topic outside of rules."""
 
 _EXAMPLE_TOPICS = (
-    *("/odom", "/cmd_vel", "/scan", "/battery_state", "/imu", "/joint_states", "/tf"),
-    *("/camera/camera_info", "/camera/image_raw", "/camera/image_raw/compressed"),
+    *("/odom", "/scan", "/battery_state", "/imu", "/joint_states", "/tf"),
+    *("/camera/camera_info", "/camera/image_raw", "/camera/image_raw/compressed", "/cmd_vel"),
 )
-"""The topics of a TurtleBot3."""
+"""The topics of a TurtleBot3, what people look at first; commands come last."""
 
 
 def vocabulary(request: VocabularyRequest, robot_topics: Mapping[str, str]) -> Vocabulary:

@@ -33,7 +33,7 @@ from smarttestudo.language.syntax import Block, RateExpression, RateWord, SetFre
 from smarttestudo.ruler.answers.zones import ZoneBounds
 
 _NOWHERE = Span(line=1, column=1, end_line=1, end_column=1)
-_USUAL_TOPIC, _USUAL_RATE_HZ = "/odom", 10.0
+_USUAL_RATE_HZ = 10.0
 _FAR_M = 1e6
 _CM_PER_M = 100
 _CM2_PER_M2 = 10_000
@@ -133,7 +133,8 @@ def with_new_zone(
 ) -> str:
     """The text with the zone as condition of rule ``into``, or of a new rule ``label`` at the end.
 
-    A new rule sets the topic of the first default, to a rate that it does not have without the rule.
+    A new rule sets ``topic`` where that has a default, else the topic of the first default, to a rate that it
+    does not have without the rule.
     """
     if any(one.is_empty for one in rectangles):
         raise EditError("this rectangle has no area", remedy="give it a width and a height")
@@ -146,7 +147,7 @@ def with_new_zone(
         priority=None,
         label=label,
         condition=zone,
-        then=(_proposed_rate(document),),
+        then=(_proposed_rate(document, topic),),
         otherwise=(),
         has_end_if=True,
         span=_NOWHERE,
@@ -163,10 +164,13 @@ def _part_for_zone(document: Document) -> CollectionPart:
     return part
 
 
-def _proposed_rate(document: Document) -> SetFrequency:
-    """More than the first default where that is possible: a zone is mostly a place to look closer."""
-    known = next((one.statement for one in document.entries if isinstance(one.statement, SetFrequency)), None)
-    topic = TopicName(text=_USUAL_TOPIC, span=_NOWHERE) if known is None else known.topic
+def _proposed_rate(document: Document, position_topic: str) -> SetFrequency:
+    """More than the default where that is possible: a zone is mostly a place to look closer."""
+    defaults = [one.statement for one in document.entries if isinstance(one.statement, SetFrequency)]
+    position = resolve_topic(position_topic)
+    of_position = (one for one in defaults if resolve_topic(one.topic.text) == position)
+    known = next(of_position, defaults[0] if defaults else None)
+    topic = TopicName(text=position_topic, span=_NOWHERE) if known is None else known.topic
     default = None if known is None else known.rate.value
     is_usual_more = default in {None, RateWord.FULL, RateWord.OFF} or (
         isinstance(default, int | float) and default < _USUAL_RATE_HZ

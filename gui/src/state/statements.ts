@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Condition, RuleDocument } from "../api/types";
+import type { Action, Condition, RuleDocument, Statement } from "../api/types";
 
 /** Every topic that the rules set, bound, record or check. */
 export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlySet<string> {
@@ -20,8 +20,22 @@ export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlyS
   return topics;
 }
 
+/** Whether a rate or a bound of the rules is a quality level. */
+export function namesLevel({ collections }: Pick<RuleDocument, "collections">): boolean {
+  const isLevel = (one: Statement | Action) =>
+    (one.kind === "set" && one.rate.kind === "tier") || (one.kind === "within" && typeof one.bound === "string");
+  return statementsIn({ collections }).some((one) =>
+    one.kind === "rule" ? [...one.then, ...one.else].some(isLevel) : isLevel(one),
+  );
+}
+
 function addChecked(condition: Condition, topics: Set<string>): void {
   if (condition.kind === "check") topics.add(condition.topic);
   else if (condition.kind === "not" || condition.kind === "timed") addChecked(condition.term, topics);
   else for (const term of condition.terms) addChecked(term, topics);
+}
+
+/** All statements of a document in the order of the text. */
+export function statementsIn({ collections }: Pick<RuleDocument, "collections">): Statement[] {
+  return collections.flatMap(({ statements }) => statements);
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { type Rate, TIERS, type Tier } from "../api/types";
+import { type Bound, type Rate, TIERS, type Tier } from "../api/types";
 import { numberProblemOr, typedNumber } from "../ui/numbers";
 
 export const RATE_WORDS: readonly string[] = [...TIERS, "Full", "Off"];
@@ -38,4 +38,31 @@ export function rateProblem(text: string): string {
 
 function withoutHz(text: string): string {
   return text.trim().replace(/\s*hz$/i, "");
+}
+
+/** What somebody typed as a bound: a number or a level's name in any case of letters; null where it is none. */
+export function parseBound(text: string): Bound | null {
+  const word = text.trim();
+  const tier = TIERS.find((each) => each.toLowerCase() === word.toLowerCase());
+  if (tier !== undefined) return tier;
+  const bound = typedNumber(word);
+  return Number.isFinite(bound) && bound >= 0 ? bound : null;
+}
+
+/** Why a text is no bound, in words; empty where it is one. */
+export function boundProblem(text: string): string {
+  if (parseBound(text) !== null) return "";
+  return numberProblemOr(text, "A bound is a number or a quality level");
+}
+
+/** What a block says in the place of topics where a recording names none. */
+export const ALL_TOPICS = "all topics of the rules";
+
+/** The topics that somebody typed, with blanks or commas between; none stand for all. */
+export function parseTopics(text: string): string[] {
+  return text.trim() === ALL_TOPICS ? [] : text.split(/[\s,]+/).filter((word) => word !== "");
+}
+
+export function topicsText(topics: readonly string[]): string {
+  return topics.length === 0 ? ALL_TOPICS : topics.join(" ");
 }

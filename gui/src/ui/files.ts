@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+
+import { useEffect, useRef } from "preact/hooks";
+import type { TextFile } from "../api/client";
+
+const LARGEST_BYTES = 1_000_000;
+
+/** A file that cannot be used, with the reason. */
+export class FileProblem extends Error {}
+
+/** Reads a file of the user's disk; FileProblem for one that is no text or too large for a rule file. */
+export async function fileText(file: File): Promise<TextFile> {
+  if (file.size > LARGEST_BYTES) throw new FileProblem(`${file.name} is larger than 1 MB: it is not a rule file`);
+  try {
+    const text = new TextDecoder("utf-8", { fatal: true, ignoreBOM: true }).decode(await file.arrayBuffer());
+    return { name: file.name, text };
+  } catch {
+    throw new FileProblem(`${file.name} is not UTF-8 text: it is not a rule file`);
+  }
+}
+
+/** Takes a file that is dropped anywhere on the page; without this the browser would leave the page for it. */
+export function useDroppedFile(take: (file: File) => void): void {
+  const taker = useRef(take);
+  taker.current = take;
+  useEffect(() => {
+    const over = (event: DragEvent) => {
+      if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
+    };
+    const drop = (event: DragEvent) => {
+      const file = event.dataTransfer?.files[0];
+      if (!file) return;
+      event.preventDefault();
+      event.stopPropagation();
+      taker.current(file);
+    };
+    addEventListener("dragover", over, { capture: true });
+    addEventListener("drop", drop, { capture: true });
+    return () => {
+      removeEventListener("dragover", over, { capture: true });
+      removeEventListener("drop", drop, { capture: true });
+    };
+  }, []);
+}
+
+/** Hands a text to the browser as a file. */
+export function download(name: string, text: string): void {
+  const url = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
+  const link = document.createElement("a");
+  link.href = url;
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}
