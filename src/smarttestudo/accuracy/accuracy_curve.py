@@ -13,13 +13,13 @@ from types import MappingProxyType
 
 from smarttestudo.accuracy.arms import Arm, PacedPicture, Strategy
 from smarttestudo.accuracy.fixed_rates import rate_of_messages
-from smarttestudo.accuracy.json_object import JsonObject
 from smarttestudo.accuracy.recorded_samples import TopicReading, read_samples
 from smarttestudo.accuracy.samples import TopicSamples
 from smarttestudo.accuracy.track import Message
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate_meter import mean_hz
+from smarttestudo.domain.record import JsonObject
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.language.properties import needs_decoded, properties_for_bounds

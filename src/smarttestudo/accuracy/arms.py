@@ -8,8 +8,8 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.accuracy.json_object import JsonObject
 from smarttestudo.accuracy.track import Message
+from smarttestudo.domain.record import JsonObject
 from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecord
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind

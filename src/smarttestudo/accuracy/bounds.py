@@ -9,9 +9,9 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.accuracy.arms import Receiver
-from smarttestudo.accuracy.json_object import JsonObject
 from smarttestudo.accuracy.track import Message
 from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.record import JsonObject
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.rule_set import RuleSet
 

@@ -7,11 +7,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from types import MappingProxyType
-from typing import ClassVar
+from typing import Annotated
 
 from smarttestudo.accuracy.arms import PacedPicture
-from smarttestudo.accuracy.json_object import JsonObject
+from smarttestudo.domain.record import Entry, JsonObject
 
 
 class View(Enum):
@@ -49,10 +48,8 @@ class PropertyAccuracy(JsonObject):
 class TopicAccuracy(JsonObject):
     """A topic in one run: how much of it passed, and how accurate its properties were."""
 
-    _KEYS: ClassVar = MappingProxyType({"size_bytes": "bytes"})
-
     messages: int
-    size_bytes: int
+    size_bytes: Annotated[int, Entry(name="bytes")]
     properties: Mapping[str, PropertyAccuracy]
 
 
@@ -60,11 +57,9 @@ class TopicAccuracy(JsonObject):
 class ArmAccuracy(JsonObject):
     """One way of choosing what passes; ``size_bytes`` are those of all topics that are compared."""
 
-    _KEYS: ClassVar = MappingProxyType({"view": "shows", "size_bytes": "bytes"})
-
     name: str
-    view: View
-    size_bytes: int
+    view: Annotated[View, Entry(name="shows")]
+    size_bytes: Annotated[int, Entry(name="bytes")]
     topics: Mapping[str, TopicAccuracy]
 
 

@@ -7,11 +7,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import ClassVar
+from typing import Annotated
 
 from smarttestudo.accuracy.bounds import BoundLoss
-from smarttestudo.accuracy.json_object import JsonObject
+from smarttestudo.domain.record import Entry, JsonObject
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,12 +21,10 @@ class ErrorSize(JsonObject):
     are shares of the field's range (0.02 is 2 %), ``None`` where the field never changed.
     """
 
-    _KEYS: ClassVar = MappingProxyType({"maximum": "max", "relative_maximum": "relative_max"})
-
     rmse: float
-    maximum: float
+    maximum: Annotated[float, Entry(name="max")]
     relative_rmse: float | None
-    relative_maximum: float | None
+    relative_maximum: Annotated[float | None, Entry(name="relative_max")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,12 +59,10 @@ class FieldLoss(JsonObject):
     ``excluded_received`` count messages without a finite number there, which are left out.
     """
 
-    _KEYS: ClassVar = MappingProxyType({"value_range": "range"})
-
     topic: str
     field: str
     unit: str
-    value_range: float
+    value_range: Annotated[float, Entry(name="range")]
     received: FieldError | None
     fixed: FieldError | None
     excluded_sent: int = 0
@@ -92,10 +87,8 @@ class Age(JsonObject):
 class TopicArm(JsonObject):
     """One arm's share of a topic: messages, bytes (as declared, where they are) and age."""
 
-    _KEYS: ClassVar = MappingProxyType({"size_bytes": "bytes"})
-
     messages: int
-    size_bytes: int
+    size_bytes: Annotated[int, Entry(name="bytes")]
     age: Age | None
 
 
@@ -106,11 +99,9 @@ class TopicLoss(JsonObject):
     ``fixed_hz`` is infinite where the third arm passes every message.
     """
 
-    _KEYS: ClassVar = MappingProxyType({"topic": "", "received_topic": "b_topic", "type_name": "type"})
-
-    topic: str
-    received_topic: str
-    type_name: str
+    topic: Annotated[str, Entry(is_absent=True)]
+    received_topic: Annotated[str, Entry(name="b_topic")]
+    type_name: Annotated[str, Entry(name="type")]
     sent: TopicArm
     received: TopicArm
     fixed: TopicArm
@@ -163,13 +154,9 @@ class ImageLoss(JsonObject):
 class Carried(JsonObject):
     """Bytes of all topics that A and B share, each arm's."""
 
-    _KEYS: ClassVar = MappingProxyType(
-        {"sent_bytes": "sent", "received_bytes": "received", "fixed_bytes": "fixed"}
-    )
-
-    sent_bytes: int
-    received_bytes: int
-    fixed_bytes: int
+    sent_bytes: Annotated[int, Entry(name="sent")]
+    received_bytes: Annotated[int, Entry(name="received")]
+    fixed_bytes: Annotated[int, Entry(name="fixed")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

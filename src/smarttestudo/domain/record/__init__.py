@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Records: dataclasses as JSON and back, as the types of their fields say."""
 
-from smarttestudo.domain.record.codec import from_json, measured_names, to_json
+from smarttestudo.domain.record.codec import JsonObject, from_json, measured_names, to_json
 from smarttestudo.domain.record.entry import (
     AtMost,
     Count,
@@ -19,6 +19,7 @@ __all__ = [
     "Count",
     "Decimals",
     "Entry",
+    "JsonObject",
     "Mark",
     "Measured",
     "Significant",

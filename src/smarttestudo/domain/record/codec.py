@@ -18,6 +18,7 @@ from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from smarttestudo.domain.record.entry import AtMost, Decimals, Entry, Mark, Significant
+from smarttestudo.domain.record.plain import PLAIN
 
 _Value = TypeVar("_Value")
 _Encode = Callable[[Any], object]
@@ -28,6 +29,16 @@ def to_json(record: object) -> dict[str, Any]:
     """The object that ``record``, a dataclass, is in JSON."""
     kind: Any = type(record)
     return _class_of(kind).encode(record)
+
+
+class JsonObject:
+    """A dataclass that writes itself: its record is an object of ``--json``."""
+
+    __slots__ = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """The object."""
+        return to_json(self)
 
 
 def from_json(kind: type[_Value], value: object) -> _Value:
@@ -211,7 +222,7 @@ def _ways(hint: Any, entry: Entry) -> _Ways:
         return _Ways(encode=_any, decode=lambda value: value)
     if is_dataclass(hint):
         return _record(cast("type", hint))
-    return _Ways(encode=None, decode=_READ[hint])
+    return _Ways(encode=_finite_or_null if hint is float else None, decode=PLAIN[hint])
 
 
 def _any(value: object) -> object:
@@ -238,8 +249,9 @@ def _null_of(kind: Any) -> tuple[object, ...]:
 
 
 def _record(kind: type) -> _Ways:
+    encode = to_json if not hasattr(kind, "to_json") else lambda record: record.to_json()
     # Looked up when it is needed: a record may hold its own kind.
-    return _Ways(encode=to_json, decode=lambda value: _class_of(kind).decode(value), record=kind)
+    return _Ways(encode=encode, decode=lambda value: _class_of(kind).decode(value), record=kind)
 
 
 def _optional(hint: Any, entry: Entry) -> _Ways:
@@ -263,13 +275,13 @@ def _annotated(one: _Ways, extras: tuple[object, ...]) -> _Ways:
         elif isinstance(extra, AtMost):
             decode = _limited(decode, extra.most)
         elif extra is Mark.NULL_IS_INFINITE:
-            encode, null = _finite_or_null, (math.inf,)
+            null = (math.inf,)
     is_measured = one.is_measured or Mark.MEASURED in extras
     return _Ways(encode=encode, decode=decode, null=null, is_measured=is_measured, record=one.record)
 
 
 def _rounded(digits: int) -> _Encode:
-    return lambda value: round(value, digits)
+    return lambda value: _finite_or_null(round(value, digits))
 
 
 def _significant(digits: int) -> _Encode:
@@ -363,36 +375,3 @@ def _mapping(hint: Any) -> _Ways:
         is_measured=one.is_measured,
         record=one.record,
     )
-
-
-def _number(value: object) -> float:
-    if not isinstance(value, int | float) or isinstance(value, bool):
-        raise ValueError(f"not a number: {str(value)[:40]}")  # noqa: TRY004 - a stranger's text
-    try:
-        float(value)
-    except OverflowError as error:
-        raise ValueError("too large a number") from error
-    return value
-
-
-def _whole(value: object) -> int:
-    if not isinstance(value, int) or isinstance(value, bool):
-        raise ValueError(f"not a whole number: {str(value)[:40]}")  # noqa: TRY004 - a stranger's text
-    return value
-
-
-def _exactly(kind: type) -> _Decode:
-    def read(value: object) -> object:
-        if not isinstance(value, kind):
-            raise ValueError(f"not a {kind.__name__}: {str(value)[:40]}")  # noqa: TRY004 - a stranger's text
-        return value
-
-    return read
-
-
-_READ: Mapping[Any, _Decode] = {
-    float: _number,
-    int: _whole,
-    str: _exactly(str),
-    bool: _exactly(bool),
-}

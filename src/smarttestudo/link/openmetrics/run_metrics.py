@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a monitoring system gets of a live run."""
+"""Metrics of a live run, for a monitoring system."""
 
 from __future__ import annotations
 

@@ -132,7 +132,7 @@ def _metrics(
 
 
 def _of_sections(statuses: Mapping[str, RuntimeStatus]) -> Iterator[Metric]:
-    """Those of parts that have records of their own."""
+    """Metrics of the sections of parts."""
     by_kind: dict[type, list[tuple[tuple[str, ...], object]]] = {}
     for robot, status in statuses.items():
         for section in status.sections.values():
