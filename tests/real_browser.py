@@ -15,7 +15,7 @@ TIMEOUT_MS = 120_000
 # The first has the same engine and no window to draw, which saves a quarter of the processor time.
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 # The tabs of a context share one process, and none is started in advance.
-LEAN = ("--renderer-process-limit=1", "--in-process-gpu", "--disable-audio-output")
+LEAN = ("--renderer-process-limit=1", "--in-process-gpu")
 
 
 @contextmanager

@@ -35,7 +35,7 @@ from smarttestudo.domain.record import (
     AtMost,
     Count,
     Decimals,
-    Entry,
+    JsonEntry,
     Mark,
     Measured,
     Significant,
@@ -67,7 +67,7 @@ class Level(Enum):
 class Point:
     name: str
     level: Level
-    height: Annotated[Annotated[float, Significant(3)] | None, Entry(is_lenient=True)] = None
+    height: Annotated[Annotated[float, Significant(3)] | None, JsonEntry(is_lenient=True)] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,16 +79,16 @@ class Size:
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shape:
     colour: Colour
-    size: Annotated[Size, Entry(is_merged=True)]
+    size: Annotated[Size, JsonEntry(is_merged=True)]
     rate_hz: Annotated[float, Mark.NULL_IS_INFINITE] = math.inf
     speed: Measured | None = None
-    is_open: Annotated[bool, Entry(name="open", omits_default=True)] = False
-    points: Annotated[tuple[Point, ...], Entry(keyed_by="name")] = ()
-    row: Annotated[tuple[Point, ...], Entry(are_rows=True, is_lenient=True, omits_default=True)] = ()
+    is_open: Annotated[bool, JsonEntry(name="open", omits_default=True)] = False
+    points: Annotated[tuple[Point, ...], JsonEntry(keyed_by="name")] = ()
+    row: Annotated[tuple[Point, ...], JsonEntry(are_rows=True, is_lenient=True, omits_default=True)] = ()
     tags: frozenset[str] = frozenset()
     weights: Mapping[str, Annotated[float, Decimals(1)]] = field(default_factory=dict)
-    cache: Annotated[int, Entry(is_absent=True)] = 0
-    inner: Annotated[Shape | None, Entry(omits_default=True)] = None
+    cache: Annotated[int, JsonEntry(is_absent=True)] = 0
+    inner: Annotated[Shape | None, JsonEntry(omits_default=True)] = None
 
     @property
     @derived("area")

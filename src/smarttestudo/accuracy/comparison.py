@@ -10,7 +10,7 @@ from enum import Enum
 from typing import Annotated
 
 from smarttestudo.accuracy.arms import PacedPicture
-from smarttestudo.domain.record import Entry, JsonObject
+from smarttestudo.domain.record import JsonEntry, JsonObject
 
 
 class View(Enum):
@@ -49,7 +49,7 @@ class TopicAccuracy(JsonObject):
     """A topic in one run: how much of it passed, and how accurate its properties were."""
 
     messages: int
-    size_bytes: Annotated[int, Entry(name="bytes")]
+    size_bytes: Annotated[int, JsonEntry(name="bytes")]
     properties: Mapping[str, PropertyAccuracy]
 
 
@@ -58,8 +58,8 @@ class ArmAccuracy(JsonObject):
     """One way of choosing what passes; ``size_bytes`` are those of all topics that are compared."""
 
     name: str
-    view: Annotated[View, Entry(name="shows")]
-    size_bytes: Annotated[int, Entry(name="bytes")]
+    view: Annotated[View, JsonEntry(name="shows")]
+    size_bytes: Annotated[int, JsonEntry(name="bytes")]
     topics: Mapping[str, TopicAccuracy]
 
 

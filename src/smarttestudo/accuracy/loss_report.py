@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from smarttestudo.accuracy.bounds import BoundLoss
-from smarttestudo.domain.record import Entry, JsonObject
+from smarttestudo.domain.record import JsonEntry, JsonObject
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,9 +22,9 @@ class ErrorSize(JsonObject):
     """
 
     rmse: float
-    maximum: Annotated[float, Entry(name="max")]
+    maximum: Annotated[float, JsonEntry(name="max")]
     relative_rmse: float | None
-    relative_maximum: Annotated[float | None, Entry(name="relative_max")]
+    relative_maximum: Annotated[float | None, JsonEntry(name="relative_max")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,7 +62,7 @@ class FieldLoss(JsonObject):
     topic: str
     field: str
     unit: str
-    value_range: Annotated[float, Entry(name="range")]
+    value_range: Annotated[float, JsonEntry(name="range")]
     received: FieldError | None
     fixed: FieldError | None
     excluded_sent: int = 0
@@ -88,7 +88,7 @@ class TopicArm(JsonObject):
     """One arm's share of a topic: messages, bytes (as declared, where they are) and age."""
 
     messages: int
-    size_bytes: Annotated[int, Entry(name="bytes")]
+    size_bytes: Annotated[int, JsonEntry(name="bytes")]
     age: Age | None
 
 
@@ -99,9 +99,9 @@ class TopicLoss(JsonObject):
     ``fixed_hz`` is infinite where the third arm passes every message.
     """
 
-    topic: Annotated[str, Entry(is_absent=True)]
-    received_topic: Annotated[str, Entry(name="b_topic")]
-    type_name: Annotated[str, Entry(name="type")]
+    topic: Annotated[str, JsonEntry(is_absent=True)]
+    received_topic: Annotated[str, JsonEntry(name="b_topic")]
+    type_name: Annotated[str, JsonEntry(name="type")]
     sent: TopicArm
     received: TopicArm
     fixed: TopicArm
@@ -154,9 +154,9 @@ class ImageLoss(JsonObject):
 class Carried(JsonObject):
     """Bytes of all topics that A and B share, each arm's."""
 
-    sent_bytes: Annotated[int, Entry(name="sent")]
-    received_bytes: Annotated[int, Entry(name="received")]
-    fixed_bytes: Annotated[int, Entry(name="fixed")]
+    sent_bytes: Annotated[int, JsonEntry(name="sent")]
+    received_bytes: Annotated[int, JsonEntry(name="received")]
+    fixed_bytes: Annotated[int, JsonEntry(name="fixed")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from smarttestudo.bags.statistics import Latency, RecordingSpan, TopicStatistics
 from smarttestudo.domain.incident import IncidentRecord
-from smarttestudo.domain.record import Entry, to_json
+from smarttestudo.domain.record import JsonEntry, to_json
 from smarttestudo.domain.recording import Storage
 from smarttestudo.domain.units import utc_time
 
@@ -50,7 +50,7 @@ class BagTotal:
     """All topics of a recording together."""
 
     messages: int
-    size_bytes: Annotated[int, Entry(name="bytes")]
+    size_bytes: Annotated[int, JsonEntry(name="bytes")]
     kb_per_s: float | None
     kbit_per_s: float | None
 

@@ -14,7 +14,7 @@ from typing import Annotated
 
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.rate_meter import mean_hz
-from smarttestudo.domain.record import Entry
+from smarttestudo.domain.record import JsonEntry
 from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S
 
 
@@ -47,7 +47,7 @@ class TopicStatistics:
     """
 
     messages: int
-    size_bytes: Annotated[int, Entry(name="bytes")]
+    size_bytes: Annotated[int, JsonEntry(name="bytes")]
     start_s: float | None
     end_s: float | None
     mean_hz: float | None
@@ -95,9 +95,9 @@ class Latency:
     ``None`` where no message has a stamp. Below zero, or years, where the two come from different clocks.
     """
 
-    mean_s: Annotated[float | None, Entry(name="latency_mean_s")] = None
-    p95_s: Annotated[float | None, Entry(name="latency_p95_s")] = None
-    max_s: Annotated[float | None, Entry(name="latency_max_s")] = None
+    mean_s: Annotated[float | None, JsonEntry(name="latency_mean_s")] = None
+    p95_s: Annotated[float | None, JsonEntry(name="latency_p95_s")] = None
+    max_s: Annotated[float | None, JsonEntry(name="latency_max_s")] = None
 
 
 class LatencyAccumulator:

@@ -10,7 +10,7 @@ from enum import Enum
 from typing import Annotated
 
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.record import Decimals, Entry, from_json, to_json
+from smarttestudo.domain.record import Decimals, JsonEntry, from_json, to_json
 
 
 class Reason(Enum):
@@ -48,12 +48,12 @@ class PlannedRate:
     properties without a bound which block in doubt has one.
     """
 
-    rate: Annotated[Rate, Entry(name="to_hz")]
+    rate: Annotated[Rate, JsonEntry(name="to_hz")]
     reason: Reason
     rule: str | None = None
     line: int | None = None
-    within: Annotated[Mapping[str, float], Entry(name="to_within")] = field(default_factory=dict)
-    bound_reasons: Annotated[Mapping[str, BoundReason], Entry(omits_default=True)] = field(
+    within: Annotated[Mapping[str, float], JsonEntry(name="to_within")] = field(default_factory=dict)
+    bound_reasons: Annotated[Mapping[str, BoundReason], JsonEntry(omits_default=True)] = field(
         default_factory=dict
     )
 
@@ -68,13 +68,13 @@ class Decision:
     before.
     """
 
-    t_s: Annotated[float, Decimals(6), Entry(name="t")]
+    t_s: Annotated[float, Decimals(6), JsonEntry(name="t")]
     stamp_ns: int
     topic: str
-    from_rate: Annotated[Rate | None, Entry(name="from_hz")]
-    planned: Annotated[PlannedRate, Entry(is_merged=True)]
+    from_rate: Annotated[Rate | None, JsonEntry(name="from_hz")]
+    planned: Annotated[PlannedRate, JsonEntry(is_merged=True)]
     values: Mapping[str, float | None]
-    is_end: Annotated[bool, Entry(name="end", omits_default=True)] = False
+    is_end: Annotated[bool, JsonEntry(name="end", omits_default=True)] = False
     from_within: Mapping[str, float] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, object]:

@@ -14,7 +14,7 @@ from enum import Enum
 from typing import Annotated
 
 from smarttestudo.domain.metric import Metered, MetricKind
-from smarttestudo.domain.record import AtMost, Entry
+from smarttestudo.domain.record import AtMost, JsonEntry
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_MS
 
 DEFAULT_INCIDENT_MEMORY_MB = 256
@@ -72,9 +72,9 @@ class Missing:
 class IncidentTopic:
     """Content of an incident for one topic."""
 
-    type_name: Annotated[str, Entry(name="type")]
+    type_name: Annotated[str, JsonEntry(name="type")]
     messages: _Whole
-    size_bytes: Annotated[_Whole, Entry(name="bytes")]
+    size_bytes: Annotated[_Whole, JsonEntry(name="bytes")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,7 +98,7 @@ class IncidentRecord:
 
     name: str
     rule: str
-    path: Annotated[str, Entry(name="file")]
+    path: Annotated[str, JsonEntry(name="file")]
     line: _Whole
     triggered_ns: _Whole
     from_ns: _Whole

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from smarttestudo.domain.metric import Metered, MetricKind
-from smarttestudo.domain.record import Count, Entry, Measured
+from smarttestudo.domain.record import Count, JsonEntry, Measured
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +47,7 @@ class StreamCounts:
     queued_bytes: Annotated[
         Count, Metered("topic_link_queued", "bytes", "What waits for the link of the topic.")
     ] = 0
-    is_losing: Annotated[bool, Entry(name="losing")] = False
+    is_losing: Annotated[bool, JsonEntry(name="losing")] = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,7 +62,7 @@ class LinkState:
 
     is_connected: Annotated[
         bool,
-        Entry(name="connected"),
+        JsonEntry(name="connected"),
         Metered("link_connected", "", "1 if an operator is connected over the link, else 0."),
     ] = False
     capacity_kb_per_s: Annotated[
@@ -82,8 +82,8 @@ class LinkState:
             MetricKind.COUNTER,
         ),
     ] = 0
-    sessions: Annotated[int, Entry(is_absent=True)] = 0
-    predicted: Annotated[frozenset[str], Entry(is_absent=True)] = frozenset()
+    sessions: Annotated[int, JsonEntry(is_absent=True)] = 0
+    predicted: Annotated[frozenset[str], JsonEntry(is_absent=True)] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,7 +93,7 @@ class TopicOnLink:
     ``age_ms`` is how old its last message was when it arrived at the operator's end; ``None`` while unknown.
     """
 
-    counts: Annotated[StreamCounts, Entry(is_merged=True)]
+    counts: Annotated[StreamCounts, JsonEntry(is_merged=True)]
     age_ms: Annotated[
         Measured | None,
         Metered("topic_link_age", "seconds", "Age of the last message when it arrived at the operator."),
@@ -110,7 +110,7 @@ class CommandTopic:
     """
 
     topic: str
-    type_name: Annotated[str | None, Entry(name="type")] = None
+    type_name: Annotated[str | None, JsonEntry(name="type")] = None
     problem: str | None = None
     received: Count = 0
     delivered: int = 0

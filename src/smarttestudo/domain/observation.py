@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from smarttestudo.domain.record import Entry
+from smarttestudo.domain.record import JsonEntry
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +39,7 @@ class SourceChanged:
     topic: str
     publishers: int
     transient_local: bool
-    type_name: Annotated[str, Entry(name="type")] = ""
+    type_name: Annotated[str, JsonEntry(name="type")] = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,8 +60,8 @@ class LinkBudget:
     ``is_measured``: so much the link carries; else somebody set it. The lesser of both holds.
     """
 
-    link_kb_per_s: Annotated[float, Entry(name="budget_kb_per_s")]
-    is_measured: Annotated[bool, Entry(name="measured", omits_default=True)] = False
+    link_kb_per_s: Annotated[float, JsonEntry(name="budget_kb_per_s")]
+    is_measured: Annotated[bool, JsonEntry(name="measured", omits_default=True)] = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

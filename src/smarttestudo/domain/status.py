@@ -13,7 +13,7 @@ from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import CommandTopic, LinkState, TopicOnLink
 from smarttestudo.domain.metric import Metered, MetricKind
-from smarttestudo.domain.record import Count, Decimals, Entry, Mark, Measured, Significant, derived
+from smarttestudo.domain.record import Count, Decimals, JsonEntry, Mark, Measured, Significant, derived
 from smarttestudo.domain.signal import Truth
 
 STATUS_HZ = 1.0
@@ -32,7 +32,7 @@ class CheckStatus:
     line: int
     column: int
     state: Truth
-    value: Annotated[Annotated[float, Significant(6)] | None, Entry(is_lenient=True)]
+    value: Annotated[Annotated[float, Significant(6)] | None, JsonEntry(is_lenient=True)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,7 +46,7 @@ class TimeStatus:
     line: int
     column: int
     state: Truth
-    held_s: Annotated[_Seconds | None, Entry(is_lenient=True)]
+    held_s: Annotated[_Seconds | None, JsonEntry(is_lenient=True)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,9 +61,11 @@ class BlockStatus:
     line: int
     column: int
     state: Truth
-    checks: Annotated[tuple[CheckStatus, ...], Entry(are_rows=True, is_lenient=True)]
-    held_s: Annotated[_Seconds | None, Entry(is_lenient=True, omits_default=True)] = None
-    times: Annotated[tuple[TimeStatus, ...], Entry(are_rows=True, is_lenient=True, omits_default=True)] = ()
+    checks: Annotated[tuple[CheckStatus, ...], JsonEntry(are_rows=True, is_lenient=True)]
+    held_s: Annotated[_Seconds | None, JsonEntry(is_lenient=True, omits_default=True)] = None
+    times: Annotated[
+        tuple[TimeStatus, ...], JsonEntry(are_rows=True, is_lenient=True, omits_default=True)
+    ] = ()
 
 
 class DiagnosticLevel(IntEnum):
@@ -125,9 +127,9 @@ class RulesInForce:
     ``waits_s`` is how long pushed rules still hold unless they are confirmed; ``None`` where none wait.
     """
 
-    paths: Annotated[tuple[str, ...], Entry(name="files")] = ()
+    paths: Annotated[tuple[str, ...], JsonEntry(name="files")] = ()
     sha256: str = ""
-    origin: Annotated[RulesOrigin, Entry(is_lenient=True)] = RulesOrigin.FILES
+    origin: Annotated[RulesOrigin, JsonEntry(is_lenient=True)] = RulesOrigin.FILES
     waits_s: Measured | None = None
 
 
@@ -187,7 +189,7 @@ class TopicStatus:
     """
 
     output: str
-    type_name: Annotated[str | None, Entry(name="type")]
+    type_name: Annotated[str | None, JsonEntry(name="type")]
     reason: Reason
     rule: str | None
     line: int | None
@@ -222,12 +224,12 @@ class TopicStatus:
     subscribers: int
     incompatible: tuple[str, ...]
     problem: str | None
-    silence: Annotated[Silence | None, Entry(name="silent")]
-    counts: Annotated[TopicCounts, Entry(is_merged=True)]
-    frames: Annotated[int | None, Entry(omits_default=True)] = None
-    on_link: Annotated[TopicOnLink | None, Entry(name="link", omits_default=True)] = None
-    within: Annotated[Mapping[str, float], Entry(omits_default=True)] = field(default_factory=dict)
-    bound_reasons: Annotated[Mapping[str, BoundReason], Entry(omits_default=True)] = field(
+    silence: Annotated[Silence | None, JsonEntry(name="silent")]
+    counts: Annotated[TopicCounts, JsonEntry(is_merged=True)]
+    frames: Annotated[int | None, JsonEntry(omits_default=True)] = None
+    on_link: Annotated[TopicOnLink | None, JsonEntry(name="link", omits_default=True)] = None
+    within: Annotated[Mapping[str, float], JsonEntry(omits_default=True)] = field(default_factory=dict)
+    bound_reasons: Annotated[Mapping[str, BoundReason], JsonEntry(omits_default=True)] = field(
         default_factory=dict
     )
 
@@ -242,7 +244,7 @@ class RuntimeStatus:
     ``blocks`` has the states of the conditions.
     """
 
-    robot: Annotated[str, Entry(omits_default=True)] = ""
+    robot: Annotated[str, JsonEntry(omits_default=True)] = ""
     node: str
     stamp_ns: int
     uptime_s: Annotated[Measured, Metered("uptime", "seconds", "Time since the start of the run.")]
@@ -261,14 +263,14 @@ class RuntimeStatus:
     ]
     memory_mb: Annotated[Measured | None, Metered("memory", "bytes", "Resident memory of the run.")]
     topics: Mapping[str, TopicStatus]
-    blocks: Annotated[tuple[BlockStatus, ...], Entry(is_lenient=True)] = ()
-    link: Annotated[LinkState | None, Entry(omits_default=True)] = None
+    blocks: Annotated[tuple[BlockStatus, ...], JsonEntry(is_lenient=True)] = ()
+    link: Annotated[LinkState | None, JsonEntry(omits_default=True)] = None
     """The link to an operator's end, if there is one."""
-    accepted: Annotated[tuple[CommandTopic, ...], Entry(keyed_by="topic", omits_default=True)] = ()
+    accepted: Annotated[tuple[CommandTopic, ...], JsonEntry(keyed_by="topic", omits_default=True)] = ()
     """The topics that are accepted of operators."""
-    incidents: Annotated[IncidentState | None, Entry(omits_default=True)] = None
+    incidents: Annotated[IncidentState | None, JsonEntry(omits_default=True)] = None
     """What rules record, if that is carried out."""
-    sections: Annotated[Mapping[str, object], Entry(is_rest=True)] = field(default_factory=dict)
+    sections: Annotated[Mapping[str, object], JsonEntry(is_rest=True)] = field(default_factory=dict)
     """What other parts tell of themselves: a record each, by its name; read from JSON, an object each."""
 
     @property

@@ -11,7 +11,7 @@ from typing import Annotated
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon, SourceChanged
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.record import Entry
+from smarttestudo.domain.record import JsonEntry
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.pacing.sample import WhenSlow
 
@@ -66,8 +66,8 @@ class RuleTextsInput:
     """
 
     stamp_ns: int
-    rule_texts: Annotated[Mapping[str, str], Entry(name="rules")]
-    profile_text: Annotated[str | None, Entry(name="profile")] = None
+    rule_texts: Annotated[Mapping[str, str], JsonEntry(name="rules")]
+    profile_text: Annotated[str | None, JsonEntry(name="profile")] = None
     names: Mapping[str, str] = field(default_factory=dict)
     when_slow: WhenSlow = WhenSlow.PASS
     budget_kb_per_s: float | None = None

@@ -9,7 +9,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
-from smarttestudo.domain.record import Entry
+from smarttestudo.domain.record import JsonEntry
 from smarttestudo.pacing.grid import NEVER_NS, Grid, Pace
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample
@@ -30,7 +30,7 @@ class BoundRecord:
 
     bound: float
     worst: float = 0.0
-    last: Annotated[float, Entry(is_absent=True)] = math.inf
+    last: Annotated[float, JsonEntry(is_absent=True)] = math.inf
     broken: int = 0
 
 

@@ -10,7 +10,7 @@ from statistics import fmean
 from typing import Annotated, NamedTuple
 
 from smarttestudo.domain.rate_meter import Flow
-from smarttestudo.domain.record import Entry, to_json
+from smarttestudo.domain.record import JsonEntry, to_json
 from smarttestudo.domain.units import BYTES_PER_KB
 from smarttestudo.loop.statistics import RelayStatistics, TargetRate
 from smarttestudo.pacing.bound import BoundRecord
@@ -30,9 +30,9 @@ class TopicOutcome:
     is ``None``.
     """
 
-    output_topic: Annotated[str, Entry(name="monitored_topic")]
-    messages_in: Annotated[int, Entry(name="in")]
-    messages_out: Annotated[int, Entry(name="out")]
+    output_topic: Annotated[str, JsonEntry(name="monitored_topic")]
+    messages_in: Annotated[int, JsonEntry(name="in")]
+    messages_out: Annotated[int, JsonEntry(name="out")]
     repeated: int
     source_hz: float | None
     target_hz: float | None
@@ -42,8 +42,8 @@ class TopicOutcome:
     out_kb: float
     declared: bool = False
     frames: int | None = None
-    bounds: Annotated[Mapping[str, BoundRecord], Entry(omits_default=True)] = field(default_factory=dict)
-    unreadable: Annotated[int, Entry(is_absent=True)] = 0
+    bounds: Annotated[Mapping[str, BoundRecord], JsonEntry(omits_default=True)] = field(default_factory=dict)
+    unreadable: Annotated[int, JsonEntry(is_absent=True)] = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Records: dataclasses as JSON and back, as the types of their fields say.
 
-A field is an entry of the object under its own name, unless ``Entry`` says otherwise. Enums stand by their
-values, those of numbers by their names in lower case; tuples are lists, mappings are objects; a class with
-``to_json`` and ``from_json`` writes itself.
+A field is an entry of the object under its own name, unless ``JsonEntry`` says otherwise. Enums stand by
+their values, those of numbers by their names in lower case; tuples are lists, mappings are objects; a class
+with ``to_json`` and ``from_json`` writes itself.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from functools import cache
 from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
-from smarttestudo.domain.record.entry import AtMost, Decimals, Entry, Mark, Significant
+from smarttestudo.domain.record.entry import AtMost, Decimals, JsonEntry, Mark, Significant
 from smarttestudo.domain.record.plain import PLAIN
 
 _Value = TypeVar("_Value")
@@ -70,7 +70,7 @@ class _EntryOf:
     """One field: the ways of its value, and where it stands."""
 
     field: Field[Any]
-    entry: Entry
+    entry: JsonEntry
     value: _Ways
 
     @property
@@ -115,7 +115,7 @@ class _RecordClass:
         for attribute, member in vars(kind).items():
             getter = member.fget if isinstance(member, property) else None
             if getter is not None and (name := vars(getter).get("record_entry")):
-                ways = _ways(get_type_hints(getter, include_extras=True)["return"], Entry())
+                ways = _ways(get_type_hints(getter, include_extras=True)["return"], JsonEntry())
                 self._derived.append((name, attribute, ways.encode))
                 self._derived_measured += [name] * ways.is_measured
         self.keys = frozenset((*self._own_keys(), *(name for name, _, _ in self._derived)))
@@ -199,12 +199,12 @@ class _Ways:
     record: type | None = None
 
 
-def _entry(hint: Any) -> Entry:
+def _entry(hint: Any) -> JsonEntry:
     extras = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
-    return next((one for one in extras if isinstance(one, Entry)), Entry())
+    return next((one for one in extras if isinstance(one, JsonEntry)), JsonEntry())
 
 
-def _ways(hint: Any, entry: Entry) -> _Ways:
+def _ways(hint: Any, entry: JsonEntry) -> _Ways:
     origin, parts = get_origin(hint), get_args(hint)
     if origin is Annotated:
         return _annotated(_ways(parts[0], entry), parts[1:])
@@ -254,7 +254,7 @@ def _record(kind: type) -> _Ways:
     return _Ways(encode=encode, decode=lambda value: _class_of(kind).decode(value), record=kind)
 
 
-def _optional(hint: Any, entry: Entry) -> _Ways:
+def _optional(hint: Any, entry: JsonEntry) -> _Ways:
     one = _ways(hint, entry)
     return _Ways(
         encode=one.encode,
@@ -302,8 +302,8 @@ def _limited(decode: _Decode, most: float) -> _Decode:
     return read
 
 
-def _several(origin: type, hint: Any, entry: Entry) -> _Ways:
-    one = _ways(hint, Entry())
+def _several(origin: type, hint: Any, entry: JsonEntry) -> _Ways:
+    one = _ways(hint, JsonEntry())
     encode, decode = one.encode, one.decode
     if entry.keyed_by:
         return _keyed(hint, entry.keyed_by)
@@ -359,7 +359,7 @@ def _keyed(kind: type, field: str) -> _Ways:
 
 
 def _mapping(hint: Any) -> _Ways:
-    one = _ways(hint, Entry())
+    one = _ways(hint, JsonEntry())
 
     def read(value: object) -> object:
         if not isinstance(value, dict):

@@ -13,7 +13,7 @@ _Method = TypeVar("_Method", bound=Callable[..., object])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class JsonEntry:
     """How a field stands in its object.
 
     ``name`` is its key, where that is not the field's name. ``keyed_by`` makes an object of a tuple of
