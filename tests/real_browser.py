@@ -12,10 +12,7 @@ import pytest
 from playwright.sync_api import Browser, expect, sync_playwright
 
 TIMEOUT_MS = 120_000
-# The first has the same engine and no window to draw, which saves a quarter of the processor time.
-NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
-# The tabs of a context share one process, and none is started in advance.
-LEAN = ("--renderer-process-limit=1", "--in-process-gpu")
+NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
 @contextmanager
@@ -26,6 +23,6 @@ def chromium() -> Iterator[Browser]:
         pytest.skip("Chromium is not installed: no page is tested")
     expect.set_options(timeout=TIMEOUT_MS)
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox", *LEAN])
+        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
         yield browser
         browser.close()

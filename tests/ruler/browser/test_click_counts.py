@@ -66,7 +66,7 @@ def test_from_a_recording_to_rules_with_a_zone_that_are_downloaded(ruler: RulerP
     for line in (
         "SetFrequency /odom Full",
         'Rule "Zone 1"',
-        "SetFrequency /gripper 5",
+        "SetFrequency /odom 5",
         "profile monday.toml ",
     ):
         assert line in text

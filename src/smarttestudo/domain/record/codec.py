@@ -101,14 +101,14 @@ class _RecordClass:
             for hint, entry in [(hints[field.name], _entry(hints[field.name]))]
         ]
         self._plan = [
-            (one.field.name, one.key, one.value.encode, one.default if one.entry.omits_default else _ALWAYS)
+            (
+                one.field.name,
+                None if one.entry.is_merged or one.entry.is_rest else one.key,
+                one.value.encode,
+                one.default if one.entry.omits_default else _ALWAYS,
+            )
             for one in self._entries
-            if not (one.entry.is_absent or one.entry.is_merged or one.entry.is_rest)
-        ]
-        self._merged = [
-            (one.field.name, cast("Callable[[Any], dict[str, Any]]", one.value.encode))
-            for one in self._entries
-            if one.entry.is_merged or one.entry.is_rest
+            if not one.entry.is_absent
         ]
         self._derived: list[tuple[str, str, _Encode | None]] = []
         self._derived_measured: list[str] = []
@@ -131,12 +131,12 @@ class _RecordClass:
         written: dict[str, Any] = {}
         for field, key, encode, default in self._plan:
             value = getattr(record, field)
-            if value is not None and value != default:
+            if key is None:
+                written.update(cast("dict[str, Any]", encode(value) if encode else value))
+            elif value is not None and value != default:
                 written[key] = value if encode is None else encode(value)
             elif default is _ALWAYS:
                 written[key] = None
-        for field, encode in self._merged:
-            written.update(encode(getattr(record, field)))
         for name, attribute, encode in self._derived:
             value = getattr(record, attribute)
             written[name] = value if value is None or encode is None else encode(value)
@@ -156,7 +156,8 @@ class _RecordClass:
     def decode_row(self, value: object) -> object:
         if not isinstance(value, list) or len(value) < len(self._plan):
             raise ValueError(f"not a list of {len(self._plan)}")
-        return self.decode({key: found for (_, key, _, _), found in zip(self._plan, value, strict=False)})
+        keys = [key for _, key, _, _ in self._plan if key is not None]
+        return self.decode(dict(zip(keys, value, strict=False)))
 
     def _read(self, one: _EntryOf, value: Mapping[str, object]) -> object:
         if one.entry.is_absent:
@@ -296,7 +297,7 @@ def _limited(decode: _Decode, most: float) -> _Decode:
     def read(value: object) -> object:
         number = decode(value)
         if not -most <= number <= most:
-            raise ValueError(f"{number:.6g} is out of range")
+            raise ValueError(f"{str(number)[:40]} is out of range")
         return number
 
     return read
