@@ -60,12 +60,12 @@ def add_option(parser: argparse.ArgumentParser, flag: str, option: AnyOption) ->
         flag,
         metavar=option.metavar,
         dest=option.key,
-        type=partial(_given, option),
+        type=partial(given_value, option),
         help=f"{option.help}{shown}",
     )
 
 
-def _given(option: AnyOption, text: str) -> ParameterValue:
+def given_value(option: AnyOption, text: str) -> ParameterValue:
     """Value that a parameter would hold; ``ArgumentTypeError`` for a text that the option cannot have."""
     try:
         return given_as(option.from_text(text))
@@ -127,20 +127,6 @@ def seconds(text: str) -> float:
         number = 0.0
     if not _MIN_SECONDS <= number <= _MAX_SECONDS:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds from 1 to {_MAX_SECONDS:.0f}")
-    return number
-
-
-_MAX_MEMORY_MB = 1_000_000.0
-
-
-def memory_mb(text: str) -> float:
-    """Memory from the command line; ``ArgumentTypeError`` for anything but 1 MB to 1 TB."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = 0.0
-    if not 1 <= number <= _MAX_MEMORY_MB:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of MB from 1 to {_MAX_MEMORY_MB:.0f}")
     return number
 
 

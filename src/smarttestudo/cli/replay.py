@@ -8,12 +8,13 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from functools import partial
 from typing import TYPE_CHECKING
 
 from smarttestudo.bags.comparison import change_percent
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.cli.loop_options import add_rules, memory_mb
+from smarttestudo.cli.loop_options import add_rules, given_value
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.tables import print_table
@@ -27,6 +28,7 @@ from smarttestudo.domain.recording import RecordingReader, Storage
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.files.whole_file import whole_file
+from smarttestudo.incidents.live_incidents import INCIDENT_MEMORY
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.decision_log import decision_log
 from smarttestudo.loop.input_log import holds_inputs
@@ -219,7 +221,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--incident-memory",
         metavar="MB",
-        type=memory_mb,
+        type=partial(given_value, INCIDENT_MEMORY),
         default=DEFAULT_INCIDENT_MEMORY_MB,
         help="memory that the robot would have for what came before an incident (default: %(default)s)",
     )

@@ -22,11 +22,11 @@ from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB
 from smarttestudo.incidents.background import BackgroundSink
 from smarttestudo.incidents.folder_lock import FolderLock
 from smarttestudo.incidents.folders import IncidentFolders
+from smarttestudo.incidents.heard_channels import HeardChannels
 from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
 from smarttestudo.incidents.recovery import complete_incidents
 from smarttestudo.incidents.ring_files import RingFiles
 from smarttestudo.incidents.space import make_room
-from smarttestudo.robot.heard_channels import HeardChannels
 from smarttestudo.robot.option import Option, Settings, number, optional, path
 from smarttestudo.robot.part import Part, PartContext, PartKind, RunView
 from smarttestudo.robot.rules import LiveRules

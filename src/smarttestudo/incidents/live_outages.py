@@ -13,11 +13,11 @@ from smarttestudo.domain.errors import said
 from smarttestudo.domain.link import MessageOrigin, MissedMessage, OutgoingLink
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.incidents.heard_channels import HeardChannels
 from smarttestudo.incidents.live_incidents import INCIDENTS, delete_for_room
 from smarttestudo.incidents.outage_folder import OutageFolder
 from smarttestudo.incidents.task_thread import TaskThread
 from smarttestudo.loop.relay import Relayed
-from smarttestudo.robot.heard_channels import HeardChannels
 from smarttestudo.robot.option import Option, Settings, is_true
 from smarttestudo.robot.part import Part, PartContext, PartKind
 from smarttestudo.robot.rules import LiveRules

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Sequence
-from functools import partial
 
 from smarttestudo.domain.errors import said
 from smarttestudo.domain.link import OutgoingLink
@@ -49,7 +48,9 @@ class LiveRun:
         self.loop = loop = inputs.loop(rules, now_ns)
         self._parts = parts
         self._on_message = [part.on_message for part in parts if _does(part, "on_message")]
+        self._before_relays = [part.before_relays for part in parts if _does(part, "before_relays")]
         self._publishing = [part for part in parts if _does(part, "before_publish")]
+        self._waking = [part for part in parts if _does(part, "on_wake")]
         self._decisions = decisions
         self.rules = rules
         self._follow_parts(now_ns)
@@ -73,7 +74,7 @@ class LiveRun:
         self._robot.every(self._timer.period_s, self._tell)
         for part in self._parts:
             if part.poll_s is not None:
-                self._robot.every(part.poll_s, partial(self._poll, part))
+                self._robot.every(part.poll_s, part.poll)
         try:
             while not stopped():
                 self._report()
@@ -112,9 +113,9 @@ class LiveRun:
         """The topics whose output has a subscriber on the robot's own graph."""
         return self._topics.heard_here()
 
-    def give(self, change: ChangeInput) -> None:
-        """Give the loop a change, and relay what comes of it."""
-        self._take(change)
+    def give(self, given: ChangeInput | WakeInput) -> None:
+        """Give the loop a change or the time, and relay what comes of it."""
+        self._take(given)
 
     def _follow_parts(self, now_ns: int) -> None:
         for part in self._parts:
@@ -133,7 +134,7 @@ class LiveRun:
 
     @property
     def _wake_ns(self) -> int | None:
-        parts_ns = [part.wake_ns for part in self._parts]
+        parts_ns = [part.wake_ns for part in self._waking]
         wakes_ns = (self.loop.next_wake_ns, self._sampling.wake_ns, *parts_ns)
         return min((wake_ns for wake_ns in wakes_ns if wake_ns is not None), default=None)
 
@@ -145,7 +146,7 @@ class LiveRun:
         wake_ns = self._sampling.wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             self._sampling.on_wake(now_ns)
-        for part in self._parts:
+        for part in self._waking:
             part.on_wake(now_ns)
 
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
@@ -175,17 +176,12 @@ class LiveRun:
         for part in self._parts:
             part.on_graph()
 
-    def _poll(self, part: Part) -> None:
-        # What is due goes out before a picture begins anew, of which it is no part.
-        self._take(WakeInput(stamp_ns=self._robot.now_ns()))
-        part.poll()
-
     def _take(self, given: LoopInput) -> None:
         self._inputs.record(given, self.rules)
         relayed = self.loop.take(given)
         if relayed:
-            for part in self._parts:
-                part.before_relays()
+            for before_relays in self._before_relays:
+                before_relays()
         for one in relayed:
             self._publish(one)
             self._status.note(one)

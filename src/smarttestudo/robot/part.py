@@ -15,7 +15,7 @@ from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot, Subscription
 from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.loop.inputs import ChangeInput
+from smarttestudo.loop.inputs import ChangeInput, WakeInput
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.robot.option import AnyOption, Settings
@@ -37,8 +37,8 @@ class RunView(Protocol):
     def heard_here(self) -> Collection[str]:
         """The topics whose output has a subscriber on the robot's own graph."""
 
-    def give(self, change: ChangeInput) -> None:
-        """Give the loop a change, and relay what comes of it."""
+    def give(self, given: ChangeInput | WakeInput) -> None:
+        """Give the loop a change or the time, and relay what comes of it."""
 
 
 class Part:

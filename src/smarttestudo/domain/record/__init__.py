@@ -12,6 +12,7 @@ from smarttestudo.domain.record.entry import (
     Measured,
     Significant,
     derived,
+    marks,
 )
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "Significant",
     "derived",
     "from_json",
+    "marks",
     "measured_names",
     "to_json",
 ]

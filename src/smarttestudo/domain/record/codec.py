@@ -17,7 +17,7 @@ from functools import cache
 from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
-from smarttestudo.domain.record.entry import AtMost, Decimals, JsonEntry, Mark, Significant
+from smarttestudo.domain.record.entry import AtMost, Decimals, JsonEntry, Mark, Significant, marks
 from smarttestudo.domain.record.plain import PLAIN
 
 _Value = TypeVar("_Value")
@@ -201,8 +201,7 @@ class _Ways:
 
 
 def _entry(hint: Any) -> JsonEntry:
-    extras = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
-    return next((one for one in extras if isinstance(one, JsonEntry)), JsonEntry())
+    return next((one for one in marks(hint) if isinstance(one, JsonEntry)), JsonEntry())
 
 
 def _ways(hint: Any, entry: JsonEntry) -> _Ways:

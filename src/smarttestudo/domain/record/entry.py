@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 _Method = TypeVar("_Method", bound=Callable[..., object])
 
@@ -68,6 +68,11 @@ Measured = Annotated[float, Decimals(3), Mark.MEASURED]
 
 Count = Annotated[int, Mark.MEASURED]
 """A number that is counted up."""
+
+
+def marks(hint: Any) -> tuple[Any, ...]:
+    """Everything that the type of a field says beside the type itself."""
+    return get_args(hint)[1:] if get_origin(hint) is Annotated else ()
 
 
 def derived(name: str = "") -> Callable[[_Method], _Method]:

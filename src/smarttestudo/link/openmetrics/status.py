@@ -13,6 +13,7 @@ from operator import attrgetter
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from smarttestudo.domain.metric import Metered, Metric, MetricKind, MetricName, Sample
+from smarttestudo.domain.record import marks
 from smarttestudo.domain.status import RuntimeStatus, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_KB, BYTES_PER_MB
 
@@ -38,7 +39,7 @@ def _readings(kind: Any, labels: tuple[str, ...]) -> tuple[_Reading, ...]:
 
 def _found(kind: Any, labels: tuple[str, ...]) -> Iterator[_Reading]:
     for name, hint in _typed_names(kind):
-        metered = next((extra for extra in _extras(hint) if isinstance(extra, Metered)), None)
+        metered = next((extra for extra in marks(hint) if isinstance(extra, Metered)), None)
         if metered is not None:
             factor = next((by for end, by in _IN_BASE_UNITS.items() if name.endswith(end)), 1)
             named = MetricName(
@@ -62,10 +63,6 @@ def _typed_names(kind: Any) -> Iterator[tuple[str, Any]]:
     for name, member in vars(kind).items():
         if isinstance(member, property):
             yield name, get_type_hints(member.fget, include_extras=True).get("return")
-
-
-def _extras(hint: Any) -> tuple[Any, ...]:
-    return get_args(hint)[1:] if get_origin(hint) is Annotated else ()
 
 
 def _record_in(hint: Any) -> Any:

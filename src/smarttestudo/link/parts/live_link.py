@@ -10,13 +10,13 @@ from dataclasses import replace
 
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction
-from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.link_state import StreamCounts, TopicOnLink
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.parts.link_questions import LinkQuestions
-from smarttestudo.loop.inputs import ChangeInput
+from smarttestudo.loop.inputs import ChangeInput, WakeInput
 from smarttestudo.loop.relay import ReckonedPicture
 from smarttestudo.robot.part import Part, PartContext, PartKind, RunView
 from smarttestudo.robot.rules import LiveRules
@@ -43,11 +43,6 @@ class LinkWatch:
         self._sessions = 0
         self._reckoned: frozenset[str] = frozenset()
         self._pictures: Mapping[str, ReckonedPicture] = {}
-
-    @property
-    def state(self) -> LinkState:
-        """State of the link now."""
-        return self._link.state
 
     def follow(self, rules: LiveRules, plan: Mapping[str, PlannedRate]) -> None:
         """Have topics served by the floors of ``rules``, their priorities and the planned rates."""
@@ -176,6 +171,8 @@ class LinkPart(Part):
         if run is None:
             return
         now_ns, rules = self._robot.now_ns(), run.rules
+        # What is due goes out before a picture begins anew, of which it is no part.
+        run.give(WakeInput(stamp_ns=now_ns))
         plan = run.loop.knowledge.plan
         for change in self._watch.changed_receivers(rules, plan, run.heard_here()):
             run.give(ChangeInput(stamp_ns=now_ns, change=change))
