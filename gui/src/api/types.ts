@@ -767,7 +767,7 @@ export interface Live {
   status_kb_per_s: number;
   bounds: Record<string, string[]>;
   labels: string[];
-  checks: (WrittenCheck | null)[];
+  checks: (RobotCheck | null)[];
   full_names: Record<string, string>;
 }
 
@@ -1262,6 +1262,19 @@ export interface ResizeZone {
 }
 
 /**
+ * A check of the robot's rules, in the words of its text, and the rule that it is in.
+ *
+ * What it says of a value does not depend on its place, so the words find it in another text.
+ */
+export interface RobotCheck {
+  rule: string;
+  topic: string;
+  property: string;
+  op: Operator;
+  limit: number;
+}
+
+/**
  * The least and the greatest value of check number `check` in bins of `bin_s`, from `first_bin_s`.
  *
  * Null where no status said a value. `turns` say what the check turned to when.
@@ -1284,7 +1297,7 @@ export interface RobotChecksAnswer {
   window_s: number;
   heard_from_s: number;
   rules: BlockTurns[];
-  checks: WrittenCheck[];
+  checks: RobotCheck[];
   values: RobotCheckValues | null;
 }
 
@@ -1902,19 +1915,6 @@ export interface WithinStatement {
 export interface WriteAnswer {
   file: string;
   previous_file: string;
-}
-
-/**
- * A check of the robot's rules, in the words of its text, and the rule that it is in.
- *
- * What it says of a value does not depend on its place, so the words find it in another text.
- */
-export interface WrittenCheck {
-  rule: string;
-  topic: string;
-  property: string;
-  op: Operator;
-  limit: number;
 }
 
 /** Two rules that clash with a zone in `common`; `message` and `hint` are the checker's. */

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import type { CheckCondition, Condition, Live, RuleDocument, TimedCondition, Truth, WrittenCheck } from "../api/types";
+import type { CheckCondition, Condition, Live, RobotCheck, RuleDocument, TimedCondition, Truth } from "../api/types";
 import { statementsIn } from "../state/statements";
 
 /** What a robot says of one check now. */
@@ -49,7 +49,7 @@ export function ruleStates(document: RuleDocument, live: Live): ReadonlyMap<stri
 }
 
 /** The checks of a robot's rules whose words are known, with what each reads now. */
-export function readChecks({ status, checks }: Live): (WrittenCheck & CheckState)[] {
+export function readChecks({ status, checks }: Live): (RobotCheck & CheckState)[] {
   const read = status.blocks.flatMap((block) => block.checks);
   return read.flatMap(([, , state, value], at) => {
     const written = checks[at];

@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
-import type { RobotChecksAnswer, RobotCheckValues, WrittenCheck } from "../api/types";
+import type { RobotCheck, RobotChecksAnswer, RobotCheckValues } from "../api/types";
 import { Timeline } from "../state/timeline";
 import { holdsWords, truthAt } from "../state/turns";
 import { CheckChart, OtherThreshold } from "../try/check_chart";
@@ -16,7 +16,7 @@ import { useAsked } from "../ui/use_asked";
 const WINDOWS_S = [600, 3600] as const;
 
 /** Writes another threshold of a check into the rules that are open. */
-export type Propose = (check: WrittenCheck, threshold: number) => void;
+export type Propose = (check: RobotCheck, threshold: number) => void;
 
 interface Props {
   api: Api;
@@ -77,7 +77,7 @@ export function RobotChecks({ api, node, propose }: Props) {
 }
 
 interface ValuesProps {
-  one: WrittenCheck;
+  one: RobotCheck;
   values: RobotCheckValues;
   answer: RobotChecksAnswer;
   timeline: Timeline;
@@ -111,11 +111,11 @@ function CheckValues({ one, values, answer, timeline, propose }: ValuesProps) {
   );
 }
 
-function wordsOf({ topic, property, op, limit }: WrittenCheck): string {
+function wordsOf({ topic, property, op, limit }: RobotCheck): string {
   return `${topic} ${property} ${op} ${limit}`;
 }
 
-function titleOf(check: WrittenCheck): string {
+function titleOf(check: RobotCheck): string {
   return `${wordsOf(check)} (${check.rule})`;
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect, signal } from "@preact/signals";
 import { expect, test } from "vitest";
-import type { KnownTopic, Live, TopicStatus, Vocabulary, WrittenCheck } from "../../src/api/types";
+import type { KnownTopic, Live, RobotCheck, TopicStatus, Vocabulary } from "../../src/api/types";
 import { ON_ROBOT, suggestionsOf } from "../../src/blocks/suggestions";
 import type { Trial } from "../../src/state/trial";
 
@@ -33,7 +33,7 @@ function known(topic: Partial<KnownTopic> = {}) {
   };
 }
 
-function robot(topics: Record<string, Partial<TopicStatus>>, checks: Partial<WrittenCheck>[] = [], value = 0): Live {
+function robot(topics: Record<string, Partial<TopicStatus>>, checks: Partial<RobotCheck>[] = [], value = 0): Live {
   const blocks = [{ checks: checks.map(() => [4, 7, "true", value]) }];
   return { status: { topics, blocks }, checks } as unknown as Live;
 }

@@ -17,7 +17,7 @@ from smarttestudo.domain.link_state import LinkState, TopicOnLink
 from smarttestudo.domain.record import Measured
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.domain.units import BYTES_PER_KB
-from smarttestudo.ruler.answers.robot_watch import SeenRobot, WrittenCheck, written_checks
+from smarttestudo.ruler.answers.robot_watch import RobotCheck, SeenRobot, written_checks
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +66,7 @@ class Live:
     status_kb_per_s: Measured
     bounds: Mapping[str, tuple[str, ...]]
     labels: tuple[str, ...]
-    checks: tuple[WrittenCheck | None, ...]
+    checks: tuple[RobotCheck | None, ...]
     full_names: Mapping[str, str]
 
 

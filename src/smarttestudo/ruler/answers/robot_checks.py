@@ -18,7 +18,7 @@ from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.ruler.answers.replay_watch import BlockTurns
 from smarttestudo.ruler.answers.robot_history import KEPT_S
-from smarttestudo.ruler.answers.robot_watch import Place, SeenRobot, WrittenCheck, written_checks
+from smarttestudo.ruler.answers.robot_watch import Place, RobotCheck, SeenRobot, written_checks
 
 BIN_S = 5.0
 MAX_CHECKS = 100
@@ -64,7 +64,7 @@ class RobotChecksAnswer:
     window_s: float
     heard_from_s: float
     rules: tuple[BlockTurns, ...]
-    checks: tuple[WrittenCheck, ...]
+    checks: tuple[RobotCheck, ...]
     values: RobotCheckValues | None
 
 

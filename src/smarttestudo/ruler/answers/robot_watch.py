@@ -21,7 +21,7 @@ Place = tuple[int, int, int]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WrittenCheck:
+class RobotCheck:
     """A check of the robot's rules, in the words of its text, and the rule that it is in.
 
     What it says of a value does not depend on its place, so the words find it in another text.
@@ -40,20 +40,20 @@ class RuleWords:
 
     sha256: str = ""
     labels: Mapping[Place, str] = field(default_factory=dict)
-    checks: Mapping[Place, WrittenCheck] = field(default_factory=dict)
+    checks: Mapping[Place, RobotCheck] = field(default_factory=dict)
     full_names: Mapping[str, str] = field(default_factory=dict)
 
 
 def words_of(texts: RuleTexts) -> RuleWords:
     """The words of all blocks in ``texts``."""
     labels: dict[Place, str] = {}
-    checks: dict[Place, WrittenCheck] = {}
+    checks: dict[Place, RobotCheck] = {}
     for number, (name, text) in enumerate(texts.files):
         for statement in parse(text, name).file.statements:
             if isinstance(statement, Block):
                 labels[number, statement.span.line, statement.span.column] = statement.label
                 for check in checks_in(statement.condition):
-                    checks[number, check.span.line, check.span.column] = WrittenCheck(
+                    checks[number, check.span.line, check.span.column] = RobotCheck(
                         rule=statement.label,
                         topic=check.topic.text,
                         property=check.property,
@@ -127,7 +127,7 @@ class SeenRobot(HeardStatus):
         return self.is_present and now_s - self.heard_s <= self.silent_after_s
 
 
-def written_checks(seen: SeenRobot) -> Iterator[tuple[Place, WrittenCheck | None]]:
+def written_checks(seen: SeenRobot) -> Iterator[tuple[Place, RobotCheck | None]]:
     """The checks of a status by their places; ``None`` for those whose words are not known."""
     for block in seen.status.blocks:
         for check in block.checks:
