@@ -1,20 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-// Written by scripts/make_api_types.py (make docs); change the structs of the server instead.
+// Written by scripts/make_api_types.py (make docs); change the structs and records in Python instead.
 
 /** The protocol of the web socket. */
 export const PROTOCOL_VERSION = 1;
-
-/**
- * `POST /api/profile/accuracy` → `AccuracyNeeds`: what the accuracies of `topic` need, from a bag.
- *
- * `run` names the work in `Progress` messages of `/ws`.
- */
-export interface AccuracyCurveRequest {
-  bag: string;
-  topic: string;
-  run?: string;
-}
 
 /** The properties of a topic that changed, beside the rate of its source. */
 export interface AccuracyNeeds {
@@ -81,11 +70,37 @@ export interface BackgroundsAnswer {
   choices: BackgroundChoice[];
 }
 
+/**
+ * A bag of the project.
+ *
+ * `POST /api/recording` → `RecordingAnswer`; `/api/background/path` → `DrivenPath`;
+ * `/api/profile/measure` → `TextAnswer`: a profile measured in it.
+ */
+export interface BagRequest {
+  bag: string;
+}
+
+/**
+ * The condition of one If, at its place in the rule file number `file`, with its checks in order.
+ *
+ * `held_s` is for how long its state has been the same, `None` where that is not told. `times` are in
+ * the order in which they end in the text.
+ */
+export interface BlockStatus {
+  file: number;
+  line: number;
+  column: number;
+  state: Truth;
+  checks: [line: number, column: number, state: Truth, value: number | null][];
+  held_s?: number;
+  times?: [line: number, column: number, state: Truth, held_s: number | null][];
+}
+
 /** A rule, or its Else, by the line that it begins at, and what it turned to when; it starts unknown. */
 export interface BlockTurns {
   rule: string;
   line: number;
-  turns: [number, TruthName][];
+  turns: [number, Truth][];
 }
 
 export type Bound = number | Tier;
@@ -100,6 +115,30 @@ export interface BoundNeed {
   bound: number;
   hold_hz: number;
   reckoned_hz: number | null;
+}
+
+/**
+ * Reason for the bound of one property; `rule` and `line` name the block where one decided.
+ *
+ * `UNKNOWN`: the block is in doubt. Its bound counts if the plan has one of the property, else every
+ * message up to the rate passes because of the doubt.
+ */
+export interface BoundReason {
+  reason: Reason;
+  rule: string | null;
+  line: number | null;
+}
+
+/**
+ * How a bound was kept: `worst` is the picture's largest finite error after a message of the source.
+ *
+ * `last` is that after the newest one, infinite where the picture says nothing. `broken` counts the
+ * messages after which the picture was more than the bound off, or said nothing.
+ */
+export interface BoundRecord {
+  bound: number;
+  worst: number;
+  broken: number;
 }
 
 /** `CheckValue topic property op value [Until op value]`; `op` is one of `> < >= <= = !=`. */
@@ -144,6 +183,24 @@ export interface CheckCourseRequest {
 
 export type ChoiceKind = "map" | "image" | "bag";
 
+/**
+ * A topic that a robot accepts, as the robot's end knows it.
+ *
+ * `type_name` is what the robot's own nodes subscribe with, `None` where none does or `problem` says
+ * why nothing is delivered. Of the messages that were `received`, some were `delivered`, some
+ * `too_old` and some `refused`. `age_ms` is how old the last one was when it arrived, at most.
+ */
+export interface CommandTopic {
+  topic: string;
+  type: string | null;
+  problem: string | null;
+  received: number;
+  delivered: number;
+  too_old: number;
+  refused: number;
+  age_ms: number | null;
+}
+
 export type Condition = CheckCondition | AndCondition | OrCondition | NotCondition | TimedCondition;
 
 /** The pushed rules hold for good. */
@@ -152,15 +209,9 @@ export interface ConfirmAnswer {
   hash: string;
 }
 
-/** `POST /api/push/confirm` → `ConfirmAnswer`: keep the rules that were pushed. */
-export interface ConfirmRequest {
-  node: string;
-  hash: string;
-}
-
 /** Rectangles that share no area and hold the polygon; `over_m2` is what they cover beside it. */
 export interface CoverAnswer {
-  rectangles: ZoneBounds[];
+  rectangles: ZoneRectangle[];
   polygon_m2: number;
   over_m2: number;
 }
@@ -186,6 +237,7 @@ export interface Curve {
 /**
  * `POST /api/profile/curve` → `Curve`: the loss of `topic` at each rate, from a bag.
  *
+ * `POST /api/profile/accuracy` → `AccuracyNeeds`: what the accuracies of `topic` need.
  * `run` names the work in `Progress` messages of `/ws`.
  */
 export interface CurveRequest {
@@ -206,7 +258,7 @@ export interface DeleteRequest {
   base_hash: string;
 }
 
-/** What a robot does otherwise with the new text, in sentences; which of the two has errors of syntax. */
+/** Differences for a robot with the new text, in sentences; which of the two has errors of syntax. */
 export interface DifferenceAnswer {
   differences: string[];
   old_parses: boolean;
@@ -295,12 +347,12 @@ export interface ErrorAnswer {
  */
 export interface ErrorSize {
   rmse: number;
-  maximum: number;
+  max: number;
   relative_rmse: number | null;
-  relative_maximum: number | null;
+  relative_max: number | null;
 }
 
-/** What changed; the value is its name in JSON. */
+/** Kind of a change; the value is its name in JSON. */
 export type EventKind = "rate" | "rule" | "rules";
 
 /**
@@ -315,19 +367,30 @@ export interface ExportRequest {
 }
 
 /**
+ * How far a fetch is: `got_bytes` of `total_bytes`, those of earlier attempts included.
+ *
+ * `level_hz` is the grid of the skeleton that is whole for all topics of small messages: 1, 2, 4 … Hz;
+ * `None` before the first, infinite once all of their messages are there, so that large ones remain.
+ * `rate_bytes_per_s` is that of the last seconds; `waits_for` says why nothing comes, where that is so.
+ */
+export interface FetchProgress {
+  got_bytes: number;
+  total_bytes: number;
+  rate_bytes_per_s: number;
+  level_hz: number | null;
+  waits_for: string | null;
+}
+
+/**
  * How far a fetch is, of which all but what is missing stays when it ends early.
  *
- * `level_hz` is the rate at which small messages of all topics are there, null before the first and once
- * all are. `problem` is why it waits or failed, else empty; `kept` what the project calls it once done.
+ * `problem` is why it failed, else empty; `kept` what the project calls it once done.
  */
 export interface FetchState {
   robot: string;
   name: string;
   state: "running" | "done" | "cancelled" | "failed";
-  got_kb: number;
-  total_kb: number;
-  rate_kb_per_s: number;
-  level_hz: number | null;
+  progress: FetchProgress;
   problem: string;
   kept: string | null;
 }
@@ -349,7 +412,7 @@ export interface FileAnswer {
   hash: string;
 }
 
-/** What a file is to the Ruler; the value is its name in JSON. */
+/** Kind of a file to the Ruler; the value is its name in JSON. */
 export type FileKind = "rules" | "profile" | "bag" | "map" | "layout" | "image";
 
 /** `GET /api/file/state?name=`: the SHA-256 of what is on disk, null where nothing is. */
@@ -441,26 +504,22 @@ export interface ImportRequest {
 }
 
 /**
- * `POST /api/incident`: all that its record says.
+ * `POST /api/incident`: its record, and the units of the values in that, where they are known.
  *
- * `rule_path` and `line` are where the robot had the rule. `rule_file` is the project's file of that
- * name, null where it has none, and `is_same_text` whether that holds the same text as then.
+ * `rule_file` is the project's file of the name that the robot had the rule in, null where it has none,
+ * and `is_same_text` whether that holds the same text as then.
  */
 export interface IncidentAnswer {
   name: string;
-  size_kb: number;
-  summary: IncidentSummary;
-  rule_path: string;
-  line: number;
+  size_bytes: number;
+  record: IncidentRecord;
+  units: Record<string, string>;
   rule_file: string | null;
   is_same_text: boolean;
-  values: IncidentValue[];
-  topics: RecordedTopic[];
-  missing: MissingMessages[];
 }
 
 /**
- * What an incident holds over time, in seconds since the window's start; the trigger is at `trigger_s`.
+ * Content of an incident over time, in seconds since the window's start; the trigger is at `trigger_s`.
  *
  * Bins are `bin_s` long, the first begins at `first_bin_s`, 0 or less, and one begins at the trigger.
  * `path` is `[seconds, x, y]` in metres where a topic says where the robot was. `notices` say what
@@ -483,27 +542,51 @@ export interface IncidentCourseRequest {
 }
 
 /**
- * An incident in a list: `title` is what its `Record` calls it, `rule` the rule that recorded it.
+ * Which rule recorded what, when, and what is missing.
  *
- * `triggered_ms` counts since 1970; the window is from `before_s` before that to `after_s` after it.
- * `missing` are the reasons why it is not whole, each once; `is_read` is whether somebody opened it.
+ * `rule` is the label of the block, in line `line` of the file `path`; `values` are what its
+ * condition read. Stamps are the clock's, `rules_sha256` is that of the texts of all rules.
  */
-export interface IncidentSummary {
-  title: string;
+export interface IncidentRecord {
+  name: string;
   rule: string;
-  triggered_ms: number;
-  before_s: number;
-  after_s: number;
-  messages: number;
-  missing: MissingReason[];
-  is_read: boolean;
+  file: string;
+  line: number;
+  triggered_ns: number;
+  from_ns: number;
+  to_ns: number;
+  values: Record<string, number | null>;
+  rules_sha256: string;
+  topics: Record<string, IncidentTopic>;
+  latched: LatchedSample[];
+  missing: Missing[];
 }
 
-/** What the condition read of a topic; null where that was unknown. `unit` may be empty. */
-export interface IncidentValue {
-  signal: string;
-  value: number | null;
-  unit: string;
+/**
+ * Cost of recording on a running robot, and its results so far.
+ *
+ * `held_bytes` of at most `memory_bytes` are kept of `topics` topics for what may happen, and
+ * `ring_bytes` of at most `ring_max_bytes` on disk, which is `None` if memory is all there is.
+ * Incidents are `open` now, were `recorded` whole, or `failed` since the start; `problem` says why
+ * the last one could not be written, until the next one can.
+ */
+export interface IncidentState {
+  held_bytes: number;
+  memory_bytes: number;
+  topics: number;
+  open: number;
+  recorded: number;
+  failed: number;
+  problem: string | null;
+  ring_bytes: number;
+  ring_max_bytes: number | null;
+}
+
+/** Content of an incident for one topic. */
+export interface IncidentTopic {
+  type: string;
+  messages: number;
+  bytes: number;
 }
 
 /** `GET /api/incidents`: the newest first; `has_more` is whether older ones are left out. */
@@ -512,11 +595,16 @@ export interface IncidentsAnswer {
   has_more: boolean;
 }
 
-/** The newest incidents first; `problem` is why they are not known, else empty. */
+/**
+ * The newest incidents first; `problem` is why they are not known, else empty.
+ *
+ * `kept` are those that were fetched, by name, with what the project calls them.
+ */
 export interface IncidentsOfRobot {
   robot: string;
   problem: string;
-  incidents: RobotIncident[];
+  incidents: RemoteIncident[];
+  kept: Record<string, string>;
 }
 
 /** Put `statement` before number `index` of `collection`; its length puts it at the end. */
@@ -614,9 +702,14 @@ export interface LastingAnswer {
   why_not: string;
 }
 
-/** `POST /api/push/lasting` → `LastingAnswer`: how long rules last that a robot keeps. */
-export interface LastingRequest {
-  node: string;
+/**
+ * A message from before the window that still counted in it; `stamp_ns` is when it arrived.
+ *
+ * In the incident it has the stamp of the window's start.
+ */
+export interface LatchedSample {
+  topic: string;
+  stamp_ns: number;
 }
 
 /** A property whose accuracy can have quality levels; the value is its name in a rule file. */
@@ -632,8 +725,15 @@ export interface LevelsRequest {
   source_hz: number;
 }
 
-/** A robot's link to its operator: what it carries, its least round trip, and how often it was down. */
-export interface LinkView {
+/**
+ * State of the link at the robot's end; `None` for what was not measured yet.
+ *
+ * `capacity_kb_per_s` is what the link carries, `round_trip_ms` the least of the last seconds,
+ * `outages` how often the operator's end was silent while something was under way to it. `sessions`
+ * counts how often an operator's end came that may lack what was sent before. All operator's ends that are
+ * there reckon the topics in `predicted` where they are told how.
+ */
+export interface LinkState {
   connected: boolean;
   capacity_kb_per_s: number | null;
   round_trip_ms: number | null;
@@ -643,108 +743,32 @@ export interface LinkView {
 /**
  * A folder with an incident, by its `name` in the project.
  *
- * `problem` is why it cannot be read, and `summary` null then.
+ * `problem` is why it cannot be read, and `incident` null then.
  */
 export interface ListedIncident {
   name: string;
-  size_kb: number;
+  size_bytes: number;
   problem: string;
-  summary: IncidentSummary | null;
+  incident: RemoteIncident | null;
 }
 
 /**
- * What a robot does now; `stamp_s` is its own clock, in seconds since 1970.
+ * The status of a robot, and what it does not say itself.
  *
- * `status_kb_per_s` is what its statuses themselves take of the link at most, `full_names` are those of
- * topics that its rules call otherwise.
+ * `status_kb_per_s` is what its statuses themselves take of the link at most. `bounds` say of topics
+ * which bound of each property holds, what decided it, and whether that is in doubt. `labels` are what
+ * decisions call the blocks, and `checks` the words of the checks, in the order of the status; empty and
+ * null until the robot's rules were read. `full_names` are those of topics that its rules call otherwise.
  */
 export interface Live {
   kind: "live";
   node: string;
-  stamp_s: number;
-  rules_hash: string;
-  rules: RulesOrigin;
-  waits_s: number | null;
-  cpu_percent: number | null;
-  memory_mb: number | null;
-  budget_kb_per_s: number | null;
-  out_kb_per_s: number;
+  status: RuntimeStatus;
   status_kb_per_s: number;
-  link: LinkView | null;
-  topics: LiveTopic[];
-  blocks: LiveBlock[];
-  checks: LiveCheck[];
+  bounds: Record<string, string[]>;
+  labels: string[];
+  checks: (RobotCheck | null)[];
   full_names: Record<string, string>;
-}
-
-/**
- * The condition of a rule, at its place in the robot's file number `file`.
- *
- * `label` is what decisions call it; empty until the robot's rules were read. `times` are in the order
- * in which they end in the text.
- */
-export interface LiveBlock {
-  file: number;
-  line: number;
-  column: number;
-  state: TruthName;
-  label: string;
-  times: LiveTime[];
-}
-
-/**
- * A check at its place in the robot's file number `file`, and the value that it reads.
- *
- * The words of the check, as written there, find it in another text: what it says of a value does not depend
- * on its place. They are empty until the robot's rules were read.
- */
-export interface LiveCheck {
-  file: number;
-  line: number;
-  column: number;
-  state: TruthName;
-  value: number | null;
-  topic: string;
-  property: string;
-  op: string;
-  limit: number | null;
-}
-
-/**
- * A `For` or `Within` of a rule.
- *
- * `held_s` is for how long what a `For` is about has held; for a `Within`, for how long it has not;
- * null while that is unknown.
- */
-export interface LiveTime {
-  state: TruthName;
-  held_s: number | null;
-}
-
-/**
- * A relayed topic now; `topic` is its full name, `reason` and `rule` are those of its rate.
- *
- * `silence` is why nothing is received, `problem` why it cannot be relayed. `bounds` say which bound
- * of each property holds, what decided it, and whether that is in doubt.
- */
-export interface LiveTopic {
-  topic: string;
-  output: string;
-  type: string | null;
-  source_hz: number | null;
-  target_hz: number | null;
-  actual_hz: number | null;
-  error_percent: number | null;
-  keeps_rate: boolean;
-  out_kb_per_s: number;
-  in_kb_per_s: number;
-  rule: string | null;
-  line: number | null;
-  reason: Reason;
-  silence: Silence | null;
-  problem: string | null;
-  link: TopicLinkView | null;
-  bounds: string[];
 }
 
 /**
@@ -770,17 +794,13 @@ export interface MeasureLiveRequest {
   run?: string;
 }
 
-/**
- * What is not in an incident: `messages` of `topic`, null where nobody counted them.
- *
- * `from_s` and `to_s` are seconds from the trigger, negative before it.
- */
-export interface MissingMessages {
+/** Messages of `topic` that are not there, between two stamps; `messages` is `None` if unknown. */
+export interface Missing {
   topic: string;
   reason: MissingReason;
   messages: number | null;
-  from_s: number;
-  to_s: number;
+  from_ns: number;
+  to_ns: number;
 }
 
 /** Why messages of a window are not in the incident. */
@@ -816,7 +836,7 @@ export interface MoveZone {
 export interface NewZone {
   kind: "zone_new";
   topic: string;
-  rectangles: ZoneBounds[];
+  rectangles: ZoneRectangle[];
   into?: string | null;
   label?: string;
 }
@@ -872,11 +892,6 @@ export interface OrCondition {
   terms: Condition[];
 }
 
-/** `POST /api/background/path` → `DrivenPath`. */
-export interface PathRequest {
-  bag: string;
-}
-
 /**
  * `begin … end` with its statements in order.
  *
@@ -909,12 +924,12 @@ export interface PlacedFinding {
   offset: number;
   end_offset: number;
   fix: PlacedFix | null;
-  profile_fix: ProfileEntry | null;
+  profile_fix: ProfileFix | null;
   statement: string | null;
   related: string[];
 }
 
-/** What mends a finding. */
+/** Edit that mends a finding. */
 export interface PlacedFix {
   title: string;
   edit: Substitute;
@@ -923,7 +938,7 @@ export interface PlacedFix {
 /** A rectangle of a rule. `is_shared` is whether a check of it bounds another rectangle as well. */
 export interface PlacedZone {
   topic: string;
-  rectangle: ZoneBounds;
+  rectangle: ZoneRectangle;
   is_shared: boolean;
 }
 
@@ -950,14 +965,6 @@ export interface ProfileChosenRequest {
   profile: string | null;
 }
 
-/** What mends a finding in the profile: `value` for `key` of `topic`; null takes it out. */
-export interface ProfileEntry {
-  title: string;
-  topic: string;
-  key: string;
-  value: string | null;
-}
-
 /**
  * `POST /api/profile/entry` → `TextAnswer`: `text` with `value` for `key` of `topic`.
  *
@@ -969,6 +976,14 @@ export interface ProfileEntryRequest {
   key: string;
   value: string | null;
   name?: string;
+}
+
+/** Fix of a finding in the profile: `value` for `key` of `topic`; `None` takes it out. */
+export interface ProfileFix {
+  topic: string;
+  key: string;
+  value: string | null;
+  title: string;
 }
 
 /**
@@ -985,11 +1000,6 @@ export interface ProfileForAnswer {
 export interface ProfileForRequest {
   text: string;
   name: string;
-}
-
-/** `POST /api/profile/measure` → `TextAnswer`: a profile measured in a bag of the project. */
-export interface ProfileMeasureRequest {
-  bag: string;
 }
 
 /** `POST /api/profile/parse` → `ProfileTable`. */
@@ -1099,7 +1109,7 @@ export interface PushAnswer {
 }
 
 /**
- * What a push would change, in sentences; `same` if the rules mean the same to the robot.
+ * Changes that a push would make, in sentences; `same` if the rules mean the same to the robot.
  *
  * `text_to_send` has numbers in the place of quality levels, since a robot may have no profile; `hash`
  * is its SHA-256. `robot_hash` is that of what the robot follows now.
@@ -1123,6 +1133,17 @@ export interface PushRequest {
   profile_text?: string | null;
   profile_name?: string;
   node: string;
+}
+
+/**
+ * Rules that were pushed to a robot, by their hash.
+ *
+ * `POST /api/push/confirm` → `ConfirmAnswer`: keep them. `POST /api/push/write` → `WriteAnswer`:
+ * write them to its rule file; a refusal by the robot is a 422 with the robot's own words.
+ */
+export interface PushedRequest {
+  node: string;
+  hash: string;
 }
 
 export type Rate = Hz | TierRate | FullRate | OffRate;
@@ -1167,29 +1188,11 @@ export interface RecordStatement {
   after: DurationValue;
 }
 
-/**
- * What an incident holds of a topic; `type` is empty where nobody published it.
- *
- * `latched_s` are the times of what came before the window and counted in it, seconds from the trigger.
- */
-export interface RecordedTopic {
-  topic: string;
-  type: string;
-  messages: number;
-  size_kb: number;
-  latched_s: number[];
-}
-
 /** Its topics by name, how long it is, and a rule file that relays every message of them. */
 export interface RecordingAnswer {
   topics: string[];
   duration_s: number;
   rules_text: string;
-}
-
-/** `POST /api/recording` → `RecordingAnswer`: a bag of the project. */
-export interface RecordingRequest {
-  bag: string;
 }
 
 /** Why a part does not fit; `rule` is the statement's id, null for the defaults. */
@@ -1198,6 +1201,26 @@ export interface Refusal {
   message: string;
   needs_kb_per_s: number;
   repairs: Repair[];
+}
+
+/**
+ * An incident on a robot, as its list says; `name` is that of its folder.
+ *
+ * `label` is the name in the `Record`, `rule` that of the block. Stamps are the robot's clock.
+ * `missing` are the reasons (`MissingReason`) for which messages of the window are not there.
+ */
+export interface RemoteIncident {
+  robot: string;
+  name: string;
+  label: string;
+  rule: string;
+  triggered_ns: number;
+  from_ns: number;
+  to_ns: number;
+  messages: number;
+  size_bytes: number;
+  is_read: boolean;
+  missing: string[];
 }
 
 /** `POST /api/file/rename` → `Project`: `base_hash` is what the page knows to be in `name`. */
@@ -1235,15 +1258,19 @@ export interface ResizeZone {
   kind: "zone_resize";
   id: string;
   index: number;
-  rectangle: ZoneBounds;
+  rectangle: ZoneRectangle;
 }
 
-/** A check of the robot's rules, in the words of its text, and the rule that it is in. */
+/**
+ * A check of the robot's rules, in the words of its text, and the rule that it is in.
+ *
+ * What it says of a value does not depend on its place, so the words find it in another text.
+ */
 export interface RobotCheck {
   rule: string;
   topic: string;
   property: string;
-  op: string;
+  op: Operator;
   limit: number;
 }
 
@@ -1258,11 +1285,11 @@ export interface RobotCheckValues {
   first_bin_s: number;
   least: (number | null)[];
   greatest: (number | null)[];
-  turns: [number, TruthName][];
+  turns: [number, Truth][];
 }
 
 /**
- * What statuses said; times are since `window_s` ago, and all is unknown before `heard_from_s`.
+ * Rules and checks of a robot; times are since `window_s` ago, all is unknown before `heard_from_s`.
  *
  * `checks` are at most 100, and none until the robot's rules were read.
  */
@@ -1296,7 +1323,7 @@ export interface RobotEvent {
 }
 
 /**
- * What was heard since `since_s_ago`, the newest first; `left_out` older events are not told.
+ * Events since `since_s_ago`, the newest first; `left_out` older ones are not told.
  *
  * `path` is `[seconds ago, x, y]` in metres, the oldest first, by the checks of the rules that read
  * `pose_topic`; null where none does.
@@ -1307,19 +1334,6 @@ export interface RobotHistoryAnswer {
   left_out: number;
   path: [number, number, number][];
   pose_topic: string | null;
-}
-
-/** `POST /api/robot/history` → `RobotHistoryAnswer`. */
-export interface RobotHistoryRequest {
-  node: string;
-}
-
-/** An incident on a robot; `kept` is what the project calls it where it was fetched, else null. */
-export interface RobotIncident {
-  name: string;
-  size_kb: number;
-  summary: IncidentSummary;
-  kept: string | null;
 }
 
 /** An incident by the name of its robot and its own. */
@@ -1339,6 +1353,16 @@ export interface RobotIncidentsAnswer {
   robots: IncidentsOfRobot[];
 }
 
+/**
+ * A robot by its node.
+ *
+ * `POST /api/push/lasting` → `LastingAnswer`: how long rules last that it keeps;
+ * `/api/robot/history` → `RobotHistoryAnswer`; `/api/robot/start` → `RobotStartAnswer`.
+ */
+export interface RobotRequest {
+  node: string;
+}
+
 /** The topics that a robot relays, a rule file that relays every message of them, and their profile. */
 export interface RobotStartAnswer {
   topics: string[];
@@ -1346,32 +1370,23 @@ export interface RobotStartAnswer {
   profile_text: string;
 }
 
-/** `POST /api/robot/start` → `RobotStartAnswer`. */
-export interface RobotStartRequest {
-  node: string;
-}
-
 /**
- * One robot. `rules` is the origin of its rules; `waiting`: pushed, and not confirmed yet.
+ * One robot of a list; `label` is what people call it.
  *
- * `label` is what people call it. `waits_s` is how long pushed rules still hold unless they are
- * confirmed. `is_heard` is false once it has been silent for longer than it should be; `heard_s_ago` is
- * the time since its last status. `lost` counts messages that overflowed on the link, of all topics that
- * lost some within the last minute.
+ * `is_heard` is false once it has been silent for longer than it should be; `heard_s_ago` is the time
+ * since its last status. `topics` are counted. `lost` counts messages that overflowed on the link, of
+ * all topics that lost some within the last minute.
  */
 export interface RobotSummary {
   node: string;
   label: string;
   is_heard: boolean;
   heard_s_ago: number;
-  rules_hash: string;
-  rules_files: string[];
-  rules: RulesOrigin;
-  waits_s: number | null;
+  rules: RulesInForce;
   topics: number;
   budget_kb_per_s: number | null;
   out_kb_per_s: number;
-  link: LinkView | null;
+  link: LinkState | null;
   lost: number;
   oldest: OldestTopic | null;
 }
@@ -1453,8 +1468,49 @@ export interface RuleZones {
   is_too_mixed: boolean;
 }
 
+/**
+ * The files that the rules came from, and the SHA-256 of their text in hexadecimal.
+ *
+ * `waits_s` is how long pushed rules still hold unless they are confirmed; `None` where none wait.
+ */
+export interface RulesInForce {
+  files: string[];
+  sha256: string;
+  origin: RulesOrigin;
+  waits_s: number | null;
+}
+
 /** Where the rules in force come from; the value is its name in JSON. */
 export type RulesOrigin = "files" | "pushed" | "waiting" | "fallback";
+
+/**
+ * All of a runtime: its node, its rules, the link, itself, and its topics by source.
+ *
+ * `robot` is the robot's name on its link, empty without one; nodes of several robots may be called alike.
+ * `stamp_ns` is the node's clock, `uptime_s` real time since the start, `cpu_percent` of one core
+ * over the last second, `memory_mb` what is resident. `status_hz` is how often a status comes,
+ * `blocks` has the states of the conditions.
+ */
+export interface RuntimeStatus {
+  robot?: string;
+  node: string;
+  stamp_ns: number;
+  uptime_s: number;
+  status_hz: number;
+  rules: RulesInForce;
+  budget_kb_per_s: number | null;
+  floors_break_budget: boolean;
+  cpu_percent: number | null;
+  memory_mb: number | null;
+  topics: Record<string, TopicStatus>;
+  blocks: BlockStatus[];
+  link?: LinkState;
+  accepted?: Record<string, Omit<CommandTopic, "topic">>;
+  incidents?: IncidentState;
+  in_kb_per_s: number;
+  out_kb_per_s: number;
+  fallback: boolean;
+}
 
 /** The SHA-256 of what is on disk now; `note` is why no version of it is kept, empty if one is. */
 export interface SaveAnswer {
@@ -1576,28 +1632,57 @@ export interface TimedCondition {
 /** One arm's share of a topic: messages, bytes (as declared, where they are) and age. */
 export interface TopicArm {
   messages: number;
-  size_bytes: number;
+  bytes: number;
   age: Age | null;
 }
 
-/**
- * A topic on a link: the age of its last message at the operator, and its messages since the start.
- *
- * `replaced` gave way to newer ones, `overflowed` are lost though none may be; 0 once none was for a
- * minute.
- */
-export interface TopicLinkView {
-  age_ms: number | null;
-  replaced: number;
-  overflowed: number;
-  queued_bytes: number;
-}
-
-/** What one topic takes of the link in one situation; `rate_hz` is null for Full. */
+/** Share of the link that one topic takes in one situation; `rate_hz` is null for Full. */
 export interface TopicLoad {
   topic: string;
   rate_hz: number | null;
   kb_per_s: number;
+}
+
+/**
+ * How one topic does on a link.
+ *
+ * `age_ms` is how old its last message was when it arrived at the operator's end; `None` while unknown.
+ */
+export interface TopicOnLink {
+  sent: number;
+  replaced: number;
+  overflowed: number;
+  queued_bytes: number;
+  losing: boolean;
+  age_ms: number | null;
+}
+
+/**
+ * Flow of one relayed topic in, and out on `output_topic`.
+ *
+ * `messages_out` includes `repeated`. `source_hz` and `mean_hz` are (n − 1) / (last − first) of what
+ * came in and went out. `target_hz` is weighted by time, with Full as the source's rate; `error_percent`
+ * is how far `mean_hz` lies above the lesser of target and source at each time, likewise weighted; it
+ * is `None` where bounds decide what passes. Of transforms, whose target is that of each child frame,
+ * there are `frames`, and rates are means over them. `bounds` say how each bound of the receiver's
+ * picture was kept, `unreadable` how many messages of a topic with bounds could not be compared.
+ * `declared` says that sizes are those that the bag declares. A number that the messages do not determine
+ * is `None`.
+ */
+export interface TopicOutcome {
+  monitored_topic: string;
+  in: number;
+  out: number;
+  repeated: number;
+  source_hz: number | null;
+  target_hz: number | null;
+  mean_hz: number | null;
+  error_percent: number | null;
+  in_kb: number;
+  out_kb: number;
+  declared: boolean;
+  frames: number | null;
+  bounds?: Record<string, BoundRecord>;
 }
 
 /** Messages a second of a topic, bin by bin; null where less than half of one is known. */
@@ -1606,13 +1691,60 @@ export interface TopicRates {
   hz_bins: (number | null)[];
 }
 
-/** Who names a topic; the value is its name in JSON, the order that of trust. */
+/** Source of a topic's name; the value is its name in JSON, the order that of trust. */
 export type TopicSource = "profile" | "robot" | "rules" | "example";
 
-export type TruthName = "true" | "false" | "unknown";
+/**
+ * One relayed topic.
+ *
+ * `reason`, `rule` and `line` are those of its planned rate. Rates are (n − 1) / (last − first) over
+ * about ten seconds, those of the output since its target last changed. `target_hz` is infinite for Full
+ * and 0 for Off, `expected_hz` the lesser of target and source, `error_percent` how far `actual_hz`
+ * lies above it, and not `keeps_rate` that it is off by more than pacing explains. `stamped_hz` is the
+ * rate by the messages' own header stamps and `delay_ms` how old the last one was when it was relayed.
+ * `incompatible` are nodes that subscribe to the output with a QoS it cannot serve, `problem` says why
+ * the topic cannot be relayed. `frames` counts the child frames of a topic of transforms, whose rates are
+ * means over them. `within` are the bounds of the receiver's picture with their `bound_reasons`, as in
+ * the plan. A number that the messages do not determine is `None`.
+ */
+export interface TopicStatus {
+  output: string;
+  type: string | null;
+  reason: Reason;
+  rule: string | null;
+  line: number | null;
+  target_hz: number | null;
+  source_hz: number | null;
+  expected_hz: number | null;
+  actual_hz: number | null;
+  error_percent: number | null;
+  keeps_rate: boolean;
+  stamped_hz: number | null;
+  delay_ms: number | null;
+  in_kb_per_s: number;
+  out_kb_per_s: number;
+  publishers: number;
+  subscribers: number;
+  incompatible: string[];
+  problem: string | null;
+  silent: Silence | null;
+  received: number;
+  relayed: number;
+  repeated: number;
+  discarded: number;
+  undecodable: number;
+  dropped: number;
+  frames?: number;
+  link?: TopicOnLink;
+  within?: Record<string, number>;
+  bound_reasons?: Record<string, BoundReason>;
+}
+
+/** Kleene's three values, ordered false < unknown < true: AND is the least, OR the greatest. */
+export type Truth = "false" | "unknown" | "true";
 
 /**
- * What the rules would have done to a bag; `percent` is how much less of the relayed topics was sent.
+ * Result of a try of rules on a bag; `percent` is how much less of the relayed topics was sent.
  *
  * Times are seconds since the bag's start. `…_bins` have one value for each `bin_s` seconds; the first
  * begins at `first_bin_s`, 0 or less. `decisions` are the first 2000 of `decision_count`; `path` is
@@ -1685,34 +1817,14 @@ export interface TryImages {
   received: Frames;
 }
 
-/**
- * What a `Record` would have kept, `t` seconds after the start: the `number`-th, 0 first.
- *
- * `title` is its name, `line` its own, `rule` that of its block. The window is from `before_s`
- * before to `after_s` after that; sizes are those of the messages.
- */
+/** Incident of a try, `t` seconds after the start: the `number`-th, 0 first. */
 export interface TryIncident {
   number: number;
   t: number;
-  title: string;
-  rule: string;
-  line: number;
-  before_s: number;
-  after_s: number;
-  messages: number;
-  size_kb: number;
-  topics: TryIncidentTopic[];
-  missing: MissingMessages[];
+  record: IncidentRecord;
 }
 
-/** What would have been recorded of a topic. */
-export interface TryIncidentTopic {
-  topic: string;
-  messages: number;
-  size_kb: number;
-}
-
-/** What the operator would lose: the numbers of `testudo bag loss`, without its third arm. */
+/** Loss of the operator: the numbers of `testudo bag loss`, without its third arm. */
 export interface TryLoss {
   topics: TryTopicLoss[];
   fields: TryFieldLoss[];
@@ -1730,14 +1842,10 @@ export interface TryRequest {
   run?: string;
 }
 
-/** One topic of the bag before and after; `*_hz_bins` are messages a second, bin by bin. */
+/** One relayed topic of the bag; `*_hz_bins` are messages a second before and after, bin by bin. */
 export interface TryTopic {
   topic: string;
-  before_kb: number;
-  after_kb: number;
-  before_messages: number;
-  after_messages: number;
-  target_hz: number | null;
+  outcome: TopicOutcome;
   before_hz_bins: number[];
   after_hz_bins: number[];
 }
@@ -1756,15 +1864,10 @@ export interface UntilValue {
   value: number;
 }
 
-/** `POST /api/version` → `VersionText`: one version of the rule file `name`. */
+/** `POST /api/version` → `TextAnswer`: one version of the rule file `name`. */
 export interface VersionRequest {
   name: string;
   id: string;
-}
-
-/** The whole text of a version. */
-export interface VersionText {
-  text: string;
 }
 
 /** `GET /api/versions?name=`: the newest first, at most `most`, kept in `folder` of the project. */
@@ -1774,7 +1877,7 @@ export interface VersionsAnswer {
   folder: string;
 }
 
-/** What an editor suggests; `every_topic` are the properties of any topic. */
+/** Words that an editor suggests; `every_topic` are the properties of any topic. */
 export interface Vocabulary {
   topics: KnownTopic[];
   every_topic: Property[];
@@ -1814,31 +1917,21 @@ export interface WriteAnswer {
   previous_file: string;
 }
 
-/**
- * `POST /api/push/write` → `WriteAnswer`: write the rules that the robot keeps to its rule file.
- *
- * A refusal by the robot is a 422 with the robot's own words.
- */
-export interface WriteRequest {
-  node: string;
-  hash: string;
-}
-
-/** An upright rectangle; null is a side that nothing bounds. */
-export interface ZoneBounds {
-  min_x: number | null;
-  max_x: number | null;
-  min_y: number | null;
-  max_y: number | null;
-}
-
 /** Two rules that clash with a zone in `common`; `message` and `hint` are the checker's. */
 export interface ZoneClash {
   first: string;
   second: string;
   message: string;
   hint: string;
-  common: ZoneBounds[];
+  common: ZoneRectangle[];
+}
+
+/** An upright rectangle in metres; `None` is a side that nothing bounds. */
+export interface ZoneRectangle {
+  min_x_m: number | null;
+  max_x_m: number | null;
+  min_y_m: number | null;
+  max_y_m: number | null;
 }
 
 /** `POST /api/zones` with a `Draft`. `label` is a name for a new zone that no rule has. */
@@ -1857,10 +1950,10 @@ export interface Routes {
   "POST /api/file/rename": { asked: RenameRequest; answered: Project };
   "POST /api/file/delete": { asked: DeleteRequest; answered: Project };
   "PUT /api/project/settings": { asked: SettingsRequest; answered: Project };
-  "POST /api/recording": { asked: RecordingRequest; answered: RecordingAnswer };
+  "POST /api/recording": { asked: BagRequest; answered: RecordingAnswer };
   "PUT /api/recording": { asked: null; answered: ReceivedAnswer };
   "GET /api/versions": { asked: null; answered: VersionsAnswer };
-  "POST /api/version": { asked: VersionRequest; answered: VersionText };
+  "POST /api/version": { asked: VersionRequest; answered: TextAnswer };
   "POST /api/difference": { asked: DifferenceRequest; answered: DifferenceAnswer };
   "POST /api/document": { asked: Draft; answered: RuleDocument };
   "POST /api/edit": { asked: EditRequest; answered: EditAnswer };
@@ -1878,28 +1971,28 @@ export interface Routes {
   "POST /api/profile/write": { asked: ProfileWriteRequest; answered: TextAnswer };
   "POST /api/profile/entry": { asked: ProfileEntryRequest; answered: TextAnswer };
   "POST /api/profile/check": { asked: ProfileWriteRequest; answered: ProfileCheckAnswer };
-  "POST /api/profile/measure": { asked: ProfileMeasureRequest; answered: TextAnswer };
+  "POST /api/profile/measure": { asked: BagRequest; answered: TextAnswer };
   "POST /api/profile/levels": { asked: LevelsRequest; answered: LevelsAnswer };
   "GET /api/backgrounds": { asked: null; answered: BackgroundsAnswer };
   "POST /api/background": { asked: BackgroundRequest; answered: Background };
-  "POST /api/background/path": { asked: PathRequest; answered: DrivenPath };
+  "POST /api/background/path": { asked: BagRequest; answered: DrivenPath };
   "GET /api/incidents": { asked: null; answered: IncidentsAnswer };
   "POST /api/incident": { asked: OneIncidentRequest; answered: IncidentAnswer };
   "POST /api/incident/delete": { asked: OneIncidentRequest; answered: IncidentsAnswer };
   "POST /api/incident/course": { asked: IncidentCourseRequest; answered: IncidentCourse };
-  "POST /api/robot/history": { asked: RobotHistoryRequest; answered: RobotHistoryAnswer };
+  "POST /api/robot/history": { asked: RobotRequest; answered: RobotHistoryAnswer };
   "POST /api/robot/checks": { asked: RobotChecksRequest; answered: RobotChecksAnswer };
-  "POST /api/robot/start": { asked: RobotStartRequest; answered: RobotStartAnswer };
+  "POST /api/robot/start": { asked: RobotRequest; answered: RobotStartAnswer };
   "POST /api/push/preview": { asked: PushRequest; answered: PushPreview };
   "POST /api/push": { asked: PushRequest; answered: PushAnswer };
-  "POST /api/push/confirm": { asked: ConfirmRequest; answered: ConfirmAnswer };
-  "POST /api/push/lasting": { asked: LastingRequest; answered: LastingAnswer };
-  "POST /api/push/write": { asked: WriteRequest; answered: WriteAnswer };
+  "POST /api/push/confirm": { asked: PushedRequest; answered: ConfirmAnswer };
+  "POST /api/push/lasting": { asked: RobotRequest; answered: LastingAnswer };
+  "POST /api/push/write": { asked: PushedRequest; answered: WriteAnswer };
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
   "POST /api/try": { asked: TryRequest; answered: TryAnswer };
   "POST /api/check/course": { asked: CheckCourseRequest; answered: CheckCourse };
   "POST /api/profile/curve": { asked: CurveRequest; answered: Curve };
-  "POST /api/profile/accuracy": { asked: AccuracyCurveRequest; answered: AccuracyNeeds };
+  "POST /api/profile/accuracy": { asked: CurveRequest; answered: AccuracyNeeds };
   "GET /api/try/keeps": { asked: null; answered: KeepsAnswer };
   "POST /api/try/keep": { asked: KeepRequest; answered: KeepsAnswer };
   "POST /api/try/keep/cancel": { asked: KeepEndRequest; answered: KeepsAnswer };

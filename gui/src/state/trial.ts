@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed } from "@preact/signals";
 import type { Rules } from "../api/client";
-import type { FoundFile, TruthName, TryAnswer, TryDecision } from "../api/types";
+import type { FoundFile, Truth, TryAnswer, TryDecision } from "../api/types";
 import { Timeline, upTo } from "./timeline";
 import { type Turns, truthAt } from "./turns";
 
@@ -10,7 +10,7 @@ import { type Turns, truthAt } from "./turns";
 export interface RuleNow {
   rule: string;
   line: number;
-  truth: TruthName;
+  truth: Truth;
   /** What it is when. */
   turns: Turns;
   /** The topics whose rate it decides. */
@@ -53,7 +53,7 @@ export class Trial extends Timeline {
   /** The mean rate of a topic in the recording; null where it has none. */
   sourceHz(topic: string): number | null {
     const own = this.answer.topics.find((each) => each.topic === topic);
-    return own && this.durationS > 0 ? own.before_messages / this.durationS : null;
+    return own && this.durationS > 0 ? own.outcome.in / this.durationS : null;
   }
 
   /** The least and the greatest value of a property in the recording, where it was looked into. */

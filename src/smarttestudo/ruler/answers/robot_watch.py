@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -14,10 +14,24 @@ from smarttestudo.domain.remote_robots import HeardStatus, RemoteRobots
 from smarttestudo.domain.rule_texts import RuleTexts
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.language.parser import parse
-from smarttestudo.language.syntax import Block, Check, checks_in
+from smarttestudo.language.syntax import Block, Operator, checks_in
 
 Place = tuple[int, int, int]
 """A file's number, line and column."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotCheck:
+    """A check of the robot's rules, in the words of its text, and the rule that it is in.
+
+    What it says of a value does not depend on its place, so the words find it in another text.
+    """
+
+    rule: str
+    topic: str
+    property: str
+    op: Operator
+    limit: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,20 +40,26 @@ class RuleWords:
 
     sha256: str = ""
     labels: Mapping[Place, str] = field(default_factory=dict)
-    checks: Mapping[Place, Check] = field(default_factory=dict)
+    checks: Mapping[Place, RobotCheck] = field(default_factory=dict)
     full_names: Mapping[str, str] = field(default_factory=dict)
 
 
 def words_of(texts: RuleTexts) -> RuleWords:
     """The words of all blocks in ``texts``."""
     labels: dict[Place, str] = {}
-    checks: dict[Place, Check] = {}
+    checks: dict[Place, RobotCheck] = {}
     for number, (name, text) in enumerate(texts.files):
         for statement in parse(text, name).file.statements:
             if isinstance(statement, Block):
                 labels[number, statement.span.line, statement.span.column] = statement.label
                 for check in checks_in(statement.condition):
-                    checks[number, check.span.line, check.span.column] = check
+                    checks[number, check.span.line, check.span.column] = RobotCheck(
+                        rule=statement.label,
+                        topic=check.topic.text,
+                        property=check.property,
+                        op=check.operator,
+                        limit=check.value,
+                    )
     return RuleWords(sha256=texts.sha256, labels=labels, checks=checks, full_names=texts.full_names)
 
 
@@ -47,7 +67,7 @@ _TRY_AGAIN_S = 3.0
 
 
 class StatusRateRequest:
-    """What to set ``status_hz`` of one robot to.
+    """Request for the ``status_hz`` of one robot.
 
     Others may set it, too: it is never set lower than before.
     """
@@ -64,7 +84,7 @@ class StatusRateRequest:
         return self.wanted_hz is None and self._ours_hz is None
 
     def change_hz(self, status_hz: float, now_s: float) -> float | None:
-        """What to set at ``now_s``, where the robot said that it is ``status_hz``; ``None``: nothing."""
+        """Rate to set at ``now_s``, where the robot said that it is ``status_hz``; ``None``: nothing."""
         if self.wanted_hz is None:
             return self._put_back_hz(status_hz, now_s)
         is_ours = status_hz == self._ours_hz
@@ -105,6 +125,14 @@ class SeenRobot(HeardStatus):
     def is_heard(self, now_s: float) -> bool:
         """Whether it spoke as lately as it should."""
         return self.is_present and now_s - self.heard_s <= self.silent_after_s
+
+
+def written_checks(seen: SeenRobot) -> Iterator[tuple[Place, RobotCheck | None]]:
+    """The checks of a status by their places; ``None`` for those whose words are not known."""
+    for block in seen.status.blocks:
+        for check in block.checks:
+            place = block.file, check.line, check.column
+            yield place, seen.words.checks.get(place)
 
 
 class RobotWatch:

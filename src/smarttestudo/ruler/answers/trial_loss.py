@@ -1,13 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the operator would lose in a trial, by the measure of ``testudo bag loss``."""
+"""Loss of the operator in a trial, by the measure of ``testudo bag loss``."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
-
-from msgspec import Struct
 
 from smarttestudo.accuracy.crossings import thresholds_of
 from smarttestudo.accuracy.loss_report import ErrorSize, FieldLoss, Frames, Sightings, TopicArm
@@ -27,7 +26,8 @@ from smarttestudo.domain.units import NS_PER_S, grouped
 from smarttestudo.language.rule_set import RuleSet
 
 
-class TryTopicLoss(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryTopicLoss:
     """How old a topic was; the bins have the greatest age in s."""
 
     topic: str
@@ -36,7 +36,8 @@ class TryTopicLoss(Struct, frozen=True, kw_only=True):
     age_s_bins: BinnedSeries
 
 
-class TryFieldLoss(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryFieldLoss:
     """How far a field's last value received was from the robot's; the bins have the largest error.
 
     ``sent`` are the least and the greatest value sent, null where none was; ``range`` is what lies between
@@ -52,7 +53,8 @@ class TryFieldLoss(Struct, frozen=True, kw_only=True):
     error_bins: BinnedSeries
 
 
-class TryCrossing(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryCrossing:
     """How the operator saw a value cross the threshold of a check."""
 
     check: str
@@ -60,7 +62,8 @@ class TryCrossing(Struct, frozen=True, kw_only=True):
     received: Sightings
 
 
-class TryImages(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryImages:
     """A topic of images as sent and as received."""
 
     topic: str
@@ -68,8 +71,9 @@ class TryImages(Struct, frozen=True, kw_only=True):
     received: Frames
 
 
-class TryLoss(Struct, frozen=True, kw_only=True):
-    """What the operator would lose: the numbers of ``testudo bag loss``, without its third arm."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryLoss:
+    """Loss of the operator: the numbers of ``testudo bag loss``, without its third arm."""
 
     topics: tuple[TryTopicLoss, ...]
     fields: tuple[TryFieldLoss, ...]
@@ -115,7 +119,7 @@ class LossWatch:
             self._received.take(channel, stamp_ns, payload)
 
     def loss(self, bins: TimeBins) -> TryLoss:
-        """What was lost; the courses are over ``bins``."""
+        """Loss so far; the courses are over ``bins``."""
         shared = list(self._shared())
         return TryLoss(
             topics=tuple(_topic_loss(one, bins) for one in shared),
@@ -164,7 +168,7 @@ class LossWatch:
         )
 
     def notices(self) -> Iterator[str]:
-        """What was left out, a line each."""
+        """Notices of what was left out, a line each."""
         yield from self._sent.notices()
         if not self._left:
             until_s = (self._end_ns - self._start_ns) / NS_PER_S
