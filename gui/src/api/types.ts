@@ -656,7 +656,7 @@ export interface ListedIncident {
  * What a robot does now; `stamp_s` is its own clock, in seconds since 1970.
  *
  * `status_kb_per_s` is what its statuses themselves take of the link at most, `full_names` are those of
- * topics that its rules call otherwise.
+ * topics that its rules call otherwise. `blocks_left_out` rules are beyond those that a status holds.
  */
 export interface Live {
   kind: "live";
@@ -673,6 +673,7 @@ export interface Live {
   link: LinkView | null;
   topics: LiveTopic[];
   blocks: LiveBlock[];
+  blocks_left_out: number;
   checks: LiveCheck[];
   full_names: Record<string, string>;
 }

@@ -26,6 +26,9 @@ export function RobotTotals({ live }: { live: Live }) {
       {live.link && <Figure name="Link" value={linkWords(live.link)} />}
       <Figure name="Watching" value={`up to ${readable(live.status_kb_per_s)} KB/s`} />
       <Figure name="Received" value={`${readable(heard)} KB/s`} />
+      {live.blocks_left_out > 0 && (
+        <Figure name="Rules shown" value={`${live.blocks.length} of ${live.blocks.length + live.blocks_left_out}`} />
+      )}
       <Figure name="CPU" value={live.cpu_percent === null ? "–" : `${fixed(live.cpu_percent, 1)} %`} />
       <Figure name="Memory" value={live.memory_mb === null ? "–" : `${fixed(live.memory_mb, 0)} MB`} />
     </dl>

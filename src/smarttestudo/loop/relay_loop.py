@@ -17,9 +17,8 @@ from smarttestudo.domain.observation import (
 )
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Truth
-from smarttestudo.domain.status import BlockStatus
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.analyze import block_states
+from smarttestudo.loop.analyze import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.monitor import meter
@@ -134,9 +133,9 @@ class RelayLoop:
         needs_all = topic in self._watched or self.knowledge.link is not None
         return not needs_all and self.relays.may_skip(topic)
 
-    def block_states(self, now_ns: int) -> tuple[BlockStatus, ...]:
-        """Which conditions hold, and what their checks read; to be asked right after a ``WakeInput``."""
-        return block_states(self.knowledge, self.knowledge.time.at(now_ns))
+    def block_states(self, now_ns: int, most: int | None = None) -> BlockStates:
+        """Which conditions hold, of the first ``most`` blocks; to be asked right after a ``WakeInput``."""
+        return BlockStates(self.knowledge, self.knowledge.time.at(now_ns), most)
 
     def take_decisions(self) -> list[Decision]:
         """The decisions since the last call; at first, one for every relayed topic."""

@@ -151,7 +151,7 @@ class Live(Struct, frozen=True, kw_only=True, tag_field="kind", tag="live"):
     """What a robot does now; ``stamp_s`` is its own clock, in seconds since 1970.
 
     ``status_kb_per_s`` is what its statuses themselves take of the link at most, ``full_names`` are those of
-    topics that its rules call otherwise.
+    topics that its rules call otherwise. ``blocks_left_out`` rules are beyond those that a status holds.
     """
 
     node: str
@@ -167,6 +167,7 @@ class Live(Struct, frozen=True, kw_only=True, tag_field="kind", tag="live"):
     link: LinkView | None
     topics: tuple[LiveTopic, ...]
     blocks: tuple[LiveBlock, ...]
+    blocks_left_out: int
     checks: tuple[LiveCheck, ...]
     full_names: dict[str, str]
 
@@ -196,6 +197,7 @@ def live_model(seen: SeenRobot) -> Live:
         link=_link(status.link),
         topics=tuple(_topic(name, topic) for name, topic in status.topics.items()),
         blocks=tuple(_block(block, words) for block in status.blocks),
+        blocks_left_out=status.blocks_left_out,
         checks=tuple(check for block in status.blocks for check in _checks(block, words)),
         full_names=dict(words.full_names),
     )
