@@ -24,7 +24,7 @@ from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.monitor import meter
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relays import Relays
-from smarttestudo.loop.reload import exchange_rules, made_by_reload
+from smarttestudo.loop.reload import PreparedRules, exchange_rules, made_by_reload
 from smarttestudo.loop.step import step
 from smarttestudo.loop.triggers import Trigger
 from smarttestudo.pacing.sample import WhenSlow
@@ -137,6 +137,11 @@ class RelayLoop:
         """Which conditions hold, of the first ``most`` blocks; to be asked right after a ``WakeInput``."""
         return BlockStates(self.knowledge, self.knowledge.time.at(now_ns), most)
 
+    def prepare(self, rule_set: RuleSet) -> PreparedRules:
+        """Other rules, prepared to replace those in force; another thread may call it meanwhile."""
+        knowledge = self.knowledge
+        return PreparedRules(knowledge.rule_set, rule_set, knowledge.evaluator.values)
+
     def take_decisions(self) -> list[Decision]:
         """The decisions since the last call; at first, one for every relayed topic."""
         decisions, self._decisions = self._decisions, []
@@ -185,7 +190,10 @@ class RelayLoop:
         rule_set, profile, now_ns = given.rule_set, given.profile, given.stamp_ns
         relayed = [*self._pass_time(now_ns)]
         self.knowledge.time.advance(now_ns)
-        self._decisions += exchange_rules(self.knowledge, rule_set, profile, self._sources)
+        prepared = given.prepared
+        if prepared is None or not prepared.fits(self.knowledge.rule_set, rule_set):
+            prepared = PreparedRules(self.knowledge.rule_set, rule_set)
+        self._decisions += exchange_rules(self.knowledge, prepared, profile, self._sources)
         self._watched = self.knowledge.watched.keys()
         relayed += self.relays.change_topics(rule_set.relayed, profile, now_ns, floors_hz=rule_set.floors_hz)
         known = {*self._watched, *rule_set.relayed}

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 from smarttestudo.domain.alarm_clock import AlarmClock
@@ -13,6 +13,7 @@ from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.language.evaluator import Evaluator, RequestedRate
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
@@ -24,16 +25,62 @@ _GONE = -1
 """Stands for a block that the new rules do not have."""
 
 
+@dataclass(frozen=True, slots=True)
+class SameRules:
+    """The blocks that decide one topic before and after, alike but for their places.
+
+    ``blocks`` are those after by the order of those before, ``lines`` the new lines by label and line.
+    """
+
+    blocks: Mapping[int, RuleBlock]
+    lines: Mapping[tuple[str, int], int]
+
+
+class PreparedRules:
+    """Other rules in place of ``before``: all that can be made of them before they come into force.
+
+    So the loop need not stop for as long as their number takes. They come into force once; ``values`` of
+    signals may be those then. ``same`` are the topics whose rules stay the same.
+    """
+
+    def __init__(
+        self, before: RuleSet, after: RuleSet, values: Mapping[Signal, float | None] | None = None
+    ) -> None:
+        self.before, self.after = before, after
+        self.evaluator = Evaluator(after)
+        self.evaluator.foresee(values or {})
+        old_blocks, new_blocks = _blocks_by_topic(before), _blocks_by_topic(after)
+        self.same = {
+            topic: _same(old, new)
+            for topic, old in old_blocks.items()
+            if (new := new_blocks.get(topic)) is not None
+            and _stance(before, topic, old) == _stance(after, topic, new)
+        }
+        self.counterpart = _counterparts(before, after)
+
+    def fits(self, before: RuleSet, after: RuleSet) -> bool:
+        """Whether these are the rules that it was made of."""
+        return self.before is before and self.after is after
+
+    def dismantle(self) -> None:
+        """Free what was in force before, after the exchange, piece by piece."""
+        self.evaluator.dismantle()
+        left: list[object] = [*self.before.blocks, *self.before.written]
+        del self.before, self.same, self.counterpart
+        while left:
+            left.pop()
+
+
 def exchange_rules(
-    knowledge: Knowledge, rule_set: RuleSet, profile: Profile, sources: Mapping[str, SourceChanged]
+    knowledge: Knowledge, prepared: PreparedRules, profile: Profile, sources: Mapping[str, SourceChanged]
 ) -> tuple[Decision, ...]:
     """Put other rules and another profile in force; the next step, to be made now, plans by them.
 
-    ``sources`` is the last report on each source. A topic whose rules stay the same keeps a lower rate
-    waiting; any other takes its new rate in the next step. Returns the end of each topic that is no longer
-    relayed.
+    ``prepared`` was made of the rules in force, and has their evaluator afterwards. ``sources`` is the last
+    report on each source. A topic whose rules stay the same keeps a lower rate waiting; any other takes its
+    new rate in the next step. Returns the end of each topic that is no longer relayed.
     """
-    before = knowledge.rule_set
+    rule_set = prepared.after
     now_ns = knowledge.time.now_ns
     order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
     ended = tuple(_end(knowledge, topic, now_ns) for topic in knowledge.order_of if topic not in order_of)
@@ -41,16 +88,16 @@ def exchange_rules(
     knowledge.rule_set, knowledge.profile = rule_set, profile
     knowledge.order_of = order_of
     knowledge.settle_ns = ns_from_s(profile.settle_s)
-    evaluator = Evaluator(rule_set, now_ns)
-    evaluator.carry_on(knowledge.evaluator)
-    knowledge.evaluator = evaluator
+    prepared.evaluator.start(now_ns)
+    prepared.evaluator.carry_on(knowledge.evaluator)
+    knowledge.evaluator, prepared.evaluator = prepared.evaluator, knowledge.evaluator
     knowledge.watched = _watched(knowledge, sources, now_ns)
     knowledge.watch_alarms = AlarmClock()
     for topic in knowledge.watched:
         knowledge.watch_alarms.set(topic, now_ns)
-    _carry_on_settling(knowledge, before)
+    _carry_on_settling(knowledge, prepared.same)
     knowledge.settle_alarms = AlarmClock()
-    _keep_plan(knowledge, before)
+    _keep_plan(knowledge, prepared.counterpart)
     knowledge.unheard &= order_of.keys()
     if knowledge.link is not None:
         knowledge.link.change_rules(rule_set, profile)
@@ -90,20 +137,24 @@ def _watched(
     return watched
 
 
-def _carry_on_settling(knowledge: Knowledge, before: RuleSet) -> None:
+def _carry_on_settling(knowledge: Knowledge, same: Mapping[str, SameRules]) -> None:
     """Keep the requests that wait, of the topics whose rules stay the same."""
     settling, settling_bounds = {}, {}
-    old_blocks, new_blocks = _blocks_by_topic(before), _blocks_by_topic(knowledge.rule_set)
     for topic, waiting in knowledge.settling.items():
-        old, new = old_blocks[topic], new_blocks.get(topic)
-        if new is not None and _stance(before, topic, old) == _stance(knowledge.rule_set, topic, new):
-            renamed = {one.order: other for one, other in zip(old, new, strict=True)}
-            settling[topic] = waiting.carried_on(partial(_renamed, renamed), knowledge.settle_ns)
-            lines = {(one.label, one.line): other.line for one, other in zip(old, new, strict=True)}
+        if (rules := same.get(topic)) is not None:
+            settling[topic] = waiting.carried_on(partial(_renamed, rules.blocks), knowledge.settle_ns)
             settling_bounds[topic] = knowledge.settling_bounds[topic].carried_on(
-                partial(_with_lines, lines), knowledge.settle_ns
+                partial(_with_lines, rules.lines), knowledge.settle_ns
             )
     knowledge.settling, knowledge.settling_bounds = settling, settling_bounds
+
+
+def _same(before: Sequence[RuleBlock], after: Sequence[RuleBlock]) -> SameRules:
+    pairs = list(zip(before, after, strict=True))
+    return SameRules(
+        blocks={one.order: other for one, other in pairs},
+        lines={(one.label, one.line): other.line for one, other in pairs},
+    )
 
 
 def _blocks_by_topic(rule_set: RuleSet) -> dict[str, list[RuleBlock]]:
@@ -140,9 +191,8 @@ def _with_lines(lines: Mapping[tuple[str, int], int], planned: PlannedRate) -> P
     return replace(planned, bound_reasons=reasons)
 
 
-def _keep_plan(knowledge: Knowledge, before: RuleSet) -> None:
+def _keep_plan(knowledge: Knowledge, counterpart: Callable[[int], int]) -> None:
     """The plan of topics still relayed, with the deciding blocks as the new rules count them."""
-    counterpart = _counterparts(before, knowledge.rule_set)
     for kept in (knowledge.settled, knowledge.effective, knowledge.plan):
         for topic in [topic for topic in kept if topic not in knowledge.order_of]:
             del kept[topic]

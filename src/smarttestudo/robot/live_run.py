@@ -15,11 +15,12 @@ from smarttestudo.files.own_process import read_own_process
 from smarttestudo.loop.analyze import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.relay import Relayed
+from smarttestudo.loop.reload import PreparedRules
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.losses import LiveLosses
 from smarttestudo.robot.part import Part
-from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.sampling import LiveSampling
 from smarttestudo.robot.status import LiveStatus
 from smarttestudo.robot.status_topics import StatusPublisher, StatusTelling, StatusTimer
@@ -84,14 +85,18 @@ class LiveRun:
             for part in self._parts:
                 part.close()
 
-    def reload(self, rules: LiveRules) -> None:
-        """Put other rules in force; to be called between two messages, that is, within ``Robot.wait``."""
+    def reload(self, rules: LiveRules, prepared: PreparedRules | None = None) -> None:
+        """Put other rules in force; to be called between two messages, that is, within ``Robot.wait``.
+
+        ``prepared`` may have been made of them beforehand.
+        """
         now_ns = self._robot.now_ns()
         # What is due by the rules before this is theirs.
         self._take(WakeInput(stamp_ns=now_ns))
         self.rules = rules
         self._follow_parts(now_ns)
-        self._take(RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile))
+        given = RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile, prepared=prepared)
+        self._take(given)
         self._follow(rules)
         self._look(has_changed=True)
 

@@ -22,7 +22,7 @@ from smarttestudo.loop import RelayLoop
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, RulesInput, WakeInput
 from smarttestudo.pacing.cdr import child_frames
 from smarttestudo.pacing.reckoning.picture import Picture
-from smarttestudo.robot.rules import LiveRules
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.topic import PublisherPool
 
 

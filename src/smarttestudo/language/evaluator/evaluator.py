@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
 
 from smarttestudo.domain.decision import PlannedRate
@@ -44,6 +45,7 @@ class Evaluator:
         self._recording = {block.order for block in rule_set.blocks if block.recordings}
         self.has_recordings = bool(self._recording)
         self._turned_recordings: list[tuple[int, Truth]] = []
+        self._has_started_to_record = True
         self._propagation = Propagation(graph, self._block_changed, start_ns)
 
     @property
@@ -59,6 +61,34 @@ class Evaluator:
     def advance(self, now_ns: int) -> None:
         """Let time pass until ``now_ns``; what is ``set`` from now on happens then. Time never goes back."""
         self._propagation.advance(now_ns)
+
+    @property
+    def values(self) -> Mapping[Signal, float | None]:
+        """The last value of each signal. Another thread may ask for them."""
+        return {signal: thresholds.value for signal, thresholds in self._thresholds.items()}
+
+    def foresee(self, values: Mapping[Signal, float | None]) -> None:
+        """Compute with ``values`` as what may hold at the ``start``: what turns out to does not cost again.
+
+        What remembers the past takes no part.
+        """
+        for signal, value in values.items():
+            thresholds = self._thresholds.get(signal)
+            if thresholds is not None and not thresholds.has_latch:
+                self.set(signal, value)
+        self._propagation.settle_joins()
+
+    def start(self, now_ns: int) -> None:
+        """Have the time begin at ``now_ns``, in place of when this was made: nothing has happened yet."""
+        self._changed_ns = [now_ns] * len(self._changed_ns)
+        self._propagation.now_ns = now_ns
+        self._turned_recordings = []
+        self._has_started_to_record = False
+
+    def dismantle(self) -> None:
+        """Let go of every part, piece by piece: what holds each other is else freed in one long stop."""
+        self._graph.dismantle()
+        del self._propagation
 
     def carry_on(self, before: Evaluator) -> None:
         """Take over the history of every condition that ``before`` has, too, be it with other durations.
@@ -99,6 +129,11 @@ class Evaluator:
         """The blocks with recordings, by order, and what they turned to since the last call, in order."""
         self._propagation.settle()
         turned, self._turned_recordings = self._turned_recordings, []
+        if not self._has_started_to_record:
+            # Until now all were unknown, whatever was foreseen.
+            self._has_started_to_record = True
+            known = [(order, self.truth(order)) for order in sorted(self._recording)]
+            return [(order, truth) for order, truth in known if truth is not Truth.UNKNOWN]
         return turned
 
     def request(self, topic: str) -> PlannedRate:

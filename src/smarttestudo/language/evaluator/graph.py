@@ -48,6 +48,12 @@ class Graph:
         """All groups of literals."""
         return self._groups.values()
 
+    def dismantle(self) -> None:
+        """Cut what holds each other."""
+        while self.nodes:
+            for literal in self.nodes.pop().literals:
+                literal.dismantle()
+
     def literal_of(self, form: Form, *, negated: bool = False) -> Literal:
         """The literal that is as true as ``form``, or as its negation."""
         if isinstance(form, InRegion):
@@ -198,6 +204,16 @@ class Propagation:
                 self._update(node)
             elif isinstance(node, TimeWindow):
                 self._look(node)
+
+    def settle_joins(self) -> None:
+        """Bring all queued joins up to date; windows wait for the next ``advance``."""
+        while self._queue:
+            node = self._nodes[heappop(self._queue)]
+            if isinstance(node, Join):
+                self._update(node)
+            elif isinstance(node, TimeWindow):
+                node.queued = False
+                self._carried.append(node.number)
 
     def _look(self, window: TimeWindow) -> None:
         window.queued = False
