@@ -17,7 +17,7 @@ from smarttestudo.domain.status import BlockStatus
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import compile_rules
 from smarttestudo.language.syntax import Block, RuleFile, checks_in
-from smarttestudo.loop.analyze import BlockStates
+from smarttestudo.loop.block_states import BlockStates
 
 TRUTHS = {None: Truth.UNKNOWN, False: Truth.FALSE, True: Truth.TRUE}
 RULES = """

@@ -16,15 +16,17 @@ from smarttestudo.domain.observation import (
     SourceChanged,
 )
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rests import Rest, no_rest
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.analyze import BlockStates
+from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.monitor import meter
+from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relays import Relays
-from smarttestudo.loop.reload import PreparedRules, exchange_rules, made_by_reload
+from smarttestudo.loop.reload import exchange_rules, made_by_reload
 from smarttestudo.loop.step import step
 from smarttestudo.loop.triggers import Trigger
 from smarttestudo.pacing.sample import WhenSlow
@@ -137,10 +139,10 @@ class RelayLoop:
         """Which conditions hold, of the first ``most`` blocks; to be asked right after a ``WakeInput``."""
         return BlockStates(self.knowledge, self.knowledge.time.at(now_ns), most)
 
-    def prepare(self, rule_set: RuleSet) -> PreparedRules:
+    def prepare(self, rule_set: RuleSet, rest: Rest = no_rest) -> PreparedRules:
         """Other rules, prepared to replace those in force; another thread may call it meanwhile."""
         knowledge = self.knowledge
-        return PreparedRules(knowledge.rule_set, rule_set, knowledge.evaluator.values)
+        return PreparedRules(knowledge.rule_set, rule_set, knowledge.evaluator.values, rest)
 
     def take_decisions(self) -> list[Decision]:
         """The decisions since the last call; at first, one for every relayed topic."""

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 
 from smarttestudo.domain.alarm_clock import AlarmClock
@@ -13,62 +13,13 @@ from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
-from smarttestudo.language.evaluator import Evaluator, RequestedRate
-from smarttestudo.language.rule_set import RuleBlock, RuleSet
+from smarttestudo.language.evaluator import RequestedRate
+from smarttestudo.language.rule_set import RuleBlock
 from smarttestudo.loop.knowledge.knowledge import Knowledge, watched_topics
 from smarttestudo.loop.knowledge.watched_topic import WatchedTopic
+from smarttestudo.loop.prepared_rules import PreparedRules, SameRules
 from smarttestudo.loop.triggers import still_recording
-
-_GONE = -1
-"""Stands for a block that the new rules do not have."""
-
-
-@dataclass(frozen=True, slots=True)
-class SameRules:
-    """The blocks that decide one topic before and after, alike but for their places.
-
-    ``blocks`` are those after by the order of those before, ``lines`` the new lines by label and line.
-    """
-
-    blocks: Mapping[int, RuleBlock]
-    lines: Mapping[tuple[str, int], int]
-
-
-class PreparedRules:
-    """Other rules in place of ``before``: all that can be made of them before they come into force.
-
-    So the loop need not stop for as long as their number takes. They come into force once; ``values`` of
-    signals may be those then. ``same`` are the topics whose rules stay the same.
-    """
-
-    def __init__(
-        self, before: RuleSet, after: RuleSet, values: Mapping[Signal, float | None] | None = None
-    ) -> None:
-        self.before, self.after = before, after
-        self.evaluator = Evaluator(after)
-        self.evaluator.foresee(values or {})
-        old_blocks, new_blocks = _blocks_by_topic(before), _blocks_by_topic(after)
-        self.same = {
-            topic: _same(old, new)
-            for topic, old in old_blocks.items()
-            if (new := new_blocks.get(topic)) is not None
-            and _stance(before, topic, old) == _stance(after, topic, new)
-        }
-        self.counterpart = _counterparts(before, after)
-
-    def fits(self, before: RuleSet, after: RuleSet) -> bool:
-        """Whether these are the rules that it was made of."""
-        return self.before is before and self.after is after
-
-    def dismantle(self) -> None:
-        """Free what was in force before, after the exchange, piece by piece."""
-        self.evaluator.dismantle()
-        left: list[object] = [*self.before.blocks, *self.before.written]
-        del self.before, self.same, self.counterpart
-        while left:
-            left.pop()
 
 
 def exchange_rules(
@@ -149,32 +100,6 @@ def _carry_on_settling(knowledge: Knowledge, same: Mapping[str, SameRules]) -> N
     knowledge.settling, knowledge.settling_bounds = settling, settling_bounds
 
 
-def _same(before: Sequence[RuleBlock], after: Sequence[RuleBlock]) -> SameRules:
-    pairs = list(zip(before, after, strict=True))
-    return SameRules(
-        blocks={one.order: other for one, other in pairs},
-        lines={(one.label, one.line): other.line for one, other in pairs},
-    )
-
-
-def _blocks_by_topic(rule_set: RuleSet) -> dict[str, list[RuleBlock]]:
-    blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
-    for block in rule_set.blocks:
-        for topic in block.topics:
-            blocks[topic].append(block)
-    return blocks
-
-
-def _stance(rule_set: RuleSet, topic: str, blocks: list[RuleBlock]) -> object:
-    """All that decides the rate and the bounds of ``topic``."""
-    setting = [
-        (block.label, block.priority, block.rates.get(topic), block.bounds.get(topic), block.form)
-        for block in blocks
-    ]
-    always = (rule_set.defaults.get(topic), rule_set.floors_hz.get(topic), rule_set.bounds.get(topic))
-    return always, setting
-
-
 def _renamed(new_blocks: Mapping[int, RuleBlock], request: RequestedRate) -> RequestedRate:
     if request.block is None:
         return request
@@ -200,15 +125,3 @@ def _keep_plan(knowledge: Knowledge, counterpart: Callable[[int], int]) -> None:
         for topic, request in requests.items():
             if request.block is not None:
                 requests[topic] = replace(request, block=counterpart(request.block))
-
-
-def _counterparts(before: RuleSet, after: RuleSet) -> Callable[[int], int]:
-    """Which block of ``after`` each block of ``before`` became: the one of the same name."""
-    found: dict[int, int] = {}
-    by_label: dict[str, list[int]] = {}
-    for block in reversed(after.blocks):
-        by_label.setdefault(block.label, []).append(block.order)
-    for block in before.blocks:
-        if orders := by_label.get(block.label):
-            found[block.order] = orders.pop()
-    return lambda order: found.get(order, _GONE)

@@ -12,10 +12,10 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.files.own_process import read_own_process
-from smarttestudo.loop.analyze import BlockStates
+from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
+from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.loop.relay import Relayed
-from smarttestudo.loop.reload import PreparedRules
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules

@@ -14,7 +14,7 @@ from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RulesInForce, RulesOrigin
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.loop.reload import PreparedRules
+from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.robot.fallback import Fallback
 from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules
 from smarttestudo.robot.live_run import LOOK_PERIOD_S, LiveRun

@@ -14,10 +14,11 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from smarttestudo.domain.errors import RuleFileError, TestudoError, said, testudo_error
+from smarttestudo.domain.rests import Rest
 from smarttestudo.files.toml_text import read_toml_text
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.reload import PreparedRules
+from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.robot.live_rules import LiveRules, UncheckedRules
 from smarttestudo.robot.output_topics import OutputTopic
 from smarttestudo.robot.rule_checking import check_elsewhere, unnoticed
@@ -136,7 +137,7 @@ class RuleWatch:
     """
 
     def __init__(
-        self, files: LiveRuleFiles, last: Reading, prepare: Callable[[RuleSet], PreparedRules]
+        self, files: LiveRuleFiles, last: Reading, prepare: Callable[[RuleSet, Rest], PreparedRules]
     ) -> None:
         self._files = files
         self._prepare = prepare
@@ -176,8 +177,8 @@ class RuleWatch:
         while not self._ended.wait(LOOK_PERIOD_S):
             with suppress(Empty):
                 replaced = self._replaced.get_nowait()
-                with unnoticed():
-                    replaced.dismantle()
+                with unnoticed() as rest:
+                    replaced.dismantle(rest)
                     del replaced
             if self._is_to_be_read():
                 self._readings.put(self._prepared(self._files.read()))
@@ -185,8 +186,8 @@ class RuleWatch:
     def _prepared(self, reading: Reading) -> Reading:
         if reading.rules is None or not reading.rules.is_large:
             return reading
-        with unnoticed():
-            return replace(reading, prepared=self._prepare(reading.rules.rule_set))
+        with unnoticed() as rest:
+            return replace(reading, prepared=self._prepare(reading.rules.rule_set, rest))
 
     def _is_to_be_read(self) -> bool:
         try:

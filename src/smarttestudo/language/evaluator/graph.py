@@ -11,6 +11,7 @@ from heapq import heappop, heappush
 from typing import TypeVar
 
 from smarttestudo.domain.alarm_clock import AlarmClock
+from smarttestudo.domain.rests import Rest
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.evaluator.literal import (
@@ -48,9 +49,10 @@ class Graph:
         """All groups of literals."""
         return self._groups.values()
 
-    def dismantle(self) -> None:
+    def dismantle(self, rest: Rest) -> None:
         """Cut what holds each other."""
         while self.nodes:
+            rest()
             for literal in self.nodes.pop().literals:
                 literal.dismantle()
 
@@ -205,9 +207,10 @@ class Propagation:
             elif isinstance(node, TimeWindow):
                 self._look(node)
 
-    def settle_joins(self) -> None:
+    def settle_joins(self, rest: Rest) -> None:
         """Bring all queued joins up to date; windows wait for the next ``advance``."""
         while self._queue:
+            rest()
             node = self._nodes[heappop(self._queue)]
             if isinstance(node, Join):
                 self._update(node)
