@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The processes of benchmarks beside the runtime: sources, an operator, a plain rclpy relay and recorder.
 
-usage: roles.py source|operator|plain_relay|plain_recorder|alarm JSON, where JSON is a list of topics:
+usage: roles.py source|operator|hearer|plain_relay|plain_recorder|alarm JSON, where JSON is a list of topics:
 {"name": "/imu", "type": "sensor_msgs/msg/Imu", "hz": 195, "target_hz": 50, "size_bytes": 324}. Every message
 is bytes that are sent as they are, with the monotonic time of sending in its header's stamp. A line on stdin
 asks for a result in JSON, the end of stdin ends the process.
@@ -70,13 +70,29 @@ def answers(answer: Any) -> threading.Event:
 
 
 def source(node: Any, topics: list[Topic]) -> None:
-    """Publish each topic at its rate; answers how many messages of all were sent."""
+    """Publish each topic at its rate; answers how many messages of all were sent.
+
+    ``pause`` has it send nothing until ``resume``.
+    """
     sent: Counter[str] = Counter()
+    may_send = threading.Event()
+    may_send.set()
     publishers = [node.create_publisher(message_class(topic), topic["name"], 10) for topic in topics]
     payloads = [bytearray(b"\x00\x01\x00\x00" + bytes(topic["size_bytes"])) for topic in topics]
     due_s = [time.monotonic()] * len(topics)
-    ended = answers(lambda _: sum(sent[topic["name"]] for topic in topics))
+
+    def answer(line: str) -> int:
+        if line == "pause":
+            may_send.clear()
+        elif line == "resume":
+            may_send.set()
+        return sum(sent[topic["name"]] for topic in topics)
+
+    ended = answers(answer)
     while not ended.is_set():
+        if not may_send.wait(0.1):
+            due_s = [time.monotonic()] * len(topics)
+            continue
         for number, topic in enumerate(topics):
             if due_s[number] <= time.monotonic():
                 publishers[number].publish(stamp_now(payloads[number]))
@@ -85,10 +101,11 @@ def source(node: Any, topics: list[Topic]) -> None:
         time.sleep(max(min(due_s) - time.monotonic(), 0))
 
 
-def operator(node: Any, topics: list[Topic]) -> None:
-    """Hear what is relayed; answers the ages at arrival in µs, of small messages if there are any.
+def operator(node: Any, topics: list[Topic], prefix: str = PREFIX) -> None:
+    """Hear what is relayed, under names with ``prefix``; answers the ages at arrival in µs.
 
-    ``forget`` begins anew, ``endpoints NAME`` answers how many readers and writers the node NAME has.
+    Those of small messages, if there are any. ``forget`` begins anew, ``endpoints NAME`` answers how many
+    readers and writers the node NAME has.
     """
     ages_us: list[float] = []
     has_small = any(topic["size_bytes"] <= SMALL_BYTES for topic in topics)
@@ -100,7 +117,7 @@ def operator(node: Any, topics: list[Topic]) -> None:
     subscriptions = [
         node.create_subscription(
             message_class(topic),
-            topic["name"] if topic["name"] == DIRECT else PREFIX + topic["name"],
+            topic["name"] if topic["name"] == DIRECT else prefix + topic["name"],
             heard,
             QoSProfile(depth=100),
             raw=True,
@@ -190,6 +207,7 @@ def main() -> None:
     roles = {
         "source": source,
         "operator": operator,
+        "hearer": partial(operator, prefix=""),
         "plain_relay": plain_relay,
         "plain_recorder": plain_recorder,
         "alarm": alarm,

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.status_json import compact_status, is_measured, status_from_json, status_from_text
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
@@ -30,7 +31,7 @@ SPAN_S = (STATUSES[-1].stamp_ns - STATUSES[0].stamp_ns) / NS_PER_S
 def sent() -> list[bytes]:
     """What travels of each."""
     sender = StatusSender(is_measured, compress)
-    return [sender.next(compact_status(status), status.stamp_ns) for status in STATUSES]
+    return [sender.next(compact_status(to_json(status)), status.stamp_ns) for status in STATUSES]
 
 
 def test_five_statuses_a_second_of_nine_topics_take_less_than_a_kilobyte_a_second(sent: list[bytes]) -> None:

@@ -20,8 +20,8 @@ from smarttestudo.domain.robot import Qos
 from smarttestudo.domain.status import RulesInForce
 from smarttestudo.incidents.live_outages import FOLDER_NS, MAX_FOLDERS, LiveOutages
 from smarttestudo.loop.relay import Relayed
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.topic import LiveSource
 
 QOS = Qos(reliable=True, transient_local=False, depth=5)

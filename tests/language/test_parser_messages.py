@@ -78,8 +78,8 @@ def test_a_thousand_errors_are_shown_and_the_others_counted() -> None:
 
 
 def test_a_file_of_more_than_1_mb_is_refused() -> None:
-    (finding,) = parse("begin end //" + "é" * 500_000, "rules.adirf").findings
-    assert finding.line_of_text() == "rules.adirf:1:1: error[file-too-large]: a rule file holds at most 1 MB"
+    (finding,) = parse("begin end //" + "é" * 2_000_000, "rules.adirf").findings
+    assert finding.line_of_text() == "rules.adirf:1:1: error[file-too-large]: a rule file holds at most 4 MB"
     assert parse("begin end //" + "é" * 499_994, "rules.adirf").is_valid
 
 

@@ -36,8 +36,8 @@ def test_utf_8_is_read_with_and_without_a_byte_order_mark(tmp_path: Path, mark: 
         ),
         (b"\xef\xbb\xbf\xff", ":1:1: error: the byte 0xFF is not UTF-8; save it as UTF-8"),
         (
-            b"/" * 1_000_001,
-            ": error: the rule file is larger than 1 MB; split it into several; is it a rule file?",
+            b"/" * 4_000_001,
+            ": error: the rule file is larger than 4 MB; split it into several; is it a rule file?",
         ),
     ],
 )
@@ -53,7 +53,7 @@ def test_a_huge_file_is_refused_without_reading_it(tmp_path: Path) -> None:
     path = tmp_path / "rules.adirf"
     path.touch()
     os.truncate(path, 10**12)
-    with pytest.raises(RuleFileError, match="larger than 1 MB"):
+    with pytest.raises(RuleFileError, match="larger than 4 MB"):
         read_rule_text(path)
 
 

@@ -14,6 +14,7 @@ from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RuleSet, compile_rules
 from smarttestudo.loop import Relayed, RelayLoop
 from smarttestudo.loop.inputs import ChangeInput, MessageInput, RulesInput, WakeInput
+from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.pacing.sample import WhenSlow
 
 MS = 1_000_000
@@ -67,8 +68,12 @@ class LoopDriver:
     def reload(self, rules: str, profile: Profile | None = None) -> None:
         self.reload_rule_set(rule_set_of(rules), profile)
 
-    def reload_rule_set(self, rule_set: RuleSet, profile: Profile | None = None) -> None:
-        given = RulesInput(stamp_ns=self.now_ns, rule_set=rule_set, profile=profile or Profile())
+    def reload_rule_set(
+        self, rule_set: RuleSet, profile: Profile | None = None, prepared: PreparedRules | None = None
+    ) -> None:
+        given = RulesInput(
+            stamp_ns=self.now_ns, rule_set=rule_set, profile=profile or Profile(), prepared=prepared
+        )
         self.keep(self.loop.take(given))
 
     def budget(self, budget_kb_per_s: float, *, is_measured: bool = False) -> None:

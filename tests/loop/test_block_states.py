@@ -17,7 +17,7 @@ from smarttestudo.domain.status import BlockStatus
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import compile_rules
 from smarttestudo.language.syntax import Block, RuleFile, checks_in
-from smarttestudo.loop.analyze import block_states
+from smarttestudo.loop.block_states import BlockStates
 
 TRUTHS = {None: Truth.UNKNOWN, False: Truth.FALSE, True: Truth.TRUE}
 RULES = """
@@ -33,7 +33,7 @@ def assert_states_are_naive(both: BothLoops, files: list[RuleFile], later_ns: in
     steady_ns = both.knowledge.time.at(both.clock_ns + later_ns)
     values = both.second.values(both.elapsed_ns + later_ns)
     written = [one for file in files for one in file.statements if isinstance(one, Block)]
-    shown = block_states(both.knowledge, steady_ns)
+    shown = list(BlockStates(both.knowledge, steady_ns))
     assert [one.state for one in shown] == [TRUTHS[naive_truth(one.condition, values)] for one in written]
     for one, block in zip(shown, written, strict=True):
         checks = list(checks_in(block.condition))

@@ -47,6 +47,7 @@ events = st.lists(st.tuples(gaps_ns, st.one_of(st.none(), arrivals, changes)), m
 
 
 Rules = tuple[list[RuleFile], Profile]
+Scenario = list[tuple[int, object]]
 
 
 def compiled(rules: Rules) -> tuple[RuleSet, Profile]:
@@ -116,3 +117,43 @@ def test_rules_reloaded_at_the_start_are_as_if_they_had_always_been_there(
         assert (reloaded.relayed, reloaded.decisions) == (fresh.relayed, fresh.decisions)
         assert reloaded.loop.knowledge.plan == fresh.loop.knowledge.plan
         assert reloaded.loop.relays.statistics.keys() == fresh.loop.relays.statistics.keys()
+
+
+@settings(max_examples=150)
+@given(rules, rules, ways, st.tuples(events, events, events))
+def test_rules_prepared_beforehand_come_into_force_as_those_that_are_not(
+    before: Rules,
+    after: Rules,
+    way: tuple[WhenSlow, float | None],
+    scenarios: tuple[Scenario, Scenario, Scenario],
+) -> None:
+    earlier, meanwhile, later = scenarios
+    both = first, second = Driven(before, way), Driven(before, way)
+    now_ns = take_by_each(both, earlier, START)
+    rule_set, profile = compiled(after)
+    prepared = second.loop.prepare(rule_set)
+    now_ns = take_by_each(both, meanwhile, now_ns)
+    first.reload(after, now_ns)
+    given = RulesInput(stamp_ns=now_ns, rule_set=rule_set, profile=profile, prepared=prepared)
+    second.keep(second.loop.take(given))
+    prepared.dismantle()
+    assert_alike(first, second, now_ns)
+    for event in later:
+        now_ns = take_by_each(both, [event], now_ns)
+        assert_alike(first, second, now_ns)
+    assert second.loop.knowledge.rule_set is rule_set
+
+
+def take_by_each(both: tuple[Driven, Driven], scenario: Scenario, now_ns: int) -> int:
+    """When it is afterwards."""
+    for gap_ns, event in scenario:
+        now_ns += gap_ns
+        for driven in both:
+            driven.take(event, now_ns)
+    return now_ns
+
+
+def assert_alike(first: Driven, second: Driven, now_ns: int) -> None:
+    assert (first.relayed, first.decisions) == (second.relayed, second.decisions)
+    assert list(first.loop.block_states(now_ns)) == list(second.loop.block_states(now_ns))
+    assert first.loop.next_wake_ns == second.loop.next_wake_ns

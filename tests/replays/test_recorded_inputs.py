@@ -26,8 +26,8 @@ from smarttestudo.loop.inputs import (
     WakeInput,
 )
 from smarttestudo.robot.input_recorder import InputRecorder, Note
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.rules import LiveRules
 from smarttestudo.rules.rule_sets import check_texts
 
 MS = 1_000_000

@@ -216,7 +216,7 @@ def test_rules_in_utf_16(desk: Desk) -> None:
 def test_rules_of_ten_megabytes(desk: Desk) -> None:
     desk.write_rules("// " + "x" * 10_000_000)
     line = desk.refuses()
-    assert line.startswith("rules.adirf: error: the rule file is larger than 1 MB; ")
+    assert line.startswith("rules.adirf: error: the rule file is larger than 4 MB; ")
 
 
 def test_missing_rules(desk: Desk) -> None:

@@ -11,7 +11,6 @@ from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Pr
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.questions import Asked
 from smarttestudo.domain.robot import Publisher
-from smarttestudo.domain.status import RuntimeStatus
 
 
 class MemoryLink:
@@ -24,7 +23,7 @@ class MemoryLink:
         self.is_watched = False
         self.missed: list[MissedMessage] = []
         self.origin: Callable[[], MessageOrigin | None] = lambda: None
-        self.told: list[RuntimeStatus] = []
+        self.told: list[Mapping[str, object]] = []
         self.followed: list[Mapping[str, LinkNeeds]] = []
         self.predicted: list[tuple[Mapping[str, Prediction], Collection[str]]] = []
 
@@ -37,7 +36,7 @@ class MemoryLink:
     def predict(self, predictions: Mapping[str, Prediction], anew: Collection[str]) -> None:
         self.predicted.append((predictions, anew))
 
-    def tell(self, status: RuntimeStatus) -> None:
+    def tell(self, status: Mapping[str, object]) -> None:
         self.told.append(status)
 
     def keep_missed(self, origin: Callable[[], MessageOrigin | None]) -> None:

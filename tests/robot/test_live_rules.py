@@ -20,8 +20,9 @@ from smarttestudo.domain.visible_topics import is_visible
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import compile_rules
 from smarttestudo.robot.decisions import decision_line
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.output_topics import OutputTopic, is_output_topic, output_topics
-from smarttestudo.robot.rules import LiveRuleFiles, LiveRules, Reading, RuleWatch
+from smarttestudo.robot.rules import LiveRuleFiles, Reading, RuleWatch
 from smarttestudo.rules.rule_files import FileStates
 
 GOOD = "begin\n  SetFrequency /imu 10\nend\n"
@@ -168,7 +169,7 @@ def test_what_nobody_expected_of_the_files_is_an_error_once_and_they_are_watched
     first, second = files.read(), files.read()
     assert str(first.error) == "error: unexpected OverflowError: too large"
     assert first.content == second.content, "so it is said once"
-    watch = RuleWatch(files, first)
+    watch = RuleWatch(files, first, LoopDriver(GOOD).loop.prepare)
     readings: list[Reading] = []
     with watch.running():
         while len(readings) < 2:

@@ -20,8 +20,8 @@ from smarttestudo.domain.status import TopicStatus
 from smarttestudo.loop.inputs import MessageInput, RecordedInput
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.status_topics import StatusPublisher
 
 NO_RETURN = Decision(

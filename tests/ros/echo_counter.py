@@ -7,12 +7,14 @@ N times, the file at PATH gets the next of the texts and ``~/reload`` is called,
 every tenth, until one that was sent after the answer is back. At most a few messages are on the way, so that
 no queue overflows however busy the machine is: a number that is missing was lost by somebody. Prints the
 result: how many reloads succeeded, how many numbers came back, and those that did not follow the one before.
+With N 0 it reloads nothing, says ``counting`` and goes on until a line comes on stdin.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -60,6 +62,17 @@ class Counter:
         self.count_until(answer.done)
         return bool(answer.result().success)
 
+    def count_until_told(self) -> None:
+        told = threading.Event()
+
+        def listen() -> None:
+            sys.stdin.readline()
+            told.set()
+
+        threading.Thread(target=listen, daemon=True).start()
+        sys.stdout.write("counting\n")
+        self.count_until(told.is_set)
+
     def hear_what_is_sent_now(self) -> None:
         sent = self.sent
         self.count_until(lambda: self.heard > sent)
@@ -76,6 +89,8 @@ def main() -> None:
         succeeded += counter.reload(path, texts[number % len(texts)])
         if number % 10 == 9:
             counter.hear_what_is_sent_now()
+    if not count:
+        counter.count_until_told()
     result = {"succeeded": succeeded, "heard": counter.heard, "broken": counter.broken}
     sys.stdout.write(f"result {json.dumps(result)}\n")
     counter.node.destroy_node()

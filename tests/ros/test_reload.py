@@ -42,6 +42,27 @@ def test_500_reloads_of_good_and_bad_files_cost_a_full_topic_no_message(robot: S
     assert "Traceback" not in "".join(runtime.output)
 
 
+def test_reloads_of_two_thousand_rules_cost_a_full_topic_no_message(robot: SmallRobot) -> None:
+    def many(rate: int) -> str:
+        blocks = [
+            f"If CheckValue /odom pose_x > {place} Then SetFrequency /imu {rate} EndIf"
+            for place in range(2000)
+        ]
+        return "\n".join(["begin SetFrequency /count Full", *blocks, "end"])
+
+    runtime = robot.runtime(many(5))
+    counter = robot.counter(robot.folder / "rules0.adirf", [], 0)
+    counter.line_with("counting")
+    for rate in (6, 7, 8):
+        replace_text(robot.folder / "rules0.adirf", many(rate))
+        assert sha256(many(rate)) in runtime.line_with("rules reloaded, hash")
+    counter.say("stop")
+    counted = counter.result()
+    assert counted["broken"] == []
+    assert counted["heard"] >= 50
+    assert "Traceback" not in "".join(runtime.output)
+
+
 def test_a_file_that_changes_is_followed_and_a_bad_one_is_told_once(robot: SmallRobot) -> None:
     folder = robot.folder / "rules"
     folder.mkdir()

@@ -1489,7 +1489,8 @@ export type RulesOrigin = "files" | "pushed" | "waiting" | "fallback";
  * `robot` is the robot's name on its link, empty without one; nodes of several robots may be called alike.
  * `stamp_ns` is the node's clock, `uptime_s` real time since the start, `cpu_percent` of one core
  * over the last second, `memory_mb` what is resident. `status_hz` is how often a status comes,
- * `blocks` has the states of the conditions.
+ * `blocks` has the states of the conditions: of the first `MOST_BLOCKS`, `blocks_left_out` counts the
+ * others.
  */
 export interface RuntimeStatus {
   robot?: string;
@@ -1504,6 +1505,7 @@ export interface RuntimeStatus {
   memory_mb: number | null;
   topics: Record<string, TopicStatus>;
   blocks: BlockStatus[];
+  blocks_left_out?: number;
   link?: LinkState;
   accepted?: Record<string, Omit<CommandTopic, "topic">>;
   incidents?: IncidentState;

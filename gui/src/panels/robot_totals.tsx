@@ -8,6 +8,7 @@ import { fixed, readable } from "../ui/numbers";
 export function RobotTotals({ live: { status, status_kb_per_s } }: { live: Live }) {
   const sent = status.out_kb_per_s;
   const budget = status.budget_kb_per_s;
+  const [shown, leftOut] = [status.blocks.length, status.blocks_left_out ?? 0];
   return (
     <dl class="robot-totals">
       <div class={budget !== null && sent > budget ? "over wide" : "wide"}>
@@ -25,6 +26,7 @@ export function RobotTotals({ live: { status, status_kb_per_s } }: { live: Live 
       {status.link && <Figure name="Link" value={linkWords(status.link)} />}
       <Figure name="Watching" value={`up to ${readable(status_kb_per_s)} KB/s`} />
       <Figure name="Received" value={`${readable(status.in_kb_per_s)} KB/s`} />
+      {leftOut > 0 && <Figure name="Rules shown" value={`${shown} of ${shown + leftOut}`} />}
       <Figure name="CPU" value={status.cpu_percent === null ? "–" : `${fixed(status.cpu_percent, 1)} %`} />
       <Figure name="Memory" value={status.memory_mb === null ? "–" : `${fixed(status.memory_mb, 0)} MB`} />
     </dl>

@@ -12,7 +12,6 @@ from typing import Protocol
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.questions import Asked
 from smarttestudo.domain.robot import Publisher, Qos
-from smarttestudo.domain.status import RuntimeStatus
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,8 +103,8 @@ class OutgoingLink(Protocol):
     def predict(self, predictions: Mapping[str, Prediction], anew: Collection[str]) -> None:
         """Have receivers reckon these topics; of some, ``anew`` from the next message on."""
 
-    def tell(self, status: RuntimeStatus) -> None:
-        """Have everyone who watches receive this status."""
+    def tell(self, status: Mapping[str, object]) -> None:
+        """Have everyone who watches receive this status, the object that it is in JSON."""
 
     def keep_missed(self, origin: Callable[[], MessageOrigin | None]) -> None:
         """Keep from now on what operators' ends miss. ``origin`` is asked of each message as it is sent.

@@ -19,6 +19,9 @@ from smarttestudo.domain.signal import Truth
 STATUS_HZ = 1.0
 """How often the status is published unless a subscriber requests more."""
 
+MOST_BLOCKS = 1_000
+"""How many blocks a status holds at most, so that it stays small whatever the rules."""
+
 _Seconds = Annotated[float, Decimals(3)]
 
 
@@ -241,7 +244,8 @@ class RuntimeStatus:
     ``robot`` is the robot's name on its link, empty without one; nodes of several robots may be called alike.
     ``stamp_ns`` is the node's clock, ``uptime_s`` real time since the start, ``cpu_percent`` of one core
     over the last second, ``memory_mb`` what is resident. ``status_hz`` is how often a status comes,
-    ``blocks`` has the states of the conditions.
+    ``blocks`` has the states of the conditions: of the first ``MOST_BLOCKS``, ``blocks_left_out`` counts the
+    others.
     """
 
     robot: Annotated[str, JsonEntry(omits_default=True)] = ""
@@ -264,6 +268,7 @@ class RuntimeStatus:
     memory_mb: Annotated[Measured | None, Metered("memory", "bytes", "Resident memory of the run.")]
     topics: Mapping[str, TopicStatus]
     blocks: Annotated[tuple[BlockStatus, ...], JsonEntry(is_lenient=True)] = ()
+    blocks_left_out: Annotated[int, JsonEntry(is_lenient=True, omits_default=True)] = 0
     link: Annotated[LinkState | None, JsonEntry(omits_default=True)] = None
     """The link to an operator's end, if there is one."""
     accepted: Annotated[tuple[CommandTopic, ...], JsonEntry(keyed_by="topic", omits_default=True)] = ()

@@ -5,19 +5,24 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 
-from smarttestudo.domain.record import from_json, measured_names, to_json
+from smarttestudo.domain.record import from_json, measured_names
 from smarttestudo.domain.status import STATUS_HZ, RuntimeStatus
 from smarttestudo.domain.units import NS_PER_MS
 
 _DIGITS = 4
 
 
-def compact_status(status: RuntimeStatus) -> dict[str, object]:
-    """The object that goes over a link: measured to four digits, the stamp to the millisecond below."""
-    record = _shortened(to_json(status))
-    assert isinstance(record, dict)
-    return {**record, "stamp_ns": status.stamp_ns // NS_PER_MS * NS_PER_MS}
+def compact_status(status: Mapping[str, object]) -> dict[str, object]:
+    """The object that goes over a link of a status in JSON.
+
+    Measured to four digits, the stamp to the millisecond below; nothing in a block is a measurement.
+    """
+    record = {key: one if key == "blocks" else _shortened(one, key) for key, one in status.items()}
+    stamp_ns = status["stamp_ns"]
+    assert isinstance(stamp_ns, int)
+    return {**record, "stamp_ns": stamp_ns // NS_PER_MS * NS_PER_MS}
 
 
 def is_measured(path: tuple[str | int, ...]) -> bool:

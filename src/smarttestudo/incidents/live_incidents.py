@@ -27,9 +27,9 @@ from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
 from smarttestudo.incidents.recovery import complete_incidents
 from smarttestudo.incidents.ring_files import RingFiles
 from smarttestudo.incidents.space import make_room
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Option, Settings, number, optional, path
 from smarttestudo.robot.part import Part, PartContext, PartKind, RunView
-from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.topic import LiveSource
 
 WAITING_SHARE = 0.25

@@ -18,9 +18,9 @@ from smarttestudo.incidents.live_incidents import INCIDENTS, delete_for_room
 from smarttestudo.incidents.outage_folder import OutageFolder
 from smarttestudo.incidents.task_thread import TaskThread
 from smarttestudo.loop.relay import Relayed
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Option, Settings, is_true
 from smarttestudo.robot.part import Part, PartContext, PartKind
-from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.topic import LiveSource
 
 FOLDER_NS = 600 * NS_PER_S

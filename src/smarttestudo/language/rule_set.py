@@ -16,10 +16,13 @@ from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (
+    Every,
     Form,
     HeldTime,
+    InRegion,
     LastSeen,
     Resolve,
+    Some,
     check_form,
     held_time,
     over_states,
@@ -138,14 +141,21 @@ class RuleSet:
     default_reason: Reason = Reason.DEFAULT
     written: tuple[WrittenBlock, ...] = ()
     bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    relayed: tuple[str, ...] = field(init=False, compare=False)
+    """The topics that are relayed, in order of first mention among defaults, floors, bounds, blocks."""
+    signals: frozenset[Signal] = field(init=False, compare=False)
+    """Everything that checks read."""
 
-    @property
-    def relayed(self) -> tuple[str, ...]:
-        """The topics that are relayed, in order of first mention among defaults, floors, bounds, blocks."""
+    def __post_init__(self) -> None:
+        """Find what is asked for again and again, and costs a walk over all blocks."""
         names = dict.fromkeys([*self.defaults, *self.floors_hz, *self.bounds])
         for block in self.blocks:
             names.update(dict.fromkeys(block.topics))
-        return tuple(names)
+        object.__setattr__(self, "relayed", tuple(names))
+        signals: set[Signal] = set()
+        for block in self.blocks:
+            signals.update(signals_of(block.form))
+        object.__setattr__(self, "signals", frozenset(signals))
 
     @property
     def has_recordings(self) -> bool:
@@ -158,11 +168,6 @@ class RuleSet:
         return frozenset(
             topic for block in self.blocks for recording in block.recordings for topic in recording.topics
         )
-
-    @property
-    def signals(self) -> frozenset[Signal]:
-        """Everything that checks read."""
-        return frozenset().union(*(signals_of(block.form) for block in self.blocks))
 
     def over_states(self) -> RuleSet:
         """The same rules for single states, in which what was before is a signal like any other."""
@@ -219,9 +224,14 @@ def compile_rules(files: Sequence[RuleFile], resolve: Resolve, tiers: TierValues
 
 
 class _Compiler:
+    """Equal parts of what it makes are one object each: in many rules the same signals and limits recur."""
+
     def __init__(self, *, resolve: Resolve, tiers: TierValues) -> None:
         self._resolve = resolve
         self._tiers = tiers
+        self._regions: dict[InRegion, InRegion] = {}
+        self._rates: dict[tuple[tuple[str, Rate], ...], Mapping[str, Rate]] = {}
+        self._no_bounds: Mapping[str, Mapping[str, float]] = {}
 
     def rule_set(self, files: Sequence[RuleFile]) -> RuleSet:
         resolved = resolve_rules(files, self._resolve)
@@ -262,24 +272,35 @@ class _Compiler:
     def _check_as_written(self, check: Check) -> WrittenCheck:
         signal = Signal(self._resolve(check.topic.text), check.property)
         found = check_form(check, signal).signal
+        alone = self._shared_region(InRegion(signal, Region.where(check.operator, check.value)))
         return WrittenCheck(
             line=check.span.line,
             column=check.span.column,
-            signal=signal,
-            region=Region.where(check.operator, check.value),
+            signal=alone.signal,
+            region=alone.region,
             latch=found if isinstance(found, LastSeen) else None,
         )
 
+    def _shared_form(self, form: Form) -> Form:
+        if isinstance(form, InRegion):
+            return self._shared_region(form)
+        parts = tuple(map(self._shared_form, form.parts))
+        return Every(parts) if isinstance(form, Every) else Some(parts)
+
+    def _shared_region(self, found: InRegion) -> InRegion:
+        return self._regions.setdefault(found, found)
+
     def _block(self, branch: Branch) -> RuleBlock:
+        rates = {topic: self._rate(one) for topic, one in branch.settings.items()}
         return RuleBlock(
             order=branch.order,
             label=branch.label,
             line=branch.block.block.span.line,
             path=branch.block.path,
             priority=branch.block.priority,
-            form=branch.form,
-            rates={topic: self._rate(one) for topic, one in branch.settings.items()},
-            bounds=self._tightest(branch.bounds),
+            form=self._shared_form(branch.form),
+            rates=self._rates.setdefault(tuple(rates.items()), rates),
+            bounds=self._tightest(branch.bounds) or self._no_bounds,
             recordings=tuple(map(_record_request, branch.records)),
         )
 

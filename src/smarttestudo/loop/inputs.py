@@ -13,6 +13,7 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import JsonEntry
 from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.pacing.sample import WhenSlow
 
 
@@ -50,11 +51,12 @@ class WakeInput:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RulesInput:
-    """Other rules and another profile came into force."""
+    """Other rules and another profile came into force; ``prepared`` may have been made of them beforehand."""
 
     stamp_ns: int
     rule_set: RuleSet
     profile: Profile
+    prepared: PreparedRules | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

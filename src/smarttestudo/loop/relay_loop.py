@@ -16,13 +16,14 @@ from smarttestudo.domain.observation import (
     SourceChanged,
 )
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rests import Rest, no_rest
 from smarttestudo.domain.signal import Truth
-from smarttestudo.domain.status import BlockStatus
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.analyze import block_states
+from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.monitor import meter
+from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relays import Relays
 from smarttestudo.loop.reload import exchange_rules, made_by_reload
@@ -134,9 +135,14 @@ class RelayLoop:
         needs_all = topic in self._watched or self.knowledge.link is not None
         return not needs_all and self.relays.may_skip(topic)
 
-    def block_states(self, now_ns: int) -> tuple[BlockStatus, ...]:
-        """Which conditions hold, and what their checks read; to be asked right after a ``WakeInput``."""
-        return block_states(self.knowledge, self.knowledge.time.at(now_ns))
+    def block_states(self, now_ns: int, most: int | None = None) -> BlockStates:
+        """Which conditions hold, of the first ``most`` blocks; to be asked right after a ``WakeInput``."""
+        return BlockStates(self.knowledge, self.knowledge.time.at(now_ns), most)
+
+    def prepare(self, rule_set: RuleSet, rest: Rest = no_rest) -> PreparedRules:
+        """Other rules, prepared to replace those in force; another thread may call it meanwhile."""
+        knowledge = self.knowledge
+        return PreparedRules(knowledge.rule_set, rule_set, knowledge.evaluator.values, rest)
 
     def take_decisions(self) -> list[Decision]:
         """The decisions since the last call; at first, one for every relayed topic."""
@@ -186,7 +192,10 @@ class RelayLoop:
         rule_set, profile, now_ns = given.rule_set, given.profile, given.stamp_ns
         relayed = [*self._pass_time(now_ns)]
         self.knowledge.time.advance(now_ns)
-        self._decisions += exchange_rules(self.knowledge, rule_set, profile, self._sources)
+        prepared = given.prepared
+        if prepared is None or not prepared.fits(self.knowledge.rule_set, rule_set):
+            prepared = PreparedRules(self.knowledge.rule_set, rule_set)
+        self._decisions += exchange_rules(self.knowledge, prepared, profile, self._sources)
         self._watched = self.knowledge.watched.keys()
         relayed += self.relays.change_topics(rule_set.relayed, profile, now_ns, floors_hz=rule_set.floors_hz)
         known = {*self._watched, *rule_set.relayed}

@@ -14,26 +14,24 @@ from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
-from smarttestudo.language.evaluator import Evaluator, RequestedRate
-from smarttestudo.language.rule_set import RuleBlock, RuleSet
+from smarttestudo.language.evaluator import RequestedRate
+from smarttestudo.language.rule_set import RuleBlock
 from smarttestudo.loop.knowledge.knowledge import Knowledge, watched_topics
 from smarttestudo.loop.knowledge.watched_topic import WatchedTopic
+from smarttestudo.loop.prepared_rules import PreparedRules, SameRules
 from smarttestudo.loop.triggers import still_recording
-
-_GONE = -1
-"""Stands for a block that the new rules do not have."""
 
 
 def exchange_rules(
-    knowledge: Knowledge, rule_set: RuleSet, profile: Profile, sources: Mapping[str, SourceChanged]
+    knowledge: Knowledge, prepared: PreparedRules, profile: Profile, sources: Mapping[str, SourceChanged]
 ) -> tuple[Decision, ...]:
     """Put other rules and another profile in force; the next step, to be made now, plans by them.
 
-    ``sources`` is the last report on each source. A topic whose rules stay the same keeps a lower rate
-    waiting; any other takes its new rate in the next step. Returns the end of each topic that is no longer
-    relayed.
+    ``prepared`` was made of the rules in force, and has their evaluator afterwards. ``sources`` is the last
+    report on each source. A topic whose rules stay the same keeps a lower rate waiting; any other takes its
+    new rate in the next step. Returns the end of each topic that is no longer relayed.
     """
-    before = knowledge.rule_set
+    rule_set = prepared.after
     now_ns = knowledge.time.now_ns
     order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
     ended = tuple(_end(knowledge, topic, now_ns) for topic in knowledge.order_of if topic not in order_of)
@@ -41,16 +39,16 @@ def exchange_rules(
     knowledge.rule_set, knowledge.profile = rule_set, profile
     knowledge.order_of = order_of
     knowledge.settle_ns = ns_from_s(profile.settle_s)
-    evaluator = Evaluator(rule_set, now_ns)
-    evaluator.carry_on(knowledge.evaluator)
-    knowledge.evaluator = evaluator
+    prepared.evaluator.start(now_ns)
+    prepared.evaluator.carry_on(knowledge.evaluator)
+    knowledge.evaluator, prepared.evaluator = prepared.evaluator, knowledge.evaluator
     knowledge.watched = _watched(knowledge, sources, now_ns)
     knowledge.watch_alarms = AlarmClock()
     for topic in knowledge.watched:
         knowledge.watch_alarms.set(topic, now_ns)
-    _carry_on_settling(knowledge, before)
+    _carry_on_settling(knowledge, prepared.same)
     knowledge.settle_alarms = AlarmClock()
-    _keep_plan(knowledge, before)
+    _keep_plan(knowledge, prepared.counterpart)
     knowledge.unheard &= order_of.keys()
     if knowledge.link is not None:
         knowledge.link.change_rules(rule_set, profile)
@@ -90,38 +88,16 @@ def _watched(
     return watched
 
 
-def _carry_on_settling(knowledge: Knowledge, before: RuleSet) -> None:
+def _carry_on_settling(knowledge: Knowledge, same: Mapping[str, SameRules]) -> None:
     """Keep the requests that wait, of the topics whose rules stay the same."""
     settling, settling_bounds = {}, {}
-    old_blocks, new_blocks = _blocks_by_topic(before), _blocks_by_topic(knowledge.rule_set)
     for topic, waiting in knowledge.settling.items():
-        old, new = old_blocks[topic], new_blocks.get(topic)
-        if new is not None and _stance(before, topic, old) == _stance(knowledge.rule_set, topic, new):
-            renamed = {one.order: other for one, other in zip(old, new, strict=True)}
-            settling[topic] = waiting.carried_on(partial(_renamed, renamed), knowledge.settle_ns)
-            lines = {(one.label, one.line): other.line for one, other in zip(old, new, strict=True)}
+        if (rules := same.get(topic)) is not None:
+            settling[topic] = waiting.carried_on(partial(_renamed, rules.blocks), knowledge.settle_ns)
             settling_bounds[topic] = knowledge.settling_bounds[topic].carried_on(
-                partial(_with_lines, lines), knowledge.settle_ns
+                partial(_with_lines, rules.lines), knowledge.settle_ns
             )
     knowledge.settling, knowledge.settling_bounds = settling, settling_bounds
-
-
-def _blocks_by_topic(rule_set: RuleSet) -> dict[str, list[RuleBlock]]:
-    blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
-    for block in rule_set.blocks:
-        for topic in block.topics:
-            blocks[topic].append(block)
-    return blocks
-
-
-def _stance(rule_set: RuleSet, topic: str, blocks: list[RuleBlock]) -> object:
-    """All that decides the rate and the bounds of ``topic``."""
-    setting = [
-        (block.label, block.priority, block.rates.get(topic), block.bounds.get(topic), block.form)
-        for block in blocks
-    ]
-    always = (rule_set.defaults.get(topic), rule_set.floors_hz.get(topic), rule_set.bounds.get(topic))
-    return always, setting
 
 
 def _renamed(new_blocks: Mapping[int, RuleBlock], request: RequestedRate) -> RequestedRate:
@@ -140,9 +116,8 @@ def _with_lines(lines: Mapping[tuple[str, int], int], planned: PlannedRate) -> P
     return replace(planned, bound_reasons=reasons)
 
 
-def _keep_plan(knowledge: Knowledge, before: RuleSet) -> None:
+def _keep_plan(knowledge: Knowledge, counterpart: Callable[[int], int]) -> None:
     """The plan of topics still relayed, with the deciding blocks as the new rules count them."""
-    counterpart = _counterparts(before, knowledge.rule_set)
     for kept in (knowledge.settled, knowledge.effective, knowledge.plan):
         for topic in [topic for topic in kept if topic not in knowledge.order_of]:
             del kept[topic]
@@ -150,15 +125,3 @@ def _keep_plan(knowledge: Knowledge, before: RuleSet) -> None:
         for topic, request in requests.items():
             if request.block is not None:
                 requests[topic] = replace(request, block=counterpart(request.block))
-
-
-def _counterparts(before: RuleSet, after: RuleSet) -> Callable[[int], int]:
-    """Which block of ``after`` each block of ``before`` became: the one of the same name."""
-    found: dict[int, int] = {}
-    by_label: dict[str, list[int]] = {}
-    for block in reversed(after.blocks):
-        by_label.setdefault(block.label, []).append(block.order)
-    for block in before.blocks:
-        if orders := by_label.get(block.label):
-            found[block.order] = orders.pop()
-    return lambda order: found.get(order, _GONE)

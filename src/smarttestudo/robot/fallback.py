@@ -8,8 +8,8 @@ from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.visible_topics import is_visible, testudo_nodes
 from smarttestudo.language.rule_set import fallback_rules
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.output_topics import OutputTopic, is_output_topic, output_topics
-from smarttestudo.robot.rules import LiveRules
 
 # Time has to come from one place.
 _CLOCK_TOPIC = "/clock"

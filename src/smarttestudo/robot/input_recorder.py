@@ -18,8 +18,8 @@ from smarttestudo.loop.inputs import (
     RuleTextsInput,
 )
 from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.run_options import BUDGET, WHEN_SLOW
 
 Note = Callable[[RecordedInput], None]

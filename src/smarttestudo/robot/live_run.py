@@ -6,23 +6,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Sequence
 
-from smarttestudo.domain.errors import said
 from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
-from smarttestudo.domain.status import RulesInForce
+from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.files.own_process import read_own_process
+from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
+from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.losses import LiveLosses
 from smarttestudo.robot.part import Part
-from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.sampling import LiveSampling
 from smarttestudo.robot.status import LiveStatus
-from smarttestudo.robot.status_topics import StatusPublisher, StatusTimer
+from smarttestudo.robot.status_topics import StatusPublisher, StatusTelling, StatusTimer
 from smarttestudo.robot.topics import LiveTopics
 
 LOOK_PERIOD_S = 0.2
@@ -63,15 +64,14 @@ class LiveRun:
         self._losses = LiveLosses(robot.log)
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
         self._status = LiveStatus(robot.name, read_own_process())
-        self._publisher = StatusPublisher(robot, link)
         self._timer = StatusTimer(robot, link)
-        self._has_failed_to_tell = False
+        self._telling = StatusTelling(robot, StatusPublisher(robot, link), self._timer, self._measure)
         self._standing: Callable[[], RulesInForce] = lambda: self.rules.in_force
 
     def drive(self, stopped: Callable[[], bool]) -> None:
         """Until ``stopped``."""
         self._robot.look_at_graph(self._look)
-        self._robot.every(self._timer.period_s, self._tell)
+        self._robot.every(self._timer.period_s, self._telling.tell)
         for part in self._parts:
             if part.poll_s is not None:
                 self._robot.every(part.poll_s, part.poll)
@@ -85,14 +85,18 @@ class LiveRun:
             for part in self._parts:
                 part.close()
 
-    def reload(self, rules: LiveRules) -> None:
-        """Put other rules in force; to be called between two messages, that is, within ``Robot.wait``."""
+    def reload(self, rules: LiveRules, prepared: PreparedRules | None = None) -> None:
+        """Put other rules in force; to be called between two messages, that is, within ``Robot.wait``.
+
+        ``prepared`` may have been made of them beforehand.
+        """
         now_ns = self._robot.now_ns()
         # What is due by the rules before this is theirs.
         self._take(WakeInput(stamp_ns=now_ns))
         self.rules = rules
         self._follow_parts(now_ns)
-        self._take(RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile))
+        given = RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile, prepared=prepared)
+        self._take(given)
         self._follow(rules)
         self._look(has_changed=True)
 
@@ -195,24 +199,15 @@ class LiveRun:
             for part in self._publishing:
                 part.after_publish()
 
-    def _tell(self) -> float:
-        self._take(WakeInput(stamp_ns=self._robot.now_ns()))
-        try:
-            return self._told()
-        except Exception as error:  # noqa: BLE001 - whatever publishing fails of, relaying goes on
-            if not self._has_failed_to_tell:
-                self._has_failed_to_tell = True
-                self._robot.log.warning(f"{said(error)}; some statuses are missing")
-            return self._timer.period_s
-
-    def _told(self) -> float:
-        """Publish the status; returns in how many seconds to do so again."""
-        process, now_ns = read_own_process(), self._robot.now_ns()
+    def _measure(self, most_blocks: int) -> tuple[RuntimeStatus, BlockStates]:
+        """The status of now without its blocks, and the states of the first of those."""
+        now_ns = self._robot.now_ns()
+        self._take(WakeInput(stamp_ns=now_ns))
         status = self._status.look(
             self.loop,
             self._topics.links(),
             self._standing(),
-            process,
+            read_own_process(),
             now_ns,
             status_hz=self._timer.status_hz,
         )
@@ -220,8 +215,7 @@ class LiveRun:
             status = part.added_to(status)
         for part in self._parts:
             part.on_status(status)
-        self._publisher.announce(status, diagnostics_too=self._timer.is_diagnosis_due(process.steady_ns))
-        return self._timer.next_s(read_own_process().cpu_ns - process.cpu_ns)
+        return status, self.loop.block_states(now_ns, most_blocks)
 
     def _report(self) -> None:
         decisions = self.loop.take_decisions()

@@ -18,8 +18,8 @@ from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.loop.inputs import ChangeInput, WakeInput
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import AnyOption, Settings
-from smarttestudo.robot.rules import LiveRules
 from smarttestudo.robot.topic import LiveSource
 
 

@@ -14,10 +14,12 @@ from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RulesInForce, RulesOrigin
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.robot.fallback import Fallback
+from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules
 from smarttestudo.robot.live_run import LOOK_PERIOD_S, LiveRun
 from smarttestudo.robot.rule_writing import RuleFileWriter
-from smarttestudo.robot.rules import PUSHED, LiveRuleFiles, LiveRules, Reading, RuleWatch
+from smarttestudo.robot.rules import PUSHED, LiveRuleFiles, Reading, RuleWatch
 from smarttestudo.robot.run_options import BUDGET, STATUS_RATE
 
 CONFIRM_WITHIN_S = 10
@@ -96,8 +98,6 @@ class PushedRules(Generic[_Rules]):
 
 RELOAD_SERVICE = "~/reload"
 FALLBACK_LOOK_PERIOD_S = 1.0
-# Checking so much takes a few tenths of a second, in which nothing is relayed.
-MAX_CHECKED_AT_ONCE_BYTES = 64_000
 _STAYS = "the last valid rules stay in force"
 _FALLBACK = "relaying everything at Full until there are rules"
 
@@ -140,7 +140,7 @@ class RuleManager:
         self._last = first
         self._loaded = _texts_of_files(first)
         self._in_force = PushedRules(first.rules)
-        self._watch = RuleWatch(files, first)
+        self._watch = RuleWatch(files, first, live.loop.prepare)
         self._is_asked = False
 
     def keep(self) -> AbstractContextManager[None]:
@@ -180,7 +180,7 @@ class RuleManager:
     def reload_now(self) -> str:
         """Read the files, put them in force and return the outcome. Raises ``TestudoError``."""
         self._is_asked = True
-        if self._files.size_bytes() > MAX_CHECKED_AT_ONCE_BYTES:
+        if self._files.size_bytes() > LARGE_BYTES:
             self._watch.read_soon()
             return "the rules are large and are being checked; the result will be in the log"
         reading = self._files.read()
@@ -210,14 +210,14 @@ class RuleManager:
         """Put what was read in force, if it is valid, and new or requested."""
         if reading.number < self._last.number:
             return
-        is_new, self._last = reading.content != self._last.content, reading
+        is_new, self._last = reading.content != self._last.content, replace(reading, prepared=None)
         self._loaded = _texts_of_files(reading) or self._loaded
         is_asked, self._is_asked = self._is_asked, False
         if reading.rules is not None and (is_new or is_asked):
             is_other = self._in_force.is_pushed and self._rules.rules_hash != reading.rules.rules_hash
             pushed = "; the pushed rules are no longer in force" if is_other else ""
             self._in_force.replace(reading.rules)
-            self._hold()
+            self._hold(reading.prepared)
             self._robot.log.info(f"rules reloaded, hash {reading.rules.rules_hash}{pushed}")
         elif reading.error is not None and is_new:
             stays = _FALLBACK if self._in_force.rules is None else _STAYS
@@ -243,8 +243,10 @@ class RuleManager:
         self._robot.log.info(self._writer.write(rules.texts[PUSHED], self._loaded))
         self._take(self._files.read())
 
-    def _hold(self) -> None:
-        self._live.reload(self._rules)
+    def _hold(self, prepared: PreparedRules | None = None) -> None:
+        self._live.reload(self._rules, prepared)
+        if prepared is not None:
+            self._watch.free(prepared)
         self._show()
 
     def _show(self) -> None:
@@ -267,7 +269,7 @@ class RuleManager:
 
     def _checked_text(self, text: str) -> LiveRules:
         size_bytes = len(text.encode("utf-8"))
-        if size_bytes > MAX_CHECKED_AT_ONCE_BYTES:
+        if size_bytes > LARGE_BYTES:
             cause = f"{size_bytes} bytes are too many to check while messages are waiting"
             raise UsageError(cause, place=PUSHED, remedy="put the rules into a rule file")
         return self._files.check(text)

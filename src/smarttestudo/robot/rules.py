@@ -4,23 +4,24 @@
 
 from __future__ import annotations
 
+import hashlib
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from smarttestudo.domain.errors import RuleFileError, TestudoError, said, testudo_error
-from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.rule_texts import RuleTexts
-from smarttestudo.domain.status import RulesInForce
+from smarttestudo.domain.rests import Rest
 from smarttestudo.files.toml_text import read_toml_text
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.robot.output_topics import OutputTopic, output_topics
-from smarttestudo.rules.profile_file import parse_profile
+from smarttestudo.loop.prepared_rules import PreparedRules
+from smarttestudo.robot.live_rules import LiveRules, UncheckedRules
+from smarttestudo.robot.output_topics import OutputTopic
+from smarttestudo.robot.rule_checking import check_elsewhere, unnoticed
 from smarttestudo.rules.rule_files import (
     FileStates,
     file_states,
@@ -28,37 +29,8 @@ from smarttestudo.rules.rule_files import (
     read_rule_text,
     total_bytes,
 )
-from smarttestudo.rules.rule_sets import check_texts
 
 PUSHED = "rules_text"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LiveRules:
-    """Valid rules: their meaning, and their texts by path.
-
-    ``output_topics`` has the output topic of each relayed one, ``names`` the full name of each topic by the
-    name that the texts use.
-    """
-
-    rule_set: RuleSet
-    output_topics: Mapping[str, str]
-    profile: Profile = field(default_factory=Profile)
-    in_force: RulesInForce = field(default_factory=RulesInForce)
-    texts: Mapping[str, str] = field(default_factory=dict)
-    profile_text: str | None = None
-    names: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def rules_hash(self) -> str:
-        """The SHA-256 of the rule texts, one after the other; empty while there are none."""
-        return self.in_force.sha256
-
-    @property
-    def rule_texts(self) -> RuleTexts:
-        """The texts of the rules in force, for the node's parameter."""
-        renamed = {name: full for name, full in self.names.items() if name != full}
-        return RuleTexts(sha256=self.rules_hash, files=tuple(self.texts.items()), full_names=renamed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +38,7 @@ class Reading:
     """The result of reading the files: rules, or their first error.
 
     Of two readings the one with the greater ``number`` began later; equal ``content`` was equal text.
-    ``states`` are older than what was read.
+    ``states`` are older than what was read. ``prepared`` may have been made of the rules.
     """
 
     number: int
@@ -74,6 +46,7 @@ class Reading:
     content: str
     rules: LiveRules | None = None
     error: TestudoError | None = None
+    prepared: PreparedRules | None = None
 
 
 class LiveRuleFiles:
@@ -87,6 +60,11 @@ class LiveRuleFiles:
         self._resolve = resolve
         self._output_topic = output_topic
         self._numbers = count()
+        self._ended = threading.Event()
+
+    def close(self) -> None:
+        """Check nothing to the end that takes long."""
+        self._ended.set()
 
     def states(self) -> FileStates:
         """State of the files, which changes when one of them does."""
@@ -102,7 +80,7 @@ class LiveRuleFiles:
         try:
             states = self.states()
             texts, profile_text = self._texts()
-            content = repr((texts, profile_text))
+            content = hashlib.sha256(repr((texts, profile_text)).encode()).hexdigest()
             rules = self._checked(texts, profile_text)
             return Reading(number=number, states=states, content=content, rules=rules)
         except Exception as error:  # noqa: BLE001 - a thread reads them, which must not end
@@ -137,25 +115,15 @@ class LiveRuleFiles:
         return None if self._profile is None else read_toml_text(self._profile)
 
     def _checked(self, texts: Mapping[str, str], profile_text: str | None) -> LiveRules:
-        names: dict[str, str] = {}
-
-        def resolve(topic: str) -> str:
-            return names.setdefault(topic, self._resolve(topic))
-
-        profile = None
-        if self._profile is not None and profile_text is not None:
-            profile = parse_profile(profile_text, self._profile).resolved(resolve)
-        loaded = check_texts(texts, profile=profile, resolve=resolve)
-        loaded.refuse_errors()
-        return LiveRules(
-            rule_set=loaded.rule_set,
-            output_topics=output_topics(loaded.rule_set, self._output_topic),
-            profile=profile or Profile(),
-            in_force=loaded.in_force,
+        rules = UncheckedRules(
             texts=texts,
+            profile=self._profile,
             profile_text=profile_text,
-            names=names,
+            output_topic=self._output_topic,
         )
+        if rules.is_large:
+            return check_elsewhere(rules, self._resolve, self._ended.is_set)
+        return rules.checked(self._resolve)
 
 
 LOOK_PERIOD_S = 0.25
@@ -164,12 +132,16 @@ LOOK_PERIOD_S = 0.25
 class RuleWatch:
     """Looks at the files every ``LOOK_PERIOD_S`` and reads them once a change has been there for two looks.
 
-    ``last`` was read before.
+    ``last`` was read before. ``prepare`` is called for large rules that are valid.
     So a file that an editor empties and then writes is rarely read halfway.
     """
 
-    def __init__(self, files: LiveRuleFiles, last: Reading) -> None:
+    def __init__(
+        self, files: LiveRuleFiles, last: Reading, prepare: Callable[[RuleSet, Rest], PreparedRules]
+    ) -> None:
         self._files = files
+        self._prepare = prepare
+        self._replaced: SimpleQueue[PreparedRules] = SimpleQueue()
         self._readings: SimpleQueue[Reading] = SimpleQueue()
         self._ended = threading.Event()
         self._read: FileStates | None = last.states
@@ -185,6 +157,10 @@ class RuleWatch:
             while True:
                 yield self._readings.get_nowait()
 
+    def free(self, replaced: PreparedRules) -> None:
+        """Have the rules freed in the place of which ``replaced`` came into force."""
+        self._replaced.put(replaced)
+
     @contextmanager
     def running(self) -> Iterator[None]:
         """Watch during the block."""
@@ -194,12 +170,24 @@ class RuleWatch:
             yield
         finally:
             self._ended.set()
+            self._files.close()
             thread.join()
 
     def _watch(self) -> None:
         while not self._ended.wait(LOOK_PERIOD_S):
+            with suppress(Empty):
+                replaced = self._replaced.get_nowait()
+                with unnoticed() as rest:
+                    replaced.dismantle(rest)
+                    del replaced
             if self._is_to_be_read():
-                self._readings.put(self._files.read())
+                self._readings.put(self._prepared(self._files.read()))
+
+    def _prepared(self, reading: Reading) -> Reading:
+        if reading.rules is None or not reading.rules.is_large:
+            return reading
+        with unnoticed() as rest:
+            return replace(reading, prepared=self._prepare(reading.rules.rule_set, rest))
 
     def _is_to_be_read(self) -> bool:
         try:

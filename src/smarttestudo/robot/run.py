@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import partial
@@ -86,6 +87,8 @@ def run_live(
             running.enter_context(part.running())
         running.enter_context(keeper.keep())
         parameters.serve(keeper.accept)
+        # What is made at the start stays: to look for cycles in it would hold up messages.
+        gc.freeze()
         robot.log.info(f"Relaying {len(rules.output_topics)} topics as {settings[OUTPUT_TOPIC]}")
         live.drive(stopped)
 

@@ -187,7 +187,7 @@ class LiveStatus:
     ) -> RuntimeStatus:
         """The status at ``now_ns`` on the node's clock, by when what time alone does was done.
 
-        ``links`` are those of all relayed topics.
+        ``links`` are those of all relayed topics. The blocks are left to the caller.
         """
         resident = process.resident_bytes
         return RuntimeStatus(
@@ -201,7 +201,6 @@ class LiveStatus:
             memory_mb=None if resident is None else resident / BYTES_PER_MB,
             topics=self._topics(loop, links, now_ns),
             status_hz=status_hz,
-            blocks=loop.block_states(now_ns),
         )
 
     def _share_of_cpu(self, process: ProcessReading) -> float | None:

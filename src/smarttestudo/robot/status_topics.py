@@ -4,7 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple, Protocol
 
 from smarttestudo.domain.errors import RosError, said
 from smarttestudo.domain.json_text import json_text
@@ -12,14 +15,28 @@ from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import Qos, Robot
-from smarttestudo.domain.status import STATUS_HZ, RuntimeStatus
+from smarttestudo.domain.status import MOST_BLOCKS, STATUS_HZ, BlockStatus, RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.diagnostics import diagnostics
 
 STATUS_QOS = Qos(reliable=True, transient_local=True, depth=1)
 DIAGNOSTICS_TOPIC = "/diagnostics"
 
-_Announce = Callable[[RuntimeStatus], None]
+
+class BlockJson(NamedTuple):
+    """One block of a status in JSON, as an object and as text."""
+
+    record: dict[str, object]
+    text: str
+
+    @classmethod
+    def of(cls, block: BlockStatus) -> BlockJson:
+        """The JSON of ``block``."""
+        record = to_json(block)
+        return cls(record, json_text(record, ascii_only=False))
+
+
+_Announce = Callable[[RuntimeStatus, Sequence[BlockJson]], None]
 
 
 class StatusPublisher:
@@ -31,15 +48,20 @@ class StatusPublisher:
     def __init__(self, robot: Robot, link: OutgoingLink | None = None) -> None:
         self._robot = robot
         self._text = self._opened(_as_text)
-        self._linked: _Announce | None = None if link is None else link.tell
+        self._linked: _Announce | None = None if link is None else _as_record(link)
         self._diagnostics = self._opened(_as_diagnostics)
 
-    def announce(self, status: RuntimeStatus, *, diagnostics_too: bool = True) -> None:
-        """Publish ``status``; as diagnostics only with a subscriber, since they are not latched."""
-        self._text = self._said(self._text, status)
-        self._linked = self._said(self._linked, status)
+    def announce(
+        self, status: RuntimeStatus, blocks: Sequence[BlockJson] = (), *, diagnostics_too: bool = True
+    ) -> None:
+        """Publish ``status`` with ``blocks``, or its own where there are none of those.
+
+        As diagnostics only with a subscriber, since they are not latched.
+        """
+        self._text = self._said(self._text, status, blocks)
+        self._linked = self._said(self._linked, status, blocks)
         if diagnostics_too and self._robot.subscriber_count(DIAGNOSTICS_TOPIC):
-            self._diagnostics = self._said(self._diagnostics, status)
+            self._diagnostics = self._said(self._diagnostics, status, blocks)
 
     def _opened(self, way: Callable[[Robot], _Announce]) -> _Announce | None:
         try:
@@ -48,11 +70,13 @@ class StatusPublisher:
             self._robot.log.warning(str(error))
             return None
 
-    def _said(self, way: _Announce | None, status: RuntimeStatus) -> _Announce | None:
+    def _said(
+        self, way: _Announce | None, status: RuntimeStatus, blocks: Sequence[BlockJson]
+    ) -> _Announce | None:
         """``way`` as long as it works."""
         try:
             if way is not None:
-                way(status)
+                way(status, blocks)
         except Exception as error:  # noqa: BLE001 - whatever publishing fails of, relaying goes on
             self._robot.log.warning(f"{said(error)}; nothing more is published there")
             return None
@@ -61,16 +85,33 @@ class StatusPublisher:
 
 def _as_text(robot: Robot) -> _Announce:
     publish = robot.text_publisher(STATUS_TOPIC, STATUS_QOS, goes_over_link=False)
-    return lambda status: publish(json_text(to_json(status), ascii_only=False))
+
+    def announce(status: RuntimeStatus, blocks: Sequence[BlockJson]) -> None:
+        text = json_text(to_json(status), ascii_only=False)
+        # In a text of JSON a quote has a backslash before it, so this is nothing but the entry.
+        publish(text.replace(_NO_BLOCKS, _NO_BLOCKS[:-1] + ", ".join(one.text for one in blocks) + "]", 1))
+
+    return announce
+
+
+def _as_record(link: OutgoingLink) -> _Announce:
+    def announce(status: RuntimeStatus, blocks: Sequence[BlockJson]) -> None:
+        record = to_json(status)
+        link.tell({**record, "blocks": [one.record for one in blocks]} if blocks else record)
+
+    return announce
 
 
 def _as_diagnostics(robot: Robot) -> _Announce:
     publish = robot.diagnostics_publisher(DIAGNOSTICS_TOPIC)
-    return lambda status: publish(diagnostics(status))
+    return lambda status, _: publish(diagnostics(status))
 
 
+_NO_BLOCKS = '"blocks": []'
 # Status publishing is capped at a fifth of a core: messages come first.
 _TIMES_ITS_COST = 5
+_MOST_BLOCKS_UNHEARD = 20
+"""How many blocks the latched status holds while nobody listens: it costs the same whatever the rules."""
 # A period of one second is met by timers that are a little early.
 _DIAGNOSIS_AFTER_NS = NS_PER_S * 9 // 10
 
@@ -98,6 +139,11 @@ class StatusTimer:
         return self.asked_hz if self.asked_hz <= STATUS_HZ or self._is_watched else STATUS_HZ
 
     @property
+    def most_blocks(self) -> int:
+        """How many blocks the status of now holds at most."""
+        return MOST_BLOCKS if self._is_watched else _MOST_BLOCKS_UNHEARD
+
+    @property
     def _is_watched(self) -> bool:
         return (self._link is not None and self._link.is_watched) or bool(
             self._robot.subscriber_count(STATUS_TOPIC)
@@ -113,3 +159,73 @@ class StatusTimer:
     def next_s(self, cost_ns: int) -> float:
         """In how many seconds to publish again, if publishing took ``cost_ns`` of CPU time."""
         return max(self.period_s, min(cost_ns * _TIMES_ITS_COST / NS_PER_S, 1 / STATUS_HZ))
+
+
+class States(Protocol):
+    """States of the first blocks, of one moment; ``left_out`` counts the others."""
+
+    @property
+    def left_out(self) -> int:
+        """How many blocks there are beyond."""
+
+    def __iter__(self) -> Iterator[BlockStatus]: ...
+
+
+BLOCKS_PER_SLICE = 20
+"""How many blocks of a status are made while messages wait: about a millisecond's worth."""
+_PAUSE_S = 0.000_5
+
+
+class StatusTelling:
+    """Tells one status after the other, each in slices between which messages are relayed.
+
+    ``measure`` gives the status of now without its blocks, and the states of those, of which it is told how
+    many at most.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        publisher: StatusPublisher,
+        timer: StatusTimer,
+        measure: Callable[[int], tuple[RuntimeStatus, States]],
+    ) -> None:
+        self._robot = robot
+        self._publisher = publisher
+        self._timer = timer
+        self._measure = measure
+        self._rest: Iterator[None] | None = None
+        self._began_ns = 0
+        self._cost_ns = 0
+        self._has_failed = False
+
+    def tell(self) -> float:
+        """Begin a status, or go on with it; returns in how many seconds to do so again."""
+        start_ns = time.process_time_ns()
+        if self._rest is None:
+            self._began_ns, self._cost_ns = self._robot.steady_ns(), 0
+            self._rest = self._slices()
+        try:
+            is_done = next(self._rest, self) is self
+        except Exception as error:  # noqa: BLE001 - whatever publishing fails of, relaying goes on
+            is_done = True
+            if not self._has_failed:
+                self._has_failed = True
+                self._robot.log.warning(f"{said(error)}; some statuses are missing")
+        self._cost_ns += time.process_time_ns() - start_ns
+        if not is_done:
+            return _PAUSE_S
+        self._rest = None
+        took_s = (self._robot.steady_ns() - self._began_ns) / NS_PER_S
+        return max(self._timer.next_s(self._cost_ns) - took_s, _PAUSE_S)
+
+    def _slices(self) -> Iterator[None]:
+        status, states = self._measure(self._timer.most_blocks)
+        is_diagnosis_due = self._timer.is_diagnosis_due(self._robot.steady_ns())
+        blocks: list[BlockJson] = []
+        for block in states:
+            blocks.append(BlockJson.of(block))
+            if len(blocks) % BLOCKS_PER_SLICE == 0:
+                yield
+        whole = replace(status, blocks_left_out=states.left_out)
+        self._publisher.announce(whole, blocks, diagnostics_too=is_diagnosis_due)

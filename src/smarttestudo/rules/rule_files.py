@@ -72,7 +72,7 @@ def rule_files_named(paths: Iterable[Path]) -> list[Path]:
 def read_rule_text(path: Path) -> str:
     """The text of the rule file at ``path``, without a byte order mark.
 
-    Raises ``RuleFileError`` for a file that cannot be read, is larger than 1 MB or is not UTF-8.
+    Raises ``RuleFileError`` for a file that cannot be read, is larger than 4 MB or is not UTF-8.
     """
     try:
         data = read_input(path, MAX_FILE_BYTES + 1)
@@ -82,7 +82,7 @@ def read_rule_text(path: Path) -> str:
         raise _not_read(path, error) from error
     if len(data) > MAX_FILE_BYTES:
         remedy = "split it into several; is it a rule file?"
-        raise RuleFileError("the rule file is larger than 1 MB", place=str(path), remedy=remedy)
+        raise RuleFileError("the rule file is larger than 4 MB", place=str(path), remedy=remedy)
     return _decoded(data, path)
 
 

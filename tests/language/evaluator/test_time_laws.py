@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from random import Random
 
 import pytest
@@ -14,7 +15,7 @@ from language.evaluator.naive_time import Sample, duration, random_condition, tr
 from language.evaluator.random_rules import SPAN, block, check, rule_file, set_frequency
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.evaluator import Evaluator
-from smarttestudo.language.rule_set import compile_rules
+from smarttestudo.language.rule_set import RecordRequest, compile_rules
 from smarttestudo.language.syntax import And, Condition, Operator, Timed, TimeWord
 
 SIGNALS = [Signal("/p", "x"), Signal("/p", "y"), Signal("/q", "z")]
@@ -114,6 +115,59 @@ def test_a_condition_that_is_carried_on_goes_on_as_if_nothing_had_happened(seed:
             one.advance(later_ns)
             one.take_changed_topics()
         assert straight.truth(0) is after.truth(1)
+
+
+@given(st.integers(0, 2**32))
+@settings(max_examples=100, deadline=None)
+def test_what_was_foreseen_of_values_changes_nothing_whether_they_come_or_not(seed: int) -> None:
+    for case in range(CASES_AN_EXAMPLE):
+        assert_foreseeing_changes_nothing(Random(f"{seed} {case}"))
+
+
+def assert_foreseeing_changes_nothing(random: Random) -> None:
+    """Exchange the rules of an evaluator for others, made at once and made and computed beforehand."""
+    kept, other, old = (random_condition(random, SIGNALS, BORDERS, depth=random.randint(1, 3)) for _ in "abc")
+    record = RecordRequest(name="seen", line=1, topics=("/a",), before_ns=0, after_ns=0)
+    before = evaluator_of(kept, old)
+    blocks = [block(condition, [set_frequency("/a", 1.0)]) for condition in (other, kept)]
+    rule_set = compile_rules([rule_file(blocks)], lambda name: name)
+    rule_set = replace(
+        rule_set, blocks=(replace(rule_set.blocks[0], recordings=(record,)), rule_set.blocks[1])
+    )
+    values: Values = dict.fromkeys(SIGNALS)
+    foreseen_at, now_ns, reload_at = random.randint(0, 3), 0, random.randint(3, 5)
+    both: list[Evaluator] = []
+    for step in range(9):
+        now_ns += random.choice((0, 1, 2, 4))
+        values = {**values, random.choice(SIGNALS): random.choice(VALUES)}
+        if step == foreseen_at:
+            prepared = Evaluator(rule_set)
+            prepared.foresee(before.values)
+        if step == reload_at:
+            before.advance(now_ns)
+            prepared.start(now_ns)
+            both = [Evaluator(rule_set, now_ns), prepared]
+            for one in both:
+                one.carry_on(before)
+        for one in both or [before]:
+            one.advance(now_ns)
+            for signal, value in values.items():
+                one.set(signal, value)
+            one.take_changed_topics()
+        if both:
+            assert seen_of(both[0]) == seen_of(both[1])
+
+
+def seen_of(evaluator: Evaluator) -> object:
+    """All that a loop asks of an evaluator with two blocks."""
+    orders = (0, 1)
+    return (
+        [(evaluator.truth(order), evaluator.changed_ns(order)) for order in orders],
+        evaluator.decide("/a"),
+        evaluator.next_alarm_ns,
+        evaluator.take_turned_recordings(),
+        evaluator.values,
+    )
 
 
 def held(border: float, seconds: float) -> Timed:

@@ -14,7 +14,7 @@ from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.parts.live_link import LinkWatch
-from smarttestudo.robot.rules import LiveRules
+from smarttestudo.robot.live_rules import LiveRules
 
 RULES = """\
 begin

@@ -16,14 +16,13 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.questions import Asked
 from smarttestudo.domain.robot import Publisher, Qos
-from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.link.parts.live_link import LinkWatch
 from smarttestudo.link.protocol.sender import LinkSender
 from smarttestudo.loop import RelayLoop
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, RulesInput, WakeInput
 from smarttestudo.pacing.cdr import child_frames
 from smarttestudo.pacing.reckoning.picture import Picture
-from smarttestudo.robot.rules import LiveRules
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.topic import PublisherPool
 
 
@@ -54,7 +53,7 @@ class VirtualEnd:
     def advertise(self, stream: StreamInfo) -> Publisher:
         return VirtualPublisher(self, stream)
 
-    def tell(self, status: RuntimeStatus) -> None:
+    def tell(self, status: Mapping[str, object]) -> None:
         raise NotImplementedError
 
     def keep_missed(self, origin: Callable[[], MessageOrigin | None]) -> None:

@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from robot.status.statuses import STATUS
+from smarttestudo.domain.record import to_json
 from smarttestudo.link.protocol import wire
 from smarttestudo.link.zenoh import open_robot_end
 from smarttestudo.link.zenoh.security import LinkOptions
@@ -69,7 +70,7 @@ def main() -> None:
     with open_robot_end(name, LinkOptions(connect=(endpoint,)), say) as end:
         end.offer_incidents(Path("nowhere"))
         while not ended.wait(0.1):
-            end.tell(STATUS)
+            end.tell(to_json(STATUS))
 
 
 if __name__ == "__main__":

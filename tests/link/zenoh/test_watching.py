@@ -31,6 +31,7 @@ from smarttestudo.cli.robots import topics_of_robot, wait_for_all
 from smarttestudo.domain.errors import LinkError, TestudoError, UsageError
 from smarttestudo.domain.parameter import SilentNodeError
 from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
+from smarttestudo.domain.record import to_json
 from smarttestudo.link.protocol.messages import CHANGING_QUESTIONS
 from smarttestudo.link.zenoh import open_link_robots, open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.link_robots import LinkRobots
@@ -54,7 +55,7 @@ class Robot:
     def step(self) -> None:
         """Tell another status, and answer a question."""
         self.steps += 1
-        self.end.tell(replace(STATUS, robot=self.end.robot, uptime_s=float(self.steps)))
+        self.end.tell(to_json(replace(STATUS, robot=self.end.robot, uptime_s=float(self.steps))))
         asked = self.end.take_question()
         if asked is None:
             return

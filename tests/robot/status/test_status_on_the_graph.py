@@ -31,7 +31,7 @@ def test_a_status_goes_out_as_text_and_as_diagnostics() -> None:
 def test_a_link_gets_the_status_beside_the_graph() -> None:
     robot, link = VirtualRobot(), MemoryLink()
     StatusPublisher(robot, link).announce(STATUS)
-    assert (link.told, len(robot.texts)) == ([STATUS], 1)
+    assert (link.told, len(robot.texts)) == ([to_json(STATUS)], 1)
 
 
 def test_while_nobody_listens_to_diagnostics_none_are_made_and_the_latched_status_still_goes_out() -> None:

@@ -24,44 +24,58 @@ def redundant_rates(
     They can be removed all at once: what is asked of a rate is asked of others that differ from the default.
     Ends when ``effort`` is spent.
     """
-    setters: dict[str, list[Branch]] = {}
-    for branch in branches:
-        for topic in branch.settings:
-            setters.setdefault(topic, []).append(branch)
+    rivals = _rivals(branches, floors)
     try:
         for branch in branches:
             for topic, setting in branch.settings.items():
                 default = defaults.get(topic)
                 if default is None or setting.rate is None or setting.rate != default.rate:
                     continue
-                floor_hz = _floor_hz(floors.get(topic))
-                if not setting.rate.yields_to_floor or setting.rate.hz >= floor_hz:
-                    others = [other for other in setters[topic] if other is not branch]
-                    if not any(_matters_beside(branch, one, topic, floor_hz, effort) for one in others):
+                if not setting.rate.yields_to_floor or setting.rate.hz >= _floor_hz(floors.get(topic)):
+                    others = (
+                        other
+                        for (priority, raised), alike in rivals[topic].items()
+                        if _may_matter(setting.rate, branch.block.priority, raised, priority)
+                        for other in alike
+                        if other is not branch
+                    )
+                    if all(excludes(other.form, branch.form, effort) for other in others):
                         yield RedundantRate(branch=branch, setting=setting, default=default)
     except TooComplexError:
         return
+
+
+_Stance = tuple[int, Rate | None]
+"""The priority of a block, and its rate raised to the floor."""
+
+
+def _rivals(
+    branches: Sequence[Branch], floors: Mapping[str, ResolvedFloor]
+) -> dict[str, dict[_Stance, list[Branch]]]:
+    """The branches that set each topic, by what they ask for: few ask for different things."""
+    rivals: dict[str, dict[_Stance, list[Branch]]] = {}
+    for branch in branches:
+        for topic, setting in branch.settings.items():
+            rate = setting.rate
+            raised = None if rate is None else rate.at_least(_floor_hz(floors.get(topic)))
+            alike = rivals.setdefault(topic, {}).setdefault((branch.block.priority, raised), [])
+            alike.append(branch)
+    return rivals
 
 
 def _floor_hz(floor: ResolvedFloor | None) -> float:
     return 0.0 if floor is None else floor.rate.hz
 
 
-def _matters_beside(branch: Branch, other: Branch, topic: str, floor_hz: float, effort: Effort) -> bool:
-    """Whether the rate of ``branch``, which is the default's, can change what ``other`` makes of ``topic``.
+def _may_matter(mine: Rate, my_priority: int, raised: Rate | None, priority: int) -> bool:
+    """Whether ``mine``, which is the default's, can change what a block with the other rate makes of a topic.
 
     It does where it overrules a lower rate, known or in doubt, and where it keeps a higher rate of lower
-    priority from being feared.
+    priority from being feared; unless the two conditions exclude each other.
     """
-    mine, theirs = branch.settings[topic].rate, other.settings[topic].rate
-    if other.block.priority > branch.block.priority or mine is None:
+    if priority > my_priority or raised == mine:
         return False
-    raised: Rate | None = None if theirs is None else theirs.at_least(floor_hz)
-    if raised == mine or (
-        raised is not None and raised > mine and other.block.priority == branch.block.priority
-    ):
-        return False
-    return not excludes(other.form, branch.form, effort)
+    return raised is None or raised < mine or priority < my_priority
 
 
 def excludes(first: Form, second: Form, effort: Effort) -> bool:

@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
 
 from smarttestudo.domain.decision import PlannedRate
+from smarttestudo.domain.rests import Rest, no_rest, resting
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.evaluator.graph import Graph, Propagation
 from smarttestudo.language.evaluator.literal import Latch, Leaf, Literal, Thresholds
@@ -24,19 +26,19 @@ class Evaluator:
     each.
     """
 
-    def __init__(self, rule_set: RuleSet, start_ns: int = 0) -> None:
+    def __init__(self, rule_set: RuleSet, start_ns: int = 0, rest: Rest = no_rest) -> None:
         self._graph = graph = Graph()
         self._blocks = rule_set.blocks
-        self._literals = [_literal(graph, block) for block in rule_set.blocks]
+        self._literals = [_literal(graph, block) for block in resting(rule_set.blocks, rest)]
         self._thresholds = _thresholds(graph)
-        self._arbiters = _arbiters(rule_set)
+        self._arbiters = _arbiters(rule_set, rest)
         self._entries = [
             [
                 (topic, *ranking)
                 for topic in block.topics
                 for ranking in self._arbiters[topic].rankings_of(block.order)
             ]
-            for block in rule_set.blocks
+            for block in resting(rule_set.blocks, rest)
         ]
         self._changed_topics = set(self._arbiters)
         self._changed_blocks: set[int] = set()
@@ -44,6 +46,7 @@ class Evaluator:
         self._recording = {block.order for block in rule_set.blocks if block.recordings}
         self.has_recordings = bool(self._recording)
         self._turned_recordings: list[tuple[int, Truth]] = []
+        self._has_started_to_record = True
         self._propagation = Propagation(graph, self._block_changed, start_ns)
 
     @property
@@ -59,6 +62,34 @@ class Evaluator:
     def advance(self, now_ns: int) -> None:
         """Let time pass until ``now_ns``; what is ``set`` from now on happens then. Time never goes back."""
         self._propagation.advance(now_ns)
+
+    @property
+    def values(self) -> Mapping[Signal, float | None]:
+        """The last value of each signal. Another thread may ask for them."""
+        return {signal: thresholds.value for signal, thresholds in self._thresholds.items()}
+
+    def foresee(self, values: Mapping[Signal, float | None], rest: Rest = no_rest) -> None:
+        """Compute with ``values`` as what may hold at the ``start``: what turns out to does not cost again.
+
+        What remembers the past takes no part.
+        """
+        for signal, value in values.items():
+            thresholds = self._thresholds.get(signal)
+            if thresholds is not None and not thresholds.has_latch:
+                self.set(signal, value)
+        self._propagation.settle_joins(rest)
+
+    def start(self, now_ns: int) -> None:
+        """Have the time begin at ``now_ns``, in place of when this was made: nothing has happened yet."""
+        self._changed_ns = [now_ns] * len(self._changed_ns)
+        self._propagation.now_ns = now_ns
+        self._turned_recordings = []
+        self._has_started_to_record = False
+
+    def dismantle(self, rest: Rest = no_rest) -> None:
+        """Let go of every part, piece by piece: what holds each other is else freed in one long stop."""
+        self._graph.dismantle(rest)
+        del self._propagation
 
     def carry_on(self, before: Evaluator) -> None:
         """Take over the history of every condition that ``before`` has, too, be it with other durations.
@@ -99,6 +130,11 @@ class Evaluator:
         """The blocks with recordings, by order, and what they turned to since the last call, in order."""
         self._propagation.settle()
         turned, self._turned_recordings = self._turned_recordings, []
+        if not self._has_started_to_record:
+            # Until now all were unknown, whatever was foreseen.
+            self._has_started_to_record = True
+            known = [(order, self.truth(order)) for order in sorted(self._recording)]
+            return [(order, truth) for order, truth in known if truth is not Truth.UNKNOWN]
         return turned
 
     def request(self, topic: str) -> PlannedRate:
@@ -173,9 +209,9 @@ def _thresholds(graph: Graph) -> dict[Signal, Thresholds]:
     return {signal: Thresholds(found) for signal, found in leaves.items()}
 
 
-def _arbiters(rule_set: RuleSet) -> dict[str, TopicArbiter]:
+def _arbiters(rule_set: RuleSet, rest: Rest) -> dict[str, TopicArbiter]:
     blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
-    for block in rule_set.blocks:
+    for block in resting(rule_set.blocks, rest):
         for topic in block.topics:
             blocks[topic].append(block)
     return {topic: TopicArbiter(topic, setting, rule_set) for topic, setting in blocks.items()}

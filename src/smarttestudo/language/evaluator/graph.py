@@ -11,6 +11,7 @@ from heapq import heappop, heappush
 from typing import TypeVar
 
 from smarttestudo.domain.alarm_clock import AlarmClock
+from smarttestudo.domain.rests import Rest
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.evaluator.literal import (
@@ -47,6 +48,13 @@ class Graph:
     def groups(self) -> Iterable[LiteralGroup]:
         """All groups of literals."""
         return self._groups.values()
+
+    def dismantle(self, rest: Rest) -> None:
+        """Cut what holds each other."""
+        while self.nodes:
+            rest()
+            for literal in self.nodes.pop().literals:
+                literal.dismantle()
 
     def literal_of(self, form: Form, *, negated: bool = False) -> Literal:
         """The literal that is as true as ``form``, or as its negation."""
@@ -198,6 +206,17 @@ class Propagation:
                 self._update(node)
             elif isinstance(node, TimeWindow):
                 self._look(node)
+
+    def settle_joins(self, rest: Rest) -> None:
+        """Bring all queued joins up to date; windows wait for the next ``advance``."""
+        while self._queue:
+            rest()
+            node = self._nodes[heappop(self._queue)]
+            if isinstance(node, Join):
+                self._update(node)
+            elif isinstance(node, TimeWindow):
+                node.queued = False
+                self._carried.append(node.number)
 
     def _look(self, window: TimeWindow) -> None:
         window.queued = False

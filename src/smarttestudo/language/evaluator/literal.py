@@ -46,6 +46,14 @@ class Literal:
         self.windows: list[TimeWindow] = []
         group.live.add(self)
 
+    def dismantle(self) -> None:
+        """Hold nothing that holds this."""
+        self.node.literals = []
+        self.group.live.discard(self)
+        self.joins.clear()
+        self.live_joins.clear()
+        self.windows.clear()
+
 
 class Node:
     """A value that literals read; ``number`` rises from what a node reads to the node.
@@ -219,6 +227,11 @@ class Thresholds:
         self._leaves_at = [leaves_at[cut] for cut in self.cuts]
         self._position: int | None = None
         self.value: float | None = None
+
+    @property
+    def has_latch(self) -> bool:
+        """Whether any of them remembers values of before."""
+        return any(isinstance(leaf, Latch) for leaf in self._leaves)
 
     def move(self, value: float | None) -> Collection[Leaf | Latch]:
         """Take the new value (``None`` or NaN: unknown); the leaves that may have changed."""

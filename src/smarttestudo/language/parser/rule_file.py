@@ -144,7 +144,7 @@ def _skip_body(cursor: Cursor) -> None:
         cursor.is_block_open = False
 
 
-MAX_FILE_BYTES = 1_000_000
+MAX_FILE_BYTES = 4_000_000
 _COLLECTION_STARTS = frozenset({*STATEMENT_STARTS, TokenKind.BEGIN, TokenKind.END_OF_FILE})
 _START = Span(line=1, column=1, end_line=1, end_column=1)
 
@@ -154,7 +154,7 @@ def parse(text: str, path: str) -> ParseResult:
     log = FindingLog(path)
     if len(text.encode("utf-8", "surrogatepass")) > MAX_FILE_BYTES:
         log.report(
-            "file-too-large", "a rule file holds at most 1 MB", span=_START, hint="split it into several"
+            "file-too-large", "a rule file holds at most 4 MB", span=_START, hint="split it into several"
         )
         return ParseResult(
             file=RuleFile(path=path, collections=()), findings=log.findings(), tokens=(), steps=0

@@ -13,9 +13,9 @@ from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import Publisher, Qos, Robot
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.output_topics import OWN_TOPICS
 from smarttestudo.robot.part import Part, PartContext, PartKind
-from smarttestudo.robot.rules import LiveRules
 
 QOS = Qos(reliable=True, transient_local=False, depth=1)
 """It serves subscribers of any reliability; who comes late gets nothing old, and who is slow the newest."""

@@ -18,8 +18,8 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.parts.link_questions import LinkQuestions
 from smarttestudo.loop.inputs import ChangeInput, WakeInput
 from smarttestudo.loop.relay import ReckonedPicture
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.part import Part, PartContext, PartKind, RunView
-from smarttestudo.robot.rules import LiveRules
 
 LINK_PERIOD_S = 0.25
 """How often to look what the link carries."""

@@ -17,7 +17,6 @@ from smarttestudo.domain.errors import LinkError, said
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.catalog import IncidentCatalog
 from smarttestudo.incidents.transfer_messages import AskBytes
@@ -141,7 +140,7 @@ class RobotEnd:
         """Whether somebody receives statuses."""
         return self._status.is_watched
 
-    def tell(self, status: RuntimeStatus) -> None:
+    def tell(self, status: Mapping[str, object]) -> None:
         """Have everyone who watches receive this status. Raises ``LinkError`` where that cannot be."""
         self._status.tell(status)
 

@@ -5,12 +5,11 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import zenoh
 
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.status_json import compact_status, is_measured
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.status_stream import StatusSender
@@ -41,8 +40,8 @@ class StatusServer:
         self._kept = self._publisher.declare_matching_listener(self._match)
         server.serve(key, self._answer)
 
-    def tell(self, status: RuntimeStatus) -> None:
-        """Send ``status``; never waits for the link."""
+    def tell(self, status: Mapping[str, object]) -> None:
+        """Send ``status``, an object of JSON; never waits for the link."""
         with self._lock:
             data = self._sender.next(compact_status(status), self._clock())
         try:

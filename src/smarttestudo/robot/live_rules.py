@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The rules of a live run, before and after they are checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rule_texts import RuleTexts
+from smarttestudo.domain.status import RulesInForce
+from smarttestudo.language.normal_form import Resolve
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.robot.output_topics import OutputTopic, output_topics
+from smarttestudo.rules.profile_file import parse_profile
+from smarttestudo.rules.rule_sets import check_texts
+
+LARGE_BYTES = 64_000
+"""How large rule texts may be to be checked while messages wait: that takes a few tenths of a second."""
+
+
+def are_large(texts: Mapping[str, str]) -> bool:
+    """Whether rule texts by path are larger than ``LARGE_BYTES``, where each character takes one byte."""
+    return sum(map(len, texts.values())) > LARGE_BYTES
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveRules:
+    """Valid rules: their meaning, and their texts by path.
+
+    ``output_topics`` has the output topic of each relayed one, ``names`` the full name of each topic by the
+    name that the texts use.
+    """
+
+    rule_set: RuleSet
+    output_topics: Mapping[str, str]
+    profile: Profile = field(default_factory=Profile)
+    in_force: RulesInForce = field(default_factory=RulesInForce)
+    texts: Mapping[str, str] = field(default_factory=dict)
+    profile_text: str | None = None
+    names: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def rules_hash(self) -> str:
+        """The SHA-256 of the rule texts, one after the other; empty while there are none."""
+        return self.in_force.sha256
+
+    @property
+    def is_large(self) -> bool:
+        """Whether what is made of them takes so long that messages would wait."""
+        return are_large(self.texts)
+
+    @property
+    def rule_texts(self) -> RuleTexts:
+        """The texts of the rules in force, for the node's parameter."""
+        renamed = {name: full for name, full in self.names.items() if name != full}
+        return RuleTexts(sha256=self.rules_hash, files=tuple(self.texts.items()), full_names=renamed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UncheckedRules:
+    """Rule texts by path, and the text of the profile at ``profile``, if there is one."""
+
+    texts: Mapping[str, str]
+    profile: Path | None
+    profile_text: str | None
+    output_topic: OutputTopic
+
+    @property
+    def is_large(self) -> bool:
+        """Whether checking them takes so long that messages would wait."""
+        return are_large(self.texts)
+
+    def checked(self, resolve: Resolve) -> LiveRules:
+        """The rules, where ``resolve`` gives the full name of a topic. Raises ``TestudoError``."""
+        names: dict[str, str] = {}
+
+        def named(topic: str) -> str:
+            if topic not in names:
+                names[topic] = resolve(topic)
+            return names[topic]
+
+        profile = None
+        if self.profile is not None and self.profile_text is not None:
+            profile = parse_profile(self.profile_text, self.profile).resolved(named)
+        loaded = check_texts(self.texts, profile=profile, resolve=named)
+        loaded.refuse_errors()
+        return LiveRules(
+            rule_set=loaded.rule_set,
+            output_topics=output_topics(loaded.rule_set, self.output_topic),
+            profile=profile or Profile(),
+            in_force=loaded.in_force,
+            texts=self.texts,
+            profile_text=self.profile_text,
+            names=names,
+        )

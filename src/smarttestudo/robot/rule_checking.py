@@ -1,0 +1,212 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Large rules checked in a process of their own.
+
+Checking some thousand rules takes seconds of the interpreter and memory that it does not give back. Both are
+the other process's, so messages are relayed meanwhile as if nothing happened.
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import pickle
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+from io import BytesIO
+from multiprocessing.connection import Connection, Pipe
+
+from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.domain.rests import Rest
+from smarttestudo.language.normal_form import Resolve
+from smarttestudo.language.rule_set import RuleBlock, WrittenBlock
+from smarttestudo.robot.live_rules import LiveRules, UncheckedRules
+
+_POLL_S = 0.2
+_NICENESS = 10
+_CHILD = "import json, sys; sys.path[:] = json.loads(sys.argv[2]); "
+_CHILD += "from smarttestudo.robot.rule_checking import serve; serve(int(sys.argv[1]))"
+
+
+def check_elsewhere(rules: UncheckedRules, resolve: Resolve, is_ended: Callable[[], bool]) -> LiveRules:
+    """Check ``rules`` in a process of their own, or here where none can be had. Raises ``TestudoError``.
+
+    Nobody waits for the process once the run ``is_ended``.
+    """
+    ours, theirs = Pipe()
+    with ours:
+        with theirs:
+            command = [sys.executable, "-c", _CHILD, str(theirs.fileno()), json.dumps(sys.path)]
+            try:
+                process = subprocess.Popen(  # noqa: S603 - this package
+                    command,
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                    pass_fds=(theirs.fileno(),),
+                    start_new_session=True,
+                )
+            except OSError:
+                return rules.checked(resolve)
+        try:
+            answer = _answer(ours, rules, resolve, is_ended)
+        except (EOFError, OSError):
+            return rules.checked(resolve)
+        finally:
+            process.kill()
+            process.wait()
+    if isinstance(answer, Exception):
+        raise answer
+    return replace(answer, texts=rules.texts, profile_text=rules.profile_text)
+
+
+def _answer(
+    pipe: Connection, rules: UncheckedRules, resolve: Resolve, is_ended: Callable[[], bool]
+) -> LiveRules | Exception:
+    pipe.send(rules)
+    incoming = _Incoming()
+    blocks: list[RuleBlock] = []
+    written: list[WrittenBlock] = []
+    while True:
+        while not pipe.poll(_POLL_S):
+            if is_ended():
+                return RuleFileError("the rules were not checked to the end")
+        with unnoticed() as rest:
+            while True:
+                answer = incoming.read(pipe.recv_bytes())
+                if not isinstance(answer, _Piece):
+                    break
+                blocks += answer.blocks
+                written += answer.written
+                rest()
+        if isinstance(answer, LiveRules):
+            return _whole(answer, blocks, written)
+        if not isinstance(answer, str):
+            return answer
+        try:
+            pipe.send(resolve(answer))
+        except Exception as error:  # noqa: BLE001 - the other side raises it
+            pipe.send(error)
+
+
+def _whole(rules: LiveRules, blocks: Sequence[RuleBlock], written: Sequence[WrittenBlock]) -> LiveRules:
+    """``rules`` with their blocks, whose topics and signals they know already."""
+    object.__setattr__(rules.rule_set, "blocks", tuple(blocks))
+    object.__setattr__(rules.rule_set, "written", tuple(written))
+    return rules
+
+
+_BLOCKS_A_PIECE = 10
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Piece:
+    """Some blocks of the rules, so few that reading them takes no time to speak of."""
+
+    blocks: tuple[RuleBlock, ...]
+    written: tuple[WrittenBlock, ...]
+
+
+class _Outgoing:
+    """Objects as bytes; what one of them shares with those before is not said again."""
+
+    def __init__(self) -> None:
+        self._stream = BytesIO()
+        self._pickler = pickle.Pickler(self._stream, protocol=pickle.HIGHEST_PROTOCOL)
+
+    def write(self, value: object) -> bytes:
+        """The bytes of the next object."""
+        self._stream.seek(0)
+        self._stream.truncate()
+        self._pickler.dump(value)
+        return self._stream.getvalue()
+
+
+class _Incoming:
+    """Bytes of ``_Outgoing``, in order, as objects."""
+
+    def __init__(self) -> None:
+        self._stream = BytesIO()
+        self._unpickler = pickle.Unpickler(self._stream)  # noqa: S301 - from a process of ours
+
+    def read(self, data: bytes) -> str | _Piece | LiveRules | Exception:
+        """The next object."""
+        self._stream.seek(0)
+        self._stream.truncate()
+        self._stream.write(data)
+        self._stream.seek(0)
+        return self._unpickler.load()  # type: ignore[no-any-return]
+
+
+def serve(descriptor: int) -> None:
+    """Check the rules that come over the pipe.
+
+    Names to resolve are sent back, then pieces of the rules, at last the outcome.
+    """
+    with suppress(OSError):
+        os.nice(_NICENESS)
+    gc.disable()
+    outgoing = _Outgoing()
+    with Connection(descriptor) as pipe:
+
+        def send(value: object) -> None:
+            pipe.send_bytes(outgoing.write(value))
+
+        def resolve(topic: str) -> str:
+            send(topic)
+            full = pipe.recv()
+            if isinstance(full, Exception):
+                raise full
+            return str(full)
+
+        try:
+            unchecked: UncheckedRules = pipe.recv()
+            rules = unchecked.checked(resolve)
+            rule_set = rules.rule_set
+            for start in range(0, max(len(rule_set.blocks), len(rule_set.written)), _BLOCKS_A_PIECE):
+                piece = slice(start, start + _BLOCKS_A_PIECE)
+                send(_Piece(blocks=rule_set.blocks[piece], written=rule_set.written[piece]))
+            object.__setattr__(rule_set, "blocks", ())
+            object.__setattr__(rule_set, "written", ())
+            send(replace(rules, texts={}, profile_text=None))
+        except Exception as error:  # noqa: BLE001 - the other side raises it
+            send(error)
+
+
+_SWITCH_INTERVAL_S = 0.000_5
+_WORK_S, _REST_S = 0.000_5, 0.001
+
+
+@contextmanager
+def unnoticed() -> Iterator[Rest]:
+    """Let this thread make many objects while others go on; it is to rest between two pieces of work.
+
+    A thread that rests often is seldom interrupted while it has the interpreter, for which all others would
+    wait. Nothing looks for cycles meanwhile, nor later among what was made: to look through all rules would
+    hold up every message.
+    """
+    interval_s = sys.getswitchinterval()
+    gc.disable()
+    sys.setswitchinterval(_SWITCH_INTERVAL_S)
+    try:
+        yield _rests()
+    finally:
+        sys.setswitchinterval(interval_s)
+        gc.freeze()
+        gc.enable()
+
+
+def _rests() -> Rest:
+    due_s = time.monotonic() + _WORK_S
+
+    def rest() -> None:
+        nonlocal due_s
+        if time.monotonic() >= due_s:
+            time.sleep(_REST_S)
+            due_s = time.monotonic() + _WORK_S
+
+    return rest
