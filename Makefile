@@ -38,7 +38,7 @@ help:
 	@echo "make test-lowest     the tests with the lowest allowed versions (PYTHON=python3.10)"
 	@echo "make wheels-aarch64  show that an ARM robot and laptop install binary wheels only"
 	@echo "make release         what a release uploads, tried, into dist/ (TAG=--tag: tagged, too)"
-	@echo "make benchmarks      all benchmarks; their results are in docs/benchmarks.md"
+	@echo "make benchmarks      all benchmarks, as root, in three hours; their results are in docs/benchmarks.md"
 	@echo "make clean           remove what these commands made"
 
 demo: $(VENV)/studio.stamp
@@ -137,7 +137,9 @@ release: $(VENV)/dev.stamp
 	PYTHON=$(BIN)/python sh scripts/release.sh $(TAG)
 
 benchmarks: $(VENV)/dev.stamp $(PAGE)
-	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
+	@failed=; for benchmark in benchmarks/*.py; do \
+		echo "$$benchmark"; $(BIN)/python $$benchmark || failed="$$failed $$benchmark"; \
+	done; if [ -n "$$failed" ]; then echo "Failed:$$failed" >&2; exit 1; fi
 
 clean:
 	rm -rf $(VENV) src/smarttestudo/ruler/server/static gui/node_modules tests/link/foxglove/client/node_modules build install log dist htmlcov .coverage demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -154,21 +154,22 @@ def runtime(name: str, rules: str, folder: Path, options: list[str]) -> list[str
     return [sys.executable, "-c", TESTUDO, *arguments, "--ros-args", "-r", f"__node:={name}"]
 
 
-def measure(case: Case, hz: float, seconds: float, windows: int, options: list[str]) -> None:
+def measure(case: Case, arguments: argparse.Namespace) -> None:
     """Print what both cost in each window, and the ratio of their medians."""
+    options = ["--data-path", arguments.data_path]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         roles = [
-            [sys.executable, __file__, "--role", "source", case.topic, case.type_name, str(hz)],
+            [sys.executable, __file__, "--role", "source", case.topic, case.type_name, str(arguments.hz)],
             [sys.executable, __file__, "--role", "operator", case.topic, case.type_name],
             runtime("bound", case.bound, folder, options),
             runtime("check", case.check, folder, options),
         ]
-        with processes(roles, environment(DOMAIN, large_messages=False)) as started:
+        with processes(roles, environment(arguments.domain, large_messages=False)) as started:
             sender, hearer, *runtimes = started
             wait_until_heard(hearer)
             time.sleep(SETTLE_S)
-            costs_us = [window(sender, runtimes, seconds) for _ in range(windows)]
+            costs_us = [window(sender, runtimes, arguments.seconds) for _ in range(arguments.windows)]
             heard = hearer.ask("heard")
     bound_us, check_us = (statistics.median(costs) for costs in zip(*costs_us, strict=True))
     ratios = [f"{bound / check:.2f}" for bound, check in costs_us]
@@ -198,10 +199,12 @@ def window(sender: Process, runtimes: list[Process], seconds: float) -> list[flo
 def main() -> None:
     """Measure all cases."""
     parser = argparse.ArgumentParser(description="What a bound of the picture costs.")
+    parser.add_argument("--case", default="", help="only cases whose name holds this text")
     parser.add_argument("--hz", type=float, default=100.0, help="rate of the source")
     parser.add_argument("--seconds", type=float, default=3.0, help="length of each window")
     parser.add_argument("--windows", type=int, default=5)
     parser.add_argument("--data-path", default="auto", help="as of 'testudo run'")
+    parser.add_argument("--domain", type=int, default=DOMAIN, help="a ROS domain that nobody uses")
     parser.add_argument("--role", nargs="+", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.role:
@@ -211,10 +214,9 @@ def main() -> None:
     load = Path("/proc/loadavg").read_text(encoding="ascii").split()[0]
     print(f"source at {arguments.hz:g} Hz, load of the machine at the start {load}")
     for name, case in CASES.items():
-        print(name, flush=True)
-        measure(
-            case, arguments.hz, arguments.seconds, arguments.windows, ["--data-path", arguments.data_path]
-        )
+        if arguments.case in name:
+            print(name, flush=True)
+            measure(case, arguments)
 
 
 if __name__ == "__main__":

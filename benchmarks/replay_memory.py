@@ -46,8 +46,8 @@ def write_recording(path: Path, storage: Storage, size_bytes: int) -> int:
 def peak_mb_of_replay(bag: Path, rules: Path, output: Path, storage: Storage) -> float:
     """The peak resident memory, in MB of 10⁶ bytes, of ``testudo replay`` in a process of its own."""
     command = [sys.executable, "-c", "from smarttestudo.cli.main import main; raise SystemExit(main())"]
-    options = ["--rules", rules, "--output", output, "--storage", storage.value]
-    subprocess.run([*command, "replay", bag, *options], check=True)
+    options = ["--rules", str(rules), "--output", str(output), "--storage", storage.value]
+    subprocess.run([*command, "replay", str(bag), *options], check=True)
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024 / 1e6
 
 

@@ -26,10 +26,9 @@ from smarttestudo.bags.reader import open_recording
 from smarttestudo.demo.mission import record_mission
 from smarttestudo.replays.replay import ReplayRequest, replay
 from smarttestudo.rules.rule_sets import load_rules
+from smarttestudo.simulation.warehouse import patrol
 
-TURNS = 15
 WARM_UPS = 1
-SECONDS = 200.0
 AIM = 1.5
 
 
@@ -83,11 +82,11 @@ def cost_of(work: Callable[[Path, Path], None], bag: Path, output: Path) -> Cost
     return cost
 
 
-def compare(bag: Path, folder: Path, budget_kb_per_s: float | None) -> list[tuple[Cost, Cost]]:
+def compare(bag: Path, folder: Path, turns: int, budget_kb_per_s: float | None) -> list[tuple[Cost, Cost]]:
     """The costs of a copy and of a replay, turn by turn; which comes first alternates."""
     replay_within = partial(replay_mission, budget_kb_per_s=budget_kb_per_s)
     pairs = []
-    for turn in range(-WARM_UPS, TURNS):
+    for turn in range(-WARM_UPS, turns):
         works = (plain_copy, replay_within) if turn % 2 else (replay_within, plain_copy)
         costs = {work: cost_of(work, bag, folder / "output") for work in works}
         if turn >= 0:
@@ -108,14 +107,18 @@ def main() -> None:
     """Print what both cost and the median of their ratios, by the wall's clock and by the processor's."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--budget", metavar="KB/S", type=float, help="replay within a budget")
-    budget_kb_per_s = parser.parse_args().budget
+    parser.add_argument("--seconds", type=float, default=200.0, help="of the demo's mission")
+    parser.add_argument("--turns", type=int, default=15, help="at least two")
+    arguments = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="testudo-benchmark-") as name:
         folder = Path(name)
         bag = folder / "mission"
-        record_mission(bag, seconds=SECONDS, seed=1, full_images=False, report=lambda _: None)
+        record_mission(
+            bag, route=patrol(), seconds=arguments.seconds, seed=1, full_images=False, report=lambda _: None
+        )
         with open_recording(bag) as recording:
-            print(f"the demo's bag, {recording.message_count:,} messages; medians of {TURNS} pairs")
-        pairs = compare(bag, folder, budget_kb_per_s)
+            print(f"the demo's bag, {recording.message_count:,} messages; medians of {arguments.turns} pairs")
+        pairs = compare(bag, folder, arguments.turns, arguments.budget)
     report("wall time", lambda cost: cost.wall_s, pairs)
     report("CPU time ", lambda cost: cost.cpu_s, pairs)
     print(f"aim: a ratio of at most {AIM}")

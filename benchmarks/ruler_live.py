@@ -22,6 +22,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Origin
 
 from live.cases import IMU_BYTES, IMU_TYPE, Topic
 from live.contenders import TESTUDO, role
@@ -51,7 +52,7 @@ class Pages:
     def open(self) -> Iterator[ClientConnection]:
         """A page that watches the robot."""
         url = self.origin.replace("http", "ws") + "/ws"
-        with connect(url, origin=self.origin, proxy=None, ping_interval=None) as page:  # type: ignore[arg-type]
+        with connect(url, origin=Origin(self.origin), proxy=None, ping_interval=None) as page:
             page.send(WATCH)
             yield page
 
@@ -153,6 +154,7 @@ def main() -> None:
     parser.add_argument("--domain", type=int, default=DOMAIN)
     arguments = parser.parse_args()
     read = measure(arguments.minutes, arguments.domain)
+    print(f"at the end {read[-1][1]:.1f} MB")
     warm = [reading for reading in read if reading[0] >= WARM_S]
     if len(warm) > 1:
         slope, _ = statistics.linear_regression(*zip(*warm, strict=True))

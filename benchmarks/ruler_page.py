@@ -11,7 +11,6 @@ the slope of a straight line through the smallest reading of each minute after t
 from __future__ import annotations
 
 import argparse
-import shutil
 import statistics
 import sys
 import tempfile
@@ -22,7 +21,7 @@ from playwright.sync_api import CDPSession, Page, sync_playwright
 from live.cases import IMU_BYTES, IMU_TYPE, Topic
 from live.contenders import role
 from live.processes import environment, processes
-from live.ruler_server import served
+from live.ruler_server import chromium_path, served
 
 DOMAIN = 75
 TOPIC_COUNT = 50
@@ -73,9 +72,7 @@ def measure(seconds: float, domain: int) -> list[Reading]:
         run = [sys.executable, "-m", "smarttestudo", "run", "--rules", str(rules)]
         commands = [run, role("source", TOPICS), role("operator", TOPICS)]
         with processes(commands, settings), served(rules.parent, settings) as url:
-            browser = playwright.chromium.launch(
-                executable_path=shutil.which("chromium"), args=["--no-sandbox"]
-            )
+            browser = playwright.chromium.launch(executable_path=chromium_path(), args=["--no-sandbox"])
             page = browser.new_page(viewport={"width": 1280, "height": 2400})
             frames: list[None] = []
             page.on("websocket", lambda socket: socket.on("framereceived", lambda _: frames.append(None)))

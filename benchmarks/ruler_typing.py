@@ -14,7 +14,6 @@ from __future__ import annotations
 import argparse
 import os
 import random
-import shutil
 import statistics
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -23,7 +22,7 @@ from pathlib import Path
 
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from live.ruler_server import served
+from live.ruler_server import chromium_path, served
 
 TOPICS = ("/odom", "/scan", "/imu", "/camera/image_raw", "/cmd_vel", "/tf", "/joint_states", "/battery_state")
 ZONE_M = 3
@@ -210,12 +209,9 @@ def main() -> None:
     parser.add_argument("--keys", type=int, default=120)
     parser.add_argument("--slowdown", type=float, default=1)
     options = parser.parse_args()
-    chromium = shutil.which("chromium") or shutil.which("google-chrome")
-    if chromium is None:
-        raise SystemExit("this benchmark needs Chromium")
     measured: list[list[Strokes]] = []
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        browser = playwright.chromium.launch(executable_path=chromium_path(), args=["--no-sandbox"])
         for rules in (SMALL_FILE_RULES, options.rules):
             print(f"{rules} rules", flush=True)
             measured.append([])

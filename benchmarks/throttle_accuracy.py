@@ -50,7 +50,7 @@ def paced_ns(times_ns: list[int], target_hz: float) -> list[int]:
     """What our pacer passes."""
     pacer = TopicPacer()
     pacer.set_rate(target_hz, times_ns[0])
-    return [now_ns for now_ns in times_ns if pacer.offer(Sample(payload=None, size_bytes=0), now_ns)]
+    return [now_ns for now_ns in times_ns if pacer.offer(Sample(payload=b"", size_bytes=0), now_ns)]
 
 
 def mean_hz(times_ns: list[int]) -> float:

@@ -15,12 +15,18 @@ TIMEOUT_MS = 120_000
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
-@contextmanager
-def chromium() -> Iterator[Browser]:
-    """Chromium, patient on a busy machine; without it the test is skipped (and fails on CI)."""
+def chromium_path() -> str:
+    """The Chromium that is installed; without it the test is skipped (and fails on CI)."""
     found = next((path for name in NAMES if (path := shutil.which(name))), None)
     if found is None:
         pytest.skip("Chromium is not installed: no page is tested")
+    return found
+
+
+@contextmanager
+def chromium() -> Iterator[Browser]:
+    """Chromium, patient on a busy machine."""
+    found = chromium_path()
     expect.set_options(timeout=TIMEOUT_MS)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])

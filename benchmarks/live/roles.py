@@ -53,7 +53,7 @@ def stamp_now(payload: bytearray) -> bytes:
 def age_ns(payload: bytes) -> int:
     """How long ago the payload was sent."""
     seconds, nanoseconds = STAMP.unpack_from(payload, STAMP_AT)
-    return time.monotonic_ns() - seconds * NS_PER_S - nanoseconds
+    return int(time.monotonic_ns() - seconds * NS_PER_S - nanoseconds)
 
 
 def answers(answer: Any) -> threading.Event:

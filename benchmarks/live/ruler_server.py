@@ -1,14 +1,25 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The Ruler's server, for benchmarks of its page."""
+"""The Ruler's server and the Chromium of this machine, for benchmarks of the page."""
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+
+_CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
+
+
+def chromium_path() -> str:
+    """The Chromium that is installed; ends the benchmark where none is."""
+    found = next((path for name in _CHROMIUM_NAMES if (path := shutil.which(name))), None)
+    if found is None:
+        raise SystemExit("this benchmark needs Chromium")
+    return found
 
 
 @contextmanager

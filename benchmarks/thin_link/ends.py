@@ -14,7 +14,7 @@ from live.processes import Process
 from smarttestudo.demo.network_namespaces import in_namespace
 from thin_link.fast_dds import ENVIRONMENT
 
-_SCRIPT = Path(__file__).parents[1] / "link.py"
+_SCRIPT = Path(__file__).parents[1] / "link_ages.py"
 
 
 @contextmanager

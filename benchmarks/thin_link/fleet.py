@@ -35,8 +35,7 @@ def be_fleet(count: int, endpoint: str) -> None:
         streams = [end.advertise(info) for end in ends]
         while not all(end.state.is_connected for end in ends):
             time.sleep(0.1)
-        ended = threading.Event()
-        threading.Thread(target=lambda: (sys.stdin.readline(), ended.set()), daemon=True).start()
+        ended = set_by_a_line()
         print(json.dumps("connected"), flush=True)
         start_s = time.monotonic()
         number = 0
@@ -45,6 +44,18 @@ def be_fleet(count: int, endpoint: str) -> None:
             time.sleep(max(0.0, start_s + number / (_HZ * count) - time.monotonic()))
             streams[number % count].publish(payload)
             number += 1
+
+
+def set_by_a_line() -> threading.Event:
+    """An event that is set once a line comes."""
+    come = threading.Event()
+
+    def listen() -> None:
+        sys.stdin.readline()
+        come.set()
+
+    threading.Thread(target=listen, daemon=True).start()
+    return come
 
 
 def be_router() -> None:
@@ -68,8 +79,7 @@ def be_stuck() -> None:
     """An operator's end that is read until a line comes, and from then on by nobody."""
     with open_operator_end(LinkOptions(listen=(ENDPOINT,), insecure=True), warn) as end:
         print(json.dumps("listening"), flush=True)
-        stopped = threading.Event()
-        threading.Thread(target=lambda: (sys.stdin.readline(), stopped.set()), daemon=True).start()
+        stopped = set_by_a_line()
         while not stopped.is_set():
             end.wait(0.1)
         print(json.dumps("stopped"), flush=True)

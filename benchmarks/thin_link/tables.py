@@ -8,7 +8,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from statistics import median
 
-from thin_link.cases import Case, Seen, Target, Topic, quantile
+from thin_link.cases import Case, Seen, Target, quantile
+from thin_link.roles import Topic
 
 _SHARES = (0.5, 0.95, 1.0)
 Runs = Mapping[str, Sequence[Seen]]
@@ -35,8 +36,8 @@ def _topic_cells(runs: Sequence[Seen], topic: Topic) -> list[str]:
     ages_s = [ages for one in runs if (ages := one.ages_s([topic]))]
     if not ages_s:
         return ["0", "–"]
-    ages = (_spread([quantile(each, share) for each in ages_s], ".3f") for share in _SHARES)
-    return [_spread(rates_hz, ".2f"), ", ".join(ages)]
+    spreads = (_spread([quantile(ages, share) for ages in ages_s], ".3f") for share in _SHARES)
+    return [_spread(rates_hz, ".2f"), ", ".join(spreads)]
 
 
 def print_targets(seen: Mapping[Case, Runs], names: Mapping[str, str]) -> None:
@@ -51,8 +52,8 @@ def print_targets(seen: Mapping[Case, Runs], names: Mapping[str, str]) -> None:
             first = next(each[0] for each in found.values() if each)
             cells = [case.title if not number else "", first.wanted]
             print(_row([*cells, *(_judged(each) for each in found.values())]))
-        for name, values in _costs(runs, names).items():
-            print(_row(["", name, *values]))
+        for name, costs in _costs(runs, names).items():
+            print(_row(["", name, *costs]))
 
 
 def _costs(runs: Runs, names: Mapping[str, str]) -> Mapping[str, list[str]]:

@@ -11,9 +11,8 @@ import pytest
 from scipy.optimize import linprog
 
 from optimizer.instances import Instance, random_instances
+from optimizer.naive import rates_of
 from smarttestudo.domain.rate import Tier
-from smarttestudo.optimizer.allocation import best_rates
-from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Model
 
 THESIS_MODELS = (Model.QUPER, Model.BUDGET, Model.PRIORITY)
@@ -52,7 +51,7 @@ def objective_by_scipy(model: Model, instance: Instance) -> float | None:
 
 
 def our_objective(model: Model, instance: Instance) -> float | None:
-    found = best_rates(model, instance[0], instance[1], GreedySolver())
+    found = rates_of(model, instance[0], instance[1])
     if found is None:
         return None
     weights = [row[0] for row in columns(model, instance)]

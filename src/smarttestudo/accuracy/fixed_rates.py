@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from smarttestudo.accuracy.samples import TopicSamples
 from smarttestudo.accuracy.track import thinned
@@ -51,7 +51,7 @@ def best_fixed_rates(sources: Sequence[Source], budget_bytes: float) -> dict[str
     limit_kb = max(0.0, budget_bytes - whole_bytes) / BYTES_PER_KB
     by_benefit = _allocated([_demand(source) for source in paced], limit_kb)
     filled = [
-        replace(_demand(source), least_hz=hz, pieces=(Piece(max(0.0, _source_hz(source) - hz), 1.0),))
+        _demand(source)._replace(least_hz=hz, pieces=(Piece(max(0.0, _source_hz(source) - hz), 1.0),))
         for source, hz in zip(paced, by_benefit, strict=True)
     ]
     for source, hz in zip(paced, _allocated(filled, limit_kb), strict=True):

@@ -19,10 +19,11 @@ class Tier(Enum):
     COMPETITIVE = "Competitive"
     EXCESSIVE = "Excessive"
 
-    @property
-    def level(self) -> int:
-        """0 for Unacceptable … 5 for Excessive."""
-        return list(Tier).index(self)
+    level: int
+    """0 for Unacceptable … 5 for Excessive."""
+
+    def __init__(self, _: str) -> None:
+        self.level = len(type(self).__members__)
 
 
 MAX_RATE_HZ = 1e6

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import Model, Requirement
-from smarttestudo.optimizer.problem import Allocation, Budget, Solver, fits
+from smarttestudo.optimizer.problem import Allocation, Budget, Solver, fits, used_kb_per_s
 
 _LEVELS = 5
 
@@ -52,7 +52,7 @@ def level_out(ladders: Sequence[Ladder], budget_kb_per_s: float) -> Allocation |
     """The rates whose sorted qualities are the greatest, lowest first; ``None`` where none fit.
 
     With one budget and worths that rise with the rate, that is one common quality for all topics that have
-    not reached a bound of their own. ``gain`` is that quality, ``price`` its rise for one KB/s more.
+    not reached a bound of their own. ``price`` is its rise for one KB/s more.
     """
     corners = sorted({corner for ladder in ladders for corner in ladder.corners} | {0.0, float(_LEVELS)})
     if not fits(_cost(ladders, 0.0), budget_kb_per_s):
@@ -66,7 +66,7 @@ def level_out(ladders: Sequence[Ladder], budget_kb_per_s: float) -> Allocation |
         quality += (high - low) * max(0.0, budget_kb_per_s - start) / (end - start)
         price = (high - low) / (end - start)
     rates_hz = {ladder.topic: ladder.rate_hz(quality) for ladder in ladders}
-    return Allocation(rates_hz=rates_hz, gain=quality, price=price)
+    return Allocation(rates_hz=rates_hz, price=price)
 
 
 def _cost(ladders: Sequence[Ladder], quality: float) -> float:
@@ -74,15 +74,29 @@ def _cost(ladders: Sequence[Ladder], quality: float) -> float:
 
 
 STEPS_PER_HZ = 1000
+_AMPLE = 1 - 1e-9
+"""What takes no more than this share of a budget is far enough within it for any rounding of sums."""
 
 
 def best_rates(
-    model: Model, requirements: Sequence[Requirement], budget_kb_per_s: float, solver: Solver
+    model: Model,
+    requirements: Sequence[Requirement],
+    bounds_hz: Sequence[tuple[float, float]],
+    budget_kb_per_s: float,
+    solver: Solver,
 ) -> Allocation | None:
-    """The best rates in Hz under ``model``, not yet rounded; ``None`` where they do not fit together."""
+    """The best rates in Hz under ``model``, not yet rounded; ``None`` where they do not fit together.
+
+    ``bounds_hz`` are the lowest and highest rates of the ``requirements``.
+    """
+    asked = [*zip(requirements, bounds_hz, strict=True)]
     if model is Model.MAXMIN:
-        return level_out([_ladder(requirement) for requirement in requirements], budget_kb_per_s)
-    demands = [requirement.demand(model) for requirement in requirements]
+        return level_out([_ladder(one, *bounds) for one, bounds in asked], budget_kb_per_s)
+    most_kb_per_s = used_kb_per_s([(one.needs.size_kb, most_hz) for one, (_, most_hz) in asked])
+    if model.every_hz_counts and most_kb_per_s <= _AMPLE * budget_kb_per_s:
+        rates_hz = {one.needs.name: least_hz + (most_hz - least_hz) for one, (least_hz, most_hz) in asked}
+        return Allocation(rates_hz=rates_hz, price=0.0)
+    demands = [one.demand(model, *bounds) for one, bounds in asked]
     return solver.allocate(demands, [Budget(limit_kb_per_s=budget_kb_per_s)])
 
 
@@ -99,8 +113,7 @@ def round_down(rate_hz: float) -> float:
     return whole / STEPS_PER_HZ
 
 
-def _ladder(requirement: Requirement) -> Ladder:
-    least_hz, most_hz = requirement.bounds_hz(Model.MAXMIN)
+def _ladder(requirement: Requirement, least_hz: float, most_hz: float) -> Ladder:
     # A topic with a written rate stands on one rung, whatever its tiers.
     tiers_hz = requirement.needs.tiers_hz if isinstance(requirement.wanted, Tier) else (least_hz,) * len(Tier)
     return Ladder(

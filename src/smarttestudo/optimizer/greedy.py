@@ -30,7 +30,7 @@ class GreedySolver:
 
 def allocate(demands: Sequence[Demand], budget_kb_per_s: float) -> Allocation | None:
     """The rates of the greatest gain with ``Σ size·rate`` within the budget, ``None`` where none fit."""
-    least_kb_per_s = math.fsum(demand.size_kb * demand.least_hz for demand in demands)
+    least_kb_per_s = math.fsum([demand.size_kb * demand.least_hz for demand in demands])
     if not fits(least_kb_per_s, budget_kb_per_s):
         return None
     rates = [demand.least_hz for demand in demands]
@@ -42,9 +42,7 @@ def allocate(demands: Sequence[Demand], budget_kb_per_s: float) -> Allocation | 
     ]
     price = fill(rates, segments, max(0.0, budget_kb_per_s - least_kb_per_s))
     return Allocation(
-        rates_hz={demand.topic: rate for demand, rate in zip(demands, rates, strict=True)},
-        gain=math.fsum(_gain(demand, rate) for demand, rate in zip(demands, rates, strict=True)),
-        price=price,
+        rates_hz={demand.topic: rate for demand, rate in zip(demands, rates, strict=True)}, price=price
     )
 
 
@@ -65,15 +63,6 @@ def fill(rates_hz: list[float], segments: list[Segment], left_kb_per_s: float) -
             return density
         left_kb_per_s = max(0.0, left_kb_per_s - cost)
     return 0.0
-
-
-def _gain(demand: Demand, rate_hz: float) -> float:
-    """The worth of ``rate_hz`` above the lowest rate."""
-    gain, above_hz = 0.0, rate_hz - demand.least_hz
-    for piece in demand.pieces:
-        gain += piece.gain_per_hz * min(piece.width_hz, above_hz)
-        above_hz = max(0.0, above_hz - piece.width_hz)
-    return gain
 
 
 def _density(gain_per_hz: float, size_kb: float) -> float:

@@ -31,6 +31,12 @@ class Model(Enum):
     BENEFIT = "benefit"
     MAXMIN = "maxmin"
 
+    every_hz_counts: bool
+    """Whether a higher rate, within the bounds of its level, is always worth more."""
+
+    def __init__(self, name: str) -> None:
+        self.every_hz_counts = name in {"quper", "budget", "priority"}
+
 
 class MissingEntryError(ProfileError):
     """A profile that lacks ``key`` of ``topic``, all of the topic (no key), or the budget (no topic)."""
@@ -252,9 +258,11 @@ class Requirement:
             return self.needs.bound(rate_hz, self.wanted, model)
         return None
 
-    def demand(self, model: Model) -> Demand:
-        """The requirement in the terms of a solver; maxmin has no worths that add up, so no pieces."""
-        least_hz, most_hz = self.bounds_hz(model)
+    def demand(self, model: Model, least_hz: float, most_hz: float) -> Demand:
+        """The requirement between its bounds in the terms of a solver.
+
+        maxmin has no worths that add up, so no pieces.
+        """
         pieces = _pieces(model, self.needs, least_hz, most_hz) if most_hz > least_hz else ()
         return Demand(topic=self.needs.name, size_kb=self.needs.size_kb, least_hz=least_hz, pieces=pieces)
 

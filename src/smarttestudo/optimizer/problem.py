@@ -5,23 +5,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 _RELATIVE_SLACK = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
-class Piece:
+class Piece(NamedTuple):
     """A segment of a topic's rates, ``width_hz`` wide, in which one Hz more gains ``gain_per_hz``."""
 
     width_hz: float
     gain_per_hz: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Demand:
+class Demand(NamedTuple):
     """The demand of one topic: at least ``least_hz``, and what more is worth.
 
     ``pieces`` follow each other from ``least_hz`` up to the highest rate that may be given; their gain never
@@ -60,12 +58,10 @@ class Budget:
 class Allocation:
     """The best rates in Hz by topic.
 
-    ``gain`` is what they are worth above everyone's lowest rate. ``price`` is what one KB/s more of the
-    first budget would gain, 0 where it would gain nothing.
+    ``price`` is what one KB/s more of the first budget would gain, 0 where it would gain nothing.
     """
 
     rates_hz: Mapping[str, float]
-    gain: float
     price: float
 
 
@@ -78,7 +74,15 @@ class Solver(Protocol):
 
 def used_kb_per_s(loads: Iterable[tuple[float, float]]) -> float:
     """``Σ size·rate`` over pairs of KB and Hz; the order of the pairs does not matter."""
-    return math.fsum(size_kb * rate_hz for size_kb, rate_hz in loads)
+    return math.fsum([size_kb * rate_hz for size_kb, rate_hz in loads])
+
+
+def exact_sum(values: Collection[float]) -> list[float]:
+    """Few numbers whose sum without rounding is that of ``values``."""
+    parts: list[float] = []
+    while rest := math.fsum((*values, *(-part for part in parts))):
+        parts.append(rest)
+    return parts
 
 
 def fits(needed_kb_per_s: float, limit_kb_per_s: float) -> bool:

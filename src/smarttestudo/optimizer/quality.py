@@ -12,6 +12,7 @@ from smarttestudo.optimizer.problem import Piece
 
 ABOVE_SATURATION_HZ = 10.0
 _COLLINEAR = 1e-12
+_EXCESSIVE_LEVEL = Tier.EXCESSIVE.level
 
 Point = tuple[float, float]
 """A rate in Hz and the quality it brings, 0 … 5."""
@@ -20,9 +21,9 @@ Point = tuple[float, float]
 def interval_hz(tier: Tier, tiers_hz: Sequence[float]) -> tuple[float, float]:
     """The lowest and highest rate of a level (Riccardi 2025, QUPER model), from τ0 … τ5."""
     level = tier.level
-    if tier is Tier.UNACCEPTABLE:
+    if level == 0:
         return 0.0, tiers_hz[0]
-    if tier is Tier.EXCESSIVE:
+    if level == _EXCESSIVE_LEVEL:
         return tiers_hz[level], tiers_hz[level] + ABOVE_SATURATION_HZ
     return tiers_hz[level - 1], tiers_hz[level]
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -12,14 +13,15 @@ from smarttestudo.domain.rate import Rate
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.syntax import KeepWithin, RuleFile, SetFrequency, bound_span
 from smarttestudo.optimizer.allocation import best_rates, rounded_down
-from smarttestudo.optimizer.model import MissingEntryError, Model
-from smarttestudo.optimizer.problem import Solver, fits, used_kb_per_s
+from smarttestudo.optimizer.model import MissingEntryError, Model, Requirement
+from smarttestudo.optimizer.problem import Solver, exact_sum, fits, used_kb_per_s
 from smarttestudo.optimizer.requirements import (
     RuleRequirements,
     StatementKey,
     Subproblem,
     TopicsWithoutDefault,
     collect_requirements,
+    topic_of,
 )
 
 
@@ -130,13 +132,11 @@ def solve_requirements(
         name: requirement.bounds_hz(model)[0]
         for name, requirement in requirements.defaults.requirements.items()
     }
-    blocks: list[SolvedSubproblem] = []
-    for subproblem in requirements.blocks:
-        others = used_kb_per_s(
-            (requirements.defaults.requirements[name].needs.size_kb, rate_hz)
-            for name, rate_hz in subproblem.without_its_topics(rates_hz).items()
-        )
-        blocks.append(solve_subproblem(subproblem, others, budget_kb_per_s, model=model, solver=solver))
+    loads = _DefaultLoads(requirements.defaults, rates_hz)
+    blocks = [
+        solve_subproblem(subproblem, loads.beside(subproblem), budget_kb_per_s, model=model, solver=solver)
+        for subproblem in requirements.blocks
+    ]
     solved = [one for one in (defaults, *blocks) if one.rates_hz is not None]
     return Optimization(
         model=model,
@@ -151,31 +151,69 @@ def solve_requirements(
 
 def _tier_rates_hz(solved: SolvedSubproblem) -> Iterator[tuple[StatementKey, float]]:
     yield from solved.subproblem.ceilings_hz
-    rates_hz = solved.topic_rates_hz
-    yield from ((key, rates_hz[name]) for key, name in solved.subproblem.tier_statements if name in rates_hz)
+    for key, requirement, rate_hz in _tiers(solved):
+        if requirement.needs.name == requirement.needs.topic:
+            yield key, rate_hz
 
 
 def _tier_bounds(solved: SolvedSubproblem) -> Iterator[tuple[StatementKey, float]]:
     yield from solved.subproblem.unmeasured_bounds
-    bounds = solved.bounds
-    yield from ((key, bounds[name]) for key, name in solved.subproblem.tier_statements if name in bounds)
+    for key, requirement, rate_hz in _tiers(solved):
+        bound = requirement.bound(rate_hz, solved.model)
+        if bound is not None:
+            yield key, bound
+
+
+def _tiers(solved: SolvedSubproblem) -> Iterator[tuple[StatementKey, Requirement, float]]:
+    """The statements that name a level, with what they require and the rate that it got."""
+    requirements, rates_hz = solved.subproblem.requirements, solved.rates_hz or {}
+    for key, name in solved.subproblem.tier_statements:
+        if name in rates_hz:
+            yield key, requirements[name], rates_hz[name]
+
+
+class _DefaultLoads:
+    """What topics take at their default, in KB/s, so that a block looks at its own topics only.
+
+    The sum of all is kept without rounding: what is left without some of them is rounded once, as if the
+    others had been added.
+    """
+
+    def __init__(self, defaults: Subproblem, rates_hz: Mapping[str, float]) -> None:
+        self._rates_hz = rates_hz
+        self._sizes_kb = {name: one.needs.size_kb for name, one in defaults.requirements.items()}
+        self._taken = {name: self._sizes_kb[name] * rate_hz for name, rate_hz in rates_hz.items()}
+        self._all = exact_sum(self._taken.values())
+        self._names: dict[str, list[str]] = {}
+        for name in rates_hz:
+            self._names.setdefault(topic_of(name), []).append(name)
+
+    def beside(self, subproblem: Subproblem) -> float:
+        """What all topics take that ``subproblem`` leaves as they are, and what it keeps of its own."""
+        topics = {topic_of(name) for name in (*subproblem.requirements, *subproblem.kept)}
+        own = [-self._taken[name] for topic in topics for name in self._names.get(topic, ())]
+        kept = [
+            self._sizes_kb[name] * min(self._rates_hz[name], limit_hz)
+            for name, limit_hz in subproblem.kept.items()
+        ]
+        return math.fsum((*self._all, *own, *kept))
 
 
 def solve_subproblem(
     subproblem: Subproblem, others_kb_per_s: float, budget_kb_per_s: float, *, model: Model, solver: Solver
 ) -> SolvedSubproblem:
     """The rates of one subproblem, where all other topics take ``others_kb_per_s`` of the budget."""
-    requirements = subproblem.requirements
-    least_hz = {topic: requirement.bounds_hz(model)[0] for topic, requirement in requirements.items()}
-    own_least = used_kb_per_s(
-        (requirement.needs.size_kb, least_hz[topic]) for topic, requirement in requirements.items()
-    )
+    requirements = [*subproblem.requirements.values()]
+    bounds_hz = [one.bounds_hz(model) for one in requirements]
+    least_hz = {name: least for name, (least, _) in zip(subproblem.requirements, bounds_hz, strict=True)}
+    sizes_kb = [one.needs.size_kb for one in requirements]
+    own_least = used_kb_per_s(zip(sizes_kb, least_hz.values(), strict=True))
     needs = others_kb_per_s + own_least
     found = None
     if fits(needs, budget_kb_per_s):
         # What is left may be below the least by float noise, which must not make it infeasible.
         own_budget = max(budget_kb_per_s - others_kb_per_s, own_least)
-        found = best_rates(model, list(requirements.values()), own_budget, solver)
+        found = best_rates(model, requirements, bounds_hz, own_budget, solver)
     if found is None:
         return SolvedSubproblem(
             subproblem=subproblem,
@@ -186,9 +224,7 @@ def solve_subproblem(
             used_kb_per_s=needs,
         )
     rates_hz = rounded_down(found.rates_hz, least_hz)
-    own = used_kb_per_s(
-        (requirement.needs.size_kb, rates_hz[topic]) for topic, requirement in requirements.items()
-    )
+    own = used_kb_per_s(zip(sizes_kb, [rates_hz[name] for name in least_hz], strict=True))
     return SolvedSubproblem(
         subproblem=subproblem,
         model=model,

@@ -52,7 +52,6 @@ class HighsSolver:
             rates[index] += max(0.0, value)
         return Allocation(
             rates_hz={demand.topic: rate for demand, rate in zip(demands, rates, strict=True)},
-            gain=solved.objective,
             price=max(0.0, solved.duals[0]) if solved.duals else 0.0,
         )
 

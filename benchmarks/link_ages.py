@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an operator sees over a thin link: SmartTestudo's two ends beside plain Zenoh and Fast DDS.
 
-Run it as root with ``python benchmarks/link.py``; it takes eighteen minutes. It makes two network namespaces
-with a link between them (veth, token buckets with a queue of 400 ms at both ends) and removes them.
-Zenoh publishes with its priorities, drops what does not fit its queues, and compresses where that helps.
-Ages are those of messages that arrived after the first two seconds; the share of the link counts all headers.
+Run it as root with ``python benchmarks/link_ages.py``; it takes eighteen minutes. It makes two network
+namespaces with a link between them (veth, token buckets with a queue of 400 ms at both ends) and removes
+them. Zenoh publishes with its priorities, drops what does not fit its queues, and compresses where that
+helps. Ages are those of messages that arrived after the first two seconds; the share of the link counts all
+headers.
 """
 
 from __future__ import annotations
