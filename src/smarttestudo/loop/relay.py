@@ -9,6 +9,7 @@ from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from smarttestudo.domain.compiled_relay import RelayState
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import TopicProfile
@@ -19,6 +20,7 @@ from smarttestudo.loop.statistics import RelayStatistics
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
 from smarttestudo.pacing.cdr import STAMPED_BYTES, FrameReader, header_stamp
 from smarttestudo.pacing.follower import Follower
+from smarttestudo.pacing.grid import Pace
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
@@ -243,6 +245,13 @@ class Relay:
     def wake(self, now_ns: int) -> Sequence[Relayed]:
         """Messages that pass now without a new one."""
         return self._relayed(self.pacer.wake(now_ns), now_ns)
+
+    def take_back(self, state: RelayState) -> Sequence[Relayed]:
+        """Go on where a compiled relay ended; what it held may pass."""
+        if isinstance(self.pacer, Follower):
+            return ()
+        pace, now_ns = Pace(state.period_ns, state.slack_ns), state.now_ns
+        return self._relayed(self.pacer.take_back(state.streams, pace, now_ns), now_ns)
 
     def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
         """Take a change of the source; what was held may pass then."""

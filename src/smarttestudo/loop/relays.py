@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 from smarttestudo.domain.alarm_clock import AlarmClock
+from smarttestudo.domain.compiled_relay import PacedStream, RelayState
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile, TopicProfile
@@ -15,6 +16,7 @@ from smarttestudo.loop.inputs import MessageInput
 from smarttestudo.loop.relay import ReckonedPicture, Relay, Relayed
 from smarttestudo.loop.statistics import RelayStatistics
 from smarttestudo.pacing.follower import Follower, leaders
+from smarttestudo.pacing.grid import Pace
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.pacing.topic_pacer import TopicPacer
 
@@ -80,6 +82,29 @@ class Relays:
     def skipped(self, topic: str, messages: int, size_bytes: int) -> None:
         """Count what was sent, yet not looked at."""
         self._relays[topic].statistics.arrived.skip(messages, size_bytes)
+
+    def pace(self, topic: str) -> Pace:
+        """The pace of ``topic``, of which some messages may be skipped."""
+        pacer = self._relays[topic].pacer
+        assert isinstance(pacer, TopicPacer)
+        return pacer.pace
+
+    def hand_over(self, topic: str) -> list[PacedStream]:
+        """Have ``topic``, of which some messages may be skipped, paced elsewhere: what is known of it."""
+        relay = self._relays[topic]
+        assert isinstance(relay.pacer, TopicPacer)
+        streams = relay.pacer.hand_over()
+        self._arm(relay)
+        return streams
+
+    def take_back(self, topic: str, state: RelayState) -> Sequence[Relayed]:
+        """Pace ``topic`` again, if it is still relayed, from what became of it; what passes."""
+        relay = self._relays.get(topic)
+        if relay is None:
+            return ()
+        relayed = relay.take_back(state)
+        self._arm(relay)
+        return relayed
 
     def needs_decoded(self, topic: str) -> bool:
         """Whether messages of ``topic`` must be decoded for the bounds of its picture."""

@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Generic, TypeVar
 
+from smarttestudo.domain.compiled_relay import PacedStream
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.pacing.sample import Pass, Sample
 from smarttestudo.pacing.stream import Stream, VolatileStream
@@ -85,6 +86,19 @@ class Streams(ABC, Generic[AnyStream]):
         return list(
             dict.fromkeys(stream.held for stream in self._streams.values() if stream.held is not None)
         )
+
+    def states(self) -> list[PacedStream]:
+        """The volatile streams of publishers that are known."""
+        return [
+            stream.state(publisher)
+            for publisher, stream in self._streams.items()
+            if isinstance(stream, VolatileStream) and isinstance(publisher, bytes)
+        ]
+
+    def go_on(self, streams: Mapping[bytes, AnyStream], now_ns: int) -> None:
+        """Have these streams, by publisher, in place of those that are there."""
+        self._streams = {publisher: stream for publisher, stream in streams.items()}  # noqa: C416 - wider keys
+        self._arm(now_ns)
 
     def _release(self, stream: AnyStream, now_ns: int) -> Sequence[Pass]:
         return stream.release(now_ns)

@@ -8,7 +8,9 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import cast
 
+from smarttestudo.domain.compiled_relay import PacedStream
 from smarttestudo.pacing.bound import BoundRecord, BoundStreams
 from smarttestudo.pacing.follower import Follower, FollowerNotifier
 from smarttestudo.pacing.grid import NEVER_NS, Pace
@@ -82,10 +84,33 @@ class TopicPacer(Pacer):
     @property
     def may_skip(self) -> bool:
         """Whether messages before ``due_ns`` can be skipped, except for the final one."""
-        if self._accuracy is not None:
-            return False
-        is_volatile = self._kind is StreamKind.VOLATILE and self._when_slow is WhenSlow.PASS
-        return is_volatile and not self._notifier.followers
+        return self._is_plain and not self._notifier.followers
+
+    @property
+    def pace(self) -> Pace:
+        """The pace that the topic follows."""
+        return self._pace
+
+    def hand_over(self) -> list[PacedStream]:
+        """Let another pacer go on, while messages may be skipped: its streams, of which none is left."""
+        streams = self._streams.states()
+        self._streams = self._make_streams()
+        return streams
+
+    def take_back(self, streams: Sequence[PacedStream], pace: Pace, now_ns: int) -> Sequence[Pass]:
+        """Go on where another pacer ended that followed ``pace``.
+
+        What it held may pass, where pacing is of another kind by now.
+        """
+        self._now_ns = now_ns
+        volatile = {state.publisher: VolatileStream.of(state, pace, now_ns) for state in streams}
+        if not self._is_plain:
+            return self._offer_again([one.held for one in volatile.values() if one.held], now_ns)
+        if pace != self._pace:
+            for stream in volatile.values():
+                stream.change_pace(self._pace, now_ns)
+        cast("Streams[VolatileStream]", self._streams).go_on(volatile, now_ns)
+        return ()
 
     def offer(self, sample: Sample, now_ns: int, /) -> Sequence[Pass]:
         """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
@@ -173,10 +198,18 @@ class TopicPacer(Pacer):
     def _begin_anew(self, now_ns: int) -> Sequence[Pass]:
         held = self._streams.held()
         self._streams = self._make_streams()
+        return self._offer_again(held, now_ns)
+
+    def _offer_again(self, held: Sequence[Sample], now_ns: int) -> Sequence[Pass]:
         if self._accuracy is not None:
             for sample in held:
                 sample.readings = self._accuracy.picture.read(sample.payload[:], None, now_ns)
         return [passed for sample in held for passed in self.offer(sample, now_ns)]
+
+    @property
+    def _is_plain(self) -> bool:
+        is_volatile = self._kind is StreamKind.VOLATILE and self._when_slow is WhenSlow.PASS
+        return is_volatile and self._accuracy is None
 
     def _see(self, now_ns: int) -> None:
         if now_ns < self._now_ns:

@@ -15,6 +15,7 @@ from smarttestudo.domain.status import RulesInForce
 from smarttestudo.files.own_process import read_own_process
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.relay import Relayed
+from smarttestudo.robot.compiled_topics import CompiledTopics
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.losses import LiveLosses
@@ -61,6 +62,9 @@ class LiveRun:
         self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._losses = LiveLosses(robot.log)
+        is_free = not inputs.is_recording and not self._before_relays and not self._publishing
+        compiled = robot.data_path.compiled if is_free else None
+        self._compiled = CompiledTopics(compiled, loop, self._relay)
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
         self._status = LiveStatus(robot.name, read_own_process())
         self._publisher = StatusPublisher(robot, link)
@@ -171,14 +175,22 @@ class LiveRun:
                 part.on_source(topic, source, now_ns)
         for heard in self._topics.listeners():
             self._take(ChangeInput(stamp_ns=now_ns, change=heard))
-        self._sampling.look(self._topics.pausable(), now_ns)
+        self._share_out(now_ns)
         self._losses.look(self._topics.subscriptions(), now_ns)
         for part in self._parts:
             part.on_graph()
 
+    def _share_out(self, now_ns: int) -> None:
+        """Which topics are relayed without Python, and which of the others rest."""
+        compiled = self._compiled.look(self._topics.ends(), now_ns)
+        pausable = self._topics.pausable()
+        self._sampling.look({topic: pausable[topic] for topic in pausable if topic not in compiled}, now_ns)
+
     def _take(self, given: LoopInput) -> None:
         self._inputs.record(given, self.rules)
-        relayed = self.loop.take(given)
+        self._relay(self.loop.take(given))
+
+    def _relay(self, relayed: Sequence[Relayed]) -> None:
         if relayed:
             for before_relays in self._before_relays:
                 before_relays()
@@ -208,6 +220,7 @@ class LiveRun:
     def _told(self) -> float:
         """Publish the status; returns in how many seconds to do so again."""
         process, now_ns = read_own_process(), self._robot.now_ns()
+        self._compiled.count(self._status.note)
         status = self._status.look(
             self.loop,
             self._topics.links(),
@@ -227,7 +240,7 @@ class LiveRun:
         decisions = self.loop.take_decisions()
         if decisions:
             self._decisions.report(decisions)
-            self._sampling.look(self._topics.pausable(), self._robot.now_ns())
+            self._share_out(self._robot.now_ns())
 
 
 def _does(part: Part, method: str) -> bool:

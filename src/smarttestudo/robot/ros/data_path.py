@@ -18,26 +18,30 @@ from smarttestudo.robot.ros.byte_topics import ByteTopics, come_serialized
 from smarttestudo.robot.ros.rclpy_path import RclpyPath
 
 if TYPE_CHECKING:
+    from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
     from smarttestudo.robot.ros.rcl.path import RclPath
+    from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
 
 
 def open_data_path(node: Any, executor: Any, kind: DataPathKind, operators: Any) -> RclPath | RclpyPath:
     """The path of that kind, or the best that works here; ``operators`` is the node that publishes.
 
-    Raises ``RosError`` where librcl was asked for and does not work.
+    Raises ``RosError`` where librcl or compiled relays were asked for and do not work.
     """
     byte_topics = ByteTopics(node, come_serialized=come_serialized(node, executor.spin_once))
     if kind is DataPathKind.RCLPY:
         return RclpyPath(node, executor, operators, byte_topics, "as asked for")
     try:
-        return _rcl_path(node, executor, operators, byte_topics)
+        return _rcl_path(node, executor, operators, byte_topics, kind)
     except RosError as error:
-        if kind is DataPathKind.RCL:
+        if kind is not DataPathKind.AUTO:
             raise
         return RclpyPath(node, executor, operators, byte_topics, f"at a higher cost, because {error.cause}")
 
 
-def _rcl_path(node: Any, executor: Any, operators: Any, byte_topics: ByteTopics) -> RclPath:
+def _rcl_path(
+    node: Any, executor: Any, operators: Any, byte_topics: ByteTopics, kind: DataPathKind
+) -> RclPath:
     """The path through librcl, tested. Raises ``RosError`` for whatever keeps it from working."""
     refuse_known_deadlock()
     try:
@@ -48,14 +52,34 @@ def _rcl_path(node: Any, executor: Any, operators: Any, byte_topics: ByteTopics)
 
         library = RclLibrary()
         layout = tested_layout(node, library)
+        relays = _relays(node, library, layout, kind)
         with ExitStack() as undone:
-            path = RclPath(node, executor, operators, byte_topics, library=library, layout=layout)
+            path = RclPath(
+                node, executor, operators, byte_topics, library=library, layout=layout, relays=relays
+            )
             undone.callback(path.close)
             path.wait(0.0)
             undone.pop_all()
     except (ImportError, AttributeError, TypeError) as error:
         raise RosError(f"this version of rclpy has a different interface: {error}") from error
     return path
+
+
+def _relays(node: Any, library: RclLibrary, layout: InfoLayout, kind: DataPathKind) -> RelayLibrary | None:
+    """What relays without Python, tested; ``None`` where it does not work or is not wanted."""
+    from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary  # noqa: PLC0415
+    from smarttestudo.robot.ros.rcl.self_test import require_relays  # noqa: PLC0415
+
+    if kind is DataPathKind.RCL:
+        return None
+    try:
+        relays = RelayLibrary()
+        require_relays(node, library, relays, layout)
+    except RosError:
+        if kind is DataPathKind.FAST:
+            raise
+        return None
+    return relays
 
 
 FIRST_WITHOUT_DEADLOCK = (6, 2, 4)
