@@ -417,13 +417,13 @@ int relay_add_stream(relay_t *relay, const stream_t *known) {
     stream_t *added = new_stream(relay);
     if (!added) return 0;
     message_t held = added->held;
+    held.length = held.capacity = known->is_held ? known->held.length : 0;
+    if (held.length && !(held.buffer = held.allocator.allocate(held.length, held.allocator.state)))
+        held.length = held.capacity = 0;
+    if (held.length) memcpy(held.buffer, known->held.buffer, held.length);
     *added = *known;
-    held.length = held.capacity = known->held.length;
-    if (known->is_held && !(held.buffer = held.allocator.allocate(held.length + 1, held.allocator.state)))
-        held.length = held.capacity = added->is_held = 0;
-    if (held.buffer) memcpy(held.buffer, known->held.buffer, held.length);
     added->held = held;
-    return 1;
+    return held.length || !known->is_held || !known->held.length;
 }
 
 /* Whether its thread runs; from now on the middleware may call relay_on_message. */
