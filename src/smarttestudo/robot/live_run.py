@@ -62,8 +62,9 @@ class LiveRun:
         self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._losses = LiveLosses(robot.log)
-        is_free = not inputs.is_recording and not self._before_relays and not self._publishing
-        compiled = robot.data_path.compiled if is_free else None
+        needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
+        needs_all = needs_all or inputs.is_recording or bool(self._before_relays or self._publishing)
+        compiled = None if needs_all else robot.data_path.compiled
         self._compiled = CompiledTopics(compiled, loop, self._relay)
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
         self._status = LiveStatus(robot.name, read_own_process())
