@@ -22,6 +22,7 @@ from compiled_relay import GID_BYTES, ListedRcl, library_in
 from pacing.scenarios import EPOCH_NS, seeds
 from smarttestudo.domain.compiled_relay import PacedStream
 from smarttestudo.pacing.grid import NEVER_NS, Pace
+from smarttestudo.pacing.hand_over import stream_of, stream_state
 from smarttestudo.pacing.sample import Pass, Sample
 from smarttestudo.pacing.topic_pacer import TopicPacer
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary, c_ns
@@ -134,6 +135,7 @@ class AlternatingPacer(AnyPacer):
         self._library = library
         self._chance = chance
         self._python = PythonPacer()
+        self._pace = Pace.at(math.inf)
         self._compiled: CompiledPacer | None = None
 
     @property
@@ -155,6 +157,7 @@ class AlternatingPacer(AnyPacer):
         return passed
 
     def set_rate(self, rate_hz: float, now_ns: int) -> None:
+        self._pace = Pace.at(rate_hz)
         self._python.set_rate(rate_hz, now_ns)
         if self._compiled is not None and self._chance.random() < 0.5:
             self._compiled.set_rate(rate_hz, now_ns)
@@ -168,16 +171,18 @@ class AlternatingPacer(AnyPacer):
             self._take_back(now_ns)
             return
         pacer = self._python.pacer
-        self._compiled = CompiledPacer(self._library, pacer.pace, now_ns=now_ns)
-        for stream in pacer.hand_over():
-            self._compiled.know(stream)
+        self._compiled = CompiledPacer(self._library, self._pace, now_ns=now_ns)
+        for publisher, stream in pacer.hand_over().items():
+            self._compiled.know(stream_state(publisher, stream))
         assert pacer.wake_ns is None
         assert self._compiled.wake(now_ns) == []
 
     def _take_back(self, now_ns: int) -> None:
         if self._compiled is not None:
             pace = self._compiled.pace
-            assert not self._python.pacer.take_back(self._compiled.streams(now_ns), pace, now_ns)
+            states = self._compiled.streams(now_ns)
+            streams = {state.publisher: stream_of(state, pace, now_ns) for state in states}
+            assert not self._python.pacer.take_back(streams, now_ns)
             self._compiled = None
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import random
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -130,6 +131,24 @@ def test_nothing_is_lost_or_doubled_where_a_topic_comes_and_goes(fast: Robot, qo
     assert 100 < echo.by_python - before < 1900
     assert echo.subscription.sent == echo.by_python + echo.state.counts.arrived.messages
     assert echo.subscription.dropped == 0
+
+
+def test_what_comes_right_before_a_topic_is_taken_back_is_not_left_where_it_is(fast: Robot, qos: Qos) -> None:
+    echo = Echo(fast, qos, Pace(0, 0))
+
+    def publish_four(first: int) -> None:
+        for number in range(first, first + AHEAD):
+            echo.source.publish(text(number))
+
+    for first in range(1, 1200, AHEAD):
+        publishing = threading.Thread(target=publish_four, args=(first,))
+        publishing.start()
+        while publishing.is_alive():
+            echo.begin()
+            echo.end()
+        publishing.join()
+        echo.wait_for(first + AHEAD - 1)
+    assert [number for number in echo.heard if number] == list(range(1, 1201))
 
 
 def test_what_was_held_when_a_topic_comes_back_is_there(fast: Robot, qos: Qos) -> None:

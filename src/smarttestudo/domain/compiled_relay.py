@@ -38,7 +38,7 @@ class FlowCounts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RelayCounts:
-    """What came and went of a topic; ``beginning`` are the first bytes of the message relayed last."""
+    """Counts of what came and went of a topic; ``beginning`` are the first bytes of the message relayed last."""
 
     arrived: FlowCounts
     relayed: FlowCounts
@@ -70,7 +70,7 @@ class CompiledRelay(Protocol):
 
 
 class CompiledRelays(Protocol):
-    """What makes compiled relays."""
+    """Maker of compiled relays."""
 
     def serves(self, subscription: Subscription, publisher: Publisher) -> bool:
         """Whether there may be one between these two."""

@@ -144,7 +144,7 @@ class DataPath(Protocol):
 
     @property
     def compiled(self) -> CompiledRelays | None:
-        """What relays topics without Python, if there is anything."""
+        """Maker of relays that need no Python, if there is one."""
 
     def subscribe(
         self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0

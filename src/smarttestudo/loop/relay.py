@@ -9,7 +9,6 @@ from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from smarttestudo.domain.compiled_relay import RelayState
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import TopicProfile
@@ -20,7 +19,6 @@ from smarttestudo.loop.statistics import RelayStatistics
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
 from smarttestudo.pacing.cdr import STAMPED_BYTES, FrameReader, header_stamp
 from smarttestudo.pacing.follower import Follower
-from smarttestudo.pacing.grid import Pace
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
@@ -196,7 +194,7 @@ class Relay:
     def _apply_accuracy(self, now_ns: int) -> Sequence[Relayed]:
         if isinstance(self.pacer, Follower):
             return ()
-        return self._relayed(self.pacer.set_accuracy(self._accuracy, now_ns), now_ns)
+        return self.relayed(self.pacer.set_accuracy(self._accuracy, now_ns), now_ns)
 
     def let_go(self) -> None:
         """Have no followers; they are to call ``follow`` again."""
@@ -223,7 +221,7 @@ class Relay:
         self._stale_after_ns = _stale_after_ns(profile)
         if isinstance(self.pacer, Follower):
             return ()
-        return self._relayed(self.pacer.set_stale_after(self._stale_after_ns, now_ns), now_ns)
+        return self.relayed(self.pacer.set_stale_after(self._stale_after_ns, now_ns), now_ns)
 
     def offer(self, given: MessageInput) -> Sequence[Relayed]:
         """Pace a message that arrived: return what passes now."""
@@ -240,18 +238,11 @@ class Relay:
         if self.followers or self.leader:
             sample.stamp = header_stamp(payload[:STAMPED_BYTES])
         passes = self.pacer.offer(sample, now_ns)
-        return self._relayed(passes, now_ns) if passes else ()
+        return self.relayed(passes, now_ns) if passes else ()
 
     def wake(self, now_ns: int) -> Sequence[Relayed]:
         """Messages that pass now without a new one."""
-        return self._relayed(self.pacer.wake(now_ns), now_ns)
-
-    def take_back(self, state: RelayState) -> Sequence[Relayed]:
-        """Go on where a compiled relay ended; what it held may pass."""
-        if isinstance(self.pacer, Follower):
-            return ()
-        pace, now_ns = Pace(state.period_ns, state.slack_ns), state.now_ns
-        return self._relayed(self.pacer.take_back(state.streams, pace, now_ns), now_ns)
+        return self.relayed(self.pacer.wake(now_ns), now_ns)
 
     def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
         """Take a change of the source; what was held may pass then."""
@@ -266,13 +257,14 @@ class Relay:
         self._has_frames = kind is StreamKind.TRANSFORMS
         if isinstance(self.pacer, Follower):
             return ()
-        return self._relayed(self.pacer.set_kind(kind, now_ns), now_ns)
+        return self.relayed(self.pacer.set_kind(kind, now_ns), now_ns)
 
     def _own_pacer(self) -> TopicPacer:
         kind = StreamKind.of(type_name=self._type_name, transient_local=False)
         return TopicPacer(kind=kind, when_slow=self._when_slow, stale_after_ns=self._stale_after_ns)
 
-    def _relayed(self, passes: Sequence[Pass], now_ns: int) -> list[Relayed]:
+    def relayed(self, passes: Sequence[Pass], now_ns: int) -> list[Relayed]:
+        """Count what the pacer lets pass; returns it as it is to be published."""
         statistics = self.statistics
         relayed = []
         for sample, repeated in passes:

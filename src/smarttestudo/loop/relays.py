@@ -8,7 +8,6 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 from smarttestudo.domain.alarm_clock import AlarmClock
-from smarttestudo.domain.compiled_relay import PacedStream, RelayState
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile, TopicProfile
@@ -16,7 +15,6 @@ from smarttestudo.loop.inputs import MessageInput
 from smarttestudo.loop.relay import ReckonedPicture, Relay, Relayed
 from smarttestudo.loop.statistics import RelayStatistics
 from smarttestudo.pacing.follower import Follower, leaders
-from smarttestudo.pacing.grid import Pace
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.pacing.topic_pacer import TopicPacer
 
@@ -69,6 +67,10 @@ class Relays:
             if isinstance(relay.pacer, Follower)
         }
 
+    def relay(self, topic: str) -> Relay | None:
+        """The relay of ``topic``, if it is relayed; after a change of its pacer it is to be armed."""
+        return self._relays.get(topic)
+
     def may_skip(self, topic: str) -> bool:
         """Whether messages of ``topic`` that come before ``due_ns`` make no difference, but for the last."""
         relay = self._relays.get(topic)
@@ -82,29 +84,6 @@ class Relays:
     def skipped(self, topic: str, messages: int, size_bytes: int) -> None:
         """Count what was sent, yet not looked at."""
         self._relays[topic].statistics.arrived.skip(messages, size_bytes)
-
-    def pace(self, topic: str) -> Pace:
-        """The pace of ``topic``, of which some messages may be skipped."""
-        pacer = self._relays[topic].pacer
-        assert isinstance(pacer, TopicPacer)
-        return pacer.pace
-
-    def hand_over(self, topic: str) -> list[PacedStream]:
-        """Have ``topic``, of which some messages may be skipped, paced elsewhere: what is known of it."""
-        relay = self._relays[topic]
-        assert isinstance(relay.pacer, TopicPacer)
-        streams = relay.pacer.hand_over()
-        self._arm(relay)
-        return streams
-
-    def take_back(self, topic: str, state: RelayState) -> Sequence[Relayed]:
-        """Pace ``topic`` again, if it is still relayed, from what became of it; what passes."""
-        relay = self._relays.get(topic)
-        if relay is None:
-            return ()
-        relayed = relay.take_back(state)
-        self._arm(relay)
-        return relayed
 
     def needs_decoded(self, topic: str) -> bool:
         """Whether messages of ``topic`` must be decoded for the bounds of its picture."""
@@ -125,7 +104,7 @@ class Relays:
         relayed: list[Relayed] = []
         for topic, relay in self._relays.items():
             relayed += relay.set_reckoned(is_reckoned=topic in self._reckoned, now_ns=now_ns)
-            self._arm(relay)
+            self.arm(relay)
         return relayed
 
     def resend_to_new_receiver(self, topic: str, now_ns: int) -> None:
@@ -133,7 +112,7 @@ class Relays:
         relay = self._relays.get(topic)
         if relay is not None:
             relay.begin_picture(now_ns)
-            self._arm(relay)
+            self.arm(relay)
 
     def change_topics(
         self,
@@ -156,7 +135,7 @@ class Relays:
             relayed += relay.change_profile(profile.topic(topic), now_ns)
         self._pair({topic: leader for topic in topics if (leader := profile.topic(topic).paced_with)}, now_ns)
         for relay in self._relays.values():
-            self._arm(relay)
+            self.arm(relay)
         return relayed
 
     def _new(self, topic: str, profile: TopicProfile, now_ns: int) -> Relay:
@@ -177,7 +156,7 @@ class Relays:
             relay = self._relays[decision.topic]
             relay.set_rate(decision.planned.rate.hz, now_ns)
             relayed += relay.set_within(decision.planned.within, now_ns)
-            self._arm(relay)
+            self.arm(relay)
             relayed += _followed(relay, now_ns)
         return relayed
 
@@ -197,7 +176,7 @@ class Relays:
         for topic in self._alarms.take_due(now_ns):
             relay = self._relays[topic]
             relayed += relay.wake(now_ns)
-            self._arm(relay)
+            self.arm(relay)
             relayed += _followed(relay, now_ns)
         return relayed
 
@@ -207,7 +186,7 @@ class Relays:
         if relay is None:
             return ()
         relayed = relay.change_source(change, now_ns)
-        self._arm(relay)
+        self.arm(relay)
         return [*relayed, *_followed(relay, now_ns)]
 
     def restart(self, now_ns: int) -> list[Relayed]:
@@ -222,14 +201,15 @@ class Relays:
         for relay in self._relays.values():
             relay.statistics.target.account(now_ns)
             relay.pacer.finish()
-            self._arm(relay)
+            self.arm(relay)
         return self._remaining(now_ns)
 
     def _remaining(self, now_ns: int) -> Iterator[Relayed]:
         while (at_ns := self._alarms.next_ns) is not None:
             yield from self.wake(max(at_ns, now_ns))
 
-    def _arm(self, relay: Relay) -> None:
+    def arm(self, relay: Relay) -> None:
+        """Wake ``relay`` when its pacer asks for it."""
         self._alarms.set(relay.topic, relay.pacer.wake_ns)
 
 

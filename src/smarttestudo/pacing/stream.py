@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-from smarttestudo.domain.compiled_relay import PacedStream
 from smarttestudo.domain.source_period import SourcePeriod
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.grid import NEVER_NS, Grid, Pace
@@ -109,28 +108,6 @@ class VolatileStream(Stream):
         super().change_pace(pace, now_ns)
         if pace.is_off:
             self.held = None
-
-    def state(self, publisher: bytes) -> PacedStream:
-        """All that another pacer needs to go on with the messages of ``publisher``."""
-        return PacedStream(
-            publisher=publisher,
-            due_ns=self.grid.due_ns,
-            arrivals_ns=self.source.arrivals_ns,
-            held=None if self.held is None else self.held.payload,
-            held_ns=self.held_ns,
-        )
-
-    @staticmethod
-    def of(state: PacedStream, pace: Pace, now_ns: int) -> VolatileStream:
-        """The stream that goes on from ``state``."""
-        stream = VolatileStream(pace, now_ns)
-        stream.grid.due_ns = state.due_ns
-        for arrival_ns in state.arrivals_ns:
-            stream.source.record(arrival_ns)
-        stream.held_ns = state.held_ns
-        if state.held is not None:
-            stream.held = Sample(state.held, len(state.held), state.publisher)
-        return stream
 
 
 WHOLE_AT_FIRST_NS = 2 * NS_PER_S

@@ -8,7 +8,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Generic, TypeVar
 
-from smarttestudo.domain.compiled_relay import PacedStream
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.pacing.sample import Pass, Sample
 from smarttestudo.pacing.stream import Stream, VolatileStream
@@ -87,17 +86,16 @@ class Streams(ABC, Generic[AnyStream]):
             dict.fromkeys(stream.held for stream in self._streams.values() if stream.held is not None)
         )
 
-    def states(self) -> list[PacedStream]:
-        """The volatile streams of publishers that are known."""
-        return [
-            stream.state(publisher)
-            for publisher, stream in self._streams.items()
-            if isinstance(stream, VolatileStream) and isinstance(publisher, bytes)
-        ]
+    def by_publisher(self) -> dict[bytes, AnyStream]:
+        """The streams of publishers that are known."""
+        return {key: stream for key, stream in self._streams.items() if isinstance(key, bytes)}
 
     def go_on(self, streams: Mapping[bytes, AnyStream], now_ns: int) -> None:
-        """Have these streams, by publisher, in place of those that are there."""
-        self._streams = {publisher: stream for publisher, stream in streams.items()}  # noqa: C416 - wider keys
+        """Have these streams in place of those that are there, at the pace that holds now."""
+        self._streams = dict(streams.items())
+        for stream in streams.values():
+            if stream.grid.pace != self._pace:
+                stream.change_pace(self._pace, now_ns)
         self._arm(now_ns)
 
     def _release(self, stream: AnyStream, now_ns: int) -> Sequence[Pass]:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import cast
 
-from smarttestudo.domain.compiled_relay import PacedStream
 from smarttestudo.pacing.bound import BoundRecord, BoundStreams
 from smarttestudo.pacing.follower import Follower, FollowerNotifier
 from smarttestudo.pacing.grid import NEVER_NS, Pace
@@ -86,31 +85,18 @@ class TopicPacer(Pacer):
         """Whether messages before ``due_ns`` can be skipped, except for the final one."""
         return self._is_plain and not self._notifier.followers
 
-    @property
-    def pace(self) -> Pace:
-        """The pace that the topic follows."""
-        return self._pace
+    def hand_over(self) -> dict[bytes, VolatileStream]:
+        """Let another pacer go on with these streams, while messages may be skipped; none is left here."""
+        streams, self._streams = self._streams, self._make_streams()
+        return cast("Streams[VolatileStream]", streams).by_publisher()
 
-    def hand_over(self) -> list[PacedStream]:
-        """Let another pacer go on, while messages may be skipped: its streams, of which none is left."""
-        streams = self._streams.states()
-        self._streams = self._make_streams()
-        return streams
-
-    def take_back(self, streams: Sequence[PacedStream], pace: Pace, now_ns: int) -> Sequence[Pass]:
-        """Go on where another pacer ended that followed ``pace``.
-
-        What it held may pass, where pacing is of another kind by now.
-        """
+    def take_back(self, streams: Mapping[bytes, VolatileStream], now_ns: int) -> Sequence[Pass]:
+        """Go on with these; where pacing is of another kind by now, what they hold is offered again."""
         self._now_ns = now_ns
-        volatile = {state.publisher: VolatileStream.of(state, pace, now_ns) for state in streams}
-        if not self._is_plain:
-            return self._offer_again([one.held for one in volatile.values() if one.held], now_ns)
-        if pace != self._pace:
-            for stream in volatile.values():
-                stream.change_pace(self._pace, now_ns)
-        cast("Streams[VolatileStream]", self._streams).go_on(volatile, now_ns)
-        return ()
+        if self._is_plain:
+            cast("Streams[VolatileStream]", self._streams).go_on(streams, now_ns)
+            return ()
+        return self._offer_again([one.held for one in streams.values() if one.held is not None], now_ns)
 
     def offer(self, sample: Sample, now_ns: int, /) -> Sequence[Pass]:
         """Pace ``sample``, which arrived: return it if it passes now, else nothing."""

@@ -4,21 +4,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 
 from smarttestudo.domain.compiled_relay import (
     MAX_PERIOD_NS,
     CompiledRelay,
     CompiledRelays,
-    FlowCounts,
-    RelayCounts,
     RelayState,
 )
-from smarttestudo.domain.rate_meter import Flow
-from smarttestudo.domain.robot import Publisher, Subscription
+from smarttestudo.loop.hand_over import count, hand_over, take_back
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.pacing.grid import Pace
+from smarttestudo.robot.sampling import LiveSampling
+from smarttestudo.robot.topics import LiveTopics
 
 MOST_MEAN_BYTES = 1 << 16
 """Larger messages cost the same either way, and nothing those that are not due while their topic rests."""
@@ -27,96 +27,67 @@ MOST_MEAN_BYTES = 1 << 16
 class CompiledTopics:
     """Hands topics to compiled relays and takes them back, with their pace, held messages and counts.
 
-    ``passed`` is given what passes because a topic came back.
+    Of the others, ``sampling`` decides which rest. ``passed`` is given what passes because a topic came back.
     """
 
     def __init__(
-        self, relays: CompiledRelays | None, loop: RelayLoop, passed: Callable[[Sequence[Relayed]], None]
+        self,
+        relays: CompiledRelays | None,
+        loop: RelayLoop,
+        sampling: LiveSampling,
+        passed: Callable[[Sequence[Relayed]], None],
     ) -> None:
         self._relays = relays
         self._loop = loop
+        self._sampling = sampling
         self._passed = passed
         self._running: dict[str, CompiledRelay] = {}
 
-    def look(self, topics: Mapping[str, tuple[Subscription, Publisher]], now_ns: int) -> Collection[str]:
-        """Which of ``topics``, the only ones that may be, are to be relayed so by the plan as it is now.
-
-        One that rests has to work first.
-        """
-        if self._relays is None:
-            return ()
-        wanted = {
-            topic: ends for topic, ends in topics.items() if self._relays.serves(*ends) and self._suits(topic)
-        }
-        for topic in [topic for topic in self._running if topic not in wanted]:
-            self._running[topic].end()
-        for topic, (subscription, publisher) in wanted.items():
-            running = self._running.get(topic)
-            if running is not None:
-                self._follow(topic, running)
-                continue
-            begun = self._relays.begin(
-                subscription,
-                publisher,
-                partial(self._hand_over, topic, now_ns),
-                partial(self._take_back, topic),
-            )
-            if begun is not None:
-                self._running[topic] = begun
-        return wanted
+    def look(self, topics: LiveTopics, now_ns: int) -> None:
+        """Decide by the plan as it is now which of ``topics`` are relayed so; one that rests works first."""
+        compiled = () if self._relays is None else self._look(self._relays, topics, now_ns)
+        pausable = topics.pausable()
+        self._sampling.look({topic: pausable[topic] for topic in pausable if topic not in compiled}, now_ns)
 
     def count(self, note: Callable[[Relayed], None]) -> None:
         """Have the statistics as of now; ``note`` is given the beginning of each last relayed message."""
         for topic, running in self._running.items():
-            counts = running.counts()
-            self._count(topic, counts)
-            relayed = counts.relayed
-            if counts.beginning:
-                note(Relayed(topic, relayed.last_ns, counts.beginning, len(counts.beginning), repeated=False))
+            relay, counts = self._loop.relays.relay(topic), running.counts()
+            if relay is not None:
+                count(relay, counts)
+            beginning, at_ns = counts.beginning, counts.relayed.last_ns
+            if beginning:
+                note(Relayed(topic, at_ns, beginning, len(beginning), repeated=False))
+
+    def _look(self, relays: CompiledRelays, topics: LiveTopics, now_ns: int) -> Collection[str]:
+        ends = topics.ends()
+        wanted = {topic for topic in ends if relays.serves(*ends[topic]) and self._suits(topic)}
+        for topic in [topic for topic in self._running if topic not in wanted]:
+            self._running[topic].end()
+        for topic in wanted:
+            running = self._running.get(topic)
+            if running is not None:
+                pace = self._pace(topic)
+                running.set_pace(pace.period_ns, pace.slack_ns)
+                continue
+            state = partial(hand_over, self._loop.relays, topic, now_ns)
+            begun = relays.begin(*ends[topic], state, partial(self._take_back, topic))
+            if begun is not None:
+                self._running[topic] = begun
+        return wanted
 
     def _suits(self, topic: str) -> bool:
-        loop = self._loop
-        if not loop.may_skip(topic):
+        relay = self._loop.relays.relay(topic)
+        if relay is None or not self._loop.may_skip(topic):
             return False
-        arrived = loop.relays.statistics[topic].arrived
+        arrived = relay.statistics.arrived
         is_small = arrived.messages > 0 and arrived.size_bytes <= MOST_MEAN_BYTES * arrived.messages
         # A topic that is Off, or nearly, rests at no cost at all.
-        return is_small and loop.relays.pace(topic).period_ns <= MAX_PERIOD_NS
+        return is_small and self._pace(topic).period_ns <= MAX_PERIOD_NS
 
-    def _follow(self, topic: str, running: CompiledRelay) -> None:
-        pace = self._loop.relays.pace(topic)
-        running.set_pace(pace.period_ns, pace.slack_ns)
-        self._count(topic, running.counts())
-
-    def _hand_over(self, topic: str, now_ns: int) -> RelayState:
-        relays = self._loop.relays
-        pace, statistics = relays.pace(topic), relays.statistics[topic]
-        return RelayState(
-            now_ns=now_ns,
-            period_ns=pace.period_ns,
-            slack_ns=pace.slack_ns,
-            streams=relays.hand_over(topic),
-            counts=RelayCounts(arrived=_counts(statistics.arrived), relayed=_counts(statistics.relayed)),
-        )
+    def _pace(self, topic: str) -> Pace:
+        return Pace.at(self._loop.knowledge.plan[topic].rate.hz)
 
     def _take_back(self, topic: str, state: RelayState) -> None:
         del self._running[topic]
-        self._count(topic, state.counts)
-        self._passed(self._loop.relays.take_back(topic, state))
-
-    def _count(self, topic: str, counts: RelayCounts) -> None:
-        statistics = self._loop.relays.statistics.get(topic)
-        if statistics is not None:
-            _set(statistics.arrived, counts.arrived)
-            _set(statistics.relayed, counts.relayed)
-
-
-def _counts(flow: Flow) -> FlowCounts:
-    return FlowCounts(
-        messages=flow.messages, size_bytes=flow.size_bytes, span_ns=flow.span_ns, last_ns=flow.last_ns
-    )
-
-
-def _set(flow: Flow, counts: FlowCounts) -> None:
-    flow.messages, flow.size_bytes = counts.messages, counts.size_bytes
-    flow.span_ns, flow.last_ns = counts.span_ns, counts.last_ns
+        self._passed(take_back(self._loop.relays, topic, state))

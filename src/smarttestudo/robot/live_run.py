@@ -65,8 +65,8 @@ class LiveRun:
         needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
         needs_all = needs_all or inputs.is_recording or bool(self._before_relays or self._publishing)
         compiled = None if needs_all else robot.data_path.compiled
-        self._compiled = CompiledTopics(compiled, loop, self._relay)
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
+        self._compiled = CompiledTopics(compiled, loop, self._sampling, self._relay)
         self._status = LiveStatus(robot.name, read_own_process())
         self._publisher = StatusPublisher(robot, link)
         self._timer = StatusTimer(robot, link)
@@ -176,16 +176,10 @@ class LiveRun:
                 part.on_source(topic, source, now_ns)
         for heard in self._topics.listeners():
             self._take(ChangeInput(stamp_ns=now_ns, change=heard))
-        self._share_out(now_ns)
+        self._compiled.look(self._topics, now_ns)
         self._losses.look(self._topics.subscriptions(), now_ns)
         for part in self._parts:
             part.on_graph()
-
-    def _share_out(self, now_ns: int) -> None:
-        """Which topics are relayed without Python, and which of the others rest."""
-        compiled = self._compiled.look(self._topics.ends(), now_ns)
-        pausable = self._topics.pausable()
-        self._sampling.look({topic: pausable[topic] for topic in pausable if topic not in compiled}, now_ns)
 
     def _take(self, given: LoopInput) -> None:
         self._inputs.record(given, self.rules)
@@ -241,7 +235,7 @@ class LiveRun:
         decisions = self.loop.take_decisions()
         if decisions:
             self._decisions.report(decisions)
-            self._share_out(self._robot.now_ns())
+            self._compiled.look(self._topics, self._robot.now_ns())
 
 
 def _does(part: Part, method: str) -> bool:

@@ -4,23 +4,17 @@
 
 from __future__ import annotations
 
-import os
-import re
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from rclpy.utilities import get_rmw_implementation_identifier
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import DataPathKind
 from smarttestudo.robot.ros.byte_topics import ByteTopics, come_serialized
+from smarttestudo.robot.ros.known_deadlock import refuse_known_deadlock
 from smarttestudo.robot.ros.rclpy_path import RclpyPath
 
 if TYPE_CHECKING:
-    from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
     from smarttestudo.robot.ros.rcl.path import RclPath
-    from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
 
 
 def open_data_path(node: Any, executor: Any, kind: DataPathKind, operators: Any) -> RclPath | RclpyPath:
@@ -48,11 +42,11 @@ def _rcl_path(
         # This path goes below rclpy's public interface, which another distribution may have changed.
         from smarttestudo.robot.ros.rcl.bindings import RclLibrary  # noqa: PLC0415
         from smarttestudo.robot.ros.rcl.path import RclPath  # noqa: PLC0415
-        from smarttestudo.robot.ros.rcl.self_test import tested_layout  # noqa: PLC0415
+        from smarttestudo.robot.ros.rcl.self_test import tested_layout, tested_relays  # noqa: PLC0415
 
         library = RclLibrary()
         layout = tested_layout(node, library)
-        relays = _relays(node, library, layout, kind)
+        relays = tested_relays(node, library, layout, kind)
         with ExitStack() as undone:
             path = RclPath(
                 node, executor, operators, byte_topics, library=library, layout=layout, relays=relays
@@ -63,55 +57,3 @@ def _rcl_path(
     except (ImportError, AttributeError, TypeError) as error:
         raise RosError(f"this version of rclpy has a different interface: {error}") from error
     return path
-
-
-def _relays(node: Any, library: RclLibrary, layout: InfoLayout, kind: DataPathKind) -> RelayLibrary | None:
-    """What relays without Python, tested; ``None`` where it does not work or is not wanted."""
-    from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary  # noqa: PLC0415
-    from smarttestudo.robot.ros.rcl.self_test import require_relays  # noqa: PLC0415
-
-    if kind is DataPathKind.RCL:
-        return None
-    try:
-        relays = RelayLibrary()
-        require_relays(node, library, relays, layout)
-    except RosError:
-        if kind is DataPathKind.FAST:
-            raise
-        return None
-    return relays
-
-
-FIRST_WITHOUT_DEADLOCK = (6, 2, 4)
-"""Before, a listener and who sets its callback took two locks in opposite order (ros2/rmw_fastrtps#657)."""
-
-# What all its variants have in common, the listeners included.
-_PACKAGE = "rmw_fastrtps_shared_cpp"
-_VERSION = re.compile(r"<version>\s*(\d+)\.(\d+)\.(\d+)\s*</version>")
-
-
-def refuse_known_deadlock() -> None:
-    """Raise ``RosError`` where setting a callback may block for ever, as far as the version can be seen."""
-    if not get_rmw_implementation_identifier().startswith("rmw_fastrtps"):
-        return
-    version = _installed_version()
-    if version is not None and version < FIRST_WITHOUT_DEADLOCK:
-        raise RosError(
-            f"rmw_fastrtps {_text(version)} may block for ever when it is asked to wake for messages",
-            remedy=f"update it to {_text(FIRST_WITHOUT_DEADLOCK)} or later: sudo apt upgrade",
-        )
-
-
-def _installed_version() -> tuple[int, ...] | None:
-    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-        try:
-            manifest = Path(prefix, "share", _PACKAGE, "package.xml").read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError):
-            continue
-        found = _VERSION.search(manifest)
-        return tuple(map(int, found.groups())) if found else None
-    return None
-
-
-def _text(version: tuple[int, ...]) -> str:
-    return ".".join(map(str, version))

@@ -112,7 +112,7 @@ class RclLibrary:
 
     @property
     def relay_functions(self) -> dict[str, c_void_p]:
-        """What a compiled relay calls, by name."""
+        """The functions that a compiled relay calls, by name."""
         functions = {
             "take": self.take,
             "publish": self.publish,

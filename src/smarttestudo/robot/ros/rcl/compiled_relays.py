@@ -15,8 +15,8 @@ from smarttestudo.domain.robot import Publisher, Subscription
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
 from smarttestudo.robot.ros.rcl.publisher import RclPublisher
 from smarttestudo.robot.ros.rcl.relay_library import (
-    Counts,
-    Flow,
+    CCounts,
+    CFlow,
     RelayFunctions,
     RelayLibrary,
     RelaySettings,
@@ -86,7 +86,7 @@ class RclRelays:
 
 
 def relay_settings(library: RclLibrary, layout: InfoLayout) -> dict[str, Any]:
-    """What all relays have in common."""
+    """Settings that all relays have in common."""
     return {
         "rcl": RelayFunctions(**library.relay_functions),
         "allocator": library.allocator,
@@ -138,9 +138,9 @@ class RclRelay:
                 period_ns=c_ns(start.period_ns),
                 slack_ns=start.slack_ns,
                 publishes_at_once=not self._publisher.is_reliable and settings["takes_on_callback"],
-                counts=Counts(
-                    arrived=Flow.of(start.counts.arrived),
-                    relayed=Flow.of(start.counts.relayed),
+                counts=CCounts(
+                    arrived=CFlow.of(start.counts.arrived),
+                    relayed=CFlow.of(start.counts.relayed),
                     sent=numbers.sent,
                     lost=numbers.lost,
                     now_ns=start.now_ns,
@@ -190,7 +190,7 @@ class RclRelay:
         self._ended(state)
         self._source.take_back()
 
-    def _read(self, relay: int) -> Counts:
+    def _read(self, relay: int) -> CCounts:
         counts, numbers = self._library.counts(relay), self._source.numbers
         if numbers is not None:
             numbers.sent, numbers.lost = counts.sent, counts.lost

@@ -24,7 +24,7 @@ C_NEVER_NS = 1 << 62
 """What stands there for ``NEVER_NS``."""
 
 
-class Flow(ctypes.Structure):
+class CFlow(ctypes.Structure):
     """A flow_t."""
 
     _fields_ = (
@@ -35,9 +35,9 @@ class Flow(ctypes.Structure):
     )
 
     @staticmethod
-    def of(counts: FlowCounts) -> Flow:
+    def of(counts: FlowCounts) -> CFlow:
         """The same in C."""
-        return Flow(counts.messages, counts.size_bytes, counts.span_ns, counts.last_ns)
+        return CFlow(counts.messages, counts.size_bytes, counts.span_ns, counts.last_ns)
 
     def counts(self) -> FlowCounts:
         """The same in Python."""
@@ -46,12 +46,12 @@ class Flow(ctypes.Structure):
         )
 
 
-class Counts(ctypes.Structure):
+class CCounts(ctypes.Structure):
     """A counts_t."""
 
     _fields_ = (
-        ("arrived", Flow),
-        ("relayed", Flow),
+        ("arrived", CFlow),
+        ("relayed", CFlow),
         ("sent", c_uint64),
         ("lost", c_uint64),
         ("errors", c_uint64),
@@ -70,7 +70,7 @@ class Counts(ctypes.Structure):
         )
 
 
-class Stream(ctypes.Structure):
+class CStream(ctypes.Structure):
     """A stream_t; ``held`` is what C or Python holds, for now."""
 
     _fields_ = (
@@ -118,7 +118,7 @@ class RelaySettings(ctypes.Structure):
         ("reserved", c_uint32),
         ("period_ns", c_int64),
         ("slack_ns", c_int64),
-        ("counts", Counts),
+        ("counts", CCounts),
     )
 
 
@@ -137,7 +137,7 @@ class RelayLibrary:
             self._set_pace, self._read = library.relay_set_pace, library.relay_read
         except (OSError, AttributeError) as error:
             raise RosError(f"there are no compiled relays: {error}", remedy=REMEDY) from error
-        if tuple(sizes) != (ABI, *map(ctypes.sizeof, (RelaySettings, Stream, Counts))):
+        if tuple(sizes) != (ABI, *map(ctypes.sizeof, (RelaySettings, CStream, CCounts))):
             raise RosError("the compiled relays are of another version", remedy=REMEDY)
         self._new.argtypes, self._new.restype = [c_void_p], c_void_p
         self._set_pace.argtypes, self._set_pace.restype = [c_void_p, c_int64, c_int64], None
@@ -158,7 +158,7 @@ class RelayLibrary:
 
     def add_stream(self, relay: int, state: PacedStream | None, gid: bytes, number: int) -> None:
         """Have ``relay`` know publisher ``gid``, its last number, and its stream if it has one."""
-        stream = Stream(gid=(c_uint8 * GID_BYTES)(*gid), number=number)
+        stream = CStream(gid=(c_uint8 * GID_BYTES)(*gid), number=number)
         if state is not None:
             stream.is_open = True
             stream.due_ns, stream.held_ns = c_ns(state.due_ns), state.held_ns
@@ -171,10 +171,10 @@ class RelayLibrary:
         if not self._add_stream(relay, ctypes.addressof(stream)):
             raise MemoryError
 
-    def streams(self, relay: int) -> list[Stream]:
+    def streams(self, relay: int) -> list[CStream]:
         """The streams of a relay that was stopped; what they hold is gone once it is freed."""
-        found: list[Stream] = []
-        while self._stream(relay, len(found), ctypes.addressof(stream := Stream())):
+        found: list[CStream] = []
+        while self._stream(relay, len(found), ctypes.addressof(stream := CStream())):
             found.append(stream)
         return found
 
@@ -182,9 +182,9 @@ class RelayLibrary:
         """Follow another pace from now on."""
         self._set_pace(relay, c_ns(period_ns), slack_ns)
 
-    def counts(self, relay: int) -> Counts:
+    def counts(self, relay: int) -> CCounts:
         """The counts as of now."""
-        counts = Counts()
+        counts = CCounts()
         self._read(relay, ctypes.addressof(counts))
         return counts
 

@@ -11,7 +11,7 @@ from typing import Any
 from rclpy.serialization import serialize_message
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.robot import Qos
+from smarttestudo.domain.robot import DataPathKind, Qos
 from smarttestudo.robot.ros.message_types import message_type
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout, MessageInfo, RclLibrary
 from smarttestudo.robot.ros.rcl.buffers import RclBuffers
@@ -52,7 +52,26 @@ def tested_layout(node: Any, library: RclLibrary) -> InfoLayout:
         publisher.close()
 
 
-def require_relays(node: Any, library: RclLibrary, relays: RelayLibrary, layout: InfoLayout) -> None:
+def tested_relays(
+    node: Any, library: RclLibrary, layout: InfoLayout, kind: DataPathKind
+) -> RelayLibrary | None:
+    """Library of compiled relays; ``None`` where it does not work, or is not wanted by the ``kind`` of path.
+
+    Raises ``RosError`` where it does not work, and nothing else is wanted.
+    """
+    if kind is DataPathKind.RCL:
+        return None
+    try:
+        relays = RelayLibrary()
+        _require_relays(node, library, relays, layout)
+    except RosError:
+        if kind is DataPathKind.FAST:
+            raise
+        return None
+    return relays
+
+
+def _require_relays(node: Any, library: RclLibrary, relays: RelayLibrary, layout: InfoLayout) -> None:
     """Have a message to oneself relayed without Python.
 
     Raises ``RosError`` where messages have no numbers, or it does not arrive as it was sent.
