@@ -10,6 +10,7 @@ EXAMPLES_FACTOR ?= 0.34
 SWEEPS ?= some
 GUI_NPM := PYTHON=$(abspath $(BIN)/python) sh scripts/gui_npm.sh
 PAGE := src/smarttestudo/ruler/server/static/index.html
+RELAY := src/smarttestudo/robot/ros/rcl/relay.c
 GUI_PACKAGES := gui/node_modules/.package-lock.json
 GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*' -not -path 'gui/tests/*') docs/language.md docs/quality-levels.md $(wildcard docs/reference/*.md)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -149,12 +150,12 @@ $(VENV)/bin/python:
 	@echo "Making a virtual environment in $(VENV)"
 	@$(PYTHON) -m venv $(VENV)
 
-$(VENV)/studio.stamp: pyproject.toml | $(VENV)/bin/python
+$(VENV)/studio.stamp: pyproject.toml setup.py $(RELAY) | $(VENV)/bin/python
 	@echo "Installing SmartTestudo into $(VENV)"
 	@$(BIN)/pip install --quiet --editable '.[studio]'
 	@touch $@
 
-$(VENV)/dev.stamp: pyproject.toml | $(VENV)/bin/python
+$(VENV)/dev.stamp: pyproject.toml setup.py $(RELAY) | $(VENV)/bin/python
 	@echo "Installing SmartTestudo and its development tools into $(VENV)"
 	@$(BIN)/pip install --quiet --editable '.[studio,ros,dev]'
 	@touch $@ $(VENV)/studio.stamp

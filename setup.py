@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The shared files of the ROS package, the page in a wheel, and pyproject.toml for those who do not read it.
+"""The shared files of the ROS package, relay.c, the page in a wheel, and pyproject.toml where it is not read.
 
 Setuptools before 61 (ROS 2 Humble's) does not know pyproject.toml, and ``colcon build --symlink-install``
 runs a link to this file in another folder.
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -18,9 +19,19 @@ from pathlib import Path
 from typing import Any
 
 import setuptools
-from setuptools import Distribution
+from setuptools import Distribution, Extension
+from setuptools.command.build_ext import build_ext
 from setuptools.command.build_py import build_py
 from setuptools.command.sdist import sdist
+
+try:
+    from setuptools.command.bdist_wheel import bdist_wheel
+except ImportError:
+    # Older ones have it elsewhere, or not at all, and then make no wheels.
+    try:
+        from wheel.bdist_wheel import bdist_wheel
+    except ImportError:
+        bdist_wheel = object
 
 # Below setuptools, which provides it where Python no longer does.
 from distutils.command.install_data import install_data  # isort: skip
@@ -34,6 +45,10 @@ FIRST_WITH_EXPRESSIONS = 77
 PAGE = ROOT / "src" / "smarttestudo" / "ruler" / "server" / "static" / "index.html"
 MAKE_PAGE = ROOT / "scripts" / "make_gui.sh"
 PAGE_WITHIN_S = 600
+RELAYS = Extension("smarttestudo.robot.ros.rcl.relay", ["src/smarttestudo/robot/ros/rcl/relay.c"])
+RELAY_FLAGS = ("-std=c11", "-O2", "-shared", "-fPIC", "-pthread")
+WITHOUT_RELAYS = "SMARTTESTUDO_WITHOUT_RELAYS"
+"""If the environment has it, nothing is compiled, and a wheel is for every machine."""
 
 
 def shared_files() -> list[tuple[str, list[str]]]:
@@ -110,6 +125,53 @@ class BuildWithPage(build_py):
         super().run()
 
 
+class CompileRelays(build_ext):
+    """Compiles relay.c, which calls nothing of Python; where that fails, it is not installed."""
+
+    def build_extension(self, ext: Extension) -> None:
+        """Compile it by the compiler of the system, or the one in CC."""
+        made = Path(self.get_ext_fullpath(ext.name))
+        made.parent.mkdir(parents=True, exist_ok=True)
+        compiler = shlex.split(os.environ.get("CC", "cc"))
+        try:
+            subprocess.run(  # noqa: S603  who installs chooses the compiler
+                [*compiler, *RELAY_FLAGS, *ext.sources, "-o", str(made)], stdout=sys.stderr, check=True
+            )
+        except (OSError, subprocess.CalledProcessError) as error:
+            sys.stderr.write(f"{error}\nwarning: no compiled relays, which need a C compiler\n")
+
+    def get_ext_filename(self, fullname: str) -> str:
+        """The library's name, which has no version of Python in it."""
+        return f"{fullname.replace('.', os.sep)}.so"
+
+    def copy_extensions_to_source(self) -> None:
+        """Put it beside its source, where the package is installed as a link to a checkout."""
+        if self.has_made_all():
+            super().copy_extensions_to_source()
+
+    def get_outputs(self) -> list[str]:
+        """What was compiled."""
+        return super().get_outputs() if self.has_made_all() else []
+
+    def get_output_mapping(self) -> dict[str, str]:
+        """What was compiled, and where it goes in a checkout."""
+        return super().get_output_mapping() if self.has_made_all() else {}
+
+    def has_made_all(self) -> bool:
+        """Whether it could be compiled."""
+        names = [self.get_ext_filename(ext.name) for ext in self.extensions]
+        return all(Path(self.build_lib, name).exists() for name in names)
+
+
+class WheelOfAnyPython(bdist_wheel):
+    """A wheel for any Python; with compiled relays it is for one kind of machine, without for all."""
+
+    def get_tag(self) -> tuple[str, str, str]:
+        """For whom the wheel is."""
+        _, _, platform = super().get_tag()
+        return "py3", "none", platform if any(Path(self.bdist_dir).rglob("relay.so")) else "any"
+
+
 class ShareWithWorkspace(install_data):
     """Installs the shared files into a workspace; a wheel holds the package, where ROS looks for none."""
 
@@ -151,16 +213,27 @@ def make_page() -> None:
 def install() -> None:
     """Do what pip or colcon asks."""
     if not reads_pyproject():
-        setuptools.setup(data_files=shared_files(), cmdclass=COMMANDS, **licence(), **from_pyproject())
+        setuptools.setup(**OWN, **licence(), **from_pyproject())
         return
     # Who builds a workspace need not know that setuptools calls this part of pyproject.toml beta.
     warnings.filterwarnings("ignore", message=r"Support for `\[tool\.setuptools\]`")
-    distribution = setuptools.setup(data_files=shared_files(), cmdclass=COMMANDS, **licence())
+    distribution = setuptools.setup(**OWN, **licence())
     # colcon reads a distribution back as literals, and setuptools makes an object of requires-python.
     for owner in (distribution, distribution.metadata):
         owner.python_requires = str(owner.python_requires)
 
 
-COMMANDS = {"build_py": BuildWithPage, "install_data": ShareWithWorkspace, "sdist": SourceWithPage}
+COMMANDS = {
+    "bdist_wheel": WheelOfAnyPython,
+    "build_ext": CompileRelays,
+    "build_py": BuildWithPage,
+    "install_data": ShareWithWorkspace,
+    "sdist": SourceWithPage,
+}
+OWN = {
+    "data_files": shared_files(),
+    "cmdclass": COMMANDS,
+    "ext_modules": [] if WITHOUT_RELAYS in os.environ else [RELAYS],
+}
 
 install()

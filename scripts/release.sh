@@ -11,6 +11,8 @@ trap 'rm -rf "$folder"' EXIT INT TERM
 
 "$python" scripts/release_files.py --check
 
+# The wheel is for every machine; relays are compiled where it is installed from source.
+export SMARTTESTUDO_WITHOUT_RELAYS=1
 mkdir "$folder/source"
 git ls-files -z | xargs -0 cp --parents --target-directory="$folder/source"
 (cd "$folder/source" && PYTHON=$python "$python" -m build --outdir "$folder/dist" . >"$folder/build.log" 2>&1) || {

@@ -75,6 +75,11 @@ def topic_tools(topics: Sequence[Topic], folder: Path) -> list[list[str]]:  # no
 CONTENDERS = [
     Contender(name="SmartTestudo", node="smarttestudo", commands=smarttestudo()),
     Contender(
+        name="SmartTestudo through librcl",
+        node="smarttestudo",
+        commands=smarttestudo("--data-path", "librcl"),
+    ),
+    Contender(
         name="SmartTestudo through rclpy",
         node="smarttestudo",
         commands=smarttestudo("--data-path", "rclpy"),

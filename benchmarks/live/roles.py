@@ -2,17 +2,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """The processes of benchmarks beside the runtime: sources, an operator, a plain rclpy relay and recorder.
 
-usage: roles.py source|operator|hearer|plain_relay|plain_recorder|alarm JSON, where JSON is a list of topics:
+usage: roles.py source|operator|hearer|plain_relay|c_relay|plain_recorder|alarm JSON, where JSON is a list of
+topics:
 {"name": "/imu", "type": "sensor_msgs/msg/Imu", "hz": 195, "target_hz": 50, "size_bytes": 324}. Every message
-is bytes that are sent as they are, with the monotonic time of sending in its header's stamp. A line on stdin
+is bytes that are sent as they are, with the monotonic time of sending in its header's stamp. What is relayed
+of it has ``prefix`` before its name. A line on stdin
 asks for a result in JSON, the end of stdin ends the process.
 """
 
 from __future__ import annotations
 
+import ctypes
 import importlib
 import json
 import math
+import os
 import struct
 import sys
 import tempfile
@@ -117,7 +121,7 @@ def operator(node: Any, topics: list[Topic], prefix: str = PREFIX) -> None:
     subscriptions = [
         node.create_subscription(
             message_class(topic),
-            topic["name"] if topic["name"] == DIRECT else prefix + topic["name"],
+            topic["name"] if topic["name"] == DIRECT else topic.get("prefix", prefix) + topic["name"],
             heard,
             QoSProfile(depth=100),
             raw=True,
@@ -168,6 +172,27 @@ def plain_relay(node: Any, topics: list[Topic]) -> None:
         executor.spin_once(timeout_sec=0.2)
 
 
+def c_relay(node: Any, topics: list[Topic]) -> None:
+    """What one writes in an hour in C: see c_relay.c, compiled to the file that C_RELAY names."""
+    subscriptions, publishers = [], []
+    for topic in topics:
+        name, kind = topic["name"], message_class(topic)
+        subscriptions.append(node.create_subscription(kind, name, print, 10, raw=True))
+        publishers.append(node.create_publisher(kind, topic.get("prefix", PREFIX) + name, 10))
+    ctypes.CDLL("librcl.so", mode=os.RTLD_NOLOAD | ctypes.RTLD_GLOBAL)
+    periods_ns = [int(NS_PER_S / topic["target_hz"]) for topic in topics]
+    pointers = ctypes.c_void_p * len(topics)
+    answers(lambda _: None)
+    ctypes.CDLL(os.environ["C_RELAY"]).relay(
+        ctypes.c_void_p(node.context.handle.pointer),
+        ctypes.c_size_t(len(topics)),
+        pointers(*(one.handle.pointer for one in subscriptions)),
+        pointers(*(one.handle.pointer for one in publishers)),
+        (ctypes.c_int64 * len(topics))(*periods_ns),
+        (ctypes.c_int64 * len(topics))(),
+    )
+
+
 def plain_recorder(node: Any, topics: list[Topic]) -> None:
     """What one writes in an hour to record: raw subscriptions, and the writer of rosbags."""
     with (
@@ -209,6 +234,7 @@ def main() -> None:
         "operator": operator,
         "hearer": partial(operator, prefix=""),
         "plain_relay": plain_relay,
+        "c_relay": c_relay,
         "plain_recorder": plain_recorder,
         "alarm": alarm,
     }

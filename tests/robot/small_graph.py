@@ -70,6 +70,7 @@ class SmallGraph(UnaskedRobot):
 
     description = "in memory"
     can_pause = False
+    compiled = None
     keeps_newest = False
     has_output_domain = False
 

@@ -91,7 +91,7 @@ def test_an_rclpy_that_lacks_what_another_distribution_has_relays_too(
     operator.line_with("heard")
 
 
-@pytest.mark.parametrize("path", ["rcl", "rclpy"])
+@pytest.mark.parametrize("path", ["fast", "librcl", "rclpy"])
 def test_images_that_cannot_be_taken_serialized_are_relayed_and_the_log_says_once_what_that_costs(
     robot: SmallRobot, path: str
 ) -> None:
@@ -133,7 +133,7 @@ def test_types_with_a_sequence_of_bytes_are_known_by_their_fields(type_name: str
 
 
 def test_librcl_is_one_line_of_error_where_this_rclpy_does_not_lead_to_it(robot: SmallRobot) -> None:
-    runtime = robot.runtime_lacking("pointer", "begin SetFrequency /imu 10 end", "--data-path", "rcl")
+    runtime = robot.runtime_lacking("pointer", "begin SetFrequency /imu 10 end", "--data-path", "librcl")
     assert runtime.exit_code() == 1
     assert runtime.output[-1].startswith("error: this version of rclpy has a different interface: ")
     assert "Traceback" not in "".join(runtime.output)

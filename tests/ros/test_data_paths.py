@@ -36,7 +36,7 @@ NO_MESSAGE = b"\x00\x01\x00\x00\x00"
 NO_STRING = b"\x00\x01\x00\x00\xff\x00\x00\x00"
 
 
-@pytest.fixture(params=[DataPathKind.RCL, DataPathKind.RCLPY], ids=lambda kind: kind.value)
+@pytest.fixture(params=[DataPathKind.FAST, DataPathKind.RCL, DataPathKind.RCLPY], ids=lambda kind: kind.value)
 def robot(request: pytest.FixtureRequest, domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
     if importlib.util.find_spec("rclpy") is None:
         pytest.skip("ROS 2 (rclpy) is not installed")

@@ -70,8 +70,8 @@ def add_arguments(parser: CommandParser, kinds: Sequence[PartKind] = PART_KINDS)
         "--data-path",
         choices=[kind.value for kind in DataPathKind],
         default=DataPathKind.AUTO.value,
-        help="how messages are taken and published: through librcl at the least cost, or through rclpy "
-        "(default: librcl if it works here)",
+        help="how messages are taken and published: fast, which is without Python where nothing needs them, "
+        "through librcl, or through rclpy (default: the first of these that works here)",
     )
     add_openmetrics(parser)
     add_link(parser)

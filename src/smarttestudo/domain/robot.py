@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from smarttestudo.domain.parameter import (
     Accept,
@@ -19,6 +19,9 @@ from smarttestudo.domain.parameter import (
 )
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.status import Diagnostic
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.compiled_relay import CompiledRelays
 
 Receive = Callable[[Payload, Hashable], None]
 """Takes a serialized message and the identity of its publisher, or ``None``."""
@@ -106,10 +109,14 @@ class Publisher(Protocol):
 
 
 class DataPathKind(Enum):
-    """How messages come in and go out: directly through librcl, through rclpy, or the former if it works."""
+    """How messages come in and go out; ``AUTO`` is the first of the others that works.
+
+    ``FAST`` is without Python where nothing needs the messages, ``RCL`` through Python and librcl.
+    """
 
     AUTO = "auto"
-    RCL = "rcl"
+    FAST = "fast"
+    RCL = "librcl"
     RCLPY = "rclpy"
 
 
@@ -134,6 +141,10 @@ class DataPath(Protocol):
     @property
     def keeps_newest(self) -> bool:
         """Whether a message that waits to be sent is replaced by a newer one of its publisher."""
+
+    @property
+    def compiled(self) -> CompiledRelays | None:
+        """Maker of relays that need no Python, if there is one."""
 
     def subscribe(
         self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0

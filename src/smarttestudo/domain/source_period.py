@@ -30,6 +30,11 @@ class SourcePeriod:
         arrivals_ns.append(now_ns)
 
     @property
+    def arrivals_ns(self) -> tuple[int, ...]:
+        """The arrivals that count, oldest first."""
+        return tuple(self._arrivals_ns)
+
+    @property
     def last_ns(self) -> int | None:
         """The last arrival, ``None`` before the first."""
         return self._arrivals_ns[-1] if self._arrivals_ns else None

@@ -93,6 +93,8 @@ class LiveIncidents(Part):
     Raises ``OutputFileError`` where the folder cannot be made, or another run records into it.
     """
 
+    hears_topics_only = True
+
     def __init__(self, context: PartContext) -> None:
         robot, settings, folder = context.robot, context.settings, context.settings[INCIDENTS]
         self._robot = robot

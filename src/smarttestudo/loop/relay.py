@@ -194,7 +194,7 @@ class Relay:
     def _apply_accuracy(self, now_ns: int) -> Sequence[Relayed]:
         if isinstance(self.pacer, Follower):
             return ()
-        return self._relayed(self.pacer.set_accuracy(self._accuracy, now_ns), now_ns)
+        return self.relayed(self.pacer.set_accuracy(self._accuracy, now_ns), now_ns)
 
     def let_go(self) -> None:
         """Have no followers; they are to call ``follow`` again."""
@@ -221,7 +221,7 @@ class Relay:
         self._stale_after_ns = _stale_after_ns(profile)
         if isinstance(self.pacer, Follower):
             return ()
-        return self._relayed(self.pacer.set_stale_after(self._stale_after_ns, now_ns), now_ns)
+        return self.relayed(self.pacer.set_stale_after(self._stale_after_ns, now_ns), now_ns)
 
     def offer(self, given: MessageInput) -> Sequence[Relayed]:
         """Pace a message that arrived: return what passes now."""
@@ -238,11 +238,11 @@ class Relay:
         if self.followers or self.leader:
             sample.stamp = header_stamp(payload[:STAMPED_BYTES])
         passes = self.pacer.offer(sample, now_ns)
-        return self._relayed(passes, now_ns) if passes else ()
+        return self.relayed(passes, now_ns) if passes else ()
 
     def wake(self, now_ns: int) -> Sequence[Relayed]:
         """Messages that pass now without a new one."""
-        return self._relayed(self.pacer.wake(now_ns), now_ns)
+        return self.relayed(self.pacer.wake(now_ns), now_ns)
 
     def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
         """Take a change of the source; what was held may pass then."""
@@ -257,13 +257,14 @@ class Relay:
         self._has_frames = kind is StreamKind.TRANSFORMS
         if isinstance(self.pacer, Follower):
             return ()
-        return self._relayed(self.pacer.set_kind(kind, now_ns), now_ns)
+        return self.relayed(self.pacer.set_kind(kind, now_ns), now_ns)
 
     def _own_pacer(self) -> TopicPacer:
         kind = StreamKind.of(type_name=self._type_name, transient_local=False)
         return TopicPacer(kind=kind, when_slow=self._when_slow, stale_after_ns=self._stale_after_ns)
 
-    def _relayed(self, passes: Sequence[Pass], now_ns: int) -> list[Relayed]:
+    def relayed(self, passes: Sequence[Pass], now_ns: int) -> list[Relayed]:
+        """Count what the pacer lets pass; returns it as it is to be published."""
         statistics = self.statistics
         relayed = []
         for sample, repeated in passes:

@@ -67,6 +67,10 @@ class Relays:
             if isinstance(relay.pacer, Follower)
         }
 
+    def relay(self, topic: str) -> Relay | None:
+        """The relay of ``topic``, if it is relayed; after a change of its pacer it is to be armed."""
+        return self._relays.get(topic)
+
     def may_skip(self, topic: str) -> bool:
         """Whether messages of ``topic`` that come before ``due_ns`` make no difference, but for the last."""
         relay = self._relays.get(topic)
@@ -100,7 +104,7 @@ class Relays:
         relayed: list[Relayed] = []
         for topic, relay in self._relays.items():
             relayed += relay.set_reckoned(is_reckoned=topic in self._reckoned, now_ns=now_ns)
-            self._arm(relay)
+            self.arm(relay)
         return relayed
 
     def resend_to_new_receiver(self, topic: str, now_ns: int) -> None:
@@ -108,7 +112,7 @@ class Relays:
         relay = self._relays.get(topic)
         if relay is not None:
             relay.begin_picture(now_ns)
-            self._arm(relay)
+            self.arm(relay)
 
     def change_topics(
         self,
@@ -131,7 +135,7 @@ class Relays:
             relayed += relay.change_profile(profile.topic(topic), now_ns)
         self._pair({topic: leader for topic in topics if (leader := profile.topic(topic).paced_with)}, now_ns)
         for relay in self._relays.values():
-            self._arm(relay)
+            self.arm(relay)
         return relayed
 
     def _new(self, topic: str, profile: TopicProfile, now_ns: int) -> Relay:
@@ -152,7 +156,7 @@ class Relays:
             relay = self._relays[decision.topic]
             relay.set_rate(decision.planned.rate.hz, now_ns)
             relayed += relay.set_within(decision.planned.within, now_ns)
-            self._arm(relay)
+            self.arm(relay)
             relayed += _followed(relay, now_ns)
         return relayed
 
@@ -172,7 +176,7 @@ class Relays:
         for topic in self._alarms.take_due(now_ns):
             relay = self._relays[topic]
             relayed += relay.wake(now_ns)
-            self._arm(relay)
+            self.arm(relay)
             relayed += _followed(relay, now_ns)
         return relayed
 
@@ -182,7 +186,7 @@ class Relays:
         if relay is None:
             return ()
         relayed = relay.change_source(change, now_ns)
-        self._arm(relay)
+        self.arm(relay)
         return [*relayed, *_followed(relay, now_ns)]
 
     def restart(self, now_ns: int) -> list[Relayed]:
@@ -197,14 +201,15 @@ class Relays:
         for relay in self._relays.values():
             relay.statistics.target.account(now_ns)
             relay.pacer.finish()
-            self._arm(relay)
+            self.arm(relay)
         return self._remaining(now_ns)
 
     def _remaining(self, now_ns: int) -> Iterator[Relayed]:
         while (at_ns := self._alarms.next_ns) is not None:
             yield from self.wake(max(at_ns, now_ns))
 
-    def _arm(self, relay: Relay) -> None:
+    def arm(self, relay: Relay) -> None:
+        """Wake ``relay`` when its pacer asks for it."""
         self._alarms.set(relay.topic, relay.pacer.wake_ns)
 
 

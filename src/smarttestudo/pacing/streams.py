@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Generic, TypeVar
 
 from smarttestudo.pacing.grid import NEVER_NS, Pace
@@ -85,6 +85,18 @@ class Streams(ABC, Generic[AnyStream]):
         return list(
             dict.fromkeys(stream.held for stream in self._streams.values() if stream.held is not None)
         )
+
+    def by_publisher(self) -> dict[bytes, AnyStream]:
+        """The streams of publishers that are known."""
+        return {key: stream for key, stream in self._streams.items() if isinstance(key, bytes)}
+
+    def go_on(self, streams: Mapping[bytes, AnyStream], now_ns: int) -> None:
+        """Have these streams in place of those that are there, at the pace that holds now."""
+        self._streams = dict(streams.items())
+        for stream in streams.values():
+            if stream.grid.pace != self._pace:
+                stream.change_pace(self._pace, now_ns)
+        self._arm(now_ns)
 
     def _release(self, stream: AnyStream, now_ns: int) -> Sequence[Pass]:
         return stream.release(now_ns)

@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import cast
 
 from smarttestudo.pacing.bound import BoundRecord, BoundStreams
 from smarttestudo.pacing.follower import Follower, FollowerNotifier
@@ -82,10 +83,20 @@ class TopicPacer(Pacer):
     @property
     def may_skip(self) -> bool:
         """Whether messages before ``due_ns`` can be skipped, except for the final one."""
-        if self._accuracy is not None:
-            return False
-        is_volatile = self._kind is StreamKind.VOLATILE and self._when_slow is WhenSlow.PASS
-        return is_volatile and not self._notifier.followers
+        return self._is_plain and not self._notifier.followers
+
+    def hand_over(self) -> dict[bytes, VolatileStream]:
+        """Let another pacer go on with these streams, while messages may be skipped; none is left here."""
+        streams, self._streams = self._streams, self._make_streams()
+        return cast("Streams[VolatileStream]", streams).by_publisher()
+
+    def take_back(self, streams: Mapping[bytes, VolatileStream], now_ns: int) -> Sequence[Pass]:
+        """Go on with these; where pacing is of another kind by now, what they hold is offered again."""
+        self._now_ns = now_ns
+        if self._is_plain:
+            cast("Streams[VolatileStream]", self._streams).go_on(streams, now_ns)
+            return ()
+        return self._offer_again([one.held for one in streams.values() if one.held is not None], now_ns)
 
     def offer(self, sample: Sample, now_ns: int, /) -> Sequence[Pass]:
         """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
@@ -173,10 +184,18 @@ class TopicPacer(Pacer):
     def _begin_anew(self, now_ns: int) -> Sequence[Pass]:
         held = self._streams.held()
         self._streams = self._make_streams()
+        return self._offer_again(held, now_ns)
+
+    def _offer_again(self, held: Sequence[Sample], now_ns: int) -> Sequence[Pass]:
         if self._accuracy is not None:
             for sample in held:
                 sample.readings = self._accuracy.picture.read(sample.payload[:], None, now_ns)
         return [passed for sample in held for passed in self.offer(sample, now_ns)]
+
+    @property
+    def _is_plain(self) -> bool:
+        is_volatile = self._kind is StreamKind.VOLATILE and self._when_slow is WhenSlow.PASS
+        return is_volatile and self._accuracy is None
 
     def _see(self, now_ns: int) -> None:
         if now_ns < self._now_ns:

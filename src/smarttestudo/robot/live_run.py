@@ -16,6 +16,7 @@ from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.loop.relay import Relayed
+from smarttestudo.robot.compiled_topics import CompiledTopics
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
@@ -62,7 +63,11 @@ class LiveRun:
         self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._losses = LiveLosses(robot.log)
+        needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
+        needs_all = needs_all or inputs.is_recording or bool(self._before_relays or self._publishing)
+        compiled = None if needs_all else robot.data_path.compiled
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
+        self._compiled = CompiledTopics(compiled, loop, self._sampling, self._relay)
         self._status = LiveStatus(robot.name, read_own_process())
         self._timer = StatusTimer(robot, link)
         self._telling = StatusTelling(robot, StatusPublisher(robot, link), self._timer, self._measure)
@@ -175,14 +180,16 @@ class LiveRun:
                 part.on_source(topic, source, now_ns)
         for heard in self._topics.listeners():
             self._take(ChangeInput(stamp_ns=now_ns, change=heard))
-        self._sampling.look(self._topics.pausable(), now_ns)
+        self._compiled.look(self._topics, now_ns)
         self._losses.look(self._topics.subscriptions(), now_ns)
         for part in self._parts:
             part.on_graph()
 
     def _take(self, given: LoopInput) -> None:
         self._inputs.record(given, self.rules)
-        relayed = self.loop.take(given)
+        self._relay(self.loop.take(given))
+
+    def _relay(self, relayed: Sequence[Relayed]) -> None:
         if relayed:
             for before_relays in self._before_relays:
                 before_relays()
@@ -203,6 +210,7 @@ class LiveRun:
         """The status of now without its blocks, and the states of the first of those."""
         now_ns = self._robot.now_ns()
         self._take(WakeInput(stamp_ns=now_ns))
+        self._compiled.count(self._status.note)
         status = self._status.look(
             self.loop,
             self._topics.links(),
@@ -221,7 +229,7 @@ class LiveRun:
         decisions = self.loop.take_decisions()
         if decisions:
             self._decisions.report(decisions)
-            self._sampling.look(self._topics.pausable(), self._robot.now_ns())
+            self._compiled.look(self._topics, self._robot.now_ns())
 
 
 def _does(part: Part, method: str) -> bool:

@@ -50,6 +50,9 @@ class Part:
     topics: frozenset[str] = frozenset()
     """The topics that are to be heard because of it, relayed or not."""
 
+    hears_topics_only: bool = False
+    """Whether ``on_message`` needs to be called for ``topics`` only: others may be relayed without Python."""
+
     poll_s: float | None = None
     """How often ``poll`` is called, if it is."""
 

@@ -152,6 +152,13 @@ class PublisherPool:
             open_publisher = self._open(key)
         open_publisher.publish(payload)
 
+    @property
+    def only(self) -> Publisher | None:
+        """The publisher of all messages; ``None`` with one for each publisher of the source."""
+        if self._one_each:
+            return None
+        return self._of.get(None) or self._open(None)
+
     def forget(self, publishers: Iterable[Hashable]) -> None:
         """These are gone, and what they latched goes with them. Raises ``RosError``."""
         gone = [self._of.pop(publisher) for publisher in publishers if publisher in self._of]
@@ -229,6 +236,14 @@ class OpenTopic:
         """Send a message on the output topic. Raises ``RosError``."""
         if self._publishers is not None:
             self._publishers.publish(payload, publisher)
+
+    @property
+    def ends(self) -> tuple[Subscription, Publisher] | None:
+        """Where all messages come in and go out, if there is one place for each, and none is dropped."""
+        publisher = None if self._publishers is None else self._publishers.only
+        if self.subscription is None or publisher is None or self.unheard:
+            return None
+        return self.subscription, publisher
 
     def close(self) -> None:
         """Receive and send nothing more."""

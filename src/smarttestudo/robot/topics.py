@@ -10,7 +10,7 @@ from functools import partial
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Undecodable
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Endpoint, Robot, Subscription
+from smarttestudo.domain.robot import Endpoint, Publisher, Robot, Subscription
 from smarttestudo.domain.visible_topics import testudo_nodes
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.topic import (
@@ -177,6 +177,11 @@ class LiveTopics:
             for topic, subscription in self.subscriptions().items()
             if topic not in self._recorded and len(self._publishers.of(topic)) <= 1
         }
+
+    def ends(self) -> dict[str, tuple[Subscription, Publisher]]:
+        """Where messages come in and go out, of topics that are not recorded and have one place for each."""
+        found = {topic: live.ends for topic, live in self._topics.items() if topic not in self._recorded}
+        return {topic: ends for topic, ends in found.items() if ends is not None}
 
     def heard(self) -> Iterator[tuple[str, LiveSource]]:
         """The topics whose messages are received, with their sources."""

@@ -51,6 +51,7 @@ class VirtualRobot(UnaskedRobot):
     description: str = "in virtual time"
     tells_publishers: bool = True
     can_pause: bool = False
+    compiled: None = None
     keeps_newest: bool = False
 
     def __post_init__(self) -> None:

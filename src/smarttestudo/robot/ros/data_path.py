@@ -4,17 +4,13 @@
 
 from __future__ import annotations
 
-import os
-import re
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from rclpy.utilities import get_rmw_implementation_identifier
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import DataPathKind
 from smarttestudo.robot.ros.byte_topics import ByteTopics, come_serialized
+from smarttestudo.robot.ros.known_deadlock import refuse_known_deadlock
 from smarttestudo.robot.ros.rclpy_path import RclpyPath
 
 if TYPE_CHECKING:
@@ -24,70 +20,40 @@ if TYPE_CHECKING:
 def open_data_path(node: Any, executor: Any, kind: DataPathKind, operators: Any) -> RclPath | RclpyPath:
     """The path of that kind, or the best that works here; ``operators`` is the node that publishes.
 
-    Raises ``RosError`` where librcl was asked for and does not work.
+    Raises ``RosError`` where librcl or compiled relays were asked for and do not work.
     """
     byte_topics = ByteTopics(node, come_serialized=come_serialized(node, executor.spin_once))
     if kind is DataPathKind.RCLPY:
         return RclpyPath(node, executor, operators, byte_topics, "as asked for")
     try:
-        return _rcl_path(node, executor, operators, byte_topics)
+        return _rcl_path(node, executor, operators, byte_topics, kind)
     except RosError as error:
-        if kind is DataPathKind.RCL:
+        if kind is not DataPathKind.AUTO:
             raise
         return RclpyPath(node, executor, operators, byte_topics, f"at a higher cost, because {error.cause}")
 
 
-def _rcl_path(node: Any, executor: Any, operators: Any, byte_topics: ByteTopics) -> RclPath:
+def _rcl_path(
+    node: Any, executor: Any, operators: Any, byte_topics: ByteTopics, kind: DataPathKind
+) -> RclPath:
     """The path through librcl, tested. Raises ``RosError`` for whatever keeps it from working."""
     refuse_known_deadlock()
     try:
         # This path goes below rclpy's public interface, which another distribution may have changed.
         from smarttestudo.robot.ros.rcl.bindings import RclLibrary  # noqa: PLC0415
         from smarttestudo.robot.ros.rcl.path import RclPath  # noqa: PLC0415
-        from smarttestudo.robot.ros.rcl.self_test import tested_layout  # noqa: PLC0415
+        from smarttestudo.robot.ros.rcl.self_test import tested_layout, tested_relays  # noqa: PLC0415
 
         library = RclLibrary()
         layout = tested_layout(node, library)
+        relays = tested_relays(node, library, layout, kind)
         with ExitStack() as undone:
-            path = RclPath(node, executor, operators, byte_topics, library=library, layout=layout)
+            path = RclPath(
+                node, executor, operators, byte_topics, library=library, layout=layout, relays=relays
+            )
             undone.callback(path.close)
             path.wait(0.0)
             undone.pop_all()
     except (ImportError, AttributeError, TypeError) as error:
         raise RosError(f"this version of rclpy has a different interface: {error}") from error
     return path
-
-
-FIRST_WITHOUT_DEADLOCK = (6, 2, 4)
-"""Before, a listener and who sets its callback took two locks in opposite order (ros2/rmw_fastrtps#657)."""
-
-# What all its variants have in common, the listeners included.
-_PACKAGE = "rmw_fastrtps_shared_cpp"
-_VERSION = re.compile(r"<version>\s*(\d+)\.(\d+)\.(\d+)\s*</version>")
-
-
-def refuse_known_deadlock() -> None:
-    """Raise ``RosError`` where setting a callback may block for ever, as far as the version can be seen."""
-    if not get_rmw_implementation_identifier().startswith("rmw_fastrtps"):
-        return
-    version = _installed_version()
-    if version is not None and version < FIRST_WITHOUT_DEADLOCK:
-        raise RosError(
-            f"rmw_fastrtps {_text(version)} may block for ever when it is asked to wake for messages",
-            remedy=f"update it to {_text(FIRST_WITHOUT_DEADLOCK)} or later: sudo apt upgrade",
-        )
-
-
-def _installed_version() -> tuple[int, ...] | None:
-    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-        try:
-            manifest = Path(prefix, "share", _PACKAGE, "package.xml").read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError):
-            continue
-        found = _VERSION.search(manifest)
-        return tuple(map(int, found.groups())) if found else None
-    return None
-
-
-def _text(version: tuple[int, ...]) -> str:
-    return ".".join(map(str, version))

@@ -104,6 +104,7 @@ class LinkedPath:
     """A data path whose messages go out over a link, and by ``path`` too where that ``is_local``."""
 
     keeps_newest = True
+    compiled = None
 
     def __init__(self, path: DataPath, link: OutgoingLink, *, is_local: bool) -> None:
         self._path = path

@@ -23,6 +23,7 @@ class RclpyPath:
     can_pause = False
     keeps_newest = False
     tells_graph = False
+    compiled = None
 
     def __init__(self, node: Any, executor: Any, operators: Any, byte_topics: ByteTopics, why: str) -> None:
         self.description = f"rclpy, {why}"

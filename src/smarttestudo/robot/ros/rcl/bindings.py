@@ -86,6 +86,12 @@ class RclLibrary:
         """Have each new message counted up on ``event_fd``, or on nothing any more. Raises ``RosError``."""
         self._set_callback(self._on_new_message, subscription, event_fd)
 
+    def call_on_message(self, subscription: int, function: c_void_p, argument: int) -> None:
+        """Have a C function called with ``argument`` for each new message. Raises ``RosError``."""
+        code = self._on_new_message(subscription, function, argument)
+        if code != RCL_RET_OK:
+            raise self.error(code)
+
     def wake_on_request(self, service: int, event_fd: int | None) -> None:
         """Have each new request counted up on ``event_fd``, or on nothing any more. Raises ``RosError``."""
         self._set_callback(self._on_new_request, service, event_fd)
@@ -103,6 +109,17 @@ class RclLibrary:
         self._reset_error()
         cause = text.partition("\n")[0] or "an error without a message"
         return RosError(f"librcl: {cause} (code {code})", place=place)
+
+    @property
+    def relay_functions(self) -> dict[str, c_void_p]:
+        """The functions that a compiled relay calls, by name."""
+        functions = {
+            "take": self.take,
+            "publish": self.publish,
+            "error_text": self._error_string,
+            "reset_error": self._reset_error,
+        }
+        return {name: ctypes.cast(function, c_void_p) for name, function in functions.items()}
 
     def reset_error(self) -> None:
         """Forget the last failure, which is none."""

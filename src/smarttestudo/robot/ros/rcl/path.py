@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -19,15 +18,15 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher, Qos, Receive, Subscription
 from smarttestudo.robot.ros.byte_topics import ByteTopics
 from smarttestudo.robot.ros.graph_looks import LEAST_PERIOD_S
-from smarttestudo.robot.ros.message_types import decoded, is_installed, message_type
-from smarttestudo.robot.ros.qos import qos_profile
-from smarttestudo.robot.ros.rcl.bindings import RCL_RET_OK, InfoLayout, RclLibrary
-from smarttestudo.robot.ros.rcl.buffers import RclPayload
+from smarttestudo.robot.ros.message_types import decoded, is_installed
+from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
+from smarttestudo.robot.ros.rcl.compiled_relays import RclRelays
 from smarttestudo.robot.ros.rcl.graph import GraphEvents
+from smarttestudo.robot.ros.rcl.publisher import RclPublisher
+from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
 from smarttestudo.robot.ros.rcl.source import RclSource
 from smarttestudo.robot.ros.rcl.subscription import RclSubscription, RclTaker, Unattended
 from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
-from smarttestudo.robot.ros.ros_errors import ros_errors
 
 UNTOLD_PERIOD_S = 5.0
 """How often rclpy's executor checks for work without a wake-up, beside each change of the graph."""
@@ -101,7 +100,10 @@ class RclpyPart:
 
 
 class RclPath:
-    """Subscriptions whose messages rclpy's executor never sees, and publishers that take them as they are."""
+    """Subscriptions whose messages rclpy's executor never sees, and publishers that take them as they are.
+
+    ``compiled`` is what relays topics without Python, where there is a library for it.
+    """
 
     def __init__(
         self,
@@ -112,6 +114,7 @@ class RclPath:
         *,
         library: RclLibrary,
         layout: InfoLayout,
+        relays: RelayLibrary | None = None,
     ) -> None:
         self._node = node
         self._operators = operators
@@ -119,6 +122,9 @@ class RclPath:
         self._library = library
         self._layout = layout
         self._failures: set[str] = set()
+        self.compiled: RclRelays | None = None
+        if relays is not None:
+            self.compiled = RclRelays(relays, library, layout, self._is_simulated, self._failed)
         self._wake_ups = RclWakeUps()
         self._rclpy_part = RclpyPart(node, executor, library, self._wake_ups)
         self._graph_changed: Callable[[], None] = _nothing
@@ -130,9 +136,10 @@ class RclPath:
         """Which path this is, and what it can do."""
         publishers = "publishers told apart" if self.tells_publishers else "publishers not told apart"
         numbered = f"messages {'' if self.can_pause else 'not '}numbered"
+        compiled = f"{'no ' if self.compiled is None else ''}compiled relays"
         problem = self._graph.problem
         looks = "" if problem is None else f", the graph checked five times a second because {problem}"
-        return f"librcl, {publishers}, {numbered}{looks}"
+        return f"librcl, {publishers}, {numbered}, {compiled}{looks}"
 
     @property
     def tells_publishers(self) -> bool:
@@ -196,9 +203,15 @@ class RclPath:
 
     def close(self) -> None:
         """Deliver nothing more."""
+        if self.compiled is not None:
+            self.compiled.close()
         self._graph.close()
         self._rclpy_part.close()
         self._wake_ups.close()
+
+    def _is_simulated(self) -> bool:
+        is_simulated: bool = self._node.get_clock().ros_time_is_active
+        return is_simulated
 
     def _changed(self) -> None:
         if self._graph.problem is not None:
@@ -215,36 +228,3 @@ class RclPath:
 
 def _nothing() -> None:
     """Do nothing."""
-
-
-class RclPublisher:
-    """A publisher of rclpy that is given serialized messages by librcl, on any node."""
-
-    def __init__(self, node: Any, library: RclLibrary, topic: str, type_name: str, qos: Qos) -> None:
-        self._node = node
-        self._library = library
-        self._topic = topic
-        with ros_errors(topic):
-            self._handle = node.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
-        self._pointer: int = self._handle.handle.pointer
-        self._foreign = library.new_message()
-
-    def publish(self, payload: Payload) -> None:
-        """Send a serialized message. Raises ``RosError``."""
-        if isinstance(payload, RclPayload):
-            self._publish(payload.address)
-            return
-        data = payload[:]
-        foreign = self._foreign
-        foreign.buffer = ctypes.cast(ctypes.c_char_p(data), ctypes.c_void_p)
-        foreign.length = foreign.capacity = len(data)
-        self._publish(ctypes.addressof(foreign))
-
-    def close(self) -> None:
-        """Send nothing more."""
-        self._node.destroy_publisher(self._handle)
-
-    def _publish(self, address: int) -> None:
-        code = self._library.publish(self._pointer, address, None)
-        if code != RCL_RET_OK:
-            raise self._library.error(code, self._topic)

@@ -5,21 +5,25 @@
 from __future__ import annotations
 
 import time
+from contextlib import ExitStack
 from typing import Any
 
 from rclpy.serialization import serialize_message
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.robot import Qos
+from smarttestudo.domain.robot import DataPathKind, Qos
 from smarttestudo.robot.ros.message_types import message_type
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout, MessageInfo, RclLibrary
 from smarttestudo.robot.ros.rcl.buffers import RclBuffers
-from smarttestudo.robot.ros.rcl.path import RclPublisher
+from smarttestudo.robot.ros.rcl.compiled_relays import relay_settings
+from smarttestudo.robot.ros.rcl.publisher import RclPublisher
+from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary, RelaySettings
 from smarttestudo.robot.ros.rcl.subscription import RclSubscription
 from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
 
 TOPIC = "~/_self_test"
 """Hidden and private; it exists for some milliseconds."""
+RELAYED_TOPIC = "~/_self_test_relayed"
 TYPE_NAME = "builtin_interfaces/msg/Time"
 TIMEOUT_S = 5.0
 # Latched, so that the message arrives whenever the two have found each other.
@@ -46,6 +50,58 @@ def tested_layout(node: Any, library: RclLibrary) -> InfoLayout:
         buffers.close()
         subscription.close()
         publisher.close()
+
+
+def tested_relays(
+    node: Any, library: RclLibrary, layout: InfoLayout, kind: DataPathKind
+) -> RelayLibrary | None:
+    """Library of compiled relays; ``None`` where it does not work, or is not wanted by the ``kind`` of path.
+
+    Raises ``RosError`` where it does not work, and nothing else is wanted.
+    """
+    if kind is DataPathKind.RCL:
+        return None
+    try:
+        relays = RelayLibrary()
+        _require_relays(node, library, relays, layout)
+    except RosError:
+        if kind is DataPathKind.FAST:
+            raise
+        return None
+    return relays
+
+
+def _require_relays(node: Any, library: RclLibrary, relays: RelayLibrary, layout: InfoLayout) -> None:
+    """Have a message to oneself relayed without Python.
+
+    Raises ``RosError`` where messages have no numbers, or it does not arrive as it was sent.
+    """
+    if not layout.is_numbered:
+        raise RosError("the middleware does not number messages")
+    with ExitStack() as opened:
+        publisher = RclPublisher(node, library, TOPIC, TYPE_NAME, QOS)
+        opened.callback(publisher.close)
+        relayed = RclPublisher(node, library, RELAYED_TOPIC, TYPE_NAME, QOS)
+        opened.callback(relayed.close)
+        source = RclSubscription(node, library, TOPIC, TYPE_NAME, QOS)
+        opened.callback(source.close)
+        settings = relay_settings(library, layout)
+        relay = relays.new(RelaySettings(**settings, subscription=source.pointer, publisher=relayed.pointer))
+        opened.callback(relays.free, relay)
+        if not relays.start(relay):
+            raise RosError("no thread could be started")
+        opened.callback(relays.stop, relay)
+        opened.callback(source.wake, wanted=False)
+        source.call(relays.on_message, relay)
+        subscription = RclSubscription(node, library, RELAYED_TOPIC, TYPE_NAME, QOS)
+        opened.callback(subscription.close)
+        buffers = RclBuffers(library)
+        opened.callback(buffers.close)
+        sent = serialize_message(message_type(TYPE_NAME, TOPIC)(sec=3, nanosec=4))
+        publisher.publish(sent)
+        info = MessageInfo(layout)
+        if _Receiver(subscription, buffers, info).first(TIMEOUT_S) != sent:
+            raise RosError("a message relayed without Python came back changed")
 
 
 class _Receiver:

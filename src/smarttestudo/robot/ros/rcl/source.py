@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Qos, Receive
 from smarttestudo.robot.ros.rcl.buffers import RclPayload
-from smarttestudo.robot.ros.rcl.subscription import RclSubscription, RclTaker
+from smarttestudo.robot.ros.rcl.subscription import MessageNumbers, RclSubscription, RclTaker
 from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
 
 RESTING_DEPTH = 2
@@ -19,6 +20,8 @@ RESTING_DEPTH = 2
 
 class RclSource:
     """Delivers what its subscription takes, in the order of ``priority`` among all subscriptions.
+
+    While another takes what comes, it delivers nothing.
 
     To rest it changes to a subscription with a short queue, and to work again, to one with a long queue. Both
     are received until the new one has its first message; the numbers of the messages identify duplicates.
@@ -44,6 +47,7 @@ class RclSource:
         self._is_armed = False
         self._kept: RclPayload | None = None
         self._successor: RclSubscription | None = None
+        self._end_relay: Callable[[], None] | None = None
         self._subscription = self._open(qos)
 
     @property
@@ -58,8 +62,37 @@ class RclSource:
         numbers = self._taker.numbers
         return 0 if numbers is None else numbers.lost
 
+    @property
+    def numbers(self) -> MessageNumbers | None:
+        """The numbers of its messages, if they have any."""
+        return self._taker.numbers
+
+    def hand_over(self, end_relay: Callable[[], None]) -> RclSubscription | None:
+        """Let another take what comes, until ``take_back``: by which subscription; ``None``: not now.
+
+        ``end_relay`` is called before the subscription is closed, and is to call ``take_back``.
+        """
+        numbers = self._taker.numbers
+        if numbers is None or numbers.skips or self._is_to_rest or self._successor is not None:
+            return None
+        self._end_relay = end_relay
+        self.stop_waking()
+        return self._subscription
+
+    def stop_waking(self) -> None:
+        """Call nothing for new messages; whatever was called for them has returned."""
+        self._subscription.wake(wanted=False)
+
+    def take_back(self) -> None:
+        """Deliver again what comes, and what was announced to the other and not taken."""
+        self._end_relay = None
+        self._subscription.wake(wanted=True)
+        os.eventfd_write(self._subscription.event_fd, 1)
+
     def serve(self, most: int) -> bool:
         """Deliver up to ``most`` messages; whether there may be more."""
+        if self._end_relay is not None:
+            return False
         if self._rests and not self._is_armed:
             # What came just before it rests would be held back as the final message, a period too long.
             return False
@@ -113,6 +146,8 @@ class RclSource:
 
     def close(self) -> None:
         """Receive nothing more."""
+        if self._end_relay is not None:
+            self._end_relay()
         self._kept = None
         self._is_to_rest = False
         self._close(self._subscription)

@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from ctypes import c_void_p
 from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
@@ -40,7 +41,7 @@ class Unattended(CallbackGroup):  # type: ignore[misc]
 
 
 class RclSubscription:
-    """Takes messages, and counts new ones up on ``event_fd`` while it is to wake.
+    """Takes messages, and counts new ones up on ``event_fd`` while it is to wake; ``pointer`` is librcl's.
 
     ``is_heard`` is whether any message came. All calls raise ``RosError``.
     """
@@ -59,18 +60,22 @@ class RclSubscription:
                 event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
                 raw=True,
             )
-        self._pointer: int = self._handle.handle.pointer
+        self.pointer: int = self._handle.handle.pointer
         self.is_heard = False
         self.event_fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
 
     def wake(self, *, wanted: bool) -> None:
         """Wake for new messages from now on, those that are already there included; or for none."""
-        self._library.wake_on_message(self._pointer, self.event_fd if wanted else None)
+        self._library.wake_on_message(self.pointer, self.event_fd if wanted else None)
+
+    def call(self, function: c_void_p, argument: int) -> None:
+        """Have a C function called for new messages from now on, those that are there included."""
+        self._library.call_on_message(self.pointer, function, argument)
 
     def take(self, buffers: RclBuffers, info: MessageInfo) -> RclPayload | None:
         """The oldest message that waits, described by ``info``; ``None`` if there is none."""
         library = self._library
-        code = library.take(self._pointer, buffers.next().address, info.address, None)
+        code = library.take(self.pointer, buffers.next().address, info.address, None)
         if code == RCL_RET_OK:
             self.is_heard = True
             return buffers.lend()
@@ -115,6 +120,20 @@ class MessageNumbers:
     def resume(self) -> None:
         """From the next message on, none is skipped."""
         self._rests = False
+
+    @property
+    def skips(self) -> bool:
+        """Whether messages are skipped, or were right before the next."""
+        return self._rests or self._gap_is_wanted
+
+    @property
+    def last(self) -> Mapping[bytes, int]:
+        """The last number of each publisher."""
+        return self._last
+
+    def go_on(self, last: Mapping[bytes, int]) -> None:
+        """Go on after these last numbers."""
+        self._last = dict(last)
 
     def is_new(self, publisher: bytes, number: int) -> bool:
         """Count message ``number`` of ``publisher``, unless it or a later one came before."""

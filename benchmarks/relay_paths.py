@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a message costs by each data path, beside a relay of 40 lines of C, all at once in one station.
+
+Run it with ``python benchmarks/relay_paths.py`` where ROS 2 and a C compiler are installed; it takes six
+minutes. All relays hear the same sources at the same time, so that a busy machine is one for all of them,
+and the ratios hold. CPU is that of a relay's process for each message that the sources sent; the rate is
+what came of the relayed messages, of all topics; their age at arrival is in µs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from live.cases import IMU_BYTES, IMU_TYPE, TURTLEBOT3, Topic, imu
+from live.contenders import ROLES, smarttestudo
+from live.processes import Process, environment, processes
+
+DOMAIN = 72
+SETTLE_S = 6.0
+HEARD = 10
+C_SOURCE = Path(__file__).parent / "live" / "c_relay.c"
+PATHS = ("fast", "librcl")
+C_RELAY = "c_relay"
+
+
+def several(count: int) -> list[Topic]:
+    """Topics of the same kind."""
+    return [
+        Topic(name=f"/imu{number}", type=IMU_TYPE, hz=20, target_hz=10, size_bytes=IMU_BYTES)
+        for number in range(count)
+    ]
+
+
+CASES = {
+    "Imu 200 → Full": imu(200, math.inf),
+    "Imu 200 → 50 Hz": imu(200, 50),
+    "Imu 1000 → 100 Hz": imu(1000, 100),
+    "eight topics": [topic for topic in TURTLEBOT3 if topic.size_bytes < 1_000_000],
+    "50 topics, 20 → 10 Hz": several(50),
+    "200 topics, 20 → 10 Hz": several(200),
+}
+
+
+def role(name: str, topics: Sequence[Topic], prefix: str) -> list[str]:
+    """The command of a role of ``roles.py`` that has topics behind ``prefix``."""
+    described = [{**topic.to_json(), "prefix": f"/{prefix}"} for topic in topics]
+    return [sys.executable, str(ROLES), name, json.dumps(described)]
+
+
+def commands(topics: Sequence[Topic], folder: Path) -> dict[str, list[str]]:
+    """The relays, by name."""
+    found = {}
+    for path in PATHS:
+        options = ("--data-path", path, "--output-topic", f"/{path}{{topic}}")
+        (command,) = smarttestudo(*options, "--ros-args", "-r", f"__node:={path}")(topics, folder)
+        found[path] = command
+    return {**found, C_RELAY: role(C_RELAY, topics, C_RELAY)}
+
+
+def measure(topics: Sequence[Topic], seconds: float, windows: int, domain: int, folder: Path) -> None:
+    """Print a row for each relay, over some windows of so many ``seconds``."""
+    settings = {**environment(domain, large_messages=False), "C_RELAY": str(folder / "c_relay.so")}
+    relays = commands(topics, folder)
+    around = [role("operator", topics, name) for name in relays]
+    with (
+        processes([role("source", topics, "none"), *around], settings) as (source, *operators),
+        processes(list(relays.values()), settings) as started,
+    ):
+        while not all(len(operator.ask("ages")) > HEARD for operator in operators):
+            time.sleep(0.5)
+        time.sleep(SETTLE_S)
+        costs_us: dict[str, list[float]] = {name: [] for name in relays}
+        for operator in operators:
+            operator.ask("forget")
+        for _ in range(windows):
+            for name, cost_us in zip(relays, costs(source, started, seconds), strict=True):
+                costs_us[name].append(cost_us)
+        for name, operator, process in zip(relays, operators, started, strict=True):
+            ages_us = sorted(operator.ask("ages"))
+            ratio = statistics.median(
+                own / theirs for own, theirs in zip(costs_us[name], costs_us[C_RELAY], strict=True)
+            )
+            cells = [
+                f"{statistics.median(costs_us[name]):.1f}",
+                f"{ratio:.2f}",
+                f"{len(ages_us) / seconds / windows:.2f}",
+                f"{ages_us[len(ages_us) // 2]:.0f}",
+                f"{ages_us[len(ages_us) * 99 // 100]:.0f}",
+                f"{process.resident_mb:.0f}",
+            ]
+            print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
+
+
+def costs(source: Process, relays: Sequence[Process], seconds: float) -> list[float]:
+    """What a message of the source cost each relay in a window, in µs of CPU."""
+    sent, before_s = source.ask("sent"), [relay.cpu_s for relay in relays]
+    time.sleep(seconds)
+    messages = max(source.ask("sent") - sent, 1)
+    return [(relay.cpu_s - since_s) * 1e6 / messages for relay, since_s in zip(relays, before_s, strict=True)]
+
+
+def main() -> None:
+    """Measure all cases, or those whose name holds a text."""
+    parser = argparse.ArgumentParser(description="What a message costs by each data path.")
+    parser.add_argument("--case", default="", help="only cases whose name holds this text")
+    parser.add_argument("--seconds", type=float, default=10.0, help="length of each window")
+    parser.add_argument("--windows", type=int, default=5, help="windows of each case")
+    parser.add_argument("--domain", type=int, default=DOMAIN, help="a ROS domain that nobody uses")
+    arguments = parser.parse_args()
+    compiler = shutil.which("cc")
+    if compiler is None:
+        sys.exit("error: there is no C compiler")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        flags = ["-std=c11", "-O2", "-shared", "-fPIC"]
+        subprocess.run([compiler, *flags, str(C_SOURCE), "-o", str(folder / "c_relay.so")], check=True)
+        for case, topics in CASES.items():
+            if arguments.case in case:
+                print(f"\n| {case} | CPU µs a message | to C | messages/s | age p50 | p99 | MB |")
+                print("| --- |" + " ---: |" * 6)
+                measure(topics, arguments.seconds, arguments.windows, arguments.domain, folder)
+
+
+if __name__ == "__main__":
+    main()

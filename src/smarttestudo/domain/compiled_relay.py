@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Interface to relays that are compiled, and so need no Python for a message."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import Publisher, Subscription
+
+MAX_PERIOD_NS = 1 << 50
+"""The longest period that is paced there, 13 days: beyond, times would not fit into 64 bits."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PacedStream:
+    """The messages of one publisher: their grid, the last arrivals, and the newest message if it is held."""
+
+    publisher: bytes
+    due_ns: int
+    arrivals_ns: tuple[int, ...]
+    held: Payload | None
+    held_ns: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlowCounts:
+    """Counts of a flow, the last message of which came at ``last_ns``, ``span_ns`` after the first."""
+
+    messages: int
+    size_bytes: int
+    span_ns: int
+    last_ns: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RelayCounts:
+    """Counts of what came and went of a topic; ``beginning`` are the first bytes of the message relayed last."""
+
+    arrived: FlowCounts
+    relayed: FlowCounts
+    beginning: bytes = b""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RelayState:
+    """All that a relay of one topic knows at ``now_ns``; periods as those of a ``Pace``."""
+
+    now_ns: int
+    period_ns: int
+    slack_ns: int
+    streams: Sequence[PacedStream]
+    counts: RelayCounts
+
+
+class CompiledRelay(Protocol):
+    """A topic that is relayed without Python from its subscription to its publisher, in its own threads."""
+
+    def set_pace(self, period_ns: int, slack_ns: int) -> None:
+        """Follow another pace from now on."""
+
+    def counts(self) -> RelayCounts:
+        """The counts as of now, those from before it began included."""
+
+    def end(self) -> None:
+        """Relay nothing more; messages that were not taken yet come to the subscription as before."""
+
+
+class CompiledRelays(Protocol):
+    """Maker of compiled relays."""
+
+    def serves(self, subscription: Subscription, publisher: Publisher) -> bool:
+        """Whether there may be one between these two."""
+
+    def begin(
+        self,
+        subscription: Subscription,
+        publisher: Publisher,
+        state: Callable[[], RelayState],
+        ended: Callable[[RelayState], None],
+    ) -> CompiledRelay | None:
+        """Relay from ``state`` on, which is asked for at the last moment; ``None``: not yet.
+
+        ``ended`` gets the last state once, before the subscription receives anything: by ``end``, or where
+        the subscription is closed.
+        """

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Topics as they go to a compiled relay and come back: with their streams and counts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from smarttestudo.domain.compiled_relay import FlowCounts, RelayCounts, RelayState
+from smarttestudo.domain.rate_meter import Flow
+from smarttestudo.loop.relay import Relay, Relayed
+from smarttestudo.loop.relays import Relays
+from smarttestudo.pacing.grid import Pace
+from smarttestudo.pacing.hand_over import stream_of, stream_state
+from smarttestudo.pacing.topic_pacer import TopicPacer
+
+
+def hand_over(relays: Relays, topic: str, now_ns: int) -> RelayState:
+    """Have ``topic``, of which some messages may be skipped, paced elsewhere: what is known of it."""
+    relay = relays.relay(topic)
+    assert relay is not None
+    assert isinstance(relay.pacer, TopicPacer)
+    streams = relay.pacer.hand_over()
+    relays.arm(relay)
+    pace, statistics = Pace.at(relay.target_hz), relay.statistics
+    return RelayState(
+        now_ns=now_ns,
+        period_ns=pace.period_ns,
+        slack_ns=pace.slack_ns,
+        streams=[stream_state(publisher, stream) for publisher, stream in streams.items()],
+        counts=RelayCounts(arrived=_counts(statistics.arrived), relayed=_counts(statistics.relayed)),
+    )
+
+
+def take_back(relays: Relays, topic: str, state: RelayState) -> Sequence[Relayed]:
+    """Pace ``topic`` again, if it is still relayed, from what became of it; what passes."""
+    relay = relays.relay(topic)
+    if relay is None:
+        return ()
+    count(relay, state.counts)
+    if not isinstance(relay.pacer, TopicPacer):
+        return ()
+    pace, now_ns = Pace(state.period_ns, state.slack_ns), state.now_ns
+    streams = {stream.publisher: stream_of(stream, pace, now_ns) for stream in state.streams}
+    relayed = relay.relayed(relay.pacer.take_back(streams, now_ns), now_ns)
+    relays.arm(relay)
+    return relayed
+
+
+def count(relay: Relay, counts: RelayCounts) -> None:
+    """Have the statistics of ``relay`` say what was counted elsewhere."""
+    _set(relay.statistics.arrived, counts.arrived)
+    _set(relay.statistics.relayed, counts.relayed)
+
+
+def _counts(flow: Flow) -> FlowCounts:
+    return FlowCounts(
+        messages=flow.messages, size_bytes=flow.size_bytes, span_ns=flow.span_ns, last_ns=flow.last_ns
+    )
+
+
+def _set(flow: Flow, counts: FlowCounts) -> None:
+    flow.messages, flow.size_bytes = counts.messages, counts.size_bytes
+    flow.span_ns, flow.last_ns = counts.span_ns, counts.last_ns

@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Topics of a live run that are relayed without Python, while nothing there needs their messages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from functools import partial
+
+from smarttestudo.domain.compiled_relay import (
+    MAX_PERIOD_NS,
+    CompiledRelay,
+    CompiledRelays,
+    RelayState,
+)
+from smarttestudo.loop.hand_over import count, hand_over, take_back
+from smarttestudo.loop.relay import Relayed
+from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.pacing.grid import Pace
+from smarttestudo.robot.sampling import LiveSampling
+from smarttestudo.robot.topics import LiveTopics
+
+MOST_MEAN_BYTES = 1 << 16
+"""Larger messages cost the same either way, and nothing those that are not due while their topic rests."""
+
+
+class CompiledTopics:
+    """Hands topics to compiled relays and takes them back, with their pace, held messages and counts.
+
+    Of the others, ``sampling`` decides which rest. ``passed`` is given what passes because a topic came back.
+    """
+
+    def __init__(
+        self,
+        relays: CompiledRelays | None,
+        loop: RelayLoop,
+        sampling: LiveSampling,
+        passed: Callable[[Sequence[Relayed]], None],
+    ) -> None:
+        self._relays = relays
+        self._loop = loop
+        self._sampling = sampling
+        self._passed = passed
+        self._running: dict[str, CompiledRelay] = {}
+
+    def look(self, topics: LiveTopics, now_ns: int) -> None:
+        """Decide by the plan as it is now which of ``topics`` are relayed so; one that rests works first."""
+        compiled = () if self._relays is None else self._look(self._relays, topics, now_ns)
+        pausable = topics.pausable()
+        self._sampling.look({topic: pausable[topic] for topic in pausable if topic not in compiled}, now_ns)
+
+    def count(self, note: Callable[[Relayed], None]) -> None:
+        """Have the statistics as of now; ``note`` is given the beginning of each last relayed message."""
+        for topic, running in self._running.items():
+            relay, counts = self._loop.relays.relay(topic), running.counts()
+            if relay is not None:
+                count(relay, counts)
+            beginning, at_ns = counts.beginning, counts.relayed.last_ns
+            if beginning:
+                note(Relayed(topic, at_ns, beginning, len(beginning), repeated=False))
+
+    def _look(self, relays: CompiledRelays, topics: LiveTopics, now_ns: int) -> Collection[str]:
+        ends = topics.ends()
+        wanted = {topic for topic in ends if relays.serves(*ends[topic]) and self._suits(topic)}
+        for topic in [topic for topic in self._running if topic not in wanted]:
+            self._running[topic].end()
+        for topic in wanted:
+            running = self._running.get(topic)
+            if running is not None:
+                pace = self._pace(topic)
+                running.set_pace(pace.period_ns, pace.slack_ns)
+                continue
+            state = partial(hand_over, self._loop.relays, topic, now_ns)
+            begun = relays.begin(*ends[topic], state, partial(self._take_back, topic))
+            if begun is not None:
+                self._running[topic] = begun
+        return wanted
+
+    def _suits(self, topic: str) -> bool:
+        relay = self._loop.relays.relay(topic)
+        if relay is None or not self._loop.may_skip(topic):
+            return False
+        arrived = relay.statistics.arrived
+        is_small = arrived.messages > 0 and arrived.size_bytes <= MOST_MEAN_BYTES * arrived.messages
+        # A topic that is Off, or nearly, rests at no cost at all.
+        return is_small and self._pace(topic).period_ns <= MAX_PERIOD_NS
+
+    def _pace(self, topic: str) -> Pace:
+        return Pace.at(self._loop.knowledge.plan[topic].rate.hz)
+
+    def _take_back(self, topic: str, state: RelayState) -> None:
+        del self._running[topic]
+        self._passed(take_back(self._loop.relays, topic, state))

@@ -1,0 +1,201 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Relays of topics that are taken and published by relay.c."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.utilities import get_rmw_implementation_identifier
+
+from smarttestudo.domain.compiled_relay import CompiledRelay, RelayCounts, RelayState
+from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.robot import Publisher, Subscription
+from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
+from smarttestudo.robot.ros.rcl.publisher import RclPublisher
+from smarttestudo.robot.ros.rcl.relay_library import (
+    CCounts,
+    CFlow,
+    RelayFunctions,
+    RelayLibrary,
+    RelaySettings,
+    c_ns,
+    python_ns,
+)
+from smarttestudo.robot.ros.rcl.source import RclSource
+
+TAKES_ON_CALLBACK = "rmw_fastrtps"
+"""The middleware whose callbacks may take messages; with another one, the topic's thread does."""
+
+
+class RclRelays:
+    """Makes relays on subscriptions and publishers of librcl's path, as ``CompiledRelays``.
+
+    ``is_simulated`` says whether the clock is, which a relay does not read; ``failed`` is told of errors.
+    """
+
+    def __init__(
+        self,
+        relays: RelayLibrary,
+        library: RclLibrary,
+        layout: InfoLayout,
+        is_simulated: Callable[[], bool],
+        failed: Callable[[RosError], None],
+    ) -> None:
+        self._relays = relays
+        self._is_simulated = is_simulated
+        self._failed = failed
+        self._gid_bytes = layout.gid_bytes
+        self._begun: set[RclRelay] = set()
+        self._settings = relay_settings(library, layout)
+
+    def serves(self, subscription: Subscription, publisher: Publisher) -> bool:
+        """Whether there may be a relay between these two."""
+        return (
+            isinstance(subscription, RclSource)
+            and isinstance(publisher, RclPublisher)
+            and not self._is_simulated()
+        )
+
+    def begin(
+        self,
+        subscription: Subscription,
+        publisher: Publisher,
+        state: Callable[[], RelayState],
+        ended: Callable[[RelayState], None],
+    ) -> CompiledRelay | None:
+        """Relay from ``state`` on; ``None``: not yet."""
+        assert isinstance(subscription, RclSource)
+        assert isinstance(publisher, RclPublisher)
+        relay = RclRelay(self._relays, subscription, publisher, self._failed, self._gid_bytes)
+
+        def told(last: RelayState) -> None:
+            self._begun.discard(relay)
+            ended(last)
+
+        if not relay.begin(self._settings, state, told):
+            return None
+        self._begun.add(relay)
+        return relay
+
+    def close(self) -> None:
+        """End all relays."""
+        for relay in list(self._begun):
+            relay.end()
+
+
+def relay_settings(library: RclLibrary, layout: InfoLayout) -> dict[str, Any]:
+    """Settings that all relays have in common."""
+    return {
+        "rcl": RelayFunctions(**library.relay_functions),
+        "allocator": library.allocator,
+        "gid_bytes": layout.gid_bytes,
+        "takes_on_callback": get_rmw_implementation_identifier().startswith(TAKES_ON_CALLBACK),
+    }
+
+
+class RclRelay:
+    """One topic that is relayed by relay.c."""
+
+    def __init__(
+        self,
+        library: RelayLibrary,
+        source: RclSource,
+        publisher: RclPublisher,
+        failed: Callable[[RosError], None],
+        gid_bytes: int,
+    ) -> None:
+        self._library = library
+        self._source = source
+        self._publisher = publisher
+        self._failed = failed
+        self._gid_bytes = gid_bytes
+        self._pace = (0, 0)
+        self._errors = 0
+        self._has_thread = False
+        self._relay: int | None = None
+
+    def begin(
+        self,
+        settings: dict[str, Any],
+        state: Callable[[], RelayState],
+        ended: Callable[[RelayState], None],
+    ) -> bool:
+        """Begin, if the source is ready for it."""
+        library, source, numbers = self._library, self._source, self._source.numbers
+        subscription = source.hand_over(self.end)
+        if subscription is None or numbers is None:
+            return False
+        self._ended = ended
+        start = state()
+        self._pace = (start.period_ns, start.slack_ns)
+        self._relay = relay = library.new(
+            RelaySettings(
+                **settings,
+                subscription=subscription.pointer,
+                publisher=self._publisher.pointer,
+                period_ns=c_ns(start.period_ns),
+                slack_ns=start.slack_ns,
+                publishes_at_once=not self._publisher.is_reliable and settings["takes_on_callback"],
+                counts=CCounts(
+                    arrived=CFlow.of(start.counts.arrived),
+                    relayed=CFlow.of(start.counts.relayed),
+                    sent=numbers.sent,
+                    lost=numbers.lost,
+                    now_ns=start.now_ns,
+                ),
+            )
+        )
+        streams = {stream.publisher: stream for stream in start.streams}
+        for gid, number in numbers.last.items():
+            library.add_stream(relay, streams.get(gid), gid, number)
+        self._has_thread = bool(library.start(relay))
+        if not self._has_thread:
+            self.end()
+            return False
+        subscription.call(library.on_message, relay)
+        return True
+
+    def set_pace(self, period_ns: int, slack_ns: int) -> None:
+        """Follow another pace from now on."""
+        if self._relay is not None and (period_ns, slack_ns) != self._pace:
+            self._pace = (period_ns, slack_ns)
+            self._library.set_pace(self._relay, period_ns, slack_ns)
+
+    def counts(self) -> RelayCounts:
+        """The counts as of now."""
+        assert self._relay is not None
+        return self._read(self._relay).relay_counts()
+
+    def end(self) -> None:
+        """Relay nothing more; what was not taken yet comes to the source as before."""
+        relay, library, numbers = self._relay, self._library, self._source.numbers
+        if relay is None or numbers is None:
+            return
+        self._relay = None
+        self._source.stop_waking()
+        if self._has_thread:
+            library.stop(relay)
+        counts, streams = self._read(relay), library.streams(relay)
+        numbers.go_on({bytes(stream.gid[: self._gid_bytes]): stream.number for stream in streams})
+        state = RelayState(
+            now_ns=counts.now_ns,
+            period_ns=python_ns(self._pace[0]),
+            slack_ns=self._pace[1],
+            streams=[stream.paced_stream(self._gid_bytes) for stream in streams if stream.is_open],
+            counts=counts.relay_counts(),
+        )
+        library.free(relay)
+        self._ended(state)
+        self._source.take_back()
+
+    def _read(self, relay: int) -> CCounts:
+        counts, numbers = self._library.counts(relay), self._source.numbers
+        if numbers is not None:
+            numbers.sent, numbers.lost = counts.sent, counts.lost
+        if counts.errors > self._errors:
+            self._errors = counts.errors
+            error = counts.error.decode("utf-8", "replace").partition("\n")[0]
+            self._failed(RosError(f"librcl: {error}", place=self._publisher.topic))
+        return counts

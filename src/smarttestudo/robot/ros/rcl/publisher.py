@@ -1,0 +1,50 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A publisher that takes serialized messages as they are, past rclpy."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import Qos
+from smarttestudo.robot.ros.message_types import message_type
+from smarttestudo.robot.ros.qos import qos_profile
+from smarttestudo.robot.ros.rcl.bindings import RCL_RET_OK, RclLibrary
+from smarttestudo.robot.ros.rcl.buffers import RclPayload
+from smarttestudo.robot.ros.ros_errors import ros_errors
+
+
+class RclPublisher:
+    """A publisher of rclpy, on any node, that librcl gives serialized messages; ``pointer`` is librcl's."""
+
+    def __init__(self, node: Any, library: RclLibrary, topic: str, type_name: str, qos: Qos) -> None:
+        self._node = node
+        self._library = library
+        self.topic = topic
+        with ros_errors(topic):
+            self._handle = node.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
+        self.pointer: int = self._handle.handle.pointer
+        self.is_reliable = qos.reliable
+        self._foreign = library.new_message()
+
+    def publish(self, payload: Payload) -> None:
+        """Send a serialized message. Raises ``RosError``."""
+        if isinstance(payload, RclPayload):
+            self._publish(payload.address)
+            return
+        data = payload[:]
+        foreign = self._foreign
+        foreign.buffer = ctypes.cast(ctypes.c_char_p(data), ctypes.c_void_p)
+        foreign.length = foreign.capacity = len(data)
+        self._publish(ctypes.addressof(foreign))
+
+    def close(self) -> None:
+        """Send nothing more."""
+        self._node.destroy_publisher(self._handle)
+
+    def _publish(self, address: int) -> None:
+        code = self._library.publish(self.pointer, address, None)
+        if code != RCL_RET_OK:
+            raise self._library.error(code, self.topic)

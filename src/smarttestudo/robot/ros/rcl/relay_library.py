@@ -1,0 +1,202 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The functions of relay.c, and the structures that it shares with Python."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import c_char, c_int, c_int64, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
+from pathlib import Path
+
+from smarttestudo.domain.compiled_relay import FlowCounts, PacedStream, RelayCounts
+from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.source_period import INTERVALS_KEPT
+from smarttestudo.pacing.grid import NEVER_NS
+from smarttestudo.robot.ros.rcl.bindings import Allocator, SerializedMessage
+
+LIBRARY = Path(__file__).with_name("relay.so")
+"""Where setup.py puts it, if there is a C compiler."""
+ABI = 1
+GID_BYTES = 24
+BEGINNING_BYTES = 16
+ERROR_BYTES = 256
+C_NEVER_NS = 1 << 62
+"""What stands there for ``NEVER_NS``."""
+
+
+class CFlow(ctypes.Structure):
+    """A flow_t."""
+
+    _fields_ = (
+        ("messages", c_uint64),
+        ("size_bytes", c_uint64),
+        ("span_ns", c_int64),
+        ("last_ns", c_int64),
+    )
+
+    @staticmethod
+    def of(counts: FlowCounts) -> CFlow:
+        """The same in C."""
+        return CFlow(counts.messages, counts.size_bytes, counts.span_ns, counts.last_ns)
+
+    def counts(self) -> FlowCounts:
+        """The same in Python."""
+        return FlowCounts(
+            messages=self.messages, size_bytes=self.size_bytes, span_ns=self.span_ns, last_ns=self.last_ns
+        )
+
+
+class CCounts(ctypes.Structure):
+    """A counts_t."""
+
+    _fields_ = (
+        ("arrived", CFlow),
+        ("relayed", CFlow),
+        ("sent", c_uint64),
+        ("lost", c_uint64),
+        ("errors", c_uint64),
+        ("now_ns", c_int64),
+        ("beginning_bytes", c_uint64),
+        ("beginning", c_uint8 * BEGINNING_BYTES),
+        ("error", c_char * ERROR_BYTES),
+    )
+
+    def relay_counts(self) -> RelayCounts:
+        """The flows in Python."""
+        return RelayCounts(
+            arrived=self.arrived.counts(),
+            relayed=self.relayed.counts(),
+            beginning=bytes(self.beginning[: self.beginning_bytes]),
+        )
+
+
+class CStream(ctypes.Structure):
+    """A stream_t; ``held`` is what C or Python holds, for now."""
+
+    _fields_ = (
+        ("gid", c_uint8 * GID_BYTES),
+        ("number", c_uint64),
+        ("due_ns", c_int64),
+        ("held_ns", c_int64),
+        ("arrivals_ns", c_int64 * (INTERVALS_KEPT + 1)),
+        ("arrivals", c_uint32),
+        ("is_open", c_uint32),
+        ("is_held", c_uint32),
+        ("reserved", c_uint32),
+        ("held", SerializedMessage),
+    )
+
+    def paced_stream(self, gid_bytes: int) -> PacedStream:
+        """The same in Python, with a copy of what is held."""
+        held = ctypes.string_at(self.held.buffer, self.held.length) if self.is_held else None
+        return PacedStream(
+            publisher=bytes(self.gid[:gid_bytes]),
+            due_ns=python_ns(self.due_ns),
+            arrivals_ns=tuple(self.arrivals_ns[: self.arrivals]),
+            held=held,
+            held_ns=self.held_ns,
+        )
+
+
+class RelayFunctions(ctypes.Structure):
+    """A functions_t: pointers to functions of librcl, and to a clock, or ``None`` for the system's."""
+
+    _fields_ = tuple((name, c_void_p) for name in ("take", "publish", "error_text", "reset_error", "now_ns"))
+
+
+class RelaySettings(ctypes.Structure):
+    """A settings_t."""
+
+    _fields_ = (
+        ("rcl", RelayFunctions),
+        ("allocator", Allocator),
+        ("subscription", c_void_p),
+        ("publisher", c_void_p),
+        ("gid_bytes", c_uint32),
+        ("takes_on_callback", c_uint32),
+        ("publishes_at_once", c_uint32),
+        ("reserved", c_uint32),
+        ("period_ns", c_int64),
+        ("slack_ns", c_int64),
+        ("counts", CCounts),
+    )
+
+
+class RelayLibrary:
+    """relay.c, compiled. Relays are addresses. Raises ``RosError`` where it is not there or another one."""
+
+    def __init__(self, path: Path = LIBRARY) -> None:
+        try:
+            library = ctypes.CDLL(str(path))
+            sizes = (c_size_t * 4)()
+            library.relay_sizes(sizes)
+            self.on_message = ctypes.cast(library.relay_on_message, c_void_p)
+            self._new, self.free = library.relay_new, library.relay_free
+            self._add_stream, self._stream = library.relay_add_stream, library.relay_stream
+            self.start, self.stop, self.step = library.relay_start, library.relay_stop, library.relay_step
+            self._set_pace, self._read = library.relay_set_pace, library.relay_read
+        except (OSError, AttributeError) as error:
+            raise RosError(f"there are no compiled relays: {error}", remedy=REMEDY) from error
+        if tuple(sizes) != (ABI, *map(ctypes.sizeof, (RelaySettings, CStream, CCounts))):
+            raise RosError("the compiled relays are of another version", remedy=REMEDY)
+        self._new.argtypes, self._new.restype = [c_void_p], c_void_p
+        self._set_pace.argtypes, self._set_pace.restype = [c_void_p, c_int64, c_int64], None
+        self._add_stream.argtypes = [c_void_p, c_void_p]
+        self._stream.argtypes = [c_void_p, c_size_t, c_void_p]
+        self._read.argtypes, self._read.restype = [c_void_p, c_void_p], None
+        self.start.argtypes, self.start.restype = [c_void_p], c_int
+        self.step.argtypes, self.step.restype = [c_void_p], c_int64
+        for function in (self.stop, self.free):
+            function.argtypes, function.restype = [c_void_p], None
+
+    def new(self, settings: RelaySettings) -> int:
+        """A relay that does not run yet; ``free`` it at the end. Raises ``MemoryError``."""
+        relay: int | None = self._new(ctypes.addressof(settings))
+        if relay is None:
+            raise MemoryError
+        return relay
+
+    def add_stream(self, relay: int, state: PacedStream | None, gid: bytes, number: int) -> None:
+        """Have ``relay`` know publisher ``gid``, its last number, and its stream if it has one."""
+        stream = CStream(gid=(c_uint8 * GID_BYTES)(*gid), number=number)
+        if state is not None:
+            stream.is_open = True
+            stream.due_ns, stream.held_ns = c_ns(state.due_ns), state.held_ns
+            stream.arrivals = len(state.arrivals_ns)
+            stream.arrivals_ns[: stream.arrivals] = state.arrivals_ns
+            held = b"" if state.held is None else state.held[:]
+            stream.is_held = state.held is not None
+            stream.held.buffer = ctypes.cast(ctypes.c_char_p(held), c_void_p)
+            stream.held.length = len(held)
+        if not self._add_stream(relay, ctypes.addressof(stream)):
+            raise MemoryError
+
+    def streams(self, relay: int) -> list[CStream]:
+        """The streams of a relay that was stopped; what they hold is gone once it is freed."""
+        found: list[CStream] = []
+        while self._stream(relay, len(found), ctypes.addressof(stream := CStream())):
+            found.append(stream)
+        return found
+
+    def set_pace(self, relay: int, period_ns: int, slack_ns: int) -> None:
+        """Follow another pace from now on."""
+        self._set_pace(relay, c_ns(period_ns), slack_ns)
+
+    def counts(self, relay: int) -> CCounts:
+        """The counts as of now."""
+        counts = CCounts()
+        self._read(relay, ctypes.addressof(counts))
+        return counts
+
+
+REMEDY = "install a C compiler, then SmartTestudo again"
+
+
+def c_ns(ns: int) -> int:
+    """A time or period in 64 bits."""
+    return max(-C_NEVER_NS, min(ns, C_NEVER_NS))
+
+
+def python_ns(ns: int) -> int:
+    """A time or period of ``c_ns``."""
+    return ns if abs(ns) < C_NEVER_NS else (NEVER_NS if ns > 0 else -NEVER_NS)

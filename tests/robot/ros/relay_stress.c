@@ -1,0 +1,218 @@
+/* SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+   SPDX-License-Identifier: Apache-2.0
+
+   Relays of relay.c under load, for a sanitizer: threads publish to them, others change their pace, read their
+   counts, and end them and hand their streams on to a new one. Messages have any size and content, GIDs and
+   numbers come anew and again, takes and writes fail, and the writes of one topic are slow.
+   usage: relay_stress SECONDS     ends with 1 and a line of what is wrong */
+#include "relay.c"
+
+#include <stdio.h>
+#include <unistd.h>
+
+enum { TOPICS = 4, PUBLISHERS = 3, MAX_QUEUE = 10, MAX_SIZE = 70000, SLOW_TOPIC = 0, OTHERS_MEANWHILE = 5 };
+
+typedef struct {
+    uint64_t number;
+    size_t size;
+    uint8_t gid[GID_BYTES];
+} item_t;
+
+/* What a middleware keeps of a topic. `callback_mutex` is held while it calls, as Fast DDS does. */
+typedef struct {
+    pthread_mutex_t queue_mutex, callback_mutex;
+    item_t queue[MAX_QUEUE];
+    size_t count;
+    relay_t *called;
+    uint64_t next[PUBLISHERS], last[PUBLISHERS], offered, published, overflown, publishing;
+    int index, is_full, is_fuzzed;
+} topic_t;
+
+static topic_t topics[TOPICS];
+static atomic_int is_over, is_wrong;
+static atomic_ullong others;
+
+static void *libc_allocate(size_t size, void *state) { return (void)state, malloc(size); }
+static void libc_free(void *memory, void *state) { (void)state, free(memory); }
+
+static void wrong(const char *what, int topic) {
+    fprintf(stderr, "topic %d: %s\n", topic, what);
+    atomic_store(&is_wrong, 1);
+}
+
+static unsigned any(unsigned *seed, unsigned below) { return (unsigned)rand_r(seed) % below; }
+
+static int take(const void *subscription, message_t *taken, void *info, void *allocation) {
+    topic_t *topic = (topic_t *)(uintptr_t)subscription;
+    (void)allocation;
+    pthread_mutex_lock(&topic->queue_mutex);
+    if (!topic->count) {
+        pthread_mutex_unlock(&topic->queue_mutex);
+        return TAKE_FAILED;
+    }
+    item_t item = topic->queue[0];
+    memmove(topic->queue, topic->queue + 1, --topic->count * sizeof *topic->queue);
+    pthread_mutex_unlock(&topic->queue_mutex);
+    if (item.size > taken->capacity) {
+        free(taken->buffer);
+        taken->buffer = malloc(item.size);
+        taken->capacity = item.size;
+    }
+    taken->length = item.size;
+    if (item.size) memset(taken->buffer, (int)item.number, item.size);
+    if (item.size >= sizeof item.number) memcpy(taken->buffer, &item.number, sizeof item.number);
+    if (item.size > sizeof item.number) taken->buffer[sizeof item.number] = item.gid[0];
+    memcpy((uint8_t *)info + NUMBER_AT, &item.number, sizeof item.number);
+    memcpy((uint8_t *)info + GID_AT, item.gid, GID_BYTES);
+    return topic->is_fuzzed && item.number % 97 == 0 ? 1 : 0;
+}
+
+static int publish(const void *publisher, const message_t *sent, void *allocation) {
+    topic_t *topic = (topic_t *)(uintptr_t)publisher;
+    (void)allocation;
+    pthread_mutex_lock(&topic->queue_mutex);
+    if (topic->publishing++) wrong("two writes at a time", topic->index);
+    topic->published++;
+    uint64_t number = 0;
+    if (!topic->is_fuzzed && sent->length > sizeof number) {
+        int from = sent->buffer[sizeof number];
+        memcpy(&number, sent->buffer, sizeof number);
+        if (number <= topic->last[from]) wrong("a message came twice or too late", topic->index);
+        topic->last[from] = number;
+    }
+    pthread_mutex_unlock(&topic->queue_mutex);
+    /* A write that holds up the others waits for ever. */
+    unsigned long long before = atomic_load(&others);
+    if (topic->index != SLOW_TOPIC)
+        atomic_fetch_add(&others, 1);
+    else
+        while (!atomic_load(&is_over) && atomic_load(&others) - before < OTHERS_MEANWHILE) usleep(200);
+    pthread_mutex_lock(&topic->queue_mutex);
+    topic->publishing--;
+    pthread_mutex_unlock(&topic->queue_mutex);
+    return topic->is_fuzzed && sent->length % 5 == 0;
+}
+
+static rcl_error_t error_text(void) { return (rcl_error_t){"an error"}; }
+static void reset_error(void) {}
+
+static void call(topic_t *topic) {
+    pthread_mutex_lock(&topic->callback_mutex);
+    if (topic->called) relay_on_message(topic->called, 1);
+    pthread_mutex_unlock(&topic->callback_mutex);
+}
+
+static void *produce(void *given) {
+    unsigned publisher = (unsigned)(uintptr_t)given, seed = publisher + 1;
+    while (!atomic_load(&is_over)) {
+        topic_t *topic = &topics[any(&seed, TOPICS)];
+        item_t item = {.size = 9 + any(&seed, 2000), .gid = {(uint8_t)publisher, 1}};
+        pthread_mutex_lock(&topic->queue_mutex);
+        item.number = ++topic->next[publisher];
+        if (topic->is_fuzzed) {
+            item.size = any(&seed, 3) ? any(&seed, 20) : any(&seed, MAX_SIZE);
+            item.number = any(&seed, 4) ? item.number : (uint64_t)rand_r(&seed) << any(&seed, 33);
+            for (int at = 0; at < GID_BYTES && !any(&seed, 5); at++) item.gid[at] = (uint8_t)any(&seed, 256);
+        }
+        topic->offered++;
+        if (topic->count == MAX_QUEUE) {
+            memmove(topic->queue, topic->queue + 1, --topic->count * sizeof *topic->queue);
+            topic->overflown++;
+        }
+        topic->queue[topic->count++] = item;
+        pthread_mutex_unlock(&topic->queue_mutex);
+        call(topic);
+        usleep(any(&seed, 300));
+    }
+    return NULL;
+}
+
+static relay_t *begin(topic_t *topic, const settings_t *settings, relay_t *before) {
+    relay_t *relay = relay_new(settings);
+    stream_t stream;
+    for (size_t i = 0; before && relay_stream(before, i, &stream); i++) relay_add_stream(relay, &stream);
+    if (before) relay_free(before);
+    if (!relay_start(relay)) wrong("no thread", topic->index);
+    pthread_mutex_lock(&topic->callback_mutex);
+    topic->called = relay;
+    pthread_mutex_unlock(&topic->callback_mutex);
+    call(topic);
+    return relay;
+}
+
+static void end(topic_t *topic, relay_t *relay, counts_t *counts) {
+    pthread_mutex_lock(&topic->callback_mutex);
+    topic->called = NULL;
+    pthread_mutex_unlock(&topic->callback_mutex);
+    relay_stop(relay);
+    relay_read(relay, counts);
+}
+
+static void *control(void *given) {
+    topic_t *topic = given;
+    unsigned seed = (unsigned)topic->index + 99;
+    settings_t settings = {
+        .rcl = {take, publish, error_text, reset_error, NULL},
+        .allocator = {.allocate = libc_allocate, .deallocate = libc_free},
+        .subscription = topic,
+        .publisher = topic,
+        .gid_bytes = GID_BYTES,
+        .takes_on_callback = topic->index != 1,
+        .publishes_at_once = topic->index == 2,
+    };
+    relay_t *relay = begin(topic, &settings, NULL);
+    while (!atomic_load(&is_over)) {
+        usleep(any(&seed, 5000));
+        relay_read(relay, &settings.counts);
+        if (!any(&seed, 4)) {
+            end(topic, relay, &settings.counts);
+            relay = begin(topic, &settings, relay);
+        }
+        if (topic->is_full || any(&seed, 8)) continue;
+        settings.period_ns = any(&seed, 2) ? (int64_t)any(&seed, 20000000) : any(&seed, 3) ? 0 : NEVER_NS;
+        settings.slack_ns = settings.period_ns && settings.period_ns < NEVER_NS ? NS_PER_S / 4 : 0;
+        relay_set_pace(relay, settings.period_ns, settings.slack_ns);
+    }
+    end(topic, relay, &settings.counts);
+    relay = begin(topic, &settings, relay);
+    for (int i = 0; i < 500 && topic->index != SLOW_TOPIC; i++) {
+        pthread_mutex_lock(&topic->queue_mutex);
+        size_t left = topic->count;
+        pthread_mutex_unlock(&topic->queue_mutex);
+        if (!left) break;
+        call(topic);
+        usleep(1000);
+    }
+    end(topic, relay, &settings.counts);
+    counts_t *counts = &settings.counts;
+    if (counts->relayed.messages > counts->arrived.messages) wrong("more went than came", topic->index);
+    if (topic->published != counts->relayed.messages) wrong("what went is counted wrong", topic->index);
+    if (topic->is_full && counts->arrived.messages != counts->relayed.messages)
+        wrong("at Full not all passed", topic->index);
+    if (topic->is_full && topic->index != SLOW_TOPIC && topic->offered != counts->relayed.messages + topic->overflown)
+        wrong("a message was lost", topic->index);
+    relay_free(relay);
+    return NULL;
+}
+
+int main(int count, char **arguments) {
+    pthread_t producers[PUBLISHERS], controls[TOPICS];
+    if (count < 2) return 2;
+    for (int i = 0; i < TOPICS; i++) {
+        topics[i].index = i;
+        topics[i].is_full = i < 2;
+        topics[i].is_fuzzed = i == 3;
+        pthread_mutex_init(&topics[i].queue_mutex, NULL);
+        pthread_mutex_init(&topics[i].callback_mutex, NULL);
+        pthread_create(&controls[i], NULL, control, &topics[i]);
+    }
+    for (uintptr_t i = 0; i < PUBLISHERS; i++) pthread_create(&producers[i], NULL, produce, (void *)i);
+    sleep((unsigned)atoi(arguments[1]));
+    atomic_store(&is_over, 1);
+    for (int i = 0; i < PUBLISHERS; i++) pthread_join(producers[i], NULL);
+    for (int i = 0; i < TOPICS; i++) pthread_join(controls[i], NULL);
+    uint64_t published = 0;
+    for (int i = 0; i < TOPICS; i++) published += topics[i].published;
+    printf("%llu messages\n", (unsigned long long)published);
+    return atomic_load(&is_wrong);
+}
