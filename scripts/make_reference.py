@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write docs/reference from the code: commands, checks with examples, properties, metrics."""
+"""Write docs/reference from the code: commands, parameters, checks with examples, properties, metrics."""
 
 from __future__ import annotations
 
@@ -15,8 +15,10 @@ from smarttestudo.checks import CHECKS
 from smarttestudo.checks.cases import CheckCases, Example, read_cases
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.commands import command_parser
+from smarttestudo.cli.run import PART_KINDS
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.metric import MetricName
+from smarttestudo.domain.parameter import Access, ParameterValue
 from smarttestudo.language.properties import (
     ARRIVAL_PROPERTIES,
     PropertySpec,
@@ -27,10 +29,13 @@ from smarttestudo.language.properties import (
 from smarttestudo.link.openmetrics.run_metrics import DECISIONS
 from smarttestudo.link.openmetrics.status import STATUS_METRICS
 from smarttestudo.link.receive.reception_metrics import RECEPTION_METRICS
+from smarttestudo.robot.option import AnyOption
+from smarttestudo.robot.run import options_of
 
 REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference"
 NOTE = "<!-- Written by scripts/make_reference.py; change the code instead. -->"
 LINES_SHOWN = 12
+CHANGES = {Access.NOBODY: "", Access.ANYONE: "yes", Access.NODE: "by the node"}
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
@@ -67,6 +72,7 @@ def pages() -> Mapping[Path, str]:
         REFERENCE / "checks.md": "\n".join(checks_page()),
         **{REFERENCE / page.file_name: "\n".join(findings_page(page)) for page in FINDINGS_PAGES},
         REFERENCE / "commands.md": "\n".join(commands_page(command_parser())),
+        REFERENCE / "parameters.md": "\n".join(parameters_page()),
         REFERENCE / "properties.md": "\n".join(properties_page()),
         REFERENCE / "metrics.md": "\n".join(metrics_page()),
     }
@@ -233,8 +239,44 @@ def name_of_values(action: argparse.Action) -> str:
 
 def explanation(action: argparse.Action) -> str:
     """The help of an argument in a cell."""
-    text = (action.help or "") % {**vars(action), "prog": "testudo"}
+    return in_cell((action.help or "") % {**vars(action), "prog": "testudo"})
+
+
+def in_cell(text: str) -> str:
+    """A text as a cell of a table shows it."""
     return re.sub(r"([|*<])", r"\\\1", " ".join(text.split()))
+
+
+def parameters_page() -> Iterator[str]:
+    """What can be set of the node of a run."""
+    yield from (NOTE, "# Parameters of the node", "")
+    yield "The options of `testudo run` are also parameters of its node:"
+    yield "`--ros-args -p rules_file:=warehouse.adirf`, a `--params-file`, a launch file. The command line"
+    yield "wins. Options of the link, the output domain, the data path and metrics are"
+    yield "[on the command line](commands.md#testudo-run) only."
+    yield from ("", "| parameter | option | default | may change | meaning |", "|---|---|---|---|---|")
+    yield from (parameter_row(option) for option in options_of(PART_KINDS) if option.name)
+    yield ""
+    yield "`rules_hash` is that of all files, one after the other: `cat a.adirf b.adirf | sha256sum`."
+    yield "`rules_in_force` is"
+    yield '`{"sha256", "files": [{"name", "text"}], "full_names": {"odom": "/tb3_0/odom"}}`; `full_names`'
+    yield "has the topics whose name in ROS differs from that in the texts. Without rules there are no files."
+    yield "`writable_rules_file` is empty for several rule files, too. A changed profile is read again as"
+    yield "changed rules are. See also [what rules record](../incidents.md) and"
+    yield "[the inputs of the loop](../how-to/why-this-rate.md#again-exactly-as-it-was)."
+    yield ""
+
+
+def parameter_row(option: AnyOption) -> str:
+    """A parameter in a row."""
+    default = "" if option.default in ("", None) else f"`{yaml_of(option.default)}`"
+    flag = f"`{option.flag}`" if option.flag else ""
+    return f"| `{option.name}` | {flag} | {default} | {CHANGES[option.access]} | {in_cell(option.help)} |"
+
+
+def yaml_of(value: ParameterValue) -> str:
+    """A value as a file of parameters has it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def metrics_page() -> Iterator[str]:

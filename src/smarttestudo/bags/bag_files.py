@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from smarttestudo.bags import zstd_files
-from smarttestudo.bags.mcap import records as mcap_records
+from smarttestudo.bags.mcap import record_bytes
 from smarttestudo.bags.metadata import BagMetadata, read_metadata, require_known_formats
 from smarttestudo.bags.sqlite import pages as sqlite_pages
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.files.input_file import require_file
 
-_MAGIC_BY_SUFFIX = {".db3": sqlite_pages.MAGIC, ".mcap": mcap_records.MAGIC}
+_MAGIC_BY_SUFFIX = {".db3": sqlite_pages.MAGIC, ".mcap": record_bytes.MAGIC}
 _ROS1_MAGIC = b"#ROSBAG V"
 _MAGIC_BYTES = 16
 _EXPECTED = "give a rosbag2 folder, a .db3 or an .mcap file"

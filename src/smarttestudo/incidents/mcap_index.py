@@ -10,12 +10,15 @@ from pathlib import Path
 from typing import BinaryIO
 
 from smarttestudo.bags.mcap.record_bytes import (
+    CHUNK_HEADER,
     CHUNK_START,
     FRAME,
     MAGIC,
     MESSAGE_HEADER,
     Op,
+    RecordPlace,
     read_channel,
+    record_places,
 )
 from smarttestudo.incidents.transfer_order import ByteRange, MessageRange
 
@@ -58,48 +61,42 @@ class _Index:
         if self._at(0, len(MAGIC)) != MAGIC:
             raise ValueError("not an mcap file")
         self._add(self._ranges.head, 0, len(MAGIC))
-        place, end = len(MAGIC), self._size_bytes - len(MAGIC)
-        while place < end:
-            place = self._record(place, end)
-        if place != end or self._at(end, len(MAGIC)) != MAGIC:
+        at, end = len(MAGIC), self._size_bytes - len(MAGIC)
+        chunk_end = at
+        for place in record_places(self._opened, at, end, CHUNK_HEADER.size, enters_chunks=True):
+            op, start, at, head = place
+            if at > (chunk_end if start < chunk_end else end):
+                raise ValueError("a record reaches beyond its chunk or the file")
+            if start < chunk_end:
+                self._note_message(place)
+            elif op == Op.CHUNK:
+                chunk_end, at = at, start + CHUNK_START.size
+                *_, records_bytes, _, compression_bytes, stored_bytes = CHUNK_HEADER.unpack(head)
+                if compression_bytes or not records_bytes == stored_bytes == chunk_end - at:
+                    raise ValueError("a compressed chunk")
+                self._add(self._ranges.head, start, CHUNK_START.size)
+            else:
+                self._add(self._ranges.head if op == Op.HEADER else self._ranges.tail, start, at - start)
+        if at != end or self._at(end, len(MAGIC)) != MAGIC:
             raise ValueError("without an end")
         self._add(self._ranges.tail, end, len(MAGIC))
         return self._ranges
 
-    def _record(self, place: int, end: int) -> int:
-        op, next_place = self._frame(place)
-        if next_place > end:
-            raise ValueError("a record reaches beyond the file")
-        if op == Op.CHUNK:
-            *_, records_bytes, _, compression_bytes, stored_bytes = CHUNK_START.unpack(
-                self._at(place, CHUNK_START.size)
-            )
-            inside = place + CHUNK_START.size
-            if compression_bytes or records_bytes != stored_bytes or inside + stored_bytes != next_place:
-                raise ValueError("a compressed chunk")
-            self._add(self._ranges.head, place, CHUNK_START.size)
-            while inside < next_place:
-                inside = self._inner_record(inside, next_place)
-        else:
-            ranges = self._ranges.head if op == Op.HEADER else self._ranges.tail
-            self._add(ranges, place, next_place - place)
-        return next_place
-
-    def _inner_record(self, place: int, end: int) -> int:
-        op, next_place = self._frame(place)
-        content, size = place + FRAME.size, next_place - place - FRAME.size
-        if next_place > end:
-            raise ValueError("a record reaches beyond its chunk")
+    def _note_message(self, place: RecordPlace) -> None:
+        """Note a message, or what else is in a chunk."""
+        op, start, end, head = place
         if op == Op.MESSAGE:
-            number, _, stamp_ns, _ = MESSAGE_HEADER.unpack(self._at(content, MESSAGE_HEADER.size))
+            number, _, stamp_ns, _ = MESSAGE_HEADER.unpack_from(head)
             topic = self._topics.get(number, "")
-            self._ranges.messages.append(MessageRange(self._file, place, next_place - place, topic, stamp_ns))
-            return next_place
-        if op == Op.CHANNEL and size <= _MAX_CHANNEL_BYTES:
-            number, channel = read_channel(self._at(content, size), {})
+            self._ranges.messages.append(MessageRange(self._file, start, end - start, topic, stamp_ns))
+            return
+        if op == Op.CHUNK:
+            raise ValueError("a chunk in a chunk")
+        if op == Op.CHANNEL and end - start <= _MAX_CHANNEL_BYTES:
+            content = start + FRAME.size
+            number, channel = read_channel(self._at(content, end - content), {})
             self._topics[number] = channel.topic
-        self._add(self._ranges.head, place, next_place - place)
-        return next_place
+        self._add(self._ranges.head, start, end - start)
 
     def _add(self, ranges: list[ByteRange], place: int, size_bytes: int) -> None:
         """Add a range; one that follows on the last joins it, unless it may be the same as elsewhere."""
@@ -108,11 +105,6 @@ class _Index:
             ranges[-1] = ByteRange(self._file, last.offset, last.size_bytes + size_bytes)
         else:
             ranges.append(ByteRange(self._file, place, size_bytes))
-
-    def _frame(self, place: int) -> tuple[int, int]:
-        """The kind of the record at ``place``, and where the next one is."""
-        op, size = FRAME.unpack(self._at(place, FRAME.size))
-        return int(op), place + FRAME.size + int(size)
 
     def _at(self, place: int, size_bytes: int) -> bytes:
         self._opened.seek(place)

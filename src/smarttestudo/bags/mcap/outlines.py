@@ -6,23 +6,20 @@ from __future__ import annotations
 
 import heapq
 import io
-import struct
 from collections.abc import Iterator
 from operator import itemgetter
 from pathlib import Path
 from typing import BinaryIO
 
-from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.records import ChunkIndex
 
+from smarttestudo.bags.mcap.record_bytes import CHUNK_HEADER, FRAME, MESSAGE_HEADER, Op, record_places
 from smarttestudo.bags.mcap.records import BROKEN, chunk_content
 from smarttestudo.bags.stored_file import ChannelsByNumber, Outline, OutlineError
 
-_FRAME = struct.Struct("<BQ")
-_MESSAGE = struct.Struct("<BQHIQ8x")
-_MESSAGE_HEADER_BYTES = _MESSAGE.size - _FRAME.size
-_CHUNK_HEADER_BYTES = 40
+_MESSAGE_BYTES = FRAME.size + MESSAGE_HEADER.size
+"""How long a message without a payload is."""
 
 _Place = tuple[int, int, Outline | None]
 """Stamp in ns, start of the chunk, message; before the first of a chunk, none."""
@@ -51,13 +48,13 @@ def _in_chunk(
 ) -> Iterator[_Place]:
     # The merge takes the first item of all chunks at once; this one keeps a chunk unread until it is due.
     yield chunk.message_start_time, 0, None
-    content = chunk.chunk_start_offset + _FRAME.size
+    content = chunk.chunk_start_offset + FRAME.size
     if chunk.compression:
         file.seek(content)
-        unpacked = chunk_content(file.read(chunk.chunk_length - _FRAME.size), is_whole=True)
+        unpacked = chunk_content(file.read(chunk.chunk_length - FRAME.size), is_whole=True)
         outlines = _outlines(io.BytesIO(unpacked), 0, len(unpacked), channels, head_bytes)
     else:
-        first = content + _CHUNK_HEADER_BYTES
+        first = content + CHUNK_HEADER.size
         outlines = _outlines(file, first, first + chunk.uncompressed_size, channels, head_bytes)
     for outline in sorted(outlines, key=itemgetter(1)):
         yield outline[1], chunk.chunk_start_offset, outline
@@ -66,19 +63,14 @@ def _in_chunk(
 def _outlines(
     records: BinaryIO, start: int, end: int, channels: ChannelsByNumber, head_bytes: int
 ) -> Iterator[Outline]:
-    """Hop over the records from byte ``start`` to ``end`` by their lengths."""
-    while start < end:
-        records.seek(start)
-        header = records.read(_MESSAGE.size + head_bytes)
-        if len(header) < _MESSAGE.size and start + len(header) < end:
-            raise OutlineError("a record is cut off")
-        opcode, size_bytes = _FRAME.unpack_from(header)
-        start += _FRAME.size + size_bytes
-        if start > end:
+    header_bytes, next_start = MESSAGE_HEADER.size, start
+    for op, at, next_start, data in record_places(records, start, end, header_bytes + head_bytes):
+        if next_start > end:
             raise OutlineError("a record is longer than its chunk")
-        if opcode != Opcode.MESSAGE:
+        if op != Op.MESSAGE:
             continue
-        _, _, number, _, stamp_ns = _MESSAGE.unpack_from(header)
+        number, _, stamp_ns, _ = MESSAGE_HEADER.unpack_from(data)
         if number in channels:
-            head = header[_MESSAGE.size : _FRAME.size + size_bytes]
-            yield channels[number], stamp_ns, size_bytes - _MESSAGE_HEADER_BYTES, head
+            yield channels[number], stamp_ns, next_start - at - _MESSAGE_BYTES, data[header_bytes:]
+    if next_start < end:
+        raise OutlineError("a record is cut off")

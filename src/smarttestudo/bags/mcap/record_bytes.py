@@ -5,17 +5,22 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import BinaryIO
 
 MAGIC = b"\x89MCAP0\r\n"
 FRAME = struct.Struct("<BQ")
 MESSAGE_HEADER = struct.Struct("<HIQQ")
 MESSAGE_START = struct.Struct("<BQHIQQ")
+CHUNK_HEADER = struct.Struct("<QQQIIQ")
+"""What an uncompressed chunk has before its records: stamps, their bytes, checksum, 0, their bytes again."""
 CHUNK_START = struct.Struct("<BQQQQIIQ")
-"""The frame of an uncompressed chunk and what comes before its records."""
+"""The frame of an uncompressed chunk and its header."""
 FOOTER_BYTES = FRAME.size + 20 + len(MAGIC)
+RecordPlace = tuple[int, int, int, bytes]
+"""Kind of a record, the byte its frame begins at, the byte after it, and the first ones of its content."""
 _LIBRARY = "smarttestudo"
 
 
@@ -82,6 +87,26 @@ class ChunkPlace:
     def last_ns(self) -> int:
         """The greatest stamp in it."""
         return 0 if self.span_ns is None else self.span_ns[1]
+
+
+def record_places(
+    file: BinaryIO, start: int, end: int, head_bytes: int, *, enters_chunks: bool = False
+) -> Iterator[RecordPlace]:
+    """The records between two bytes of a file, one after the other, as far as their frames are there.
+
+    The last may end after ``end``. With ``enters_chunks`` those in a chunk, which is not compressed, follow
+    on it.
+    """
+    frame_bytes = FRAME.size
+    while start + frame_bytes <= end:
+        file.seek(start)
+        data = file.read(frame_bytes + head_bytes)
+        if len(data) < frame_bytes:
+            return
+        op, size_bytes = FRAME.unpack_from(data)
+        record_bytes = frame_bytes + size_bytes
+        yield op, start, start + record_bytes, data[frame_bytes:record_bytes]
+        start += CHUNK_START.size if enters_chunks and op == Op.CHUNK else record_bytes
 
 
 def record(op: Op, content: bytes) -> bytes:

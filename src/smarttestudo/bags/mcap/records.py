@@ -16,14 +16,20 @@ import lz4.frame  # type: ignore[import-untyped]
 import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
-from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, McapRecord, Message, Schema
 
-MAGIC = b"\x89MCAP0\r\n"
-_FRAME = struct.Struct("<BQ")
-_MESSAGE_HEADER = struct.Struct("<HIQQ")
-_CHUNK_FIXED_BYTES = 40
-_CONTENT = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.CHUNK})
+from smarttestudo.bags.mcap.record_bytes import (
+    CHUNK_HEADER,
+    CHUNK_START,
+    FRAME,
+    MAGIC,
+    MESSAGE_HEADER,
+    Op,
+    RecordPlace,
+    record_places,
+)
+
+_CONTENT = frozenset({Op.SCHEMA, Op.CHANNEL, Op.MESSAGE, Op.CHUNK})
 BROKEN = (
     McapError,
     struct.error,
@@ -36,15 +42,6 @@ BROKEN = (
     zstandard.ZstdError,
 )
 """What mcap and the decompressors raise on damaged bytes."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RecordPlace:
-    """A record of the file's data section: its opcode, where its content starts, and how long it is."""
-
-    opcode: int
-    offset: int
-    size_bytes: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,91 +78,90 @@ class RecordReader:
 
     def places(self) -> Iterator[RecordPlace]:
         """Every schema, channel, message and chunk up to the footer; the last may be cut off."""
-        start = len(MAGIC)
-        while True:
-            frame = self._read_at(start, _FRAME.size)
-            if len(frame) < _FRAME.size:
-                self.cut_off_at = start
+        end = len(MAGIC)
+        for place in record_places(self._file, end, self.file_bytes, MESSAGE_HEADER.size):
+            op, start, end, _ = place
+            if op == Op.FOOTER:
                 return
-            opcode, size_bytes = _FRAME.unpack(frame)
-            if opcode == Opcode.FOOTER:
-                return
-            content = start + _FRAME.size
-            if opcode == 0 or content + size_bytes > self.file_bytes:
+            if op == 0 or end > self.file_bytes:
                 self.cut_off_at = start
-            if opcode in _CONTENT:
-                yield RecordPlace(opcode=opcode, offset=content, size_bytes=size_bytes)
+            if op in _CONTENT:
+                yield place
             if self.cut_off_at is not None:
                 return
-            start = content + size_bytes
+        self.cut_off_at = end
 
     def read(self, place: RecordPlace) -> Iterator[McapRecord]:
         """The record at ``place``, or those in it if it is a chunk; of a cut-off one, what is whole."""
-        content = self._read_at(place.offset, min(place.size_bytes, self.file_bytes - place.offset))
-        if place.opcode != Opcode.CHUNK:
-            record = _parse(place.opcode, content) if len(content) == place.size_bytes else None
+        op, start, end, _ = place
+        is_whole = end <= self.file_bytes
+        content_start = start + FRAME.size
+        content = self._read_at(content_start, min(end, self.file_bytes) - content_start)
+        if op != Op.CHUNK:
+            record = _parse(op, content) if is_whole else None
             if record is not None:
                 yield record
             return
         try:
-            records = chunk_content(content, is_whole=len(content) == place.size_bytes)
+            records = chunk_content(content, is_whole=is_whole)
         except BROKEN:
-            self._damaged_bytes_at[place.offset] = len(content)
+            self._damaged_bytes_at[start] = len(content)
             return
         yield from _records_in(records)
 
-    def at(self, offset: int) -> Iterator[McapRecord]:
-        """Records that ``read`` gave for the one whose content starts at ``offset``."""
-        return self.read(self._place_at(offset))
+    def at(self, start: int) -> Iterator[McapRecord]:
+        """Records that ``read`` gave for the one that begins at byte ``start``."""
+        return self.read(self._place_at(start))
 
     def heads(self, place: RecordPlace, head_bytes: int = 0) -> Iterator[McapRecord | MessageHeader]:
         """Records that ``read`` gives, without the payloads of messages; damage in them is not seen then."""
-        if place.opcode == Opcode.MESSAGE:
-            yield from self._message_header(place, head_bytes)
+        op, *_ = place
+        if op == Op.MESSAGE:
+            yield from self._message_header(place)
             return
-        plain = self._plain_records(place) if place.opcode == Opcode.CHUNK else None
+        plain = self._plain_records(place) if op == Op.CHUNK else None
         hopped = None if plain is None else self._hopped(plain, place, head_bytes)
         for record in self.read(place) if hopped is None else hopped:
             yield _header_of(record, head_bytes) if isinstance(record, Message) else record
 
-    def heads_at(self, offset: int, head_bytes: int) -> Iterator[McapRecord | MessageHeader]:
-        """Records that ``heads`` gives for the one whose content starts at ``offset``."""
-        return self.heads(self._place_at(offset), head_bytes)
+    def heads_at(self, start: int, head_bytes: int) -> Iterator[McapRecord | MessageHeader]:
+        """Records that ``heads`` gives for the one that begins at byte ``start``."""
+        return self.heads(self._place_at(start, head_bytes), head_bytes)
 
-    def _message_header(self, place: RecordPlace, head_bytes: int) -> Iterator[MessageHeader]:
+    def _message_header(self, place: RecordPlace) -> Iterator[MessageHeader]:
         """The message at ``place`` without its payload; nothing if it is not whole."""
-        payload_bytes = place.size_bytes - _MESSAGE_HEADER.size
-        if payload_bytes < 0 or place.offset + place.size_bytes > self.file_bytes:
+        _, start, end, data = place
+        payload_bytes = end - start - FRAME.size - MESSAGE_HEADER.size
+        if payload_bytes < 0 or end > self.file_bytes:
             return
-        content = self._read_at(place.offset, _MESSAGE_HEADER.size + min(head_bytes, payload_bytes))
-        channel_id, _, log_time, _ = _MESSAGE_HEADER.unpack_from(content)
-        head = content[_MESSAGE_HEADER.size :]
+        channel_id, _, log_time, _ = MESSAGE_HEADER.unpack_from(data)
+        head = data[MESSAGE_HEADER.size :]
         yield MessageHeader(channel_id=channel_id, log_time=log_time, payload_bytes=payload_bytes, head=head)
 
     def _plain_records(self, chunk: RecordPlace) -> int | None:
         """Where the records of a chunk begin that is not compressed, else ``None``."""
-        fixed = self._read_at(chunk.offset, _CHUNK_FIXED_BYTES)
-        is_plain = len(fixed) == _CHUNK_FIXED_BYTES and not int.from_bytes(fixed[28:32], "little")
-        return chunk.offset + _CHUNK_FIXED_BYTES if is_plain else None
+        _, start, *_ = chunk
+        header = self._read_at(start + FRAME.size, CHUNK_HEADER.size)
+        is_plain = len(header) == CHUNK_HEADER.size and not int.from_bytes(header[28:32], "little")
+        return start + CHUNK_START.size if is_plain else None
 
     def _hopped(
         self, start: int, chunk: RecordPlace, head_bytes: int
     ) -> list[McapRecord | MessageHeader] | None:
         """The heads of the records from ``start`` to the end of ``chunk``; ``None`` if they do not fit it."""
-        end = chunk.offset + chunk.size_bytes
         heads: list[McapRecord | MessageHeader] = []
-        while start + _FRAME.size <= min(end, self.file_bytes):
-            opcode, size_bytes = _FRAME.unpack(self._read_at(start, _FRAME.size))
-            start += _FRAME.size
-            if opcode in _CONTENT and opcode != Opcode.CHUNK:
-                place = RecordPlace(opcode=opcode, offset=start, size_bytes=size_bytes)
+        _, _, chunk_end, _ = chunk
+        end = min(chunk_end, self.file_bytes)
+        for place in record_places(self._file, start, end, MESSAGE_HEADER.size + head_bytes):
+            op, _, start, _ = place
+            if op in _CONTENT and op != Op.CHUNK:
                 heads += self.heads(place, head_bytes)
-            start += size_bytes
-        return heads if start == end or end > self.file_bytes else None
+        return heads if start == chunk_end or chunk_end > self.file_bytes else None
 
-    def _place_at(self, offset: int) -> RecordPlace:
-        opcode, size_bytes = _FRAME.unpack(self._read_at(offset - _FRAME.size, _FRAME.size))
-        return RecordPlace(opcode=opcode, offset=offset, size_bytes=size_bytes)
+    def _place_at(self, start: int, head_bytes: int = 0) -> RecordPlace:
+        for place in record_places(self._file, start, self.file_bytes, MESSAGE_HEADER.size + head_bytes):
+            return place
+        raise EOFError("the file became shorter")
 
     def _read_at(self, offset: int, size: int) -> bytes:
         self._file.seek(offset)
@@ -184,10 +180,10 @@ def _header_of(message: Message, head_bytes: int) -> MessageHeader:
 def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
     """The records in ``chunk``, decompressed as far as it goes."""
     name_bytes = int.from_bytes(chunk[28:32], "little")
-    if len(chunk) < _CHUNK_FIXED_BYTES + name_bytes:
+    if len(chunk) < CHUNK_HEADER.size + name_bytes:
         return b""
     compression = chunk[32 : 32 + name_bytes].decode()
-    content = _decompress(compression, chunk[_CHUNK_FIXED_BYTES + name_bytes :])
+    content = _decompress(compression, chunk[CHUNK_HEADER.size + name_bytes :])
     if is_whole:
         header = Chunk.read(ReadDataStream(io.BytesIO(chunk)))
         if header.uncompressed_crc and zlib.crc32(content) != header.uncompressed_crc:
@@ -207,27 +203,23 @@ def _decompress(compression: str, data: bytes) -> bytes:
 
 
 def _records_in(content: bytes) -> Iterator[McapRecord]:
-    start = 0
-    while start + _FRAME.size <= len(content):
-        opcode, size_bytes = _FRAME.unpack_from(content, start)
-        start += _FRAME.size
-        if start + size_bytes > len(content):
+    for op, start, end, _ in record_places(io.BytesIO(content), 0, len(content), 0):
+        if end > len(content):
             return
-        record = _parse(opcode, content[start : start + size_bytes])
+        record = _parse(op, content[start + FRAME.size : end])
         if record is not None:
             yield record
-        start += size_bytes
 
 
-def _parse(opcode: int, content: bytes) -> McapRecord | None:
+def _parse(op: int, content: bytes) -> McapRecord | None:
     """The record, ``None`` if it is of another kind or makes no sense."""
     stream = ReadDataStream(io.BytesIO(content))
     record: McapRecord | None = None
     with suppress(*BROKEN):
-        if opcode == Opcode.MESSAGE:
+        if op == Op.MESSAGE:
             record = Message.read(stream, len(content))
-        elif opcode == Opcode.SCHEMA:
+        elif op == Op.SCHEMA:
             record = Schema.read(stream)
-        elif opcode == Opcode.CHANNEL:
+        elif op == Op.CHANNEL:
             record = Channel.read(stream)
     return record

@@ -122,6 +122,7 @@ class RecoveredMcapFile:
     def _find_messages(self) -> None:
         seen = False
         for place in self._records.places():
+            _, start, *_ = place
             stamps = [stamp_ns for record in self._records.heads(place) for stamp_ns in self._note(record)]
             if not stamps:
                 continue
@@ -129,7 +130,7 @@ class RecoveredMcapFile:
             self.start_ns = min(self.start_ns, first_ns) if seen else first_ns
             self.end_ns = max(self.end_ns, last_ns)
             seen = True
-            self._index.add(key=place.offset, stamp_ns=first_ns, offset=place.offset)
+            self._index.add(key=start, stamp_ns=first_ns, offset=start)
 
     def _note(self, record: McapRecord | MessageHeader) -> Iterator[int]:
         """Take in ``record``; gives its stamp if it is a message."""

@@ -16,15 +16,19 @@ from smarttestudo.bags.mcap.record_bytes import (
     MESSAGE_HEADER,
     ChunkPlace,
     Op,
+    RecordPlace,
     StoredChannel,
     read_channel,
     read_schema,
+    record_places,
 )
 from smarttestudo.bags.mcap.writer import FileContent, McapState, McapWriter
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.files.removal import remove
 
 _MAX_DESCRIPTION_BYTES = 10_000_000
+_INDEXED = struct.Struct("<H")
+"""The channel whose messages an index has."""
 
 
 def complete_file(path: Path) -> tuple[FileContent, dict[str, StoredChannel]]:
@@ -78,7 +82,7 @@ class _Walk:
         if self._at(0, len(MAGIC)) != MAGIC:
             raise ValueError("not an mcap file")
         is_whole = self._has_end()
-        end = self._records(len(MAGIC), self._file_bytes)
+        end = self._read_records()
         state = self.state
         if is_whole:
             state.close_chunk()
@@ -88,30 +92,30 @@ class _Walk:
             state.size_bytes = end
         return is_whole
 
-    def _records(self, start: int, end: int) -> int:
-        """Take in the records from ``start`` to ``end``; where the last whole one ends."""
-        while start + FRAME.size <= end:
-            op, size = FRAME.unpack(self._at(start, FRAME.size))
-            content = start + FRAME.size
-            if op in (0, Op.DATA_END, Op.FOOTER) or content + size > end:
-                return start
+    def _read_records(self) -> int:
+        """Note all records; where the last whole one ends."""
+        end, file_bytes = len(MAGIC), self._file_bytes
+        for place in record_places(self._file, end, file_bytes, MESSAGE_HEADER.size, enters_chunks=True):
+            op, start, next_start, _ = place
+            if op in (0, Op.DATA_END, Op.FOOTER) or next_start > file_bytes:
+                break
             if op == Op.CHUNK:
-                self._begin_chunk(start)
-                start = self._records(start + CHUNK_START.size, content + size)
-            else:
-                self._take(op, start, content, size)
-                start = content + size
+                self.state.close_chunk()
+                self.state.chunk = ChunkPlace(start=start)
+                end = start + CHUNK_START.size
+                continue
+            self._note(place)
+            end = next_start
             chunk = self.state.chunk
             if chunk is not None and op in (Op.SCHEMA, Op.CHANNEL, Op.MESSAGE):
-                chunk.record_bytes = start - chunk.start - CHUNK_START.size
-        return start
+                chunk.record_bytes = end - chunk.start - CHUNK_START.size
+        return end
 
-    def _begin_chunk(self, start: int) -> None:
-        self.state.close_chunk()
-        self.state.chunk = ChunkPlace(start=start)
-
-    def _take(self, op: int, start: int, content: int, size: int) -> None:
+    def _note(self, place: RecordPlace) -> None:
         state, chunk = self.state, self.state.chunk
+        op, start, end, head = place
+        content = start + FRAME.size
+        size = end - content
         if op in (Op.SCHEMA, Op.CHANNEL) and size > _MAX_DESCRIPTION_BYTES:
             raise ValueError("too large a description")
         if op == Op.SCHEMA:
@@ -121,14 +125,14 @@ class _Walk:
         elif op == Op.CHANNEL:
             number, channel = read_channel(self._at(content, size), self._schemas)
             state.channels[channel] = number
-        elif op == Op.MESSAGE and chunk is not None:
-            number, _, stamp_ns, _ = MESSAGE_HEADER.unpack(self._at(content, MESSAGE_HEADER.size))
+        elif op == Op.MESSAGE and chunk is not None and size >= MESSAGE_HEADER.size:
+            number, _, stamp_ns, _ = MESSAGE_HEADER.unpack(head)
             within = start - chunk.start - CHUNK_START.size
             state.note(chunk, number, stamp_ns, within, size - MESSAGE_HEADER.size)
-        elif op == Op.MESSAGE_INDEX and chunk is not None:
-            (number,) = struct.unpack("<H", self._at(content, 2))
+        elif op == Op.MESSAGE_INDEX and chunk is not None and size >= _INDEXED.size:
+            (number,) = _INDEXED.unpack_from(head)
             chunk.indexes[number] = start
-            chunk.index_bytes += FRAME.size + size
+            chunk.index_bytes += end - start
 
     def _has_end(self) -> bool:
         end = self._at(max(self._file_bytes - FOOTER_BYTES, 0), FOOTER_BYTES)
