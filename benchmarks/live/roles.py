@@ -3,11 +3,10 @@
 """The processes of benchmarks beside the runtime: sources, an operator, a plain rclpy relay and recorder.
 
 usage: roles.py source|operator|hearer|plain_relay|c_relay|plain_recorder|alarm JSON, where JSON is a list of
-topics:
-{"name": "/imu", "type": "sensor_msgs/msg/Imu", "hz": 195, "target_hz": 50, "size_bytes": 324}. Every message
-is bytes that are sent as they are, with the monotonic time of sending in its header's stamp. What is relayed
-of it has ``prefix`` before its name. A line on stdin
-asks for a result in JSON, the end of stdin ends the process.
+topics: {"name": "/imu", "type": "sensor_msgs/msg/Imu", "hz": 195, "target_hz": 50, "size_bytes": 324}. Every
+message is bytes that are sent as they are, with the monotonic time of sending in its header's stamp. What is
+relayed of it has ``prefix`` before its name. A line on stdin asks for a result in JSON, the end of stdin ends
+the process.
 """
 
 from __future__ import annotations
@@ -23,6 +22,7 @@ import tempfile
 import threading
 import time
 from collections import Counter
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -229,7 +229,7 @@ def alarm(node: Any, topics: list[Topic]) -> None:
 
 def main() -> None:
     """Run the role."""
-    roles = {
+    roles: dict[str, Callable[..., None]] = {
         "source": source,
         "operator": operator,
         "hearer": partial(operator, prefix=""),
