@@ -1,22 +1,23 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write gui/src/api/types.ts, what page and server say to each other, from the structs of the server."""
+"""Write gui/src/api/types.ts, what page and server say to each other, from structs and records."""
 
 from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterator
-from dataclasses import MISSING, fields, is_dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass
 from enum import Enum
 from functools import partial
 from pathlib import Path
 from types import UnionType
-from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import msgspec
 
 from smarttestudo.domain.rate import Tier
+from smarttestudo.domain.record import JsonEntry, JsonObject, Mark, json_name, marks
 from smarttestudo.robot.ros import open_graph_robots
 from smarttestudo.ruler.answers.robot_incidents import RobotIncidents
 from smarttestudo.ruler.answers.robot_link import RobotLink
@@ -30,7 +31,7 @@ from smarttestudo.ruler.server.routes import ApiRoute
 TYPES = Path(__file__).resolve().parent.parent / "gui" / "src" / "api" / "types.ts"
 HEAD = """// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-// Written by scripts/make_api_types.py (make docs); change the structs of the server instead.
+// Written by scripts/make_api_types.py (make docs); change the structs and records in Python instead.
 """
 LISTS: dict[type[Enum], str] = {Tier: "TIERS"}
 """The closed sets that the page goes through one by one."""
@@ -94,12 +95,14 @@ class _Writer:
             return " | ".join(f'"{one}"' for one in arguments)
         if origin in (Union, UnionType):
             return " | ".join(self._optional_terms(kind))
-        if origin is tuple:
-            if arguments[-1] is ...:
-                word = self.word(arguments[0])
-                return f"({word})[]" if " | " in word else f"{word}[]"
+        if origin is Annotated:
+            word = self.word(arguments[0])
+            return f"{word} | null" if Mark.NULL_IS_INFINITE in arguments else word
+        if origin in (tuple, frozenset):
+            if origin is frozenset or arguments[-1] is ...:
+                return _list_of(self.word(arguments[0]))
             return f"[{', '.join(map(self.word, arguments))}]"
-        if origin is dict:
+        if origin in (dict, Mapping):
             return f"Record<{self.word(arguments[0])}, {self.word(arguments[1])}>"
         return self._named(kind)
 
@@ -107,8 +110,12 @@ class _Writer:
         name = kind.__name__
         if issubclass(kind, Enum):
             self._write(name, lambda: _enum_text(kind))
-        elif issubclass(kind, msgspec.Struct) or is_dataclass(kind):
-            self._write(name, lambda: self._interface_text(kind))
+        elif issubclass(kind, msgspec.Struct):
+            self._write(name, lambda: self._struct_text(kind))
+        elif hasattr(kind, "to_json") and not issubclass(kind, JsonObject):
+            return self.word(get_type_hints(kind.to_json)["return"])
+        elif is_dataclass(kind):
+            self._write(name, lambda: _interface_text(kind, self._record_lines(kind)))
         else:
             raise TypeError(f"{kind} has no word in TypeScript")
         return name
@@ -129,36 +136,91 @@ class _Writer:
         if len(known) < len(get_args(kind)):
             yield "null"
 
-    def _interface_text(self, kind: type) -> str:
-        lines = [*_comment(kind), f"export interface {kind.__name__} {{"]
-        config = getattr(kind, "__struct_config__", None)
-        if config is not None and config.tag is not None:
-            lines.append(f'  {config.tag_field}: "{config.tag}";')
+    def _struct_text(self, kind: type[msgspec.Struct]) -> str:
+        for held in _reached([kind]):
+            if is_dataclass(held) and not _stands_by_its_fields(held):
+                raise TypeError(f"{kind} holds {held}, which msgspec would write in its own way")
+        return _interface_text(kind, self._struct_lines(kind))
+
+    def _struct_lines(self, kind: type[msgspec.Struct]) -> Iterator[str]:
+        config = kind.__struct_config__
+        if config.tag is not None:
+            yield f'  {config.tag_field}: "{config.tag}";'
         hints = get_type_hints(kind)
-        for name, encoded, has_default in _fields(kind):
-            mark = "?" if has_default and kind in self._asked else ""
-            lines.append(f"  {encoded}{mark}: {self.word(hints[name])};")
-        return "\n".join([*lines, "}", ""])
-
-
-def _fields(kind: type) -> Iterator[tuple[str, str, bool]]:
-    """The name of each field, its name in JSON, and whether it may be left out."""
-    if issubclass(kind, msgspec.Struct):
         for one in msgspec.structs.fields(kind):
-            yield one.name, one.encode_name, not one.required
-    else:
+            mark = "?" if not one.required and kind in self._asked else ""
+            yield f"  {one.encode_name}{mark}: {self.word(hints[one.name])};"
+
+    def _record_lines(self, kind: Any) -> Iterator[str]:
+        hints = get_type_hints(kind, include_extras=True)
         for field in fields(kind):
-            yield field.name, field.name, field.default is not MISSING or field.default_factory is not MISSING
+            hint = hints[field.name]
+            entry = next((one for one in marks(hint) if isinstance(one, JsonEntry)), JsonEntry())
+            if entry.is_merged:
+                yield from self._record_lines(get_args(hint)[0])
+            elif not (entry.is_absent or entry.is_rest):
+                is_left_out = entry.omits_default or (kind in self._asked and _has_default(field))
+                mark = "?" if is_left_out else ""
+                yield f"  {entry.name or field.name}{mark}: {self._entry_word(hint, entry, field)};"
+        for name, getter in _derived(kind):
+            yield f"  {name}: {self.word(get_type_hints(getter, include_extras=True)['return'])};"
+
+    def _entry_word(self, hint: Any, entry: JsonEntry, field: Field[Any]) -> str:
+        if entry.keyed_by:
+            (kind, _) = get_args(get_args(hint)[0])
+            return f'Record<string, Omit<{self.word(kind)}, "{entry.keyed_by}">>'
+        if entry.are_rows:
+            (kind, _) = get_args(get_args(hint)[0])
+            hints = get_type_hints(kind, include_extras=True)
+            return f"[{', '.join(f'{one.name}: {self.word(hints[one.name])}' for one in fields(kind))}][]"
+        word = self.word(hint)
+        return word.removesuffix(" | null") if entry.omits_default and field.default is None else word
 
 
-def _reached(roots: list[type[msgspec.Struct]]) -> set[type]:
-    """The structs that a request can hold."""
+def _has_default(field: Field[Any]) -> bool:
+    return field.default is not MISSING or field.default_factory is not MISSING
+
+
+def _list_of(word: str) -> str:
+    return f"({word})[]" if " | " in word else f"{word}[]"
+
+
+def _interface_text(kind: type, lines: Iterator[str]) -> str:
+    return "\n".join([*_comment(kind), f"export interface {kind.__name__} {{", *lines, "}", ""])
+
+
+def _derived(kind: type) -> Iterator[tuple[str, Any]]:
+    """The properties that are entries, too."""
+    getters = [one.fget for one in vars(kind).values() if isinstance(one, property)]
+    return ((vars(one)["record_entry"], one) for one in getters if "record_entry" in vars(one))
+
+
+def _stands_by_its_fields(kind: Any) -> bool:
+    """Whether the JSON of a record is its fields by their names, as they are."""
+    hints = get_type_hints(kind, include_extras=True)
+    return not [*_derived(kind)] and not any(_is_marked(hints[field.name]) for field in fields(kind))
+
+
+def _is_marked(hint: Any) -> bool:
+    if get_origin(hint) is Annotated or hasattr(hint, "to_json"):
+        return True
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return any(json_name(one) != one.value for one in hint)
+    return any(map(_is_marked, get_args(hint)))
+
+
+def _reached(roots: list[type]) -> set[type]:
+    """The structs and records that these can hold."""
     found: set[type] = set()
     waiting: list[Any] = list(roots)
     while waiting:
         kind = waiting.pop()
         waiting.extend(get_args(kind))
-        if isinstance(kind, type) and kind not in found and issubclass(kind, msgspec.Struct):
+        if (
+            isinstance(kind, type)
+            and kind not in found
+            and (is_dataclass(kind) or issubclass(kind, msgspec.Struct))
+        ):
             found.add(kind)
             waiting.extend(get_type_hints(kind).values())
     return found
@@ -188,7 +250,7 @@ def _union_text(name: str, terms: list[str]) -> str:
 
 
 def _enum_text(kind: type[Enum]) -> str:
-    values = [f'"{one.value}"' for one in kind]
+    values = [f'"{json_name(one)}"' for one in kind]
     comment = "\n".join(_comment(kind))
     if kind not in LISTS:
         return f"{comment}\n{_union_text(kind.__name__, values)}"

@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import pytest
 from hypothesis import given
@@ -89,6 +89,8 @@ class Shape:
     weights: Mapping[str, Annotated[float, Decimals(1)]] = field(default_factory=dict)
     cache: Annotated[int, JsonEntry(is_absent=True)] = 0
     inner: Annotated[Shape | None, JsonEntry(omits_default=True)] = None
+    kind: Annotated[Literal["round", "flat"], JsonEntry(omits_default=True)] = "round"
+    turns: Annotated[tuple[tuple[float, Level | None], ...], JsonEntry(omits_default=True)] = ()
 
     @property
     @derived("area")
@@ -107,6 +109,8 @@ def test_fields_stand_as_their_types_say() -> None:
         tags=frozenset({"z", "a"}),
         weights={"x": 0.25},
         cache=7,
+        kind="flat",
+        turns=((0.5, Level.HIGH), (1.0, None)),
     )
     assert to_json(shape) == {
         "colour": "blue",
@@ -118,6 +122,8 @@ def test_fields_stand_as_their_types_say() -> None:
         "row": [["b", "low", None]],
         "tags": ["a", "z"],
         "weights": {"x": 0.2},
+        "kind": "flat",
+        "turns": [[0.5, "high"], [1.0, None]],
         "area": 5.333,
     }
     assert measured_names(Shape) == {"speed", "seen", "area"}
@@ -138,6 +144,10 @@ shapes = st.recursive(
         row=st.lists(points).map(tuple),
         tags=st.frozensets(st.text()),
         weights=st.dictionaries(st.text(), st.integers(-9, 9).map(lambda each: each / 2)),
+        kind=st.sampled_from(["round", "flat"]),
+        turns=st.lists(st.tuples(st.integers(0, 9).map(float), st.none() | st.sampled_from(Level))).map(
+            tuple
+        ),
     ),
     lambda inner: st.builds(
         Shape, colour=st.just(Colour.RED), size=st.builds(Size, width=st.just(1)), inner=inner
@@ -181,6 +191,8 @@ GOOD: Mapping[str, object] = {"colour": "red", "width": 1}
         ({"points": {"a": {}}}, "points: level is missing"),
         ({"tags": "a"}, "tags: not a list"),
         ({"inner": {}}, "inner: colour is missing"),
+        ({"kind": "tall"}, "kind: none of round, flat: tall"),
+        ({"turns": [[1]]}, "turns: not a list of 2"),
     ],
 )
 def test_what_does_not_fit_is_named(entries: Mapping[str, object], said: str) -> None:

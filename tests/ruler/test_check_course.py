@@ -13,6 +13,7 @@ import pytest
 
 from bags.bag_factory import small_mission, write_bag
 from ruler.ruler_server import Page, served
+from smarttestudo.domain.signal import Truth
 from smarttestudo.ruler.answers.check_course import (
     CheckCourse,
     CheckCourseRequest,
@@ -89,8 +90,8 @@ def test_it_holds_when_a_rule_with_it_holds(project: Path, words: str, condition
 
 def test_a_time_is_beside_its_check(project: Path) -> None:
     course = course_of(project, timed(FAR, "For", 1.5, "s"))
-    [since] = [t for t, truth in course.check.turns if truth == "true"]
-    [later] = [t for t, truth in course.condition.turns if truth == "true"]
+    [since] = [t for t, truth in course.check.turns if truth is Truth.TRUE]
+    [later] = [t for t, truth in course.condition.turns if truth is Truth.TRUE]
     assert later - since == pytest.approx(1.5, abs=0.01)
 
 

@@ -19,6 +19,7 @@ from ros.ros_processes import SmallRobot
 from ruler.page_socket import PageSocket, open_socket
 from ruler.ruler_server import TIMEOUT_S, Page, served
 from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.domain.units import NS_PER_S
 
 NODE = "/smarttestudo"
 IMU = "sensor_msgs/msg/Imu"
@@ -45,7 +46,15 @@ def watched(socket: PageSocket, update_hz: float = 5.0) -> None:
 
 
 def states(live: Any) -> list[tuple[str, str, str, float | None]]:
-    return [(one["topic"], one["property"], one["state"], one["value"]) for one in live["checks"]]
+    return [
+        (check["topic"], check["property"], state, value)
+        for check, (_, _, state, value) in zip(live["checks"], rows(live), strict=True)
+        if check is not None
+    ]
+
+
+def rows(live: Any) -> list[tuple[int, int, str, float | None]]:
+    return [tuple(row) for block in live["status"]["blocks"] for row in block["checks"]]
 
 
 def test_every_check_says_whether_it_holds_and_every_topic_what_it_gets(
@@ -63,24 +72,24 @@ def test_every_check_says_whether_it_holds_and_every_topic_what_it_gets(
             "live",
             lambda live: (
                 states(live) == away
-                and live["topics"][0]["target_hz"] == 10
-                and all(one["label"] for one in live["blocks"])
+                and live["status"]["topics"]["/imu"]["target_hz"] == 10
+                and all(live["labels"])
             ),
         )
-        assert [(one["label"], one["state"]) for one in live["blocks"]] == [("Far", "false")]
-        places = [
-            (one["file"], one["line"], one["column"], one["op"], one["limit"]) for one in live["checks"]
-        ]
-        assert places == [(0, 4, 7, ">", 3), (0, 4, 44, ">", 20)]
-        live = socket.next("live", lambda live: live["topics"][0]["actual_hz"])
-        (imu,) = live["topics"]
-        assert (imu["topic"], imu["output"], imu["target_hz"]) == ("/imu", "/testudo/imu", 10)
-        assert (imu["reason"], imu["silence"]) == ("default", None)
+        (block,) = live["status"]["blocks"]
+        assert (live["labels"], block["file"], block["state"]) == (["Far"], 0, "false")
+        assert [row[:2] for row in rows(live)] == [(4, 7), (4, 44)]
+        assert [(one["op"], one["limit"]) for one in live["checks"]] == [(">", 3), (">", 20)]
+        live = socket.next("live", lambda live: live["status"]["topics"]["/imu"]["actual_hz"])
+        ((topic, imu),) = live["status"]["topics"].items()
+        assert (topic, imu["output"], imu["target_hz"]) == ("/imu", "/testudo/imu", 10)
+        assert (imu["reason"], imu["silent"]) == ("default", None)
         source.say("move odom")
-        live = socket.next("live", lambda live: live["topics"][0]["target_hz"] == 20)
+        live = socket.next("live", lambda live: live["status"]["topics"]["/imu"]["target_hz"] == 20)
         assert states(live) == [("/odom", "pose_x", "true", 5.0), battery]
         # In doubt, monitor more: the battery is not known.
-        assert (live["blocks"][0]["state"], live["topics"][0]["reason"]) == ("unknown", "unknown")
+        assert live["status"]["blocks"][0]["state"] == "unknown"
+        assert live["status"]["topics"]["/imu"]["reason"] == "unknown"
         source.say("hush odom")
         socket.next("live", lambda live: states(live) == [("/odom", "pose_x", "unknown", None), battery])
 
@@ -96,8 +105,8 @@ def test_two_pages_have_a_rate_each_and_the_robot_is_left_as_it_was(robot: Small
         watched(fast, update_hz=20)
         with open_socket(page) as slow:
             watched(slow, update_hz=2)
-            fast_s = [fast.next("live")["stamp_s"] for _ in range(45)][5:]
-            slow_s = [slow.next("live")["stamp_s"] for _ in range(5)]
+            fast_s = [fast.next("live")["status"]["stamp_ns"] / NS_PER_S for _ in range(45)][5:]
+            slow_s = [slow.next("live")["status"]["stamp_ns"] / NS_PER_S for _ in range(5)]
             assert remote.ask("get", "status_hz") == 20
         # Slower on a busy machine, but never faster than asked for.
         assert mean_hz(slow_s) < 4 < mean_hz(fast_s) < 22
@@ -146,7 +155,7 @@ def test_live_topics_are_suggested_and_measured_without_the_rulers_own(robot: Sm
     assert "robot" not in {one["source"] for one in page.post("/api/vocabulary", {}).json["topics"]}
     with open_socket(page) as socket:
         seen = socket.next("robots", lambda message: message["robots"])["robots"][0]
-        assert (seen["rules"], seen["rules_hash"], seen["topics"]) == ("fallback", "", 1)
+        assert (seen["rules"]["origin"], seen["rules"]["sha256"], seen["topics"]) == ("fallback", "", 1)
         topics = page.post("/api/vocabulary", {}).json["topics"]
         live = [(one["topic"], one["type"]) for one in topics if one["source"] == "robot"]
         assert live == [("/imu", IMU)]

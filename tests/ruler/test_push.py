@@ -89,17 +89,21 @@ def test_a_push_changes_the_rate_that_a_subscriber_measures_and_stays_once_confi
     before_hz = rate_hz(operator.result("result")["imu"], 50)
     with open_socket(page) as socket:
         seen = until_heard(socket)
-        assert (seen["is_heard"], seen["rules"], seen["rules_hash"]) == (True, "files", sha256(RULES))
+        assert (seen["is_heard"], seen["rules"]["origin"], seen["rules"]["sha256"]) == (
+            True,
+            "files",
+            sha256(RULES),
+        )
         preview = pushed(page, FASTER, "/api/push/preview").json
         assert (preview["same"], preview["differences"]) == (False, ["default: /imu 10 → 25 Hz"])
         assert (preview["text_to_send"], preview["hash"]) == (FASTER, sha256(FASTER))
         answer = pushed(page, FASTER).json
         assert (answer["state"], answer["hash"], answer["confirm_within_s"]) == ("staged", sha256(FASTER), 10)
-        waiting = socket.next("robots", lambda message: message["robots"][0]["rules"] == "waiting")
-        assert 0 < waiting["robots"][0]["waits_s"] <= 10
+        waiting = socket.next("robots", lambda message: message["robots"][0]["rules"]["origin"] == "waiting")
+        assert 0 < waiting["robots"][0]["rules"]["waits_s"] <= 10
         confirmed = page.post("/api/push/confirm", {"node": NODE, "hash": answer["hash"]})
         assert (confirmed.status, confirmed.json["state"]) == (200, "confirmed")
-        socket.next("robots", lambda message: message["robots"][0]["rules"] == "pushed")
+        socket.next("robots", lambda message: message["robots"][0]["rules"]["origin"] == "pushed")
     runtime.line_with("pushed rules confirmed")
     operator.result("result")
     for _ in range(3):
@@ -124,7 +128,7 @@ def test_rules_with_errors_do_not_leave_and_the_robots_own_refusal_is_told_in_it
         assert refused.status == 422
         assert "/testudo/imu" in refused.error
         seen = until_heard(socket)
-        assert (seen["rules"], seen["rules_hash"]) == ("files", sha256(RULES))
+        assert (seen["rules"]["origin"], seen["rules"]["sha256"]) == ("files", sha256(RULES))
         assert pushed(page, RULES, "/api/push/preview").json["same"]
     assert not any("rules pushed" in line for line in runtime.output)
 
@@ -135,9 +139,9 @@ def test_rules_that_are_not_confirmed_go_back_by_themselves_and_that_is_said(
     with open_socket(page) as socket:
         until_heard(socket)
         answer = pushed(page, FASTER).json
-        socket.next("robots", lambda message: message["robots"][0]["rules"] == "waiting")
+        socket.next("robots", lambda message: message["robots"][0]["rules"]["origin"] == "waiting")
         runtime.line_with("pushed rules not confirmed within 10 s")
-        socket.next("robots", lambda message: message["robots"][0]["rules_hash"] == sha256(RULES))
+        socket.next("robots", lambda message: message["robots"][0]["rules"]["sha256"] == sha256(RULES))
         late = page.post("/api/push/confirm", {"node": NODE, "hash": answer["hash"]})
     assert late.status == 422
     assert "no longer in force: they were not confirmed within 10 s" in late.error
@@ -167,7 +171,7 @@ def test_levels_go_to_the_robot_as_the_rates_that_they_mean(page: Page, runtime:
         preview = pushed(page, text, "/api/push/preview", profile_text=profile).json
         assert "Desirable" not in preview["text_to_send"]
         assert pushed(page, text, profile_text=profile).json["state"] == "staged"
-        socket.next("robots", lambda message: message["robots"][0]["rules_hash"] == preview["hash"])
+        socket.next("robots", lambda message: message["robots"][0]["rules"]["sha256"] == preview["hash"])
 
 
 def test_a_robot_that_was_killed_is_said_to_be_silent(page: Page, runtime: Process) -> None:
@@ -204,7 +208,7 @@ def test_kept_rules_are_written_to_the_file_of_a_robot_that_lets_them(robot: Sma
         assert page.post("/api/push/confirm", asked).status == 200
         written = page.post("/api/push/write", asked)
         assert written.json == {"file": str(path), "previous_file": f"{path}.previous"}
-        socket.next("robots", lambda message: message["robots"][0]["rules"] == "files")
+        socket.next("robots", lambda message: message["robots"][0]["rules"]["origin"] == "files")
     runtime.line_with("pushed rules written to")
     assert path.read_text() == FASTER
     assert Path(f"{path}.previous").read_text() == RULES

@@ -17,6 +17,7 @@ from link.zenoh.ends import free_endpoint, refuse_warning
 from ros.ros_processes import Process, SmallRobot
 from ruler.page_socket import PageSocket, open_socket
 from ruler.ruler_server import Answer, Page, served
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.zenoh import open_link_robots
 from smarttestudo.link.zenoh.security import LinkOptions
 
@@ -63,13 +64,20 @@ def until_heard(socket: PageSocket) -> Any:
 
 def rules_are(origin: str, text: str) -> Any:
     def are(message: Any) -> bool:
-        return [(one["rules"], one["rules_hash"]) for one in message["robots"]] == [(origin, sha256(text))]
+        return [(one["rules"]["origin"], one["rules"]["sha256"]) for one in message["robots"]] == [
+            (origin, sha256(text))
+        ]
 
     return are
 
 
 def pushed(page: Page, text: str, path: str = "/api/push") -> Answer:
     return page.post(path, {"node": ROBOT, "text": text, "name": "warehouse.adirf"})
+
+
+def read(live: Any) -> list[tuple[str, float | None]]:
+    """What the checks read."""
+    return [(state, value) for block in live["status"]["blocks"] for _, _, state, value in block["checks"]]
 
 
 def test_every_check_and_topic_is_shown_live_as_often_as_asked(
@@ -82,16 +90,13 @@ def test_every_check_and_topic_is_shown_live_as_often_as_asked(
         # The name of the rule is known once the robot was asked for its rules.
         live = socket.next(
             "live",
-            lambda live: (
-                [one["value"] for one in live["checks"]] == [0.0]
-                and all(one["label"] for one in live["blocks"])
-            ),
+            lambda live: [value for _, value in read(live)] == [0.0] and all(live["labels"]),
         )
-        assert [(one["label"], one["state"]) for one in live["blocks"]] == [("Far", "false")]
+        assert (live["labels"], read(live)) == (["Far"], [("false", 0.0)])
         source.say("move odom")
-        live = socket.next("live", lambda live: live["topics"][0]["target_hz"] == 20)
-        assert [(one["state"], one["value"]) for one in live["checks"]] == [("true", 5.0)]
-        stamps_s = [socket.next("live")["stamp_s"] for _ in range(20)]
+        live = socket.next("live", lambda live: live["status"]["topics"]["/imu"]["target_hz"] == 20)
+        assert read(live) == [("true", 5.0)]
+        stamps_s = [socket.next("live")["status"]["stamp_ns"] / NS_PER_S for _ in range(20)]
         # Slower on a busy machine, but more than the one a second that comes unasked.
         assert stamps_s[-1] - stamps_s[0] < 10
         live = socket.next("live", lambda live: live["status_kb_per_s"] < 1)

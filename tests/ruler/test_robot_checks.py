@@ -60,7 +60,13 @@ def test_the_states_are_the_robots_and_the_values_its_least_and_greatest() -> No
         checks.add(seen(x, 1000.0 + second))
     answer = told(checks, 1005.0, window_s=10)
     [rule] = answer.rules
-    turns = ((0.0, "unknown"), (5.0, "false"), (7.0, "true"), (9.0, "false"), (10.0, "true"))
+    turns = (
+        (0.0, Truth.UNKNOWN),
+        (5.0, Truth.FALSE),
+        (7.0, Truth.TRUE),
+        (9.0, Truth.FALSE),
+        (10.0, Truth.TRUE),
+    )
     assert (rule.rule, rule.turns) == ("Far", turns)
     [check] = answer.checks
     assert (check.rule, check.topic, check.property, check.op, check.limit) == (
@@ -81,10 +87,10 @@ def test_while_nothing_is_heard_all_is_unknown_and_has_no_value() -> None:
     checks = RobotChecks()
     checks.add(seen(5.0, 1000.0))
     silent = told(checks, 1020.0, window_s=20)
-    assert silent.rules[0].turns == ((0.0, "true"), (2.4, "unknown"))
+    assert silent.rules[0].turns == ((0.0, Truth.TRUE), (2.4, Truth.UNKNOWN))
     checks.add(seen(5.0, 1030.0))
     answer = told(checks, 1030.0, window_s=30)
-    assert answer.rules[0].turns == ((0.0, "true"), (2.4, "unknown"), (30.0, "true"))
+    assert answer.rules[0].turns == ((0.0, Truth.TRUE), (2.4, Truth.UNKNOWN), (30.0, Truth.TRUE))
     assert answer.values is not None
     assert answer.values.least == (5.0, None, None, None, None, None, 5.0)
 
@@ -106,7 +112,7 @@ def test_memory_is_bounded_and_an_hour_is_told_whatever_turns() -> None:
     answer = told(checks, now_s, window_s=KEPT_S)
     [rule] = answer.rules
     assert len(rule.turns) <= MAX_TURNS_KEPT + 2
-    assert rule.turns[0] == (0.0, "unknown")
+    assert rule.turns[0] == (0.0, Truth.UNKNOWN)
     assert answer.heard_from_s > KEPT_S / 2
     assert answer.values is not None
     assert len(answer.values.least) <= KEPT_S / BIN_S
@@ -125,7 +131,7 @@ def test_what_turned_before_the_window_is_what_it_begins_with() -> None:
     checks = RobotChecks()
     for second in range(100):
         checks.add(seen(5.0 if second > 20 else 0.0, 1000.0 + second))
-    assert told(checks, 1099.0, window_s=10).rules[0].turns == ((0.0, "true"),)
+    assert told(checks, 1099.0, window_s=10).rules[0].turns == ((0.0, Truth.TRUE),)
 
 
 @pytest.mark.parametrize("number", [-1, 1, 10**9])
@@ -141,7 +147,7 @@ def test_other_rules_begin_anew_and_are_numbered_until_their_words_are_read() ->
     checks.add(seen(5.0, 1001.0, words=RuleWords(), sha256="0f" * 32))
     answer = told(checks, 1001.0, window_s=10)
     assert answer.rules[0].rule == "line 3"
-    assert answer.rules[0].turns == ((0.0, "unknown"), (10.0, "true"))
+    assert answer.rules[0].turns == ((0.0, Truth.UNKNOWN), (10.0, Truth.TRUE))
     assert (answer.checks, answer.values) == ((), None)
 
 

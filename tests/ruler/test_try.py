@@ -21,6 +21,7 @@ from ruler.page_socket import open_socket
 from ruler.ruler_server import TIMEOUT_S, Page, served
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.signal import Truth
 from smarttestudo.ruler.answers.checked_text import Draft
 from smarttestudo.ruler.answers.trial import TrialLimits, TryAnswer, try_rules
 
@@ -89,14 +90,6 @@ def test_a_try_counts_what_testudo_replay_would_write(page: Page, project: Path,
     assert sorted(project.iterdir()) == [project / "broken", project / "monday"]
 
 
-LOSS_NAMES = {"bytes": "size_bytes", "max": "maximum", "relative_max": "relative_maximum"}
-
-
-def in_page_names(entry: Any) -> Any:
-    """An entry of ``testudo bag loss --json`` with the names that it has on the page."""
-    return entry and {LOSS_NAMES.get(name, name): value for name, value in entry.items()}
-
-
 def test_a_try_loses_what_testudo_bag_loss_says(page: Page, project: Path, tmp_path: Path) -> None:
     (tmp_path / "rules.adirf").write_text(f"begin\n{LOSS_STATEMENTS}\nend\n")
     tried = page.post("/api/try", {"text": f"begin\n{LOSS_STATEMENTS}\nend\n", "bag": "monday"}).json["loss"]
@@ -107,14 +100,14 @@ def test_a_try_loses_what_testudo_bag_loss_says(page: Page, project: Path, tmp_p
     assert list(expected) == list(said["topics"])
     for topic, loss in said["topics"].items():
         assert {arm: expected[topic][arm] for arm in ("sent", "received")} == {
-            arm: in_page_names(loss[arm]) for arm in ("sent", "received")
+            arm: loss[arm] for arm in ("sent", "received")
         }
     assert [
         (one["topic"], one["field"], one["unit"], one["range"], one["hold"]) for one in tried["fields"]
     ] == [
         (
             *(one["topic"], one["field"], one["unit"], one["range"]),
-            in_page_names((one["received"] or {}).get("hold")),
+            (one["received"] or {}).get("hold"),
         )
         for one in said["fields"]
     ]
@@ -132,7 +125,7 @@ def test_the_worst_moment_of_a_course_is_the_worst_of_all(page: Page) -> None:
     for one in loss["fields"]:
         if one["hold"]:
             worst = max(error for error in one["error_bins"] if error is not None)
-            assert worst == pytest.approx(one["hold"]["maximum"], rel=1e-3)
+            assert worst == pytest.approx(one["hold"]["max"], rel=1e-3)
     for one in loss["topics"]:
         if one["received"]["age"]:
             oldest = max(age for age in one["age_s_bins"] if age is not None)
@@ -266,11 +259,11 @@ def test_decisions_say_which_bound_decides_and_whether_it_is_in_doubt(project: P
 def test_rules_that_turn_too_often_are_unknown_from_then_on(project: Path) -> None:
     tried = tried_within(TrialLimits(turns=1), project)
     [block] = tried.blocks
-    assert [truth for _, truth in block.turns] == ["unknown", "false", "unknown"]
+    assert [truth for _, truth in block.turns] == [Truth.UNKNOWN, Truth.FALSE, Truth.UNKNOWN]
     after = f"their states after {block.turns[-1][0]:.1f} s are left out"
     assert f"rules changed their state more than 1 times; {after}" in tried.notices
     whole = tried_within(TrialLimits(), project)
-    assert [truth for _, truth in whole.blocks[0].turns] == ["unknown", "false", "true"]
+    assert [truth for _, truth in whole.blocks[0].turns] == [Truth.UNKNOWN, Truth.FALSE, Truth.TRUE]
     assert not any("are left out" in notice for notice in whole.notices)
 
 

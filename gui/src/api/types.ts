@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-// Written by scripts/make_api_types.py (make docs); change the structs of the server instead.
+// Written by scripts/make_api_types.py (make docs); change the structs and records in Python instead.
 
 /** The protocol of the web socket. */
 export const PROTOCOL_VERSION = 1;
@@ -81,11 +81,27 @@ export interface BackgroundsAnswer {
   choices: BackgroundChoice[];
 }
 
+/**
+ * The condition of one If, at its place in the rule file number `file`, with its checks in order.
+ *
+ * `held_s` is for how long its state has been the same, `None` where that is not told. `times` are in
+ * the order in which they end in the text.
+ */
+export interface BlockStatus {
+  file: number;
+  line: number;
+  column: number;
+  state: Truth;
+  checks: [line: number, column: number, state: Truth, value: number | null][];
+  held_s?: number;
+  times?: [line: number, column: number, state: Truth, held_s: number | null][];
+}
+
 /** A rule, or its Else, by the line that it begins at, and what it turned to when; it starts unknown. */
 export interface BlockTurns {
   rule: string;
   line: number;
-  turns: [number, TruthName][];
+  turns: [number, Truth][];
 }
 
 export type Bound = number | Tier;
@@ -100,6 +116,18 @@ export interface BoundNeed {
   bound: number;
   hold_hz: number;
   reckoned_hz: number | null;
+}
+
+/**
+ * Reason for the bound of one property; `rule` and `line` name the block where one decided.
+ *
+ * `UNKNOWN`: the block is in doubt. Its bound counts if the plan has one of the property, else every
+ * message up to the rate passes because of the doubt.
+ */
+export interface BoundReason {
+  reason: Reason;
+  rule: string | null;
+  line: number | null;
 }
 
 /** `CheckValue topic property op value [Until op value]`; `op` is one of `> < >= <= = !=`. */
@@ -143,6 +171,24 @@ export interface CheckCourseRequest {
 }
 
 export type ChoiceKind = "map" | "image" | "bag";
+
+/**
+ * A topic that a robot accepts, as the robot's end knows it.
+ *
+ * `type_name` is what the robot's own nodes subscribe with, `None` where none does or `problem` says
+ * why nothing is delivered. Of the messages that were `received`, some were `delivered`, some
+ * `too_old` and some `refused`. `age_ms` is how old the last one was when it arrived, at most.
+ */
+export interface CommandTopic {
+  topic: string;
+  type: string | null;
+  problem: string | null;
+  received: number;
+  delivered: number;
+  too_old: number;
+  refused: number;
+  age_ms: number | null;
+}
 
 export type Condition = CheckCondition | AndCondition | OrCondition | NotCondition | TimedCondition;
 
@@ -295,9 +341,9 @@ export interface ErrorAnswer {
  */
 export interface ErrorSize {
   rmse: number;
-  maximum: number;
+  max: number;
   relative_rmse: number | null;
-  relative_maximum: number | null;
+  relative_max: number | null;
 }
 
 /** What changed; the value is its name in JSON. */
@@ -483,6 +529,26 @@ export interface IncidentCourseRequest {
 }
 
 /**
+ * Cost of recording on a running robot, and its results so far.
+ *
+ * `held_bytes` of at most `memory_bytes` are kept of `topics` topics for what may happen, and
+ * `ring_bytes` of at most `ring_max_bytes` on disk, which is `None` if memory is all there is.
+ * Incidents are `open` now, were `recorded` whole, or `failed` since the start; `problem` says why
+ * the last one could not be written, until the next one can.
+ */
+export interface IncidentState {
+  held_bytes: number;
+  memory_bytes: number;
+  topics: number;
+  open: number;
+  recorded: number;
+  failed: number;
+  problem: string | null;
+  ring_bytes: number;
+  ring_max_bytes: number | null;
+}
+
+/**
  * An incident in a list: `title` is what its `Record` calls it, `rule` the rule that recorded it.
  *
  * `triggered_ms` counts since 1970; the window is from `before_s` before that to `after_s` after it.
@@ -632,8 +698,15 @@ export interface LevelsRequest {
   source_hz: number;
 }
 
-/** A robot's link to its operator: what it carries, its least round trip, and how often it was down. */
-export interface LinkView {
+/**
+ * State of the link at the robot's end; `None` for what was not measured yet.
+ *
+ * `capacity_kb_per_s` is what the link carries, `round_trip_ms` the least of the last seconds,
+ * `outages` how often the operator's end was silent while something was under way to it. `sessions`
+ * counts how often an operator's end came that may lack what was sent before. All operator's ends that are
+ * there reckon the topics in `predicted` where they are told how.
+ */
+export interface LinkState {
   connected: boolean;
   capacity_kb_per_s: number | null;
   round_trip_ms: number | null;
@@ -653,98 +726,22 @@ export interface ListedIncident {
 }
 
 /**
- * What a robot does now; `stamp_s` is its own clock, in seconds since 1970.
+ * The status of a robot, and what it does not say itself.
  *
- * `status_kb_per_s` is what its statuses themselves take of the link at most, `full_names` are those of
- * topics that its rules call otherwise.
+ * `status_kb_per_s` is what its statuses themselves take of the link at most. `bounds` say of topics
+ * which bound of each property holds, what decided it, and whether that is in doubt. `labels` are what
+ * decisions call the blocks, and `checks` the words of the checks, in the order of the status; empty and
+ * null until the robot's rules were read. `full_names` are those of topics that its rules call otherwise.
  */
 export interface Live {
   kind: "live";
   node: string;
-  stamp_s: number;
-  rules_hash: string;
-  rules: RulesOrigin;
-  waits_s: number | null;
-  cpu_percent: number | null;
-  memory_mb: number | null;
-  budget_kb_per_s: number | null;
-  out_kb_per_s: number;
+  status: RuntimeStatus;
   status_kb_per_s: number;
-  link: LinkView | null;
-  topics: LiveTopic[];
-  blocks: LiveBlock[];
-  checks: LiveCheck[];
+  bounds: Record<string, string[]>;
+  labels: string[];
+  checks: (RobotCheck | null)[];
   full_names: Record<string, string>;
-}
-
-/**
- * The condition of a rule, at its place in the robot's file number `file`.
- *
- * `label` is what decisions call it; empty until the robot's rules were read. `times` are in the order
- * in which they end in the text.
- */
-export interface LiveBlock {
-  file: number;
-  line: number;
-  column: number;
-  state: TruthName;
-  label: string;
-  times: LiveTime[];
-}
-
-/**
- * A check at its place in the robot's file number `file`, and the value that it reads.
- *
- * The words of the check, as written there, find it in another text: what it says of a value does not depend
- * on its place. They are empty until the robot's rules were read.
- */
-export interface LiveCheck {
-  file: number;
-  line: number;
-  column: number;
-  state: TruthName;
-  value: number | null;
-  topic: string;
-  property: string;
-  op: string;
-  limit: number | null;
-}
-
-/**
- * A `For` or `Within` of a rule.
- *
- * `held_s` is for how long what a `For` is about has held; for a `Within`, for how long it has not;
- * null while that is unknown.
- */
-export interface LiveTime {
-  state: TruthName;
-  held_s: number | null;
-}
-
-/**
- * A relayed topic now; `topic` is its full name, `reason` and `rule` are those of its rate.
- *
- * `silence` is why nothing is received, `problem` why it cannot be relayed. `bounds` say which bound
- * of each property holds, what decided it, and whether that is in doubt.
- */
-export interface LiveTopic {
-  topic: string;
-  output: string;
-  type: string | null;
-  source_hz: number | null;
-  target_hz: number | null;
-  actual_hz: number | null;
-  error_percent: number | null;
-  keeps_rate: boolean;
-  out_kb_per_s: number;
-  in_kb_per_s: number;
-  rule: string | null;
-  line: number | null;
-  reason: Reason;
-  silence: Silence | null;
-  problem: string | null;
-  link: TopicLinkView | null;
-  bounds: string[];
 }
 
 /**
@@ -1238,7 +1235,11 @@ export interface ResizeZone {
   rectangle: ZoneBounds;
 }
 
-/** A check of the robot's rules, in the words of its text, and the rule that it is in. */
+/**
+ * A check of the robot's rules, in the words of its text, and the rule that it is in.
+ *
+ * What it says of a value does not depend on its place, so the words find it in another text.
+ */
 export interface RobotCheck {
   rule: string;
   topic: string;
@@ -1258,7 +1259,7 @@ export interface RobotCheckValues {
   first_bin_s: number;
   least: (number | null)[];
   greatest: (number | null)[];
-  turns: [number, TruthName][];
+  turns: [number, Truth][];
 }
 
 /**
@@ -1352,26 +1353,22 @@ export interface RobotStartRequest {
 }
 
 /**
- * One robot. `rules` is the origin of its rules; `waiting`: pushed, and not confirmed yet.
+ * One robot of a list; `label` is what people call it.
  *
- * `label` is what people call it. `waits_s` is how long pushed rules still hold unless they are
- * confirmed. `is_heard` is false once it has been silent for longer than it should be; `heard_s_ago` is
- * the time since its last status. `lost` counts messages that overflowed on the link, of all topics that
- * lost some within the last minute.
+ * `is_heard` is false once it has been silent for longer than it should be; `heard_s_ago` is the time
+ * since its last status. `topics` are counted. `lost` counts messages that overflowed on the link, of
+ * all topics that lost some within the last minute.
  */
 export interface RobotSummary {
   node: string;
   label: string;
   is_heard: boolean;
   heard_s_ago: number;
-  rules_hash: string;
-  rules_files: string[];
-  rules: RulesOrigin;
-  waits_s: number | null;
+  rules: RulesInForce;
   topics: number;
   budget_kb_per_s: number | null;
   out_kb_per_s: number;
-  link: LinkView | null;
+  link: LinkState | null;
   lost: number;
   oldest: OldestTopic | null;
 }
@@ -1453,8 +1450,49 @@ export interface RuleZones {
   is_too_mixed: boolean;
 }
 
+/**
+ * The files that the rules came from, and the SHA-256 of their text in hexadecimal.
+ *
+ * `waits_s` is how long pushed rules still hold unless they are confirmed; `None` where none wait.
+ */
+export interface RulesInForce {
+  files: string[];
+  sha256: string;
+  origin: RulesOrigin;
+  waits_s: number | null;
+}
+
 /** Where the rules in force come from; the value is its name in JSON. */
 export type RulesOrigin = "files" | "pushed" | "waiting" | "fallback";
+
+/**
+ * All of a runtime: its node, its rules, the link, itself, and its topics by source.
+ *
+ * `robot` is the robot's name on its link, empty without one; nodes of several robots may be called alike.
+ * `stamp_ns` is the node's clock, `uptime_s` real time since the start, `cpu_percent` of one core
+ * over the last second, `memory_mb` what is resident. `status_hz` is how often a status comes,
+ * `blocks` has the states of the conditions.
+ */
+export interface RuntimeStatus {
+  robot?: string;
+  node: string;
+  stamp_ns: number;
+  uptime_s: number;
+  status_hz: number;
+  rules: RulesInForce;
+  budget_kb_per_s: number | null;
+  floors_break_budget: boolean;
+  cpu_percent: number | null;
+  memory_mb: number | null;
+  topics: Record<string, TopicStatus>;
+  blocks: BlockStatus[];
+  link?: LinkState;
+  accepted?: Record<string, Omit<CommandTopic, "topic">>;
+  incidents?: IncidentState;
+  in_kb_per_s: number;
+  out_kb_per_s: number;
+  fallback: boolean;
+}
 
 /** The SHA-256 of what is on disk now; `note` is why no version of it is kept, empty if one is. */
 export interface SaveAnswer {
@@ -1576,21 +1614,8 @@ export interface TimedCondition {
 /** One arm's share of a topic: messages, bytes (as declared, where they are) and age. */
 export interface TopicArm {
   messages: number;
-  size_bytes: number;
+  bytes: number;
   age: Age | null;
-}
-
-/**
- * A topic on a link: the age of its last message at the operator, and its messages since the start.
- *
- * `replaced` gave way to newer ones, `overflowed` are lost though none may be; 0 once none was for a
- * minute.
- */
-export interface TopicLinkView {
-  age_ms: number | null;
-  replaced: number;
-  overflowed: number;
-  queued_bytes: number;
 }
 
 /** What one topic takes of the link in one situation; `rate_hz` is null for Full. */
@@ -1598,6 +1623,20 @@ export interface TopicLoad {
   topic: string;
   rate_hz: number | null;
   kb_per_s: number;
+}
+
+/**
+ * How one topic does on a link.
+ *
+ * `age_ms` is how old its last message was when it arrived at the operator's end; `None` while unknown.
+ */
+export interface TopicOnLink {
+  sent: number;
+  replaced: number;
+  overflowed: number;
+  queued_bytes: number;
+  losing: boolean;
+  age_ms: number | null;
 }
 
 /** Messages a second of a topic, bin by bin; null where less than half of one is known. */
@@ -1609,7 +1648,54 @@ export interface TopicRates {
 /** Who names a topic; the value is its name in JSON, the order that of trust. */
 export type TopicSource = "profile" | "robot" | "rules" | "example";
 
-export type TruthName = "true" | "false" | "unknown";
+/**
+ * One relayed topic.
+ *
+ * `reason`, `rule` and `line` are those of its planned rate. Rates are (n − 1) / (last − first) over
+ * about ten seconds, those of the output since its target last changed. `target_hz` is infinite for Full
+ * and 0 for Off, `expected_hz` the lesser of target and source, `error_percent` how far `actual_hz`
+ * lies above it, and not `keeps_rate` that it is off by more than pacing explains. `stamped_hz` is the
+ * rate by the messages' own header stamps and `delay_ms` how old the last one was when it was relayed.
+ * `incompatible` are nodes that subscribe to the output with a QoS it cannot serve, `problem` says why
+ * the topic cannot be relayed. `frames` counts the child frames of a topic of transforms, whose rates are
+ * means over them. `within` are the bounds of the receiver's picture with their `bound_reasons`, as in
+ * the plan. A number that the messages do not determine is `None`.
+ */
+export interface TopicStatus {
+  output: string;
+  type: string | null;
+  reason: Reason;
+  rule: string | null;
+  line: number | null;
+  target_hz: number | null;
+  source_hz: number | null;
+  expected_hz: number | null;
+  actual_hz: number | null;
+  error_percent: number | null;
+  keeps_rate: boolean;
+  stamped_hz: number | null;
+  delay_ms: number | null;
+  in_kb_per_s: number;
+  out_kb_per_s: number;
+  publishers: number;
+  subscribers: number;
+  incompatible: string[];
+  problem: string | null;
+  silent: Silence | null;
+  received: number;
+  relayed: number;
+  repeated: number;
+  discarded: number;
+  undecodable: number;
+  dropped: number;
+  frames?: number;
+  link?: TopicOnLink;
+  within?: Record<string, number>;
+  bound_reasons?: Record<string, BoundReason>;
+}
+
+/** Kleene's three values, ordered false < unknown < true: AND is the least, OR the greatest. */
+export type Truth = "false" | "unknown" | "true";
 
 /**
  * What the rules would have done to a bag; `percent` is how much less of the relayed topics was sent.

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { LiveTime, TruthName } from "../api/types";
+import type { Truth } from "../api/types";
 import { readable } from "../ui/numbers";
 import type { TimePart } from "./conditions";
-import type { CheckState } from "./live_states";
+import type { CheckState, TimeState } from "./live_states";
 
 const CHECK_WORDS = { true: "✓ true", false: "✗ false", unknown: "? unknown" };
 export const RULE_WORDS = { true: "✓ holds", false: "✗ does not hold", unknown: "? unknown" };
-const SIGNS: Record<TruthName, string> = { true: "✓", false: "✗", unknown: "?" };
+const SIGNS: Record<Truth, string> = { true: "✓", false: "✗", unknown: "?" };
 const IN_MS_BELOW_S = 1;
 const IN_MIN_FROM_S = 120;
 
@@ -18,7 +18,7 @@ export function checkWords({ state, value }: CheckState, unit: string): string {
 }
 
 /** What a badge says of a time: how much of it is over, as in `holds for 6 s of 10 s`. */
-export function timeWords({ state, held_s }: LiveTime, { word, duration }: TimePart): string {
+export function timeWords({ state, held_s }: TimeState, { word, duration }: TimePart): string {
   const whole = `${duration.value} ${duration.unit}`;
   if (held_s === null) return `${SIGNS[state]} not known for ${whole} yet`;
   if (word === "For") {

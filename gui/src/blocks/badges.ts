@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import type { TruthName } from "../api/types";
+import type { Truth } from "../api/types";
 import { checkWords, RULE_WORDS, timeWords } from "./badge_words";
 import { stacked, timesOn } from "./conditions";
 import { FOLDED } from "./folded_type";
@@ -18,7 +18,7 @@ type UnitOf = (check: Blockly.Block) => string;
 
 /** What a badge says, and in which colour. */
 interface Badge {
-  look: TruthName;
+  look: Truth;
   words: string;
 }
 interface Drawn extends Badge {

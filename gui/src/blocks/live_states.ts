@@ -1,19 +1,24 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import type { CheckCondition, Condition, Live, LiveTime, RuleDocument, TimedCondition, TruthName } from "../api/types";
+import type { CheckCondition, Condition, Live, RobotCheck, RuleDocument, TimedCondition, Truth } from "../api/types";
 import { statementsIn } from "../state/statements";
 
 /** What a robot says of one check now. */
 export interface CheckState {
-  state: TruthName;
+  state: Truth;
   value: number | null;
+}
+/** What a robot says of a `For` now: for how long it has held; of a `Within`: for how long it has not. */
+export interface TimeState {
+  state: Truth;
+  held_s: number | null;
 }
 /** What a robot says of one rule now, of its checks in the order of the text, and of its times as they end in it. */
 export interface RuleState {
-  state: TruthName;
+  state: Truth;
   checks: readonly CheckState[];
-  times: readonly LiveTime[];
+  times: readonly TimeState[];
 }
 
 const UNKNOWN: CheckState = { state: "unknown", value: null };
@@ -27,19 +32,29 @@ const UNKNOWN: CheckState = { state: "unknown", value: null };
 export function ruleStates(document: RuleDocument, live: Live): ReadonlyMap<string, RuleState> {
   const all = statementsIn(document);
   const rules = all.filter((each) => each.kind === "rule").filter((each) => !each.is_disabled);
-  const labels = numbered(live.blocks.map(({ label }) => label));
-  const blocks = new Map(live.blocks.map((block, index) => [labels[index], block]));
-  const checks = new Map(live.checks.map((check) => [words({ ...check, value: check.limit }), check]));
+  const labels = numbered(live.labels);
+  const blocks = new Map(live.status.blocks.map((block, index) => [labels[index], block]));
+  const checks = new Map(readChecks(live).map((check) => [words({ ...check, value: check.limit }), check]));
   const states = new Map<string, RuleState>();
   numbered(rules.map(({ label = "" }) => label)).forEach((label, index) => {
     const [rule, block] = [rules[index], blocks.get(label)];
     if (!rule || block === undefined) return;
     const own = checksOf(rule.condition).map((check) => checks.get(words(check)) ?? UNKNOWN);
-    const { state, times } = block;
+    const { state } = block;
+    const times = (block.times ?? []).map(([, , state, held_s]) => ({ state, held_s }));
     const isKnown = times.length === timesOf(rule.condition).length;
     states.set(rule.id ?? "", { state, checks: own, times: isKnown ? times : [] });
   });
   return states;
+}
+
+/** The checks of a robot's rules whose words are known, with what each reads now. */
+export function readChecks({ status, checks }: Live): (RobotCheck & CheckState)[] {
+  const read = status.blocks.flatMap((block) => block.checks);
+  return read.flatMap(([, , state, value], at) => {
+    const written = checks[at];
+    return written ? [{ ...written, state, value }] : [];
+  });
 }
 
 /** Names that tell rules apart: those of one name are numbered, and so are unnamed ones, whose line may move. */
@@ -53,7 +68,7 @@ function numbered(labels: readonly string[]): string[] {
   });
 }
 
-function words(check: { topic: string; property: string; op: string; value: number | null }): string {
+function words(check: { topic: string; property: string; op: string; value: number }): string {
   return `${check.topic} ${check.property} ${check.op} ${check.value}`;
 }
 

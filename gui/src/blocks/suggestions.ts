@@ -6,6 +6,7 @@ import type { Trial } from "../state/trial";
 import { hz, readable } from "../ui/numbers";
 import type { PickerChoice } from "../ui/picker_matches";
 import type { Suggestions } from "./fields";
+import { readChecks } from "./live_states";
 
 /** What is said beside a topic that a running robot publishes. */
 export const ON_ROBOT = "on the robot now";
@@ -66,9 +67,9 @@ function topicChoice(now: KnownNow, known: KnownTopic): PickerChoice {
 
 /** How often a topic comes, by who knows best: the robot, else a recording, else the topic parameters. */
 function sourceWords({ profile, live, tried }: KnownNow, { topic, is_published, source_hz }: KnownTopic): string {
-  const relayed = live.value?.topics.find((each) => each.topic === topic);
+  const relayed = live.value?.status.topics[topic];
   if (relayed?.source_hz != null) return `${hz(relayed.source_hz)} on the robot`;
-  if (relayed?.silence) return "silent on the robot";
+  if (relayed?.silent) return "silent on the robot";
   if (is_published || relayed) return ON_ROBOT;
   if (live.value !== null) return "the robot has none";
   const seen = tried.value;
@@ -78,7 +79,7 @@ function sourceWords({ profile, live, tried }: KnownNow, { topic, is_published, 
 }
 
 function propertyChoice({ live, tried }: KnownNow, topic: string, { name, unit, meaning }: Property): PickerChoice {
-  const check = live.value?.checks.find((each) => each.topic === topic && each.property === name);
+  const check = live.value && readChecks(live.value).find((each) => each.topic === topic && each.property === name);
   const seen = tried.value;
   const range = seen?.rangeOf(topic, name);
   const now = check?.value != null ? `now ${readable(check.value)}` : "";

@@ -96,7 +96,7 @@ function Situation({ link }: { link: RobotLink }) {
   }
   return (
     <span class={isFailing ? "problem" : ""} role={isFailing ? "alert" : undefined}>
-      {RULES_WORDS[robot.rules]}
+      {RULES_WORDS[robot.rules.origin]}
     </span>
   );
 }

@@ -54,6 +54,7 @@ function RobotRow({ robot, project, sinceToldS }: RowProps) {
   const trouble = troubleOf(robot, sinceToldS);
   const silentS = robot.heard_s_ago + sinceToldS;
   const { oldest } = robot;
+  const { sha256 } = robot.rules;
   return (
     <tr class={lookOf(robot, trouble !== null)}>
       <th scope="row">
@@ -71,8 +72,7 @@ function RobotRow({ robot, project, sinceToldS }: RowProps) {
         <Sent robot={robot} />
       </td>
       <td data-label="Rules">
-        {robot.rules_hash && <code title={robot.rules_hash}>{robot.rules_hash.slice(0, HASH_DIGITS)}</code>}{" "}
-        {originOf(robot, sinceToldS)}
+        {sha256 && <code title={sha256}>{sha256.slice(0, HASH_DIGITS)}</code>} {originOf(robot, sinceToldS)}
       </td>
     </tr>
   );
@@ -80,7 +80,7 @@ function RobotRow({ robot, project, sinceToldS }: RowProps) {
 
 function lookOf({ is_heard, rules }: RobotSummary, isTroubled: boolean): string {
   if (!is_heard) return "silent";
-  if (rules === "fallback") return "failing";
+  if (rules.origin === "fallback") return "failing";
   return isTroubled ? "troubled" : "";
 }
 
@@ -115,10 +115,10 @@ function Sent({ robot: { budget_kb_per_s: budget, out_kb_per_s: sent, label } }:
   );
 }
 
-function originOf({ rules, rules_files, waits_s }: RobotSummary, sinceToldS: number): string {
-  switch (rules) {
+function originOf({ rules: { origin, files, waits_s } }: RobotSummary, sinceToldS: number): string {
+  switch (origin) {
     case "files":
-      return rules_files.map((path) => path.slice(path.lastIndexOf("/") + 1)).join(", ") || "files";
+      return files.map((path) => path.slice(path.lastIndexOf("/") + 1)).join(", ") || "files";
     case "pushed":
       return "pushed";
     case "waiting":

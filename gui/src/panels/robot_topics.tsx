@@ -1,17 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useMemo } from "preact/hooks";
-import type { Live, LiveTopic } from "../api/types";
+import type { Live, TopicStatus } from "../api/types";
 import type { RobotLink } from "../state/robot_link";
 import { fixed, readable } from "../ui/numbers";
 import { Sparkline } from "./sparkline";
 
 /** Every relayed topic of a robot as it is now. */
-export function RobotTopics({ link, live }: { link: RobotLink; live: Live }) {
+export function RobotTopics({ link, live: { status, bounds } }: { link: RobotLink; live: Live }) {
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach
     <div class="table-scroll" tabIndex={0}>
-      <table class={live.link ? "robot-topics linked" : "robot-topics"} aria-label="Topics of the robot">
+      <table class={status.link ? "robot-topics linked" : "robot-topics"} aria-label="Topics of the robot">
         <thead>
           <tr>
             <th scope="col">Topic</th>
@@ -20,7 +20,7 @@ export function RobotTopics({ link, live }: { link: RobotLink; live: Live }) {
             <th scope="col">Actual (Hz)</th>
             <th scope="col">Actual, last 48 s</th>
             <th scope="col">Sent (KB/s)</th>
-            {live.link &&
+            {status.link &&
               LINK_COLUMNS.map((name) => (
                 <th key={name} scope="col">
                   {name}
@@ -31,13 +31,13 @@ export function RobotTopics({ link, live }: { link: RobotLink; live: Live }) {
           </tr>
         </thead>
         <tbody>
-          {live.topics.map((topic) => (
+          {Object.entries(status.topics).map(([name, topic]) => (
             <TopicRow
-              key={topic.topic}
+              key={name}
               link={link}
-              topic={topic.topic}
-              cells={cellsOf(topic)}
-              linkCells={live.link ? linkCellsOf(topic) : null}
+              topic={name}
+              cells={cellsOf(topic, bounds[name] ?? [])}
+              linkCells={status.link ? linkCellsOf(topic) : null}
             />
           ))}
         </tbody>
@@ -47,7 +47,7 @@ export function RobotTopics({ link, live }: { link: RobotLink; live: Live }) {
 }
 
 /** What the row of a topic says, in the order of the columns, and how it looks; the sparkline is beside it. */
-function cellsOf(topic: LiveTopic): string {
+function cellsOf(topic: TopicStatus, bounds: readonly string[]): string {
   const rate = (hz: number | null) => (hz === null ? "–" : fixed(hz, 1));
   const target = topic.target_hz === null ? "Full" : readable(topic.target_hz);
   return [
@@ -55,23 +55,23 @@ function cellsOf(topic: LiveTopic): string {
     target,
     rate(topic.actual_hz),
     fixed(topic.out_kb_per_s, 1),
-    [topic.rule ?? REASONS[topic.reason] ?? topic.reason, ...topic.bounds].join("; "),
-    topic.problem ?? topic.silence ?? relayed(topic),
-    (topic.problem ?? topic.silence) ? "silent" : "",
+    [topic.rule ?? REASONS[topic.reason] ?? topic.reason, ...bounds].join("; "),
+    topic.problem ?? topic.silent ?? relayed(topic),
+    (topic.problem ?? topic.silent) ? "silent" : "",
   ].join("\n");
 }
 
 const LINK_COLUMNS = ["Age (ms)", "Replaced", "Queue (KB)"];
 
 /** The same for the columns of a link. */
-function linkCellsOf({ link }: LiveTopic): string {
-  if (link === null) return "–\n–\n–";
+function linkCellsOf({ link }: TopicStatus): string {
+  if (link === undefined) return "–\n–\n–";
   const age = link.age_ms === null ? "–" : String(Math.round(link.age_ms));
   return [age, readable(link.replaced), readable(link.queued_bytes / 1000)].join("\n");
 }
 
-function relayed({ keeps_rate, error_percent, link }: LiveTopic): string {
-  if (link?.overflowed) return `${readable(link.overflowed)} lost on the link`;
+function relayed({ keeps_rate, error_percent, link }: TopicStatus): string {
+  if (link?.losing && link.overflowed) return `${readable(link.overflowed)} lost on the link`;
   if (keeps_rate || error_percent === null) return "relayed";
   return `rate off by ${fixed(error_percent, 0)} %`;
 }

@@ -5,10 +5,9 @@ import { linkWords } from "../state/robot_trouble";
 import { fixed, readable } from "../ui/numbers";
 
 /** What all topics take of the link together, and what the runtime takes of its machine. */
-export function RobotTotals({ live }: { live: Live }) {
-  const sent = live.out_kb_per_s;
-  const heard = live.topics.reduce((sum, topic) => sum + topic.in_kb_per_s, 0);
-  const budget = live.budget_kb_per_s;
+export function RobotTotals({ live: { status, status_kb_per_s } }: { live: Live }) {
+  const sent = status.out_kb_per_s;
+  const budget = status.budget_kb_per_s;
   return (
     <dl class="robot-totals">
       <div class={budget !== null && sent > budget ? "over wide" : "wide"}>
@@ -23,11 +22,11 @@ export function RobotTotals({ live }: { live: Live }) {
           <meter min={0} max={1} value={Math.min(sent / budget, 1)} aria-label="Sent: share of the budget" />
         )}
       </div>
-      {live.link && <Figure name="Link" value={linkWords(live.link)} />}
-      <Figure name="Watching" value={`up to ${readable(live.status_kb_per_s)} KB/s`} />
-      <Figure name="Received" value={`${readable(heard)} KB/s`} />
-      <Figure name="CPU" value={live.cpu_percent === null ? "–" : `${fixed(live.cpu_percent, 1)} %`} />
-      <Figure name="Memory" value={live.memory_mb === null ? "–" : `${fixed(live.memory_mb, 0)} MB`} />
+      {status.link && <Figure name="Link" value={linkWords(status.link)} />}
+      <Figure name="Watching" value={`up to ${readable(status_kb_per_s)} KB/s`} />
+      <Figure name="Received" value={`${readable(status.in_kb_per_s)} KB/s`} />
+      <Figure name="CPU" value={status.cpu_percent === null ? "–" : `${fixed(status.cpu_percent, 1)} %`} />
+      <Figure name="Memory" value={status.memory_mb === null ? "–" : `${fixed(status.memory_mb, 0)} MB`} />
     </dl>
   );
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { RobotSummary, Robots } from "../api/types";
+import type { RobotSummary, Robots, RulesOrigin } from "../api/types";
 
 /** The server tells of robots every two seconds; what is so old is no longer trusted. */
 export const TOLD_WITHIN_S = 8;
@@ -44,12 +44,12 @@ export function connectionOf(
 function heardFrom(robot: RobotSummary, sinceToldS: number): Connection {
   const silentS = Math.floor(robot.heard_s_ago + sinceToldS);
   if (robot.is_heard && sinceToldS < TOLD_WITHIN_S) {
-    const isFailing = robot.rules === "fallback";
+    const isFailing = robot.rules.origin === "fallback";
     return {
       kind: "connected",
       isFailing,
       words: isFailing ? `${robot.label}: no valid rules` : `connected to ${robot.node}`,
-      why: `${robot.node} relays ${robot.topics} topics. ${RULES_WORDS[robot.rules]}`,
+      why: `${robot.node} relays ${robot.topics} topics. ${RULES_WORDS[robot.rules.origin]}`,
     };
   }
   return {
@@ -65,7 +65,7 @@ function none(why: string): Connection {
 }
 
 /** Which rules a robot follows, as a sentence. */
-export const RULES_WORDS: Record<RobotSummary["rules"], string> = {
+export const RULES_WORDS: Record<RulesOrigin, string> = {
   files: "It follows the rule files on its disk.",
   pushed: "It follows rules that were sent to it.",
   waiting: "It is trying rules that were sent to it, and reverts them unless they are kept.",

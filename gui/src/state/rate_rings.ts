@@ -40,11 +40,9 @@ export class RateRings {
   }
 
   /** Adds one sample to each topic, and forgets topics that are no longer told of. */
-  push(topics: readonly { topic: string; actual_hz: number | null }[]): void {
-    for (const { topic, actual_hz } of topics) this.of(topic).push(actual_hz);
-    if (this.rings.size === topics.length) return;
-    const told = new Set(topics.map(({ topic }) => topic));
-    for (const topic of this.rings.keys()) if (!told.has(topic)) this.rings.delete(topic);
+  push(topics: Readonly<Record<string, { actual_hz: number | null }>>): void {
+    for (const [topic, { actual_hz }] of Object.entries(topics)) this.of(topic).push(actual_hz);
+    for (const topic of this.rings.keys()) if (!(topic in topics)) this.rings.delete(topic);
   }
 
   clear(): void {

@@ -123,7 +123,7 @@ export class RobotLink {
 
   private show(live: Live): void {
     const due = Math.floor((performance.now() - this.sampledMs) / SAMPLE_MS);
-    for (let sample = 0; sample < Math.min(due, RING_LENGTH); sample++) this.rates.push(live.topics);
+    for (let sample = 0; sample < Math.min(due, RING_LENGTH); sample++) this.rates.push(live.status.topics);
     this.sampledMs += due * SAMPLE_MS;
     batch(() => {
       this.samples.value += due;

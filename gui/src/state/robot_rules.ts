@@ -43,7 +43,7 @@ export class RobotRules {
   /** Compares whenever either side changes, until the returned function is called. */
   follow(): () => void {
     const stopWatching = this.link.watch();
-    const hash = computed(() => this.link.robot.value?.rules_hash);
+    const hash = computed(() => this.link.robot.value?.rules.sha256);
     // A silent robot is not asked anything.
     const heard = computed(() => (this.link.connection.value.kind === "connected" ? this.link.node.value : null));
     const stop = effect(() => {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { LinkView, Project, RobotSummary } from "../api/types";
+import type { LinkState, Project, RobotSummary } from "../api/types";
 import { readable } from "../ui/numbers";
 
 /** A message that is older than this when it arrives is of little use for driving. */
@@ -29,7 +29,7 @@ const TROUBLES: {
     holds: ({ is_heard }) => !is_heard,
     words: ({ heard_s_ago }, sinceToldS) => `silent for ${duration(heard_s_ago + sinceToldS)}`,
   },
-  { holds: ({ rules }) => rules === "fallback", words: () => "no valid rules" },
+  { holds: ({ rules }) => rules.origin === "fallback", words: () => "no valid rules" },
   { holds: ({ link }) => link !== null && !link.connected, words: () => "no operator connected" },
   {
     holds: ({ lost }) => lost > 0,
@@ -69,16 +69,16 @@ export function inOrderOf(nodes: readonly string[], robots: readonly RobotSummar
 }
 
 /** The rule file in which to open a robot: the one that it follows by name, else the project's, else any. */
-export function rulesFor({ rules_files }: RobotSummary, { files, opened }: Project): string | null {
+export function rulesFor({ rules }: RobotSummary, { files, opened }: Project): string | null {
   const names = files.filter(({ kind }) => kind === "rules").map(({ name }) => name);
-  const followed = new Set(rules_files.map(baseName));
+  const followed = new Set(rules.files.map(baseName));
   return names.find((name) => followed.has(baseName(name))) ?? opened ?? names[0] ?? null;
 }
 
 /** The robots that follow the rule file of a project, as far as its name tells. */
 export function followersOf(name: string, robots: readonly RobotSummary[]): RobotSummary[] {
   return robots.filter(
-    ({ rules, rules_files }) => rules === "files" && rules_files.some((path) => baseName(path) === baseName(name)),
+    ({ rules }) => rules.origin === "files" && rules.files.some((path) => baseName(path) === baseName(name)),
   );
 }
 
@@ -92,7 +92,7 @@ export function duration(seconds: number): string {
 }
 
 /** How a link does, in a few words. */
-export function linkWords(link: LinkView): string {
+export function linkWords(link: LinkState): string {
   if (!link.connected) return "no operator connected";
   const carries = link.capacity_kb_per_s === null ? "not the limit" : `${readable(link.capacity_kb_per_s)} KB/s`;
   const trip = link.round_trip_ms === null ? "" : `, round trip ${Math.round(link.round_trip_ms)} ms`;

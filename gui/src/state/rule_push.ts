@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, effect, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
-import type { LastingAnswer, Problem, PushPreview, RobotSummary } from "../api/types";
+import type { LastingAnswer, Problem, PushPreview, RobotSummary, RulesOrigin } from "../api/types";
 import type { RobotLink } from "./robot_link";
 import type { RuleEditor } from "./rule_editor";
 
@@ -15,7 +15,7 @@ export type Stage =
   | { kind: "trying"; node: string; hash: string; withinS: number; isSeen: boolean; isLetGo: boolean }
   | { kind: "kept"; node: string; hash: string; isSeen: boolean; lasting: LastingAnswer | null }
   | { kind: "written"; node: string; file: string; previousFile: string }
-  | { kind: "replaced"; node: string; by: RobotSummary["rules"] }
+  | { kind: "replaced"; node: string; by: RulesOrigin }
   | { kind: "gone"; node: string }
   | { kind: "refused"; outcome: string; problem: Problem };
 
@@ -28,7 +28,7 @@ export class RulePush {
   readonly leftS = computed(() => {
     const stage = this.stage.value;
     if (stage.kind !== "trying") return 0;
-    const waitsS = (this.link.live.value ?? this.link.robot.value)?.waits_s;
+    const waitsS = (this.link.live.value?.status ?? this.link.robot.value)?.rules.waits_s;
     return Math.max(0, Math.ceil(waitsS ?? stage.withinS));
   });
 
@@ -161,12 +161,13 @@ export class RulePush {
 /** The stage after a status of `robot`. Until one has the hash of the sent rules, it may be from before them. */
 function seen(stage: Extract<Stage, { kind: "trying" | "kept" }>, robot: RobotSummary): Stage {
   const { node, hash, isSeen } = stage;
-  const isThere = robot.rules_hash === hash;
+  const { sha256, origin } = robot.rules;
+  const isThere = sha256 === hash;
   if (stage.kind === "kept") {
-    if (!isThere && isSeen) return { kind: "replaced", node, by: robot.rules };
+    if (!isThere && isSeen) return { kind: "replaced", node, by: origin };
     return isThere && !isSeen ? { ...stage, isSeen: true } : stage;
   }
   if (!isThere) return isSeen ? { kind: "gone", node } : stage;
-  if (isSeen && robot.rules !== "waiting") return { kind: "kept", node, hash, isSeen, lasting: null };
-  return !isSeen && robot.rules === "waiting" ? { ...stage, isSeen: true } : stage;
+  if (isSeen && origin !== "waiting") return { kind: "kept", node, hash, isSeen, lasting: null };
+  return !isSeen && origin === "waiting" ? { ...stage, isSeen: true } : stage;
 }

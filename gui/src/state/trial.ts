@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed } from "@preact/signals";
 import type { Rules } from "../api/client";
-import type { FoundFile, TruthName, TryAnswer, TryDecision } from "../api/types";
+import type { FoundFile, Truth, TryAnswer, TryDecision } from "../api/types";
 import { Timeline, upTo } from "./timeline";
 import { type Turns, truthAt } from "./turns";
 
@@ -10,7 +10,7 @@ import { type Turns, truthAt } from "./turns";
 export interface RuleNow {
   rule: string;
   line: number;
-  truth: TruthName;
+  truth: Truth;
   /** What it is when. */
   turns: Turns;
   /** The topics whose rate it decides. */

@@ -3,7 +3,7 @@
 import type { CheckCondition, Condition, Edit, Statement } from "../api/types";
 
 /** A check where a rule says it. */
-export interface WrittenCheck {
+export interface RobotCheck {
   rule: string;
   check: CheckCondition;
   /** The check with the `For` and `Within` around it alone. */
@@ -13,13 +13,13 @@ export interface WrittenCheck {
 }
 
 /** The checks of rules, in their order. */
-export function checksIn(statements: readonly Statement[]): WrittenCheck[] {
+export function checksIn(statements: readonly Statement[]): RobotCheck[] {
   return statements.flatMap((one) =>
     one.kind === "rule" ? found(one.condition).map((each) => ({ ...each, rule: one.name ?? one.label ?? "" })) : [],
   );
 }
 
-function found(condition: Condition): Omit<WrittenCheck, "rule">[] {
+function found(condition: Condition): Omit<RobotCheck, "rule">[] {
   switch (condition.kind) {
     case "check": {
       const { topic, property, op, value, until } = condition;

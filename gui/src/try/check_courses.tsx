@@ -5,7 +5,7 @@ import { useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
-import { checksIn, thresholdEdits, type WrittenCheck } from "../state/written_checks";
+import { checksIn, type RobotCheck, thresholdEdits } from "../state/written_checks";
 import { Choice } from "../ui/choice";
 import { WorkProgress } from "../ui/work_progress";
 import { OtherThreshold } from "./check_chart";
@@ -41,7 +41,7 @@ export function CheckCourses({ editor, api, trial }: Props) {
   );
 }
 
-function CourseOfCheck({ editor, api, trial, one }: Props & { one: WrittenCheck }) {
+function CourseOfCheck({ editor, api, trial, one }: Props & { one: RobotCheck }) {
   const { check, condition } = one;
   const threshold = useSignal(check.value);
   const asked = useMemo(

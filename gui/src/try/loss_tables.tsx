@@ -47,7 +47,7 @@ function FieldTable({ trial, fields }: { trial: Trial; fields: TryFieldLoss[] })
         nameOf(each),
         each.unit,
         shown(each.hold?.rmse),
-        shown(each.hold?.maximum),
+        shown(each.hold?.max),
         shown(each.hold?.relative_rmse == null ? null : 100 * each.hold.relative_rmse),
         shown(each.error_bins[bin]),
       ])}

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import type { TruthName } from "../api/types";
+import type { Truth } from "../api/types";
 import type { Timeline } from "../state/timeline";
 import type { RuleNow } from "../state/trial";
 import { Button } from "../ui/button";
 import { TruthBar } from "./truth_bar";
 
-const WORDS: Record<TruthName, string> = { true: "holds", false: "does not hold", unknown: "unknown" };
+const WORDS: Record<Truth, string> = { true: "holds", false: "does not hold", unknown: "unknown" };
 
 interface Props {
   title: string;

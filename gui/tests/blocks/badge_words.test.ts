@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import type { LiveTime, TimeWord, TruthName } from "../../src/api/types";
+import type { TimeWord, Truth } from "../../src/api/types";
 import { checkWords, timeWords } from "../../src/blocks/badge_words";
+import type { TimeState } from "../../src/blocks/live_states";
 
 const TEN = { value: 10, unit: "s" } as const;
 
-test.each<[TimeWord, TruthName, number | null, string]>([
+test.each<[TimeWord, Truth, number | null, string]>([
   ["For", "unknown", null, "? not known for 10 s yet"],
   ["For", "false", 0, "✗ does not hold now"],
   ["For", "false", 6.94, "✗ holds for 6 s of 10 s"],
@@ -18,7 +19,7 @@ test.each<[TimeWord, TruthName, number | null, string]>([
   ["Within", "false", 11, "✗ not in the last 10 s"],
   ["Within", "unknown", 5, "? not for 5 s"],
 ])("a badge says of a %s that is %s since %j s: %s", (word, state, held_s, words) => {
-  const time: LiveTime = { state, held_s };
+  const time: TimeState = { state, held_s };
   expect(timeWords(time, { word, duration: TEN })).toBe(words);
 });
 

@@ -30,8 +30,11 @@ test("what a robot says of times is shown only where it has as many", () => {
   const statement = { kind: "rule", id: "s1", label: "Far", name: "Far", condition: CONDITION };
   const document = { collections: [{ statements: [statement] }] } as unknown as RuleDocument;
   const times = [1, 2, 3].map((held_s) => ({ state: "false", held_s }));
-  const live = (some: unknown[]) =>
-    ({ blocks: [{ label: "Far", state: "false", times: some }], checks: [] }) as unknown as Live;
+  const live = (some: typeof times) => {
+    const rows = some.map(({ state, held_s }, at) => [4, at, state, held_s]);
+    const status = { blocks: [{ state: "false", checks: [], times: rows }] };
+    return { status, labels: ["Far"], checks: [] } as unknown as Live;
+  };
   expect(ruleStates(document, live(times)).get("s1")?.times).toEqual(times);
   expect(ruleStates(document, live(times.slice(1))).get("s1")?.times).toEqual([]);
 });

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect, signal } from "@preact/signals";
 import { expect, test } from "vitest";
-import type { KnownTopic, Live, LiveCheck, LiveTopic, Vocabulary } from "../../src/api/types";
+import type { KnownTopic, Live, RobotCheck, TopicStatus, Vocabulary } from "../../src/api/types";
 import { ON_ROBOT, suggestionsOf } from "../../src/blocks/suggestions";
 import type { Trial } from "../../src/state/trial";
 
@@ -33,8 +33,9 @@ function known(topic: Partial<KnownTopic> = {}) {
   };
 }
 
-function robot(topics: Partial<LiveTopic>[], checks: Partial<LiveCheck>[] = []): Live {
-  return { topics, checks } as Live;
+function robot(topics: Record<string, Partial<TopicStatus>>, checks: Partial<RobotCheck>[] = [], value = 0): Live {
+  const blocks = [{ checks: checks.map(() => [4, 7, "true", value]) }];
+  return { status: { topics, blocks }, checks } as unknown as Live;
 }
 
 test("what is suggested grows when a robot's topics come later", () => {
@@ -65,9 +66,9 @@ test("a topic says its type, who uses it, and how often it comes by who knows be
   expect(aside()).toBe("20 Hz in radio.toml");
   tried.value = { bag: "monday", sourceHz: () => 19.96 } as unknown as Trial;
   expect(aside()).toBe("20 Hz in monday");
-  live.value = robot([]);
+  live.value = robot({});
   expect(aside()).toBe("the robot has none");
-  live.value = robot([{ topic: "/odom", source_hz: 9.87 }]);
+  live.value = robot({ "/odom": { source_hz: 9.87 } });
   expect(aside()).toBe("9.87 Hz on the robot");
 });
 
@@ -77,7 +78,7 @@ test("a property says its value on the robot, else what it was in the recording,
   expect(aside()).toBe("m/s");
   tried.value = { bag: "monday", rangeOf: () => [-0.1, 1.2345] } as unknown as Trial;
   expect(aside()).toBe("-0.1 … 1.23 m/s in monday");
-  live.value = robot([], [{ topic: "/odom", property: "speed", value: 0.5 }]);
+  live.value = robot({}, [{ topic: "/odom", property: "speed" }], 0.5);
   expect(aside()).toBe("now 0.5 m/s");
 });
 

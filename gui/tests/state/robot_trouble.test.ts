@@ -1,19 +1,22 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import type { LinkView, Project, RobotSummary } from "../../src/api/types";
+import type { LinkState, Project, RobotSummary, RulesInForce } from "../../src/api/types";
 import { byTrouble, followersOf, inOrderOf, linkWords, rulesFor, troubleOf } from "../../src/state/robot_trouble";
 
-const LINK: LinkView = { connected: true, capacity_kb_per_s: 231.5, round_trip_ms: 24.4, outages: 1 };
+const LINK: LinkState = { connected: true, capacity_kb_per_s: 231.5, round_trip_ms: 24.4, outages: 1 };
+const RULES: RulesInForce = {
+  files: ["/etc/testudo/patrol.adirf"],
+  sha256: "ab".repeat(32),
+  origin: "files",
+  waits_s: null,
+};
 const WELL: RobotSummary = {
   node: "/ada",
   label: "ada",
   is_heard: true,
   heard_s_ago: 0.4,
-  rules_hash: "ab".repeat(32),
-  rules_files: ["/etc/testudo/patrol.adirf"],
-  rules: "files",
-  waits_s: null,
+  rules: RULES,
   topics: 3,
   budget_kb_per_s: 100,
   out_kb_per_s: 60,
@@ -37,7 +40,7 @@ const withFiles = (names: string[], opened: string | null = null): Project => ({
 test.each<[Partial<RobotSummary>, string]>([
   [{ is_heard: false, heard_s_ago: 12.2 }, "silent for 15 s"],
   [{ is_heard: false, heard_s_ago: 200 }, "silent for 3 min"],
-  [{ rules: "fallback" }, "no valid rules"],
+  [{ rules: { ...RULES, origin: "fallback" } }, "no valid rules"],
   [{ link: { ...LINK, connected: false } }, "no operator connected"],
   [{ lost: 1 }, "1 message lost"],
   [{ lost: 1200 }, "1 200 messages lost"],
@@ -51,7 +54,7 @@ test.each<Partial<RobotSummary>>([
   {},
   { link: null, oldest: null, budget_kb_per_s: null },
   { out_kb_per_s: 100 },
-  { rules: "waiting", waits_s: 5 },
+  { rules: { ...RULES, origin: "waiting", waits_s: 5 } },
 ])("a robot with %j is well", (changes) => {
   expect(troubleOf(named("ada", changes))).toBeNull();
 });
@@ -86,7 +89,7 @@ test.each<[Project, string | null]>([
   expect(rulesFor(WELL, project)).toBe(name);
 });
 
-test.each<[Partial<LinkView>, string]>([
+test.each<[Partial<LinkState>, string]>([
   [{}, "232 KB/s, round trip 24 ms, 1 outage"],
   [{ capacity_kb_per_s: null, round_trip_ms: null, outages: 0 }, "not the limit, 0 outages"],
   [{ connected: false }, "no operator connected"],
@@ -95,6 +98,10 @@ test.each<[Partial<LinkView>, string]>([
 });
 
 test("a rule file has those followers that run from a file of its name, and not from pushed rules", () => {
-  const robots = [named("ada"), named("bob", { rules: "pushed" }), named("eve", { rules_files: ["/x/dock.adirf"] })];
+  const robots = [
+    named("ada"),
+    named("bob", { rules: { ...RULES, origin: "pushed" } }),
+    named("eve", { rules: { ...RULES, files: ["/x/dock.adirf"] } }),
+  ];
   expect(followersOf("night/patrol.adirf", robots).map(({ label }) => label)).toEqual(["ada"]);
 });

@@ -6,10 +6,10 @@ import { worstLoss } from "../../src/try/worst_loss";
 
 const topic = (name: string, sent: number, received: number, maxS: number): TryTopicLoss => ({
   topic: name,
-  sent: { messages: sent, size_bytes: 0, age: null },
+  sent: { messages: sent, bytes: 0, age: null },
   received: {
     messages: received,
-    size_bytes: 0,
+    bytes: 0,
     age: received === 0 ? null : { mean_s: 0, p95_s: 0, max_s: maxS, unseen_s: 0 },
   },
   age_s_bins: [],

@@ -23,6 +23,7 @@ from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import RulesOrigin, Silence
 from smarttestudo.domain.status_json import status_from_text
 from smarttestudo.robot.ros.graph_robots import GraphRobots
+from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.answers.live_view import Live, live_model, robot_summaries
 from smarttestudo.ruler.answers.robot_watch import RobotWatch
 
@@ -39,7 +40,7 @@ def live() -> Live:
     [seen] = watch.look()
     [summary] = robot_summaries(watch.seen.values(), robot.steady_s())
     assert (summary.node, summary.is_heard, summary.topics) == ("/smarttestudo", True, 5)
-    assert (summary.rules, summary.rules_files) == (RulesOrigin.FILES, ("warehouse.adirf",))
+    assert (summary.rules.origin, summary.rules.paths) == (RulesOrigin.FILES, ("warehouse.adirf",))
     return live_model(seen)
 
 
@@ -58,18 +59,17 @@ def test_its_words_mean_what_they_meant() -> None:
 
 
 def test_the_page_shows_its_rates_rules_and_checks(live: Live) -> None:
-    topics = {topic.topic: topic for topic in live.topics}
-    assert (topics["/odom"].target_hz, topics["/estop"].target_hz, topics["/cmd_vel"].target_hz) == (
-        4,
-        None,
-        0,
-    )
-    assert topics["/imu"].actual_hz == pytest.approx(5, rel=0.01)
-    assert topics["/imu"].silence is Silence.NO_SUBSCRIBER
-    assert (topics["/odom"].rule, topics["/odom"].line) == ("Far from the dock", 8)
-    assert (live.budget_kb_per_s, live.rules) == (20, RulesOrigin.FILES)
-    assert [(block.line, block.state) for block in live.blocks] == [(8, "true"), (15, "unknown")]
-    assert [(check.line, check.state, check.value) for check in live.checks] == [
+    shown = json.loads(answer_json(live))
+    status, topics = shown["status"], shown["status"]["topics"]
+    targets_hz = [topics[topic]["target_hz"] for topic in ("/odom", "/estop", "/cmd_vel")]
+    assert targets_hz == [4, None, 0]
+    assert topics["/imu"]["actual_hz"] == pytest.approx(5, rel=0.01)
+    assert topics["/imu"]["silent"] == "no subscriber"
+    assert (topics["/odom"]["rule"], topics["/odom"]["line"]) == ("Far from the dock", 8)
+    assert (status["budget_kb_per_s"], status["rules"]["origin"]) == (20, "files")
+    assert [(block["line"], block["state"]) for block in status["blocks"]] == [(8, "true"), (15, "unknown")]
+    checks = [(line, *read) for block in status["blocks"] for line, _, *read in block["checks"]]
+    assert checks == [
         (9, "true", 5.25),
         (9, "true", pytest.approx(60, rel=0.01)),
         (16, "unknown", None),

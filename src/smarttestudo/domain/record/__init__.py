@@ -12,6 +12,7 @@ from smarttestudo.domain.record.entry import (
     Measured,
     Significant,
     derived,
+    json_name,
     marks,
 )
 
@@ -26,6 +27,7 @@ __all__ = [
     "Significant",
     "derived",
     "from_json",
+    "json_name",
     "marks",
     "measured_names",
     "to_json",

@@ -15,9 +15,9 @@ from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from types import UnionType
-from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
-from smarttestudo.domain.record.entry import AtMost, Decimals, JsonEntry, Mark, Significant, marks
+from smarttestudo.domain.record.entry import AtMost, Decimals, JsonEntry, Mark, Significant, json_name, marks
 from smarttestudo.domain.record.plain import PLAIN
 
 _Value = TypeVar("_Value")
@@ -211,13 +211,13 @@ def _ways(hint: Any, entry: JsonEntry) -> _Ways:
     if origin in (Union, UnionType):
         return _optional(next(part for part in parts if part is not type(None)), entry)
     if origin in (tuple, frozenset):
-        return _several(origin, parts[0], entry)
-    if origin is not None and issubclass(origin, Mapping):
-        return _mapping(parts[1])
+        return _several(origin, parts, entry)
     if isinstance(hint, type) and hasattr(hint, "from_json"):
         return _Ways(encode=lambda value: value.to_json(), decode=hint.from_json, null=_null_of(hint))
-    if isinstance(hint, type) and issubclass(hint, Enum):
-        return _enum(hint)
+    if origin is Literal or (isinstance(hint, type) and issubclass(hint, Enum)):
+        return _closed_set(parts or tuple(hint))
+    if origin is not None and issubclass(origin, Mapping):
+        return _mapping(parts[1])
     if hint is object:
         return _Ways(encode=_any, decode=lambda value: value)
     if is_dataclass(hint):
@@ -229,14 +229,14 @@ def _any(value: object) -> object:
     return to_json(value) if is_dataclass(value) else value
 
 
-def _enum(kind: type[Enum]) -> _Ways:
-    names = {one: one.value if isinstance(one.value, str) else one.name.lower() for one in kind}
-    members = {name: one for one, name in names.items()}
+def _closed_set(members: tuple[Any, ...]) -> _Ways:
+    names = {one: json_name(one) for one in members}
+    named = {name: one for one, name in names.items()}
 
     def read(value: object) -> object:
-        if not isinstance(value, str) or value not in members:
-            raise ValueError(f"none of {', '.join(members)}: {str(value)[:40]}")
-        return members[value]
+        if not isinstance(value, str) or value not in named:
+            raise ValueError(f"none of {', '.join(named)}: {str(value)[:40]}")
+        return named[value]
 
     return _Ways(encode=names.__getitem__, decode=read)
 
@@ -302,8 +302,27 @@ def _limited(decode: _Decode, most: float) -> _Decode:
     return read
 
 
-def _several(origin: type, hint: Any, entry: JsonEntry) -> _Ways:
-    one = _ways(hint, JsonEntry())
+def _fixed(items: list[_Ways]) -> _Ways:
+    """A tuple of so many values, each of its own type."""
+
+    def read(value: object) -> object:
+        if not isinstance(value, list) or len(value) != len(items):
+            raise ValueError(f"not a list of {len(items)}")
+        return tuple(one.decode(item) for one, item in zip(items, value, strict=True))
+
+    return _Ways(
+        encode=lambda value: [
+            item if item is None or one.encode is None else one.encode(item)
+            for one, item in zip(items, value, strict=True)
+        ],
+        decode=read,
+    )
+
+
+def _several(origin: type, parts: tuple[Any, ...], entry: JsonEntry) -> _Ways:
+    if origin is tuple and parts[-1] is not ...:
+        return _fixed([_ways(part, JsonEntry()) for part in parts])
+    hint, one = parts[0], _ways(parts[0], JsonEntry())
     encode, decode = one.encode, one.decode
     if entry.keyed_by:
         return _keyed(hint, entry.keyed_by)
@@ -327,7 +346,7 @@ def _several(origin: type, hint: Any, entry: JsonEntry) -> _Ways:
 def _each(encode: _Encode | None, ordered: Callable[[Any], list[Any]]) -> _Encode:
     if encode is None:
         return ordered
-    return lambda value: [encode(item) for item in ordered(value)]
+    return lambda value: [item if item is None else encode(item) for item in ordered(value)]
 
 
 def _understood(decode: _Decode, values: list[object]) -> Iterator[object]:

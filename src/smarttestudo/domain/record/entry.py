@@ -75,6 +75,13 @@ def marks(hint: Any) -> tuple[Any, ...]:
     return get_args(hint)[1:] if get_origin(hint) is Annotated else ()
 
 
+def json_name(member: str | Enum) -> str:
+    """Name of a member of a closed set in JSON: its value, and for those of numbers the name."""
+    if isinstance(member, str):
+        return member
+    return member.value if isinstance(member.value, str) else member.name.lower()
+
+
 def derived(name: str = "") -> Callable[[_Method], _Method]:
     """Write the property as an entry, too; ``name`` is its key, where that is not the property's name.
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from msgspec import Struct
@@ -55,7 +56,8 @@ class CheckCourseOrder(Draft, frozen=True, kw_only=True):
     run: str = ""
 
 
-class CheckCourse(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckCourse:
     """The values of a check's property in bins of ``bin_s``, and what held when; times are since the start.
 
     ``least`` and ``greatest`` are those that the check met in each bin, null where it was unknown

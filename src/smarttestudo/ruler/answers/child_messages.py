@@ -12,6 +12,7 @@ import msgspec
 from msgspec import Struct
 
 from smarttestudo.domain.errors import TestudoError
+from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.answers.page_words import in_page_words
 
 Report = Callable[[float], None]
@@ -39,7 +40,7 @@ class Failure(Struct, frozen=True, kw_only=True, tag_field="kind", tag="error"):
     remedy: str | None
 
 
-def answer_order(kind: type[_Order], work: Callable[[_Order, Report], Struct]) -> int:
+def answer_order(kind: type[_Order], work: Callable[[_Order, Report], object]) -> int:
     """Do what standard input asks for and say the result; the exit code of the process."""
     order = msgspec.json.decode(sys.stdin.buffer.read(), type=kind)
     try:
@@ -48,7 +49,7 @@ def answer_order(kind: type[_Order], work: Callable[[_Order, Report], Struct]) -
         said = in_page_words(error)
         _say(Failure(message=said.cause, place=said.place, remedy=said.remedy))
         return 1
-    _say(Done(result=msgspec.Raw(msgspec.json.encode(result))))
+    _say(Done(result=msgspec.Raw(answer_json(result))))
     return 0
 
 

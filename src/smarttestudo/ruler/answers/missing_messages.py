@@ -5,14 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-
-from msgspec import Struct
+from dataclasses import dataclass
 
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.domain.units import NS_PER_S
 
 
-class MissingMessages(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissingMessages:
     """What is not in an incident: ``messages`` of ``topic``, null where nobody counted them.
 
     ``from_s`` and ``to_s`` are seconds from the trigger, negative before it.

@@ -1,27 +1,14 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The words of the page: for truths, and for what a profile lacks, where it is a table and no TOML."""
+"""The words of the page for what a profile lacks, where it is a table and no TOML."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Literal
 
 from smarttestudo.domain.errors import ProfileError, TestudoError
-from smarttestudo.domain.signal import Truth
 from smarttestudo.optimizer.model import MissingEntryError
-
-TruthName = Literal["true", "false", "unknown"]
-_TRUTH_NAMES: Mapping[Truth, TruthName] = MappingProxyType(
-    {Truth.TRUE: "true", Truth.FALSE: "false", Truth.UNKNOWN: "unknown"}
-)
-
-
-def truth_name(truth: Truth) -> TruthName:
-    """The name of ``truth``."""
-    return _TRUTH_NAMES[truth]
-
 
 COLUMNS: Mapping[str, str] = MappingProxyType(
     {

@@ -5,8 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-
-from msgspec import Struct
+from dataclasses import dataclass
 
 from smarttestudo.bags.floor import PathPoint
 from smarttestudo.bags.trace import TraceAccumulator
@@ -16,7 +15,6 @@ from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
 from smarttestudo.loop.relay_loop import RelayLoop
-from smarttestudo.ruler.answers.page_words import TruthName, truth_name
 from smarttestudo.ruler.answers.trial_loss import LossWatch
 
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -86,12 +84,13 @@ class WritesNothing:
         """Nothing."""
 
 
-class BlockTurns(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockTurns:
     """A rule, or its Else, by the line that it begins at, and what it turned to when; it starts unknown."""
 
     rule: str
     line: int
-    turns: tuple[tuple[float, TruthName], ...]
+    turns: tuple[tuple[float, Truth], ...]
 
 
 class TruthWatch:
@@ -112,7 +111,7 @@ class TruthWatch:
             BlockTurns(
                 rule=block.label,
                 line=block.line,
-                turns=tuple((round(t_s, 6), truth_name(truth)) for t_s, truth in turns),
+                turns=tuple((round(t_s, 6), truth) for t_s, truth in turns),
             )
             for block, turns in self._turns
         )

@@ -8,16 +8,17 @@ import math
 from array import array
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
 from threading import Lock
 
 from msgspec import Struct
 
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.ruler.answers.page_words import TruthName, truth_name
 from smarttestudo.ruler.answers.replay_watch import BlockTurns
 from smarttestudo.ruler.answers.robot_history import KEPT_S
-from smarttestudo.ruler.answers.robot_watch import Place, SeenRobot
+from smarttestudo.ruler.answers.robot_watch import Place, RobotCheck, SeenRobot, written_checks
 
 BIN_S = 5.0
 MAX_CHECKS = 100
@@ -38,17 +39,8 @@ class RobotChecksRequest(Struct, frozen=True, kw_only=True):
     check: int | None = None
 
 
-class RobotCheck(Struct, frozen=True, kw_only=True):
-    """A check of the robot's rules, in the words of its text, and the rule that it is in."""
-
-    rule: str
-    topic: str
-    property: str
-    op: str
-    limit: float
-
-
-class RobotCheckValues(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotCheckValues:
     """The least and the greatest value of check number ``check`` in bins of ``bin_s``, from ``first_bin_s``.
 
     Null where no status said a value. ``turns`` say what the check turned to when.
@@ -59,10 +51,11 @@ class RobotCheckValues(Struct, frozen=True, kw_only=True):
     first_bin_s: float
     least: tuple[float | None, ...]
     greatest: tuple[float | None, ...]
-    turns: tuple[tuple[float, TruthName], ...]
+    turns: tuple[tuple[float, Truth], ...]
 
 
-class RobotChecksAnswer(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotChecksAnswer:
     """What statuses said; times are since ``window_s`` ago, and all is unknown before ``heard_from_s``.
 
     ``checks`` are at most 100, and none until the robot's rules were read.
@@ -115,10 +108,11 @@ class RobotChecks:
                 )
             silent_s = last.heard_s + last.silent_after_s
             turns = self._turns.since(start_s, silent_s if silent_s < now_s else None)
-            checks = list(_written_checks(last))[:MAX_CHECKS]
+            known = ((place, check) for place, check in written_checks(last) if check is not None)
+            checks = list(islice(known, MAX_CHECKS))
             values = None
             if request.check is not None and 0 <= request.check < len(checks):
-                key = checks[request.check][0]
+                key = "check", checks[request.check][0]
                 bins = self._values.get(key)
                 values = (
                     None
@@ -173,9 +167,7 @@ class _Turns:
         self._before[key] = truth
         return turned_s
 
-    def since(
-        self, start_s: float, silent_s: float | None
-    ) -> dict[_Key, tuple[tuple[float, TruthName], ...]]:
+    def since(self, start_s: float, silent_s: float | None) -> dict[_Key, tuple[tuple[float, Truth], ...]]:
         """The turns since ``start_s``, each the first one at 0; all are unknown from ``silent_s`` on."""
         first_s = max(self.from_s - start_s, 0.0)
         told: dict[_Key, list[tuple[float, Truth]]] = {}
@@ -188,7 +180,7 @@ class _Turns:
             for turns in told.values():
                 _turn(turns, max(silent_s - start_s, 0.0), Truth.UNKNOWN)
         return {
-            key: tuple((round(turned_s, _DIGITS), truth_name(truth)) for turned_s, truth in turns)
+            key: tuple((round(turned_s, _DIGITS), truth) for turned_s, truth in turns)
             for key, turns in told.items()
         }
 
@@ -231,7 +223,7 @@ class _Bins:
     def told(
         self,
         check: int,
-        turns: tuple[tuple[float, TruthName], ...],
+        turns: tuple[tuple[float, Truth], ...],
         start_s: float,
         now_s: float,
         *,
@@ -269,23 +261,3 @@ def _values(status: RuntimeStatus) -> Iterator[tuple[_Key, float | None]]:
     for block in status.blocks:
         for check in block.checks:
             yield ("check", (block.file, check.line, check.column)), check.value
-
-
-def _written_checks(seen: SeenRobot) -> Iterator[tuple[_Key, RobotCheck]]:
-    """The checks of the newest status whose words are known."""
-    for block in seen.status.blocks:
-        rule = seen.words.labels.get((block.file, block.line, block.column), "")
-        for check in block.checks:
-            place = block.file, check.line, check.column
-            written = seen.words.checks.get(place)
-            if written is not None:
-                yield (
-                    ("check", place),
-                    RobotCheck(
-                        rule=rule,
-                        topic=written.topic.text,
-                        property=written.property,
-                        op=written.operator.value,
-                        limit=written.value,
-                    ),
-                )

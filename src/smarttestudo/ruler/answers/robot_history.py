@@ -13,9 +13,9 @@ from threading import Lock
 from msgspec import Struct
 
 from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.record import json_name
 from smarttestudo.domain.status import BlockStatus, RulesOrigin, RuntimeStatus
 from smarttestudo.editing.zones import axis_of
-from smarttestudo.ruler.answers.page_words import truth_name
 from smarttestudo.ruler.answers.robot_watch import Place, SeenRobot
 
 KEPT_S = 3600.0
@@ -163,8 +163,8 @@ def _changes(before: RuntimeStatus, now: RuntimeStatus, heard_s: float) -> Itera
                     heard_s=heard_s,
                     kind=EventKind.RULE,
                     name=f"the rule at line {block.line}",
-                    before=truth_name(state),
-                    after=truth_name(block.state),
+                    before=json_name(state),
+                    after=json_name(block.state),
                     place=_place(block),
                     rules_sha256=now.rules.sha256,
                 )

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -18,6 +18,20 @@ from smarttestudo.language.syntax import Block, Check, checks_in
 
 Place = tuple[int, int, int]
 """A file's number, line and column."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotCheck:
+    """A check of the robot's rules, in the words of its text, and the rule that it is in.
+
+    What it says of a value does not depend on its place, so the words find it in another text.
+    """
+
+    rule: str
+    topic: str
+    property: str
+    op: str
+    limit: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,6 +119,28 @@ class SeenRobot(HeardStatus):
     def is_heard(self, now_s: float) -> bool:
         """Whether it spoke as lately as it should."""
         return self.is_present and now_s - self.heard_s <= self.silent_after_s
+
+
+def written_checks(seen: SeenRobot) -> Iterator[tuple[Place, RobotCheck | None]]:
+    """The checks of a status by their places; ``None`` for those whose words are not known."""
+    labels, checks = seen.words.labels, seen.words.checks
+    for block in seen.status.blocks:
+        rule = labels.get((block.file, block.line, block.column), "")
+        for check in block.checks:
+            place = block.file, check.line, check.column
+            found = checks.get(place)
+            yield (
+                place,
+                None
+                if found is None
+                else RobotCheck(
+                    rule=rule,
+                    topic=found.topic.text,
+                    property=found.property,
+                    op=found.operator.value,
+                    limit=found.value,
+                ),
+            )
 
 
 class RobotWatch:

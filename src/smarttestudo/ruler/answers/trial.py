@@ -8,8 +8,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from msgspec import Struct
-
 from smarttestudo.accuracy.reconstruction import TimeBins
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
@@ -57,7 +55,8 @@ class TryRequest(Draft, frozen=True, kw_only=True):
     run: str = ""
 
 
-class TryTopic(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryTopic:
     """One topic of the bag before and after; ``*_hz_bins`` are messages a second, bin by bin."""
 
     topic: str
@@ -70,7 +69,8 @@ class TryTopic(Struct, frozen=True, kw_only=True):
     after_hz_bins: tuple[float, ...]
 
 
-class TryDecision(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryDecision:
     """Another rate of a topic, or another deciding block, ``t`` seconds after the bag's start.
 
     ``from_hz`` and ``to_hz`` are null for Full; the first decision of a topic (``start``) has no ``from_hz``.
@@ -89,7 +89,8 @@ class TryDecision(Struct, frozen=True, kw_only=True):
     bounds: tuple[str, ...]
 
 
-class TryAnswer(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryAnswer:
     """What the rules would have done to a bag; ``percent`` is how much less of the relayed topics was sent.
 
     Times are seconds since the bag's start. ``…_bins`` have one value for each ``bin_s`` seconds; the first

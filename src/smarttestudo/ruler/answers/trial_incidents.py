@@ -8,8 +8,6 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from msgspec import Struct
-
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
@@ -18,7 +16,8 @@ from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
 from smarttestudo.ruler.answers.missing_messages import MissingMessages, missing_messages
 
 
-class TryIncidentTopic(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryIncidentTopic:
     """What would have been recorded of a topic."""
 
     topic: str
@@ -26,7 +25,8 @@ class TryIncidentTopic(Struct, frozen=True, kw_only=True):
     size_kb: float
 
 
-class TryIncident(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryIncident:
     """What a ``Record`` would have kept, ``t`` seconds after the start: the ``number``-th, 0 first.
 
     ``title`` is its name, ``line`` its own, ``rule`` that of its block. The window is from ``before_s``

@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
-
-from msgspec import Struct
 
 from smarttestudo.accuracy.crossings import thresholds_of
 from smarttestudo.accuracy.loss_report import ErrorSize, FieldLoss, Frames, Sightings, TopicArm
@@ -27,7 +26,8 @@ from smarttestudo.domain.units import NS_PER_S, grouped
 from smarttestudo.language.rule_set import RuleSet
 
 
-class TryTopicLoss(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryTopicLoss:
     """How old a topic was; the bins have the greatest age in s."""
 
     topic: str
@@ -36,7 +36,8 @@ class TryTopicLoss(Struct, frozen=True, kw_only=True):
     age_s_bins: BinnedSeries
 
 
-class TryFieldLoss(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryFieldLoss:
     """How far a field's last value received was from the robot's; the bins have the largest error.
 
     ``sent`` are the least and the greatest value sent, null where none was; ``range`` is what lies between
@@ -52,7 +53,8 @@ class TryFieldLoss(Struct, frozen=True, kw_only=True):
     error_bins: BinnedSeries
 
 
-class TryCrossing(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryCrossing:
     """How the operator saw a value cross the threshold of a check."""
 
     check: str
@@ -60,7 +62,8 @@ class TryCrossing(Struct, frozen=True, kw_only=True):
     received: Sightings
 
 
-class TryImages(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryImages:
     """A topic of images as sent and as received."""
 
     topic: str
@@ -68,7 +71,8 @@ class TryImages(Struct, frozen=True, kw_only=True):
     received: Frames
 
 
-class TryLoss(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TryLoss:
     """What the operator would lose: the numbers of ``testudo bag loss``, without its third arm."""
 
     topics: tuple[TryTopicLoss, ...]

@@ -18,6 +18,7 @@ from starlette.responses import Response
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.files.removal import temporary_folder
 from smarttestudo.files.whole_file import not_written
+from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.answers.checked_text import require_usable
 from smarttestudo.ruler.answers.child_process import ChildWork
 from smarttestudo.ruler.answers.incident_keeping import (
@@ -126,7 +127,7 @@ class Keepings:
         self._states[run] = replace(self._states[run], **changed)
 
     def _answer(self, request: Request) -> Response:
-        return json_answer(request, msgspec.json.encode(KeepsAnswer(keeps=tuple(self._states.values()))))
+        return json_answer(request, answer_json(KeepsAnswer(keeps=tuple(self._states.values()))))
 
 
 @contextmanager

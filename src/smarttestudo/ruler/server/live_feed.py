@@ -97,7 +97,10 @@ class LiveFeed:
     def _summary(self, models: Sequence[RobotSummary]) -> object:
         """What is sent to pages at once when it changes."""
         return self._link.problem, [
-            (one.node, one.is_heard, one.rules_hash, one.rules, one.topics, one.link and one.link.connected)
+            (
+                *(one.node, one.is_heard, one.rules.sha256, one.rules.origin, one.topics),
+                one.link and one.link.is_connected,
+            )
             for one in models
         ]
 

@@ -13,6 +13,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
+from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.server.bodies import read_body
 from smarttestudo.ruler.server.encodings import json_answer
 
@@ -30,20 +31,20 @@ class ApiRoute(Route):
         handle: Handler,
         *,
         asked: type[msgspec.Struct] | None,
-        answered: type[msgspec.Struct],
+        answered: type,
     ) -> None:
         super().__init__(path, handle, methods=[method])
         self.method, self.asked, self.answered = method, asked, answered
 
 
 def answering(
-    path: str, asked: type[_Body], answer: Callable[[_Body], msgspec.Struct], *, method: str = "POST"
+    path: str, asked: type[_Body], answer: Callable[[_Body], object], *, method: str = "POST"
 ) -> ApiRoute:
     """Decodes the body, calls ``answer`` and encodes what it returns."""
 
     async def handle(request: Request) -> Response:
         body = await read_body(request, asked)
-        return await run_in_threadpool(lambda: json_answer(request, msgspec.json.encode(answer(body))))
+        return await run_in_threadpool(lambda: json_answer(request, answer_json(answer(body))))
 
     return ApiRoute(method, path, handle, asked=asked, answered=_returned(answer))
 
@@ -52,7 +53,7 @@ def long_work(
     path: str,
     asked: type[_Body],
     answer: Callable[[Request, _Body], Awaitable[Response]],
-    answered: type[msgspec.Struct],
+    answered: type,
 ) -> ApiRoute:
     """Decodes the body; ``answer`` sees the request, to end its work with who asked for it."""
 
@@ -62,16 +63,16 @@ def long_work(
     return ApiRoute("POST", path, handle, asked=asked, answered=answered)
 
 
-def telling(path: str, answer: Callable[..., msgspec.Struct], *, query: str | None = None) -> ApiRoute:
+def telling(path: str, answer: Callable[..., object], *, query: str | None = None) -> ApiRoute:
     """A GET without a body; ``answer`` is called with ``query`` of the address, if that has a name."""
 
     async def handle(request: Request) -> Response:
         given = () if query is None else (request.query_params.get(query, ""),)
-        return await run_in_threadpool(lambda: json_answer(request, msgspec.json.encode(answer(*given))))
+        return await run_in_threadpool(lambda: json_answer(request, answer_json(answer(*given))))
 
     return ApiRoute("GET", path, handle, asked=None, answered=_returned(answer))
 
 
-def _returned(answer: Callable[..., msgspec.Struct]) -> type[msgspec.Struct]:
-    kind: type[msgspec.Struct] = get_type_hints(answer)["return"]
+def _returned(answer: Callable[..., object]) -> type:
+    kind: type = get_type_hints(answer)["return"]
     return kind

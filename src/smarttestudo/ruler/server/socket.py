@@ -9,11 +9,14 @@ import contextlib
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
 
 import msgspec
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from smarttestudo import __version__
+from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.answers.live_view import Live, RobotSummary
 from smarttestudo.ruler.server.permission import Permission, noted_permission
 
@@ -42,12 +45,14 @@ class Progress(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag=
     share: float
 
 
-class Robots(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="robots"):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Robots:
     """The robots, when something changes and every two seconds.
 
     ``problem`` is why ROS cannot be reached, null if it can.
     """
 
+    kind: Literal["robots"] = "robots"
     problem: str | None
     robots: tuple[RobotSummary, ...]
 
@@ -156,4 +161,4 @@ class Listeners:
 
 def encoded(push: Push) -> str:
     """A message as text."""
-    return msgspec.json.encode(push).decode()
+    return answer_json(push).decode()
