@@ -69,19 +69,23 @@ def test_all_are_listed_the_newest_first(page: Page, folder: Path) -> None:
         "",
     ]
     near_miss = found[2]
-    assert near_miss["summary"] == {
-        "title": "near miss",
+    files = list((folder / NEAR_MISS).iterdir())
+    size_bytes = sum(one.stat().st_size for one in files)
+    assert near_miss["incident"] == {
+        "robot": "",
+        "name": NEAR_MISS.rpartition("/")[2],
+        "label": "near miss",
         "rule": "Far",
-        "triggered_ms": TRIGGER_NS // 1_000_000,
-        "before_s": 3,
-        "after_s": 2,
+        "triggered_ns": TRIGGER_NS,
+        "from_ns": WINDOW_START_NS,
+        "to_ns": TRIGGER_NS + 2_000_000_000,
         "messages": len(read_bag(folder / NEAR_MISS).messages),
+        "size_bytes": size_bytes,
         "missing": [],
         "is_read": False,
     }
-    files = list((folder / NEAR_MISS).iterdir())
-    assert near_miss["size_kb"] == pytest.approx(sum(one.stat().st_size for one in files) / 1000)
-    assert found[3]["summary"]["missing"] == ["ended"]
+    assert near_miss["size_bytes"] == size_bytes
+    assert found[3]["incident"]["missing"] == ["ended"]
 
 
 def test_they_may_be_deep_in_the_project_but_not_outside(page: Page, folder: Path) -> None:
@@ -98,19 +102,27 @@ def test_they_may_be_deep_in_the_project_but_not_outside(page: Page, folder: Pat
 
 def test_one_says_why_it_was_recorded_and_what_is_missing(page: Page) -> None:
     answer = opened(page, ALL_OF_IT).json
-    assert answer["values"] == [{"signal": "/odom pose_y", "value": 5.04, "unit": "m"}]
-    assert (answer["rule_file"], answer["is_same_text"], answer["line"]) == ("far.adirf", True, 9)
-    (ended,) = {json.dumps({**one, "topic": ""}) for one in answer["missing"]}
+    record = answer["record"]
+    assert record["values"] == {"/odom pose_y": 5.04}
+    assert answer["units"] == {"/odom pose_y": "m"}
+    assert (answer["rule_file"], answer["is_same_text"], record["line"]) == ("far.adirf", True, 9)
+    (ended,) = {json.dumps({**one, "topic": ""}) for one in record["missing"]}
     assert json.loads(ended)["reason"] == "ended"
-    assert json.loads(ended)["to_s"] == 60
-    topics = {one["topic"]: one for one in answer["topics"]}
-    assert set(topics) == {"/odom", "/gripper", "/map_name", "/scan"}
-    assert topics["/map_name"]["latched_s"] == [pytest.approx(-5.04, abs=1e-6)]
+    assert json.loads(ended)["to_ns"] == TRIGGER_NS + 60_000_000_000
+    assert set(record["topics"]) == {"/odom", "/gripper", "/map_name", "/scan"}
+    assert [one["topic"] for one in record["latched"]] == ["/map_name"]
+    came_s = (record["latched"][0]["stamp_ns"] - TRIGGER_NS) / 1e9
+    assert came_s == pytest.approx(-5.04, abs=1e-6)
+
+
+def test_the_page_has_the_record_as_it_is_on_disk(page: Page, folder: Path) -> None:
+    written = json.loads((folder / NEAR_MISS / "incident.json").read_text())
+    assert opened(page, NEAR_MISS).json["record"].items() <= written.items()
 
 
 def test_who_opens_one_has_read_it(page: Page) -> None:
     assert opened(page, NEAR_MISS).status == 200
-    read = {one["name"]: one["summary"]["is_read"] for one in listed(page)}
+    read = {one["name"]: one["incident"]["is_read"] for one in listed(page)}
     assert read == {NEAR_MISS: True, ALL_OF_IT: False}
 
 
@@ -275,7 +287,7 @@ def test_an_edited_record_costs_only_its_incident(page: Page, folder: Path, what
     bad, good = listed(page)
     assert (bad["name"], good["problem"]) == (NEAR_MISS, "")
     assert bad["problem"]
-    assert bad["summary"] is None
+    assert bad["incident"] is None
     answer = opened(page, NEAR_MISS)
     assert answer.status == 422
     assert str(folder).encode() not in answer.body

@@ -361,19 +361,30 @@ export interface ExportRequest {
 }
 
 /**
+ * How far a fetch is: `got_bytes` of `total_bytes`, those of earlier attempts included.
+ *
+ * `level_hz` is the grid of the skeleton that is whole for all topics of small messages: 1, 2, 4 … Hz;
+ * `None` before the first, infinite once all of their messages are there, so that large ones remain.
+ * `rate_bytes_per_s` is that of the last seconds; `waits_for` says why nothing comes, where that is so.
+ */
+export interface FetchProgress {
+  got_bytes: number;
+  total_bytes: number;
+  rate_bytes_per_s: number;
+  level_hz: number | null;
+  waits_for: string | null;
+}
+
+/**
  * How far a fetch is, of which all but what is missing stays when it ends early.
  *
- * `level_hz` is the rate at which small messages of all topics are there, null before the first and once
- * all are. `problem` is why it waits or failed, else empty; `kept` what the project calls it once done.
+ * `problem` is why it failed, else empty; `kept` what the project calls it once done.
  */
 export interface FetchState {
   robot: string;
   name: string;
   state: "running" | "done" | "cancelled" | "failed";
-  got_kb: number;
-  total_kb: number;
-  rate_kb_per_s: number;
-  level_hz: number | null;
+  progress: FetchProgress;
   problem: string;
   kept: string | null;
 }
@@ -487,22 +498,18 @@ export interface ImportRequest {
 }
 
 /**
- * `POST /api/incident`: all that its record says.
+ * `POST /api/incident`: its record, and the units of the values in that, where they are known.
  *
- * `rule_path` and `line` are where the robot had the rule. `rule_file` is the project's file of that
- * name, null where it has none, and `is_same_text` whether that holds the same text as then.
+ * `rule_file` is the project's file of the name that the robot had the rule in, null where it has none,
+ * and `is_same_text` whether that holds the same text as then.
  */
 export interface IncidentAnswer {
   name: string;
-  size_kb: number;
-  summary: IncidentSummary;
-  rule_path: string;
-  line: number;
+  size_bytes: number;
+  record: IncidentRecord;
+  units: Record<string, string>;
   rule_file: string | null;
   is_same_text: boolean;
-  values: IncidentValue[];
-  topics: RecordedTopic[];
-  missing: MissingMessages[];
 }
 
 /**
@@ -529,6 +536,27 @@ export interface IncidentCourseRequest {
 }
 
 /**
+ * Which rule recorded what, when, and what is missing.
+ *
+ * `rule` is the label of the block, in line `line` of the file `path`; `values` are what its
+ * condition read. Stamps are the clock's, `rules_sha256` is that of the texts of all rules.
+ */
+export interface IncidentRecord {
+  name: string;
+  rule: string;
+  file: string;
+  line: number;
+  triggered_ns: number;
+  from_ns: number;
+  to_ns: number;
+  values: Record<string, number | null>;
+  rules_sha256: string;
+  topics: Record<string, IncidentTopic>;
+  latched: LatchedSample[];
+  missing: Missing[];
+}
+
+/**
  * Cost of recording on a running robot, and its results so far.
  *
  * `held_bytes` of at most `memory_bytes` are kept of `topics` topics for what may happen, and
@@ -548,28 +576,11 @@ export interface IncidentState {
   ring_max_bytes: number | null;
 }
 
-/**
- * An incident in a list: `title` is what its `Record` calls it, `rule` the rule that recorded it.
- *
- * `triggered_ms` counts since 1970; the window is from `before_s` before that to `after_s` after it.
- * `missing` are the reasons why it is not whole, each once; `is_read` is whether somebody opened it.
- */
-export interface IncidentSummary {
-  title: string;
-  rule: string;
-  triggered_ms: number;
-  before_s: number;
-  after_s: number;
+/** Content of an incident for one topic. */
+export interface IncidentTopic {
+  type: string;
   messages: number;
-  missing: MissingReason[];
-  is_read: boolean;
-}
-
-/** What the condition read of a topic; null where that was unknown. `unit` may be empty. */
-export interface IncidentValue {
-  signal: string;
-  value: number | null;
-  unit: string;
+  bytes: number;
 }
 
 /** `GET /api/incidents`: the newest first; `has_more` is whether older ones are left out. */
@@ -578,11 +589,16 @@ export interface IncidentsAnswer {
   has_more: boolean;
 }
 
-/** The newest incidents first; `problem` is why they are not known, else empty. */
+/**
+ * The newest incidents first; `problem` is why they are not known, else empty.
+ *
+ * `kept` are those that were fetched, by name, with what the project calls them.
+ */
 export interface IncidentsOfRobot {
   robot: string;
   problem: string;
-  incidents: RobotIncident[];
+  incidents: RemoteIncident[];
+  kept: Record<string, string>;
 }
 
 /** Put `statement` before number `index` of `collection`; its length puts it at the end. */
@@ -685,6 +701,16 @@ export interface LastingRequest {
   node: string;
 }
 
+/**
+ * A message from before the window that still counted in it; `stamp_ns` is when it arrived.
+ *
+ * In the incident it has the stamp of the window's start.
+ */
+export interface LatchedSample {
+  topic: string;
+  stamp_ns: number;
+}
+
 /** A property whose accuracy can have quality levels; the value is its name in a rule file. */
 export type LevelledProperty = "position" | "orientation" | "positions";
 
@@ -716,13 +742,13 @@ export interface LinkState {
 /**
  * A folder with an incident, by its `name` in the project.
  *
- * `problem` is why it cannot be read, and `summary` null then.
+ * `problem` is why it cannot be read, and `incident` null then.
  */
 export interface ListedIncident {
   name: string;
-  size_kb: number;
+  size_bytes: number;
   problem: string;
-  summary: IncidentSummary | null;
+  incident: RemoteIncident | null;
 }
 
 /**
@@ -767,17 +793,13 @@ export interface MeasureLiveRequest {
   run?: string;
 }
 
-/**
- * What is not in an incident: `messages` of `topic`, null where nobody counted them.
- *
- * `from_s` and `to_s` are seconds from the trigger, negative before it.
- */
-export interface MissingMessages {
+/** Messages of `topic` that are not there, between two stamps; `messages` is `None` if unknown. */
+export interface Missing {
   topic: string;
   reason: MissingReason;
   messages: number | null;
-  from_s: number;
-  to_s: number;
+  from_ns: number;
+  to_ns: number;
 }
 
 /** Why messages of a window are not in the incident. */
@@ -1164,19 +1186,6 @@ export interface RecordStatement {
   after: DurationValue;
 }
 
-/**
- * What an incident holds of a topic; `type` is empty where nobody published it.
- *
- * `latched_s` are the times of what came before the window and counted in it, seconds from the trigger.
- */
-export interface RecordedTopic {
-  topic: string;
-  type: string;
-  messages: number;
-  size_kb: number;
-  latched_s: number[];
-}
-
 /** Its topics by name, how long it is, and a rule file that relays every message of them. */
 export interface RecordingAnswer {
   topics: string[];
@@ -1195,6 +1204,26 @@ export interface Refusal {
   message: string;
   needs_kb_per_s: number;
   repairs: Repair[];
+}
+
+/**
+ * An incident on a robot, as its list says; `name` is that of its folder.
+ *
+ * `label` is the name in the `Record`, `rule` that of the block. Stamps are the robot's clock.
+ * `missing` are the reasons (`MissingReason`) for which messages of the window are not there.
+ */
+export interface RemoteIncident {
+  robot: string;
+  name: string;
+  label: string;
+  rule: string;
+  triggered_ns: number;
+  from_ns: number;
+  to_ns: number;
+  messages: number;
+  size_bytes: number;
+  is_read: boolean;
+  missing: string[];
 }
 
 /** `POST /api/file/rename` → `Project`: `base_hash` is what the page knows to be in `name`. */
@@ -1313,14 +1342,6 @@ export interface RobotHistoryAnswer {
 /** `POST /api/robot/history` → `RobotHistoryAnswer`. */
 export interface RobotHistoryRequest {
   node: string;
-}
-
-/** An incident on a robot; `kept` is what the project calls it where it was fetched, else null. */
-export interface RobotIncident {
-  name: string;
-  size_kb: number;
-  summary: IncidentSummary;
-  kept: string | null;
 }
 
 /** An incident by the name of its robot and its own. */
@@ -1771,31 +1792,11 @@ export interface TryImages {
   received: Frames;
 }
 
-/**
- * What a `Record` would have kept, `t` seconds after the start: the `number`-th, 0 first.
- *
- * `title` is its name, `line` its own, `rule` that of its block. The window is from `before_s`
- * before to `after_s` after that; sizes are those of the messages.
- */
+/** What a `Record` would have kept, `t` seconds after the start: the `number`-th, 0 first. */
 export interface TryIncident {
   number: number;
   t: number;
-  title: string;
-  rule: string;
-  line: number;
-  before_s: number;
-  after_s: number;
-  messages: number;
-  size_kb: number;
-  topics: TryIncidentTopic[];
-  missing: MissingMessages[];
-}
-
-/** What would have been recorded of a topic. */
-export interface TryIncidentTopic {
-  topic: string;
-  messages: number;
-  size_kb: number;
+  record: IncidentRecord;
 }
 
 /** What the operator would lose: the numbers of `testudo bag loss`, without its third arm. */

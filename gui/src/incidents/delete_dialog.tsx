@@ -3,24 +3,26 @@
 
 import { useState } from "preact/hooks";
 import { type Api, refusalOf } from "../api/client";
-import type { IncidentSummary, IncidentsAnswer } from "../api/types";
+import type { IncidentsAnswer } from "../api/types";
 import { FormDialog } from "../ui/dialog";
 import { Problem } from "../ui/notice";
 import { counted, sizeWords } from "../ui/numbers";
-import { moment } from "../ui/times";
+import { moment, NS_PER_MS } from "../ui/times";
 
 interface DeleteDialogProps {
   api: Api;
-  /** What is deleted; what cannot be read has no summary. */
-  incident: { name: string; size_kb: number; summary: IncidentSummary | null };
+  name: string;
+  size_bytes: number;
+  /** What is deleted: its title, when it was and its messages; null where it cannot be read. */
+  lost: { title: string; triggered_ns: number; messages: number } | null;
   onDeleted: (left: IncidentsAnswer) => void;
   onClose: () => void;
 }
 
 /** Asks before an incident is deleted, and says what is lost. */
-export function DeleteDialog({ api, incident, onDeleted, onClose }: DeleteDialogProps) {
+export function DeleteDialog({ api, name, size_bytes, lost, onDeleted, onClose }: DeleteDialogProps) {
   const [problem, setProblem] = useState("");
-  const { name, size_kb, summary } = incident;
+  const size = sizeWords(size_bytes / 1000);
   const remove = async () => {
     setProblem(
       await refusalOf(async () => {
@@ -30,12 +32,12 @@ export function DeleteDialog({ api, incident, onDeleted, onClose }: DeleteDialog
   };
   return (
     <FormDialog title="Delete this incident?" submit="Delete" onSubmit={remove} onClose={onClose}>
-      {summary === null ? (
-        <p>Its record cannot be read, but its messages may still be there: {sizeWords(size_kb)}.</p>
+      {lost === null ? (
+        <p>Its record cannot be read, but its messages may still be there: {size}.</p>
       ) : (
         <p>
-          <strong>{summary.title}</strong> of {moment(summary.triggered_ms)}: {counted(summary.messages, "message")},{" "}
-          {sizeWords(size_kb)}.
+          <strong>{lost.title}</strong> of {moment(lost.triggered_ns / NS_PER_MS)}: {counted(lost.messages, "message")},{" "}
+          {size}.
         </p>
       )}
       <p class="path">{name}</p>

@@ -1,39 +1,41 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { IncidentAnswer, IncidentValue, RecordedTopic } from "../api/types";
+import type { IncidentAnswer, IncidentRecord } from "../api/types";
 import { href } from "../route";
 import { DataTable } from "../ui/data_table";
 import { counted, readable, sizeWords } from "../ui/numbers";
-import { moment } from "../ui/times";
-import { missingWords, sinceMoment, windowWords } from "./missing_words";
+import { moment, NS_PER_MS } from "../ui/times";
+import { missingWords, sinceTrigger, sumOf, windowWords } from "./missing_words";
 
 /** Why an incident was recorded, and what is missing of it. */
 export function IncidentFacts({ incident }: { incident: IncidentAnswer }) {
-  const { summary, values, missing } = incident;
+  const { record, units } = incident;
+  const messages = sumOf(record.topics, "messages");
+  const values = Object.entries(record.values).map(([signal, value]) => valueWords(signal, value, units[signal] ?? ""));
   return (
     <>
       <p class="headline">
-        The rule <strong>{summary.rule}</strong> began to hold at {moment(summary.triggered_ms)}.
+        The rule <strong>{record.rule}</strong> began to hold at {moment(record.triggered_ns / NS_PER_MS)}.
       </p>
       <dl class="facts">
         <dt>Because</dt>
-        <dd>{values.length === 0 ? "its condition reads no values" : values.map(valueWords).join(", ")}</dd>
+        <dd>{values.length === 0 ? "its condition reads no values" : values.join(", ")}</dd>
         <dt>Rule</dt>
         <dd>
           <RuleLink incident={incident} />
         </dd>
         <dt>Kept</dt>
         <dd>
-          {counted(summary.messages, "message")} of {counted(incident.topics.length, "topic")},{" "}
-          {sizeWords(incident.size_kb)}, from {windowWords(summary)}
+          {counted(messages, "message")} of {counted(Object.keys(record.topics).length, "topic")},{" "}
+          {sizeWords(incident.size_bytes / 1000)}, from {windowWords(record)}
         </dd>
         <dt>Missing</dt>
         <dd>
-          {missing.length === 0 ? (
+          {record.missing.length === 0 ? (
             "nothing"
           ) : (
             <ul class="missing" aria-label="Missing">
-              {missingWords(missing).map((words) => (
+              {missingWords(record.missing, record.triggered_ns).map((words) => (
                 <li key={words}>{words}</li>
               ))}
             </ul>
@@ -46,23 +48,24 @@ export function IncidentFacts({ incident }: { incident: IncidentAnswer }) {
   );
 }
 
-function valueWords({ signal, value, unit }: IncidentValue): string {
+function valueWords(signal: string, value: number | null, unit: string): string {
   return `${signal} was ${value === null ? "unknown" : `${readable(value)}${unit && ` ${unit}`}`}`;
 }
 
 /** Where the rule stands: in a file of the project, if it has that. */
-function RuleLink({ incident: { rule_file, rule_path, line, is_same_text, summary } }: { incident: IncidentAnswer }) {
+function RuleLink({ incident: { rule_file, is_same_text, record } }: { incident: IncidentAnswer }) {
+  const { rule, file, line } = record;
   if (rule_file === null) {
     return (
       <>
-        line {line} of <code>{rule_path}</code>, which is not in this project
+        line {line} of <code>{file}</code>, which is not in this project
       </>
     );
   }
   return (
     <>
       <a href={href({ page: "rules", name: rule_file, ...(is_same_text ? { line: String(line) } : {}) })}>
-        {summary.rule} in {rule_file}
+        {rule} in {rule_file}
       </a>
       , line {line}
       {!is_same_text && <span class="quiet"> (the file is another one now than when this was recorded)</span>}
@@ -71,31 +74,39 @@ function RuleLink({ incident: { rule_file, rule_path, line, is_same_text, summar
 }
 
 /** What an incident holds of each topic. */
-export function RecordedTopics({ topics }: { topics: readonly RecordedTopic[] }) {
+export function RecordedTopics({ record }: { record: IncidentRecord }) {
   return (
     <section aria-label="Topics">
       <h2>Topics</h2>
       <DataTable
         label="Topics"
         heads={["Topic", "Messages", "Size"]}
-        rows={topics.map(({ topic, type, messages, size_kb, latched_s }) => [
+        rows={Object.entries(record.topics).map(([topic, { type, messages, bytes }]) => [
           <>
             {topic}
             <div class="quiet">{type || "not published"}</div>
           </>,
           <>
             {readable(messages)}
-            {latched_s.length > 0 && <div class="quiet">{latchedWords(latched_s)}</div>}
+            <Latched record={record} topic={topic} />
           </>,
-          sizeWords(size_kb),
+          sizeWords(bytes / 1000),
         ])}
       />
     </section>
   );
 }
 
-/** What came before the window and still counted in it. */
-function latchedWords(latchedS: readonly number[]): string {
-  const came = latchedS.length === 1 ? sinceMoment(latchedS[0] ?? 0) : "from before the window";
-  return `${readable(latchedS.length)} still valid, ${latchedS.length === 1 ? `came ${came}` : came}`;
+/** How much came before the window and still counted in it. */
+function Latched({ record, topic }: { record: IncidentRecord; topic: string }) {
+  const latched = record.latched.filter((one) => one.topic === topic);
+  const [first] = latched;
+  if (!first) return null;
+  const came =
+    latched.length === 1 ? `came ${sinceTrigger(first.stamp_ns, record.triggered_ns)}` : "from before the window";
+  return (
+    <div class="quiet">
+      {readable(latched.length)} still valid, {came}
+    </div>
+  );
 }

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import type { IncidentSummary, ListedIncident } from "../api/types";
+import type { ListedIncident, RemoteIncident } from "../api/types";
 import { href } from "../route";
 import { Button } from "../ui/button";
 import { ColumnHeads } from "../ui/data_table";
 import { sizeWords } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
-import { ago, moment } from "../ui/times";
+import { ago, moment, NS_PER_MS } from "../ui/times";
 import { briefly, windowWords } from "./missing_words";
 
 export const SUMMARY_COLUMNS = ["Incident", "When", "Rule", "Kept", "Size", "Missing"];
@@ -21,10 +21,10 @@ export function IncidentTable({ incidents, remove }: { incidents: readonly Liste
         <ColumnHeads names={COLUMNS} />
         <tbody>
           {incidents.map((one) =>
-            one.summary === null ? (
+            one.incident === null ? (
               <BadRow key={one.name} {...{ one, remove }} />
             ) : (
-              <IncidentRow key={one.name} one={one} summary={one.summary} />
+              <IncidentRow key={one.name} name={one.name} incident={one.incident} />
             ),
           )}
         </tbody>
@@ -35,17 +35,17 @@ export function IncidentTable({ incidents, remove }: { incidents: readonly Liste
 
 type Remove = (incident: ListedIncident) => void;
 
-function IncidentRow({ one, summary }: { one: ListedIncident; summary: NonNullable<ListedIncident["summary"]> }) {
-  const { title, is_read } = summary;
+function IncidentRow({ name, incident }: { name: string; incident: RemoteIncident }) {
+  const { label, is_read } = incident;
   return (
     <tr class={is_read ? "" : "unread"}>
       <th scope="row">
-        <a href={href({ page: "incidents", name: one.name })}>{title}</a>
+        <a href={href({ page: "incidents", name })}>{label}</a>
         {!is_read && <span class="tag">not read</span>}
       </th>
-      <SummaryCells summary={summary} size_kb={one.size_kb} />
+      <SummaryCells incident={incident} />
       <td data-label="Folder" class="path">
-        {folderOf(one.name)}
+        {folderOf(name)}
       </td>
     </tr>
   );
@@ -58,7 +58,7 @@ function BadRow({ one, remove }: { one: ListedIncident; remove: Remove }) {
       <td data-label="Problem" colSpan={3}>
         <span class="trouble">Cannot be read: {one.problem}</span>
       </td>
-      <SizeCell size_kb={one.size_kb} />
+      <SizeCell size_bytes={one.size_bytes} />
       <td data-label="">
         <NeedsServer changes>
           <Button label="Delete" class="small" onClick={() => remove(one)} />
@@ -76,27 +76,28 @@ function folderOf(name: string): string {
 }
 
 /** What the rows of all incidents say after its name, here and on robots. */
-export function SummaryCells({ summary, size_kb }: { summary: IncidentSummary; size_kb: number }) {
-  const { rule, triggered_ms, missing } = summary;
+export function SummaryCells({ incident }: { incident: RemoteIncident }) {
+  const triggeredMs = incident.triggered_ns / NS_PER_MS;
+  const missing = briefly(incident.missing);
   return (
     <>
       <td data-label="When">
-        <time title={ago(triggered_ms, Date.now())}>{moment(triggered_ms)}</time>
+        <time title={ago(triggeredMs, Date.now())}>{moment(triggeredMs)}</time>
       </td>
-      <td data-label="Rule">{rule}</td>
-      <td data-label="Kept">{windowWords(summary)}</td>
-      <SizeCell size_kb={size_kb} />
+      <td data-label="Rule">{incident.rule}</td>
+      <td data-label="Kept">{windowWords(incident)}</td>
+      <SizeCell size_bytes={incident.size_bytes} />
       <td data-label="Missing">
-        {missing.length === 0 ? <span class="well">nothing</span> : <span class="trouble">{briefly(missing)}</span>}
+        {missing === "" ? <span class="well">nothing</span> : <span class="trouble">{missing}</span>}
       </td>
     </>
   );
 }
 
-export function SizeCell({ size_kb }: { size_kb: number }) {
+function SizeCell({ size_bytes }: { size_bytes: number }) {
   return (
     <td data-label="Size" class="number">
-      {sizeWords(size_kb)}
+      {sizeWords(size_bytes / 1000)}
     </td>
   );
 }

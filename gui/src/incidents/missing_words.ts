@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { MissingMessages, MissingReason } from "../api/types";
+import type { IncidentRecord, Missing, MissingReason } from "../api/types";
 import { counted, readable } from "../ui/numbers";
 
 /** Why an incident is not whole, in a list. */
@@ -25,30 +25,38 @@ const BECAUSE: Record<MissingReason, string> = {
 };
 
 /** `memory was short, ended early`; empty where nothing is missing. */
-export function briefly(reasons: readonly MissingReason[]): string {
-  return reasons.map((reason) => BRIEFLY[reason]).join(", ");
+export function briefly(reasons: readonly string[]): string {
+  const words: Record<string, string | undefined> = BRIEFLY;
+  // A robot of another version may know further ones.
+  return [...new Set(reasons)].flatMap((reason) => words[reason] ?? []).join(", ");
+}
+
+/** The seconds between two stamps, whose last digits are lost here: in whole µs they are exact. */
+function secondsTo(ns: number, sinceNs: number): number {
+  return Math.round((ns - sinceNs) / 1000) / 1e6;
 }
 
 /**
  * `12 messages of /scan, from 5.0 s before to 3.2 s before: the memory for what came before was full`, one for each
  * reason and time; topics of which nobody counted the messages share one.
  */
-export function missingWords(missing: readonly MissingMessages[]): string[] {
-  const alike = new Map<string, MissingMessages[]>();
+export function missingWords(missing: readonly Missing[], triggeredNs: number): string[] {
+  const alike = new Map<string, Missing[]>();
   for (const one of missing) {
-    const { reason, messages, from_s, to_s } = one;
-    const key = messages === null ? `${reason} ${from_s} ${to_s}` : `${alike.size}`;
+    const { reason, messages, from_ns, to_ns } = one;
+    const key = messages === null ? `${reason} ${from_ns} ${to_ns}` : `${alike.size}`;
     alike.set(key, [...(alike.get(key) ?? []), one]);
   }
-  return [...alike.values()].map(wordsOf);
+  return [...alike.values()].map((some) => wordsOf(some, triggeredNs));
 }
 
-function wordsOf(alike: readonly MissingMessages[]): string {
+function wordsOf(alike: readonly Missing[], triggeredNs: number): string {
   const [one] = alike;
   if (one === undefined) return "";
   const topics = alike.map(({ topic }) => topic).join(", ");
   const what = one.messages === null ? "whatever came on" : `${counted(one.messages, "message")} of`;
-  return `${what} ${topics}, from ${sinceMoment(one.from_s)} to ${sinceMoment(one.to_s)}: ${BECAUSE[one.reason]}`;
+  const [from, to] = [one.from_ns, one.to_ns].map((ns) => sinceTrigger(ns, triggeredNs));
+  return `${what} ${topics}, from ${from} to ${to}: ${BECAUSE[one.reason]}`;
 }
 
 /** A time from the moment of an incident: `3.2 s before`, `the moment`, `0.5 s after`. */
@@ -58,7 +66,25 @@ export function sinceMoment(seconds: number): string {
   return `${size} s ${seconds < 0 ? "before" : "after"}`;
 }
 
+/** The same of a stamp. */
+export function sinceTrigger(ns: number, triggeredNs: number): string {
+  return sinceMoment(secondsTo(ns, triggeredNs));
+}
+
+/** All that an incident holds of its topics. */
+export function sumOf(topics: IncidentRecord["topics"], what: "messages" | "bytes"): number {
+  return Object.values(topics).reduce((sum, topic) => sum + topic[what], 0);
+}
+
+/** The window of an incident. */
+interface Stamps {
+  from_ns: number;
+  triggered_ns: number;
+  to_ns: number;
+}
+
 /** How long a window is: `5 s before to 2 s after`. */
-export function windowWords({ before_s, after_s }: { before_s: number; after_s: number }): string {
-  return `${readable(before_s)} s before to ${readable(after_s)} s after`;
+export function windowWords({ from_ns, triggered_ns, to_ns }: Stamps): string {
+  const [beforeS, afterS] = [secondsTo(triggered_ns, from_ns), secondsTo(to_ns, triggered_ns)];
+  return `${readable(beforeS)} s before to ${readable(afterS)} s after`;
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import type { FetchState, IncidentsOfRobot, RobotIncident } from "../api/types";
+import type { FetchState, IncidentsOfRobot, RemoteIncident } from "../api/types";
 import { href } from "../route";
 import type { RobotIncidents } from "../state/robot_incidents";
 import { Button } from "../ui/button";
@@ -32,7 +32,13 @@ export function RobotIncidentList({ robots }: { robots: RobotIncidents }) {
 
 const COLUMNS = [...SUMMARY_COLUMNS, "In the project"];
 
-function OfRobot({ robots, one: { robot, problem, incidents } }: { robots: RobotIncidents; one: IncidentsOfRobot }) {
+function OfRobot({
+  robots,
+  one: { robot, problem, incidents, kept },
+}: {
+  robots: RobotIncidents;
+  one: IncidentsOfRobot;
+}) {
   if (problem) {
     return (
       <p>
@@ -58,7 +64,7 @@ function OfRobot({ robots, one: { robot, problem, incidents } }: { robots: Robot
           <ColumnHeads names={COLUMNS} />
           <tbody>
             {incidents.map((incident) => (
-              <RobotRow key={incident.name} {...{ robots, robot, incident }} />
+              <RobotRow key={incident.name} {...{ robots, robot, incident }} kept={kept[incident.name] ?? null} />
             ))}
           </tbody>
         </table>
@@ -70,28 +76,29 @@ function OfRobot({ robots, one: { robot, problem, incidents } }: { robots: Robot
 interface RowProps {
   robots: RobotIncidents;
   robot: string;
-  incident: RobotIncident;
+  incident: RemoteIncident;
+  /** What the project calls it, where it was fetched. */
+  kept: string | null;
 }
 
-function RobotRow({ robots, robot, incident }: RowProps) {
-  const { summary, size_kb } = incident;
+function RobotRow(props: RowProps) {
   return (
     <tr>
-      <th scope="row">{summary.title}</th>
-      <SummaryCells {...{ summary, size_kb }} />
+      <th scope="row">{props.incident.label}</th>
+      <SummaryCells incident={props.incident} />
       <td data-label="In the project">
-        <FetchCell {...{ robots, robot, incident }} />
+        <FetchCell {...props} />
       </td>
     </tr>
   );
 }
 
-function FetchCell({ robots, robot, incident: { name, kept, summary } }: RowProps) {
+function FetchCell({ robots, robot, incident: { name, label }, kept }: RowProps) {
   const fetch = robots.of(robot, name);
   const here = fetch?.kept ?? kept;
   if (here !== null) return <a href={href({ page: "incidents", name: here })}>Open it</a>;
   if (fetch?.state === "running") {
-    return <Running fetch={fetch} title={summary.title} cancel={() => void robots.cancel(robot, name)} />;
+    return <Running fetch={fetch} title={label} cancel={() => void robots.cancel(robot, name)} />;
   }
   const word = fetch?.state === "cancelled" ? "Go on" : "Fetch";
   return (
@@ -100,12 +107,12 @@ function FetchCell({ robots, robot, incident: { name, kept, summary } }: RowProp
         <Button
           label={word}
           class="small"
-          aria-label={`${word}: ${summary.title} of ${robot}`}
+          aria-label={`${word}: ${label} of ${robot}`}
           onClick={() => void robots.fetch(robot, name)}
         />
       </NeedsServer>
       {fetch?.state === "cancelled" && (
-        <span class="quiet"> Cancelled. {sizeWords(fetch.got_kb)} are here already.</span>
+        <span class="quiet"> Cancelled. {sizeWords(fetch.progress.got_bytes / 1000)} are here already.</span>
       )}
       {fetch?.state === "failed" && <Problem text={fetch.problem} />}
     </div>
@@ -113,17 +120,17 @@ function FetchCell({ robots, robot, incident: { name, kept, summary } }: RowProp
 }
 
 function Running({ fetch, title, cancel }: { fetch: FetchState; title: string; cancel: () => void }) {
-  const { got_kb, total_kb, rate_kb_per_s, level_hz, problem } = fetch;
+  const { got_bytes, total_bytes, rate_bytes_per_s, level_hz, waits_for } = fetch.progress;
   return (
     <div class="fetching">
-      <progress max={1} value={total_kb > 0 ? got_kb / total_kb : 0} aria-label={`Fetching ${title}`} />
+      <progress max={1} value={total_bytes > 0 ? got_bytes / total_bytes : 0} aria-label={`Fetching ${title}`} />
       <NeedsServer changes>
         <Button label="Cancel" class="small" onClick={cancel} />
       </NeedsServer>
       <span class="quiet">
-        {sizeWords(got_kb)} of {sizeWords(total_kb)}, {readable(rate_kb_per_s)} KB/s
+        {sizeWords(got_bytes / 1000)} of {sizeWords(total_bytes / 1000)}, {readable(rate_bytes_per_s / 1000)} KB/s
         {level_hz !== null && `; all topics are here at ${readable(level_hz)} Hz`}
-        {problem && `; waits: ${problem}`}
+        {waits_for && `; waits: ${waits_for}`}
       </span>
     </div>
   );

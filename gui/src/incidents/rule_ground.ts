@@ -17,7 +17,7 @@ export interface Ground {
 
 /** The map of the rule file that recorded an incident, and its zones if it holds the same text as then. */
 export function useRuleGround(api: Api, incident: IncidentAnswer): Ground {
-  const { rule_file, is_same_text, summary } = incident;
+  const { rule_file, is_same_text, record } = incident;
   const zones = useMemo(() => signal<readonly MapZone[]>([]), []);
   // Without it there is a plain grid, and the rest of the page is as it was.
   const owner = useMemo(() => ({ map: signal(PLAIN_GRID), tell: () => {} }), []);
@@ -33,7 +33,7 @@ export function useRuleGround(api: Api, incident: IncidentAnswer): Ground {
       if (!is_same_text) return;
       const { text } = await api.read(rule_file);
       const { rules } = await api.zones({ text, name: rule_file, profile_text: null });
-      zones.value = zonesAt(rules, [summary.rule]);
+      zones.value = zonesAt(rules, [record.rule]);
     };
     load().catch((error: unknown) => {
       refusal(error);

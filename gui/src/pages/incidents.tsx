@@ -3,11 +3,12 @@
 
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusalOf } from "../api/client";
-import type { IncidentAnswer, IncidentCourse, IncidentsAnswer, ListedIncident } from "../api/types";
+import type { IncidentAnswer, IncidentCourse, IncidentRecord, IncidentsAnswer, ListedIncident } from "../api/types";
 import { DeleteDialog } from "../incidents/delete_dialog";
 import { CourseView } from "../incidents/incident_course";
 import { IncidentFacts, RecordedTopics } from "../incidents/incident_facts";
 import { IncidentTable } from "../incidents/incident_table";
+import { sumOf } from "../incidents/missing_words";
 import { RobotIncidentList } from "../incidents/robot_incident_list";
 import { useRuleGround } from "../incidents/rule_ground";
 import { href, toRoute } from "../route";
@@ -57,7 +58,9 @@ function AllIncidents({ api, root }: { api: Api; root: string }) {
       {removed && (
         <DeleteDialog
           api={api}
-          incident={removed}
+          name={removed.name}
+          size_bytes={removed.size_bytes}
+          lost={removed.incident && { ...removed.incident, title: removed.incident.label }}
           onDeleted={(left) => {
             setFound(left);
             void robots.ask();
@@ -71,8 +74,8 @@ function AllIncidents({ api, root }: { api: Api; root: string }) {
 }
 
 function countWords({ incidents, has_more }: IncidentsAnswer): string {
-  const unread = incidents.filter(({ summary }) => summary?.is_read === false).length;
-  const bad = incidents.filter(({ summary }) => summary === null).length;
+  const unread = incidents.filter(({ incident }) => incident?.is_read === false).length;
+  const bad = incidents.filter(({ incident }) => incident === null).length;
   return [
     counted(incidents.length, "incident"),
     unread > 0 ? `${unread} not read yet` : "",
@@ -115,7 +118,7 @@ function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
   const state = course.state.value;
   return (
     <>
-      <Header title={incident?.summary.title ?? name.slice(name.lastIndexOf("/") + 1)}>
+      <Header title={incident?.record.name ?? name.slice(name.lastIndexOf("/") + 1)}>
         <a href={href(ALL)}>All incidents</a>
         {incident && (
           <>
@@ -133,13 +136,23 @@ function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
         {incident && <IncidentFacts incident={incident} />}
         {!problem && <WorkProgress work={course} doing="Reading its messages" />}
         {incident && state.kind === "done" && <Course course={state.answer} {...{ api, incident }} />}
-        {incident && <RecordedTopics topics={incident.topics} />}
+        {incident && <RecordedTopics record={incident.record} />}
       </main>
       {incident && isAsked && (
-        <DeleteDialog api={api} incident={incident} onDeleted={() => toRoute(ALL)} onClose={() => setAsked(false)} />
+        <DeleteDialog
+          {...{ api, name, size_bytes: incident.size_bytes }}
+          lost={lostOf(incident.record)}
+          onDeleted={() => toRoute(ALL)}
+          onClose={() => setAsked(false)}
+        />
       )}
     </>
   );
+}
+
+/** What is lost with an incident. */
+function lostOf({ name, triggered_ns, topics }: IncidentRecord) {
+  return { title: name, triggered_ns, messages: sumOf(topics, "messages") };
 }
 
 interface CourseProps {

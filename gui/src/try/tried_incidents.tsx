@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 import type { TryIncident } from "../api/types";
-import { missingWords, windowWords } from "../incidents/missing_words";
+import { missingWords, sumOf, windowWords } from "../incidents/missing_words";
 import { href } from "../route";
 import type { Keepings } from "../state/keepings";
 import type { Trial } from "../state/trial";
@@ -40,16 +40,18 @@ export function TriedIncidents({ keepings, trial }: { keepings: Keepings; trial:
 
 function TriedIncident(props: { keepings: Keepings; trial: Trial; incident: TryIncident }) {
   const { keepings, trial, incident } = props;
-  const { t, title, rule, topics, missing } = incident;
+  const { t, record } = incident;
+  const { rule, topics, missing } = record;
   const keep = keepings.of(trial, incident.number);
-  const name = `${title} at ${t.toFixed(1)} s`;
+  const name = `${record.name} at ${t.toFixed(1)} s`;
   return (
     <li>
       <div class="row">
         <Button label={`${t.toFixed(1)} s`} class="link" title="Move the time there" onClick={() => trial.goTo(t)} />
-        <strong>{title}</strong>
+        <strong>{record.name}</strong>
         <span>
-          by {rule}, {windowWords(incident)}: {counted(incident.messages, "message")}, {sizeWords(incident.size_kb)}
+          by {rule}, {windowWords(record)}: {counted(sumOf(topics, "messages"), "message")},{" "}
+          {sizeWords(sumOf(topics, "bytes") / 1000)}
         </span>
         {(keep === null || keep.state === "failed") && (
           <NeedsServer changes>
@@ -70,11 +72,11 @@ function TriedIncident(props: { keepings: Keepings; trial: Trial; incident: TryI
         {keep?.state === "failed" && <span class="problem">{keep.problem}</span>}
       </div>
       <p class="quiet">
-        {topics
-          .map(({ topic, messages, size_kb }) => `${topic} ${counted(messages, "message")}, ${sizeWords(size_kb)}`)
+        {Object.entries(topics)
+          .map(([topic, { messages, bytes }]) => `${topic} ${counted(messages, "message")}, ${sizeWords(bytes / 1000)}`)
           .join("; ")}
       </p>
-      {missing.length > 0 && <p class="missing">Missing: {missingWords(missing).join("; ")}.</p>}
+      {missing.length > 0 && <p class="missing">Missing: {missingWords(missing, record.triggered_ns).join("; ")}.</p>}
     </li>
   );
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 const MOMENT = { dateStyle: "medium", timeStyle: "medium" } as const;
+export const NS_PER_MS = 1_000_000;
 const DAY_MS = 86_400_000;
 
 /** A time since 1970 as day, hour, minute and second where the reader is. */

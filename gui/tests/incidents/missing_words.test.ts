@@ -1,12 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import type { MissingMessages } from "../../src/api/types";
-import { briefly, missingWords, sinceMoment } from "../../src/incidents/missing_words";
+import type { Missing } from "../../src/api/types";
+import { briefly, missingWords, sinceMoment, sinceTrigger, windowWords } from "../../src/incidents/missing_words";
 import { sizeWords } from "../../src/ui/numbers";
 
-function gap(topic: string, messages: number | null, reason: MissingMessages["reason"] = "ended"): MissingMessages {
-  return { topic, reason, messages, from_s: -5, to_s: 0.04 };
+/** A stamp as the page has it, of so many seconds from the moment. */
+const stampNs = (seconds: number) => Number(1_700_000_000_123_456_789n + BigInt(Math.round(seconds * 1e9)));
+const TRIGGERED_NS = stampNs(0);
+
+function gap(topic: string, messages: number | null, reason: Missing["reason"] = "ended"): Missing {
+  return { topic, reason, messages, from_ns: stampNs(-5), to_ns: stampNs(0.04) };
 }
 
 test.each([
@@ -27,15 +31,22 @@ test.each([
   expect(sizeWords(kb)).toBe(words);
 });
 
+test("a stamp of the clock, which the page rounds, is said as exactly as a short one", () => {
+  const long = (seconds: number) => sinceTrigger(stampNs(seconds), TRIGGERED_NS);
+  for (const seconds of [-3.25, -0.05, 0.15, 0.25, 60.75]) expect(long(seconds)).toBe(sinceMoment(seconds));
+  const stamps = { from_ns: stampNs(-3), triggered_ns: TRIGGERED_NS, to_ns: stampNs(2.5) };
+  expect(windowWords(stamps)).toBe("3 s before to 2.5 s after");
+});
+
 test("counted messages are said topic by topic", () => {
-  expect(missingWords([gap("/scan", 1, "memory"), gap("/image", 1200, "memory")])).toEqual([
+  expect(missingWords([gap("/scan", 1, "memory"), gap("/image", 1200, "memory")], TRIGGERED_NS)).toEqual([
     "1 message of /scan, from 5.0 s before to the moment: the memory for what came before was full",
     "1 200 messages of /image, from 5.0 s before to the moment: the memory for what came before was full",
   ]);
 });
 
 test("topics that nobody heard at the same time, for the same reason, share a line", () => {
-  expect(missingWords([gap("/scan", null), gap("/odom", null), gap("/tf", null, "late")])).toEqual([
+  expect(missingWords([gap("/scan", null), gap("/odom", null), gap("/tf", null, "late")], TRIGGERED_NS)).toEqual([
     "whatever came on /scan, /odom, from 5.0 s before to the moment: the run, or the recording, ended",
     "whatever came on /tf, from 5.0 s before to the moment: nothing was received from the topic yet",
   ]);
@@ -44,4 +55,5 @@ test("topics that nobody heard at the same time, for the same reason, share a li
 test("a list has the reasons only", () => {
   expect(briefly(["memory", "ended"])).toBe("memory was short, ended early");
   expect(briefly([])).toBe("");
+  expect(briefly(["ended", "of a later version", "ended"])).toBe("ended early");
 });

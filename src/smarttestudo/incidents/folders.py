@@ -105,7 +105,7 @@ class IncidentFolders:
         taken = {found.bag.name for found in self._open.values()}
         name = unused_name(self._folder, incident.recording.name, incident.trigger.stamp_ns, taken)
         bag = BagFolder(path=self._folder / f".{name}{PARTIAL_SUFFIX}", name=name)
-        found = _OpenFolder(bag=bag, shared=shared, record=_first_record(incident, latched))
+        found = _OpenFolder(bag=bag, shared=shared, record=first_record(incident, latched))
         self._open[incident] = found
         try:
             bag.path.mkdir()
@@ -238,7 +238,7 @@ class IncidentFolders:
             self._failed(one_name, problem)
 
 
-def _first_record(incident: Incident, latched: Sequence[SourceMessage]) -> IncidentRecord:
+def first_record(incident: Incident, latched: Sequence[SourceMessage]) -> IncidentRecord:
     """Record of an incident as it begins."""
     trigger, recording = incident.trigger, incident.recording
     return IncidentRecord(
@@ -287,6 +287,16 @@ def finished_record(
     for content in files.values():
         messages.update(content.messages)
         size_bytes.update(content.size_bytes)
+    return record_holding(record, messages, size_bytes, channels)
+
+
+def record_holding(
+    record: IncidentRecord,
+    messages: Counter[str],
+    size_bytes: Counter[str],
+    channels: Mapping[str, StoredChannel],
+) -> IncidentRecord:
+    """``record`` with so many messages and bytes of each topic."""
     return replace(
         record,
         topics={

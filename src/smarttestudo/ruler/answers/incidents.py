@@ -4,57 +4,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from msgspec import Struct
 
 from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.domain.errors import RecordingError, TestudoError
-from smarttestudo.domain.incident import IncidentRecord, MissingReason
+from smarttestudo.domain.incident import IncidentRecord
 from smarttestudo.domain.remote_incidents import RemoteIncident
-from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.files.zip_stream import zip_pieces
 from smarttestudo.incidents.store import IncidentStore, StoredIncident
 from smarttestudo.language.properties import property_spec
-from smarttestudo.ruler.answers.missing_messages import MissingMessages, missing_messages
 from smarttestudo.ruler.project.project_folder import FileKind, MissingFileError, ProjectFolder
 
 MAX_INCIDENTS = 500
-_REASONS = frozenset(reason.value for reason in MissingReason)
 
 
-class IncidentSummary(Struct, frozen=True, kw_only=True):
-    """An incident in a list: ``title`` is what its ``Record`` calls it, ``rule`` the rule that recorded it.
-
-    ``triggered_ms`` counts since 1970; the window is from ``before_s`` before that to ``after_s`` after it.
-    ``missing`` are the reasons why it is not whole, each once; ``is_read`` is whether somebody opened it.
-    """
-
-    title: str
-    rule: str
-    triggered_ms: int
-    before_s: float
-    after_s: float
-    messages: int
-    missing: tuple[MissingReason, ...]
-    is_read: bool
-
-
-class ListedIncident(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ListedIncident:
     """A folder with an incident, by its ``name`` in the project.
 
-    ``problem`` is why it cannot be read, and ``summary`` null then.
+    ``problem`` is why it cannot be read, and ``incident`` null then.
     """
 
     name: str
-    size_kb: float
+    size_bytes: int
     problem: str
-    summary: IncidentSummary | None
+    incident: RemoteIncident | None
 
 
-class IncidentsAnswer(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentsAnswer:
     """``GET /api/incidents``: the newest first; ``has_more`` is whether older ones are left out."""
 
     incidents: tuple[ListedIncident, ...]
@@ -67,44 +50,20 @@ class OneIncidentRequest(Struct, frozen=True, kw_only=True):
     name: str
 
 
-class IncidentValue(Struct, frozen=True, kw_only=True):
-    """What the condition read of a topic; null where that was unknown. ``unit`` may be empty."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentAnswer:
+    """``POST /api/incident``: its record, and the units of the values in that, where they are known.
 
-    signal: str
-    value: float | None
-    unit: str
-
-
-class RecordedTopic(Struct, frozen=True, kw_only=True):
-    """What an incident holds of a topic; ``type`` is empty where nobody published it.
-
-    ``latched_s`` are the times of what came before the window and counted in it, seconds from the trigger.
-    """
-
-    topic: str
-    type: str
-    messages: int
-    size_kb: float
-    latched_s: tuple[float, ...]
-
-
-class IncidentAnswer(Struct, frozen=True, kw_only=True):
-    """``POST /api/incident``: all that its record says.
-
-    ``rule_path`` and ``line`` are where the robot had the rule. ``rule_file`` is the project's file of that
-    name, null where it has none, and ``is_same_text`` whether that holds the same text as then.
+    ``rule_file`` is the project's file of the name that the robot had the rule in, null where it has none,
+    and ``is_same_text`` whether that holds the same text as then.
     """
 
     name: str
-    size_kb: float
-    summary: IncidentSummary
-    rule_path: str
-    line: int
+    size_bytes: int
+    record: IncidentRecord
+    units: Mapping[str, str]
     rule_file: str | None
     is_same_text: bool
-    values: tuple[IncidentValue, ...]
-    topics: tuple[RecordedTopic, ...]
-    missing: tuple[MissingMessages, ...]
 
 
 class KnownIncidents:
@@ -160,16 +119,10 @@ class KnownIncidents:
                     stored = store.incident(last)
             except TestudoError as error:
                 problem = told_of_listed(error)
-                yield ListedIncident(
-                    name=name, size_kb=size_bytes / BYTES_PER_KB, problem=problem, summary=None
-                )
+                yield ListedIncident(name=name, size_bytes=size_bytes, problem=problem, incident=None)
             else:
-                yield ListedIncident(
-                    name=name,
-                    size_kb=size_bytes / BYTES_PER_KB,
-                    problem="",
-                    summary=incident_summary(stored.listed()),
-                )
+                listed = stored.listed()
+                yield ListedIncident(name=name, size_bytes=size_bytes, problem="", incident=listed)
 
     def _store(self, name: str) -> tuple[IncidentStore, str]:
         path = self._folder.path(name)
@@ -183,15 +136,11 @@ class KnownIncidents:
         rule_file = self._rule_file(record.path)
         return IncidentAnswer(
             name=name,
-            size_kb=stored.size_bytes / BYTES_PER_KB,
-            summary=incident_summary(stored.listed()),
-            rule_path=record.path,
-            line=record.line,
+            size_bytes=stored.size_bytes,
+            record=record,
+            units=dict(_units(record)),
             rule_file=rule_file,
             is_same_text=rule_file is not None and self._sha256(rule_file) == record.rules_sha256,
-            values=tuple(_value(record, signal) for signal in record.values),
-            topics=tuple(_topics(record)),
-            missing=missing_messages(record.missing, record.triggered_ns),
         )
 
     def _rule_file(self, path: str) -> str | None:
@@ -229,39 +178,14 @@ def _common(one: tuple[str, ...], other: tuple[str, ...]) -> int:
     return next(differing, min(len(one), len(other)))
 
 
-def incident_summary(one: RemoteIncident) -> IncidentSummary:
-    """What a list says of an incident, with those reasons that this version knows."""
-    return IncidentSummary(
-        title=one.label,
-        rule=one.rule,
-        triggered_ms=one.triggered_ns // NS_PER_MS,
-        before_s=(one.triggered_ns - one.from_ns) / NS_PER_S,
-        after_s=(one.to_ns - one.triggered_ns) / NS_PER_S,
-        messages=one.messages,
-        missing=tuple(dict.fromkeys(MissingReason(word) for word in one.missing if word in _REASONS)),
-        is_read=one.is_read,
-    )
-
-
 def told_of_listed(error: TestudoError) -> str:
     """Cause and remedy; the list says already of what."""
     return "; ".join(filter(None, (error.cause, error.remedy)))
 
 
-def _value(record: IncidentRecord, signal: str) -> IncidentValue:
-    topic, _, name = signal.partition(" ")
-    type_name = record.topics[topic].type_name if topic in record.topics else None
-    spec = property_spec(type_name, name)
-    return IncidentValue(signal=signal, value=record.values[signal], unit=spec.unit if spec else "")
-
-
-def _topics(record: IncidentRecord) -> Iterator[RecordedTopic]:
-    for name, topic in record.topics.items():
-        latched = (one.stamp_ns for one in record.latched if one.topic == name)
-        yield RecordedTopic(
-            topic=name,
-            type=topic.type_name,
-            messages=topic.messages,
-            size_kb=topic.size_bytes / BYTES_PER_KB,
-            latched_s=tuple((stamp_ns - record.triggered_ns) / NS_PER_S for stamp_ns in latched),
-        )
+def _units(record: IncidentRecord) -> Iterator[tuple[str, str]]:
+    for signal in record.values:
+        topic, _, name = signal.partition(" ")
+        type_name = record.topics[topic].type_name if topic in record.topics else None
+        if (spec := property_spec(type_name, name)) is not None:
+            yield signal, spec.unit

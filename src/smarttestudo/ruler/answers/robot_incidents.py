@@ -6,20 +6,19 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, ExitStack
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.remote_incidents import FetchProgress, RemoteIncident, RemoteIncidents
-from smarttestudo.domain.units import BYTES_PER_KB
 from smarttestudo.ruler.answers.incident_keeping import INCIDENTS_FOLDER
-from smarttestudo.ruler.answers.incidents import IncidentSummary, incident_summary, told_of_listed
+from smarttestudo.ruler.answers.incidents import told_of_listed
 from smarttestudo.ruler.project.project_folder import ForbiddenPathError, ProjectFolder
 
 OpenIncidents: TypeAlias = Callable[[], AbstractContextManager[RemoteIncidents]]
@@ -33,24 +32,21 @@ _KNOWN_WITHIN_S = 1.0
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}\Z")
 
 
-class RobotIncident(Struct, frozen=True, kw_only=True):
-    """An incident on a robot; ``kept`` is what the project calls it where it was fetched, else null."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentsOfRobot:
+    """The newest incidents first; ``problem`` is why they are not known, else empty.
 
-    name: str
-    size_kb: float
-    summary: IncidentSummary
-    kept: str | None
-
-
-class IncidentsOfRobot(Struct, frozen=True, kw_only=True):
-    """The newest incidents first; ``problem`` is why they are not known, else empty."""
+    ``kept`` are those that were fetched, by name, with what the project calls them.
+    """
 
     robot: str
     problem: str
-    incidents: tuple[RobotIncident, ...]
+    incidents: tuple[RemoteIncident, ...] = ()
+    kept: Mapping[str, str] = field(default_factory=dict)
 
 
-class RobotIncidentsAnswer(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotIncidentsAnswer:
     """``GET /api/robot-incidents``: those of each robot that is heard over the link.
 
     ``is_linked`` is whether there is a link at all, ``problem`` why it carries nothing, else empty.
@@ -68,25 +64,23 @@ class RobotIncidentRequest(Struct, frozen=True, kw_only=True):
     name: str
 
 
-class FetchState(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FetchState:
     """How far a fetch is, of which all but what is missing stays when it ends early.
 
-    ``level_hz`` is the rate at which small messages of all topics are there, null before the first and once
-    all are. ``problem`` is why it waits or failed, else empty; ``kept`` what the project calls it once done.
+    ``problem`` is why it failed, else empty; ``kept`` what the project calls it once done.
     """
 
     robot: str
     name: str
     state: Literal["running", "done", "cancelled", "failed"]
-    got_kb: float = 0.0
-    total_kb: float = 0.0
-    rate_kb_per_s: float = 0.0
-    level_hz: float | None = None
+    progress: FetchProgress
     problem: str = ""
     kept: str | None = None
 
 
-class FetchesAnswer(Struct, frozen=True, kw_only=True):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FetchesAnswer:
     """``GET /api/robot-incidents/fetches``, and what starting and cancelling one answers.
 
     ``heard`` are the robots that are there now, which costs the link nothing; none before they were asked.
@@ -100,21 +94,14 @@ class _Fetch:
     """A fetch on a thread of its own."""
 
     def __init__(self, request: RobotIncidentRequest) -> None:
-        self.state = FetchState(robot=request.robot, name=request.name, state="running")
+        progress = FetchProgress(got_bytes=0, total_bytes=0)
+        self.state = FetchState(robot=request.robot, name=request.name, state="running", progress=progress)
         self.cancelled = threading.Event()
         self.thread: threading.Thread | None = None
 
     def note(self, progress: FetchProgress) -> None:
         """How far it is."""
-        level_hz = progress.level_hz
-        self.state = replace(
-            self.state,
-            got_kb=progress.got_bytes / BYTES_PER_KB,
-            total_kb=progress.total_bytes / BYTES_PER_KB,
-            rate_kb_per_s=progress.rate_bytes_per_s / BYTES_PER_KB,
-            level_hz=None if level_hz == float("inf") else level_hz,
-            problem=progress.waits_for or "",
-        )
+        self.state = replace(self.state, progress=progress)
 
 
 class RobotIncidents:
@@ -208,18 +195,14 @@ class RobotIncidents:
         try:
             found = remote.list(robot)
         except TestudoError as error:
-            return IncidentsOfRobot(robot=robot, problem=told_of_listed(error), incidents=())
+            return IncidentsOfRobot(robot=robot, problem=told_of_listed(error))
         newest = sorted(found, key=lambda one: one.triggered_ns, reverse=True)[:_MAX_SHOWN]
+        kept = ((one.name, self._kept(RobotIncidentRequest(robot=robot, name=one.name))) for one in newest)
         return IncidentsOfRobot(
-            robot=robot, problem="", incidents=tuple(self._incident(robot, one) for one in newest)
-        )
-
-    def _incident(self, robot: str, one: RemoteIncident) -> RobotIncident:
-        return RobotIncident(
-            name=one.name,
-            size_kb=one.size_bytes / BYTES_PER_KB,
-            summary=incident_summary(one),
-            kept=self._kept(RobotIncidentRequest(robot=robot, name=one.name)),
+            robot=robot,
+            problem="",
+            incidents=tuple(newest),
+            kept={name: target for name, target in kept if target is not None},
         )
 
     def _kept(self, request: RobotIncidentRequest) -> str | None:
@@ -246,4 +229,4 @@ class RobotIncidents:
         else:
             done = path is not None
             state: Literal["done", "cancelled"] = "done" if done else "cancelled"
-            fetch.state = replace(fetch.state, state=state, problem="", kept=target if done else None)
+            fetch.state = replace(fetch.state, state=state, kept=target if done else None)

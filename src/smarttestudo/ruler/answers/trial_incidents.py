@@ -6,55 +6,32 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
-from smarttestudo.domain.incident import Missing
-from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
+from smarttestudo.domain.incident import IncidentRecord, Missing
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.incidents.folders import first_record, record_holding
 from smarttestudo.incidents.recorder import Incident
 from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
-from smarttestudo.ruler.answers.missing_messages import MissingMessages, missing_messages
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TryIncidentTopic:
-    """What would have been recorded of a topic."""
-
-    topic: str
-    messages: int
-    size_kb: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TryIncident:
-    """What a ``Record`` would have kept, ``t`` seconds after the start: the ``number``-th, 0 first.
-
-    ``title`` is its name, ``line`` its own, ``rule`` that of its block. The window is from ``before_s``
-    before to ``after_s`` after that; sizes are those of the messages.
-    """
+    """What a ``Record`` would have kept, ``t`` seconds after the start: the ``number``-th, 0 first."""
 
     number: int
     t: float
-    title: str
-    rule: str
-    line: int
-    before_s: float
-    after_s: float
-    messages: int
-    size_kb: float
-    topics: tuple[TryIncidentTopic, ...]
-    missing: tuple[MissingMessages, ...]
+    record: IncidentRecord
 
 
 @dataclass(slots=True, kw_only=True)
 class _Tally:
     """What one incident holds so far."""
 
-    number: int
-    incident: Incident
+    record: IncidentRecord
     messages: Counter[str] = field(default_factory=Counter)
     size_bytes: Counter[str] = field(default_factory=Counter)
-    missing: Sequence[Missing] = ()
 
     def add(self, message: IncidentMessage) -> None:
         self.messages[message.topic] += 1
@@ -67,10 +44,12 @@ class IncidentTally:
     def __init__(self, most: int) -> None:
         self._most = most
         self._tallies: dict[Incident, _Tally] = {}
+        self._channels: Mapping[str, StoredChannel] = {}
         self.count = 0
 
-    def opened(self, _channels: Mapping[str, StoredChannel]) -> IncidentTally:
-        """This one, whatever the topics are."""
+    def opened(self, channels: Mapping[str, StoredChannel]) -> IncidentTally:
+        """This one, for incidents of these topics."""
+        self._channels = channels
         return self
 
     def begin(
@@ -79,7 +58,7 @@ class IncidentTally:
         """As ``IncidentSink``."""
         self.count += 1
         if len(self._tallies) < self._most:
-            tally = self._tallies[incident] = _Tally(number=self.count - 1, incident=incident)
+            tally = self._tallies[incident] = _Tally(record=first_record(incident, latched))
             for message in (*latched, *messages):
                 tally.add(message)
 
@@ -92,32 +71,16 @@ class IncidentTally:
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
         """As ``IncidentSink``."""
         if incident in self._tallies:
-            self._tallies[incident].missing = missing
+            tally = self._tallies[incident]
+            tally.record = replace(tally.record, missing=tuple(missing))
 
     def incidents(self, start_ns: int) -> tuple[TryIncident, ...]:
         """What was counted, in the order in which it began, in a recording that starts then."""
-        return tuple(_told(tally, start_ns) for tally in self._tallies.values())
-
-
-def _told(tally: _Tally, start_ns: int) -> TryIncident:
-    trigger, recording = tally.incident.trigger, tally.incident.recording
-    return TryIncident(
-        number=tally.number,
-        t=(trigger.stamp_ns - start_ns) / NS_PER_S,
-        title=recording.name,
-        rule=trigger.block.label,
-        line=recording.line,
-        before_s=recording.before_ns / NS_PER_S,
-        after_s=recording.after_ns / NS_PER_S,
-        messages=tally.messages.total(),
-        size_kb=tally.size_bytes.total() / BYTES_PER_KB,
-        topics=tuple(
-            TryIncidentTopic(
-                topic=topic,
-                messages=tally.messages[topic],
-                size_kb=tally.size_bytes[topic] / BYTES_PER_KB,
+        return tuple(
+            TryIncident(
+                number=number,
+                t=(tally.record.triggered_ns - start_ns) / NS_PER_S,
+                record=record_holding(tally.record, tally.messages, tally.size_bytes, self._channels),
             )
-            for topic in sorted({*recording.topics, *tally.messages})
-        ),
-        missing=missing_messages(tally.missing, trigger.stamp_ns),
-    )
+            for number, tally in enumerate(self._tallies.values())
+        )
