@@ -12,6 +12,7 @@ from robot.status.statuses import STATUS
 from smarttestudo.domain.rule_texts import RuleTexts
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import BlockStatus, CheckStatus, RulesInForce, RulesOrigin
+from smarttestudo.language.syntax import Operator
 from smarttestudo.ruler.answers.robot_checks import (
     BIN_S,
     MAX_CHECKS,
@@ -73,7 +74,7 @@ def test_the_states_are_the_robots_and_the_values_its_least_and_greatest() -> No
         "Far",
         "/odom",
         "pose_x",
-        ">",
+        Operator.GREATER,
         3,
     )
     assert answer.values is not None

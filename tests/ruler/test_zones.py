@@ -11,7 +11,7 @@ import pytest
 from ruler.ruler_server import EXAMPLES, Answer, Page
 
 WAREHOUSE = (EXAMPLES / "warehouse.adirf").read_text(encoding="utf-8")
-BOX = {"min_x": 1, "max_x": 2.5, "min_y": 3, "max_y": 4}
+BOX = {"min_x_m": 1, "max_x_m": 2.5, "min_y_m": 3, "max_y_m": 4}
 
 
 def rule(name: str, condition: str, rates: str = "SetFrequency /odom 4", *, priority: str = "") -> str:
@@ -38,8 +38,8 @@ def edit(page: Page, text: str, **change: Any) -> Answer:
 def test_the_zones_of_the_demo_are_its_corridor_and_its_scaffolding(examples_page: Page) -> None:
     found = zones(examples_page, WAREHOUSE)
     assert [(rule["label"], [zone["rectangle"] for zone in rule["zones"]]) for rule in found["rules"]] == [
-        ("Warehouse Corridor", [{"min_x": -13, "max_x": 6, "min_y": 1, "max_y": 5.4}]),
-        ("Scaffolding", [{"min_x": -13, "max_x": 6, "min_y": 6, "max_y": 25.5}]),
+        ("Warehouse Corridor", [{"min_x_m": -13, "max_x_m": 6, "min_y_m": 1, "max_y_m": 5.4}]),
+        ("Scaffolding", [{"min_x_m": -13, "max_x_m": 6, "min_y_m": 6, "max_y_m": 25.5}]),
     ]
     assert (found["clashes"], found["label"]) == ([], "Zone 1")
 
@@ -77,7 +77,7 @@ def test_what_a_rule_asks_beside_its_zone_is_told_with_it(examples_page: Page) -
 def test_zones_clash_where_the_checker_says_so_and_nowhere_else(examples_page: Page) -> None:
     far = rule("B", x_and_y(3, 9), "SetFrequency /odom 5")
     (clash,) = zones(examples_page, rules_of(rule("A", x_and_y(0, 4)), far))["clashes"]
-    assert clash["common"] == [{"min_x": 3, "max_x": 4, "min_y": 3, "max_y": 4}]
+    assert clash["common"] == [{"min_x_m": 3, "max_x_m": 4, "min_y_m": 3, "max_y_m": 4}]
     assert clash["message"].startswith('"B" sets /odom to 5 Hz, "A" (line 3) to 4 Hz')
     higher = rule("A", x_and_y(0, 4), priority="Priority 2")
     assert zones(examples_page, rules_of(higher, far))["clashes"] == []
@@ -141,7 +141,7 @@ def test_a_zone_goes_into_a_rule_as_only_there_or_as_there_too(examples_page: Pa
 
 def test_an_open_side_is_closed_by_a_check_of_its_own(examples_page: Page) -> None:
     text = "begin\n  If CheckValue /odom pose_x > 1.50 Then SetFrequency /odom 4 EndIf // hall\nend\n"
-    sides = {"min_x": 1.5, "max_x": 9, "min_y": None, "max_y": None}
+    sides = {"min_x_m": 1.5, "max_x_m": 9, "min_y_m": None, "max_y_m": None}
     closed = edit(examples_page, text, kind="zone_resize", id="s1", index=0, rectangle=sides).json["text"]
     assert "CheckValue /odom pose_x > 1.50 AND CheckValue /odom pose_x < 9" in closed
     assert closed.endswith("// hall\nend\n")
@@ -150,10 +150,10 @@ def test_an_open_side_is_closed_by_a_check_of_its_own(examples_page: Page) -> No
 @pytest.mark.parametrize(
     ("sides", "cause"),
     [
-        ({**BOX, "max_x": 1}, "this rectangle has no area"),
-        ({**BOX, "min_x": None}, "a side cannot be left out here"),
-        ({**BOX, "max_y": 1e9}, "1000000000.0 m is no place on a map"),
-        ({**BOX, "min_x": -3}, "another check of the rule bounds this zone too"),
+        ({**BOX, "max_x_m": 1}, "this rectangle has no area"),
+        ({**BOX, "min_x_m": None}, "a side cannot be left out here"),
+        ({**BOX, "max_y_m": 1e9}, "1000000000.0 m is no place on a map"),
+        ({**BOX, "min_x_m": -3}, "another check of the rule bounds this zone too"),
     ],
 )
 def test_sides_that_a_rule_cannot_have_are_refused_with_a_remedy(

@@ -5,17 +5,6 @@
 /** The protocol of the web socket. */
 export const PROTOCOL_VERSION = 1;
 
-/**
- * `POST /api/profile/accuracy` → `AccuracyNeeds`: what the accuracies of `topic` need, from a bag.
- *
- * `run` names the work in `Progress` messages of `/ws`.
- */
-export interface AccuracyCurveRequest {
-  bag: string;
-  topic: string;
-  run?: string;
-}
-
 /** The properties of a topic that changed, beside the rate of its source. */
 export interface AccuracyNeeds {
   source_hz: number | null;
@@ -82,6 +71,16 @@ export interface BackgroundsAnswer {
 }
 
 /**
+ * A bag of the project.
+ *
+ * `POST /api/recording` → `RecordingAnswer`; `/api/background/path` → `DrivenPath`;
+ * `/api/profile/measure` → `TextAnswer`: a profile measured in it.
+ */
+export interface BagRequest {
+  bag: string;
+}
+
+/**
  * The condition of one If, at its place in the rule file number `file`, with its checks in order.
  *
  * `held_s` is for how long its state has been the same, `None` where that is not told. `times` are in
@@ -128,6 +127,18 @@ export interface BoundReason {
   reason: Reason;
   rule: string | null;
   line: number | null;
+}
+
+/**
+ * How a bound was kept: `worst` is the picture's largest finite error after a message of the source.
+ *
+ * `last` is that after the newest one, infinite where the picture says nothing. `broken` counts the
+ * messages after which the picture was more than the bound off, or said nothing.
+ */
+export interface BoundRecord {
+  bound: number;
+  worst: number;
+  broken: number;
 }
 
 /** `CheckValue topic property op value [Until op value]`; `op` is one of `> < >= <= = !=`. */
@@ -198,15 +209,9 @@ export interface ConfirmAnswer {
   hash: string;
 }
 
-/** `POST /api/push/confirm` → `ConfirmAnswer`: keep the rules that were pushed. */
-export interface ConfirmRequest {
-  node: string;
-  hash: string;
-}
-
 /** Rectangles that share no area and hold the polygon; `over_m2` is what they cover beside it. */
 export interface CoverAnswer {
-  rectangles: ZoneBounds[];
+  rectangles: ZoneRectangle[];
   polygon_m2: number;
   over_m2: number;
 }
@@ -232,6 +237,7 @@ export interface Curve {
 /**
  * `POST /api/profile/curve` → `Curve`: the loss of `topic` at each rate, from a bag.
  *
+ * `POST /api/profile/accuracy` → `AccuracyNeeds`: what the accuracies of `topic` need.
  * `run` names the work in `Progress` messages of `/ws`.
  */
 export interface CurveRequest {
@@ -252,7 +258,7 @@ export interface DeleteRequest {
   base_hash: string;
 }
 
-/** What a robot does otherwise with the new text, in sentences; which of the two has errors of syntax. */
+/** Differences for a robot with the new text, in sentences; which of the two has errors of syntax. */
 export interface DifferenceAnswer {
   differences: string[];
   old_parses: boolean;
@@ -346,7 +352,7 @@ export interface ErrorSize {
   relative_max: number | null;
 }
 
-/** What changed; the value is its name in JSON. */
+/** Kind of a change; the value is its name in JSON. */
 export type EventKind = "rate" | "rule" | "rules";
 
 /**
@@ -406,7 +412,7 @@ export interface FileAnswer {
   hash: string;
 }
 
-/** What a file is to the Ruler; the value is its name in JSON. */
+/** Kind of a file to the Ruler; the value is its name in JSON. */
 export type FileKind = "rules" | "profile" | "bag" | "map" | "layout" | "image";
 
 /** `GET /api/file/state?name=`: the SHA-256 of what is on disk, null where nothing is. */
@@ -513,7 +519,7 @@ export interface IncidentAnswer {
 }
 
 /**
- * What an incident holds over time, in seconds since the window's start; the trigger is at `trigger_s`.
+ * Content of an incident over time, in seconds since the window's start; the trigger is at `trigger_s`.
  *
  * Bins are `bin_s` long, the first begins at `first_bin_s`, 0 or less, and one begins at the trigger.
  * `path` is `[seconds, x, y]` in metres where a topic says where the robot was. `notices` say what
@@ -696,11 +702,6 @@ export interface LastingAnswer {
   why_not: string;
 }
 
-/** `POST /api/push/lasting` → `LastingAnswer`: how long rules last that a robot keeps. */
-export interface LastingRequest {
-  node: string;
-}
-
 /**
  * A message from before the window that still counted in it; `stamp_ns` is when it arrived.
  *
@@ -835,7 +836,7 @@ export interface MoveZone {
 export interface NewZone {
   kind: "zone_new";
   topic: string;
-  rectangles: ZoneBounds[];
+  rectangles: ZoneRectangle[];
   into?: string | null;
   label?: string;
 }
@@ -891,11 +892,6 @@ export interface OrCondition {
   terms: Condition[];
 }
 
-/** `POST /api/background/path` → `DrivenPath`. */
-export interface PathRequest {
-  bag: string;
-}
-
 /**
  * `begin … end` with its statements in order.
  *
@@ -928,12 +924,12 @@ export interface PlacedFinding {
   offset: number;
   end_offset: number;
   fix: PlacedFix | null;
-  profile_fix: ProfileEntry | null;
+  profile_fix: ProfileFix | null;
   statement: string | null;
   related: string[];
 }
 
-/** What mends a finding. */
+/** Edit that mends a finding. */
 export interface PlacedFix {
   title: string;
   edit: Substitute;
@@ -942,7 +938,7 @@ export interface PlacedFix {
 /** A rectangle of a rule. `is_shared` is whether a check of it bounds another rectangle as well. */
 export interface PlacedZone {
   topic: string;
-  rectangle: ZoneBounds;
+  rectangle: ZoneRectangle;
   is_shared: boolean;
 }
 
@@ -969,14 +965,6 @@ export interface ProfileChosenRequest {
   profile: string | null;
 }
 
-/** What mends a finding in the profile: `value` for `key` of `topic`; null takes it out. */
-export interface ProfileEntry {
-  title: string;
-  topic: string;
-  key: string;
-  value: string | null;
-}
-
 /**
  * `POST /api/profile/entry` → `TextAnswer`: `text` with `value` for `key` of `topic`.
  *
@@ -988,6 +976,14 @@ export interface ProfileEntryRequest {
   key: string;
   value: string | null;
   name?: string;
+}
+
+/** Fix of a finding in the profile: `value` for `key` of `topic`; `None` takes it out. */
+export interface ProfileFix {
+  topic: string;
+  key: string;
+  value: string | null;
+  title: string;
 }
 
 /**
@@ -1004,11 +1000,6 @@ export interface ProfileForAnswer {
 export interface ProfileForRequest {
   text: string;
   name: string;
-}
-
-/** `POST /api/profile/measure` → `TextAnswer`: a profile measured in a bag of the project. */
-export interface ProfileMeasureRequest {
-  bag: string;
 }
 
 /** `POST /api/profile/parse` → `ProfileTable`. */
@@ -1118,7 +1109,7 @@ export interface PushAnswer {
 }
 
 /**
- * What a push would change, in sentences; `same` if the rules mean the same to the robot.
+ * Changes that a push would make, in sentences; `same` if the rules mean the same to the robot.
  *
  * `text_to_send` has numbers in the place of quality levels, since a robot may have no profile; `hash`
  * is its SHA-256. `robot_hash` is that of what the robot follows now.
@@ -1142,6 +1133,17 @@ export interface PushRequest {
   profile_text?: string | null;
   profile_name?: string;
   node: string;
+}
+
+/**
+ * Rules that were pushed to a robot, by their hash.
+ *
+ * `POST /api/push/confirm` → `ConfirmAnswer`: keep them. `POST /api/push/write` → `WriteAnswer`:
+ * write them to its rule file; a refusal by the robot is a 422 with the robot's own words.
+ */
+export interface PushedRequest {
+  node: string;
+  hash: string;
 }
 
 export type Rate = Hz | TierRate | FullRate | OffRate;
@@ -1191,11 +1193,6 @@ export interface RecordingAnswer {
   topics: string[];
   duration_s: number;
   rules_text: string;
-}
-
-/** `POST /api/recording` → `RecordingAnswer`: a bag of the project. */
-export interface RecordingRequest {
-  bag: string;
 }
 
 /** Why a part does not fit; `rule` is the statement's id, null for the defaults. */
@@ -1261,7 +1258,7 @@ export interface ResizeZone {
   kind: "zone_resize";
   id: string;
   index: number;
-  rectangle: ZoneBounds;
+  rectangle: ZoneRectangle;
 }
 
 /**
@@ -1273,7 +1270,7 @@ export interface RobotCheck {
   rule: string;
   topic: string;
   property: string;
-  op: string;
+  op: Operator;
   limit: number;
 }
 
@@ -1292,7 +1289,7 @@ export interface RobotCheckValues {
 }
 
 /**
- * What statuses said; times are since `window_s` ago, and all is unknown before `heard_from_s`.
+ * Rules and checks of a robot; times are since `window_s` ago, all is unknown before `heard_from_s`.
  *
  * `checks` are at most 100, and none until the robot's rules were read.
  */
@@ -1326,7 +1323,7 @@ export interface RobotEvent {
 }
 
 /**
- * What was heard since `since_s_ago`, the newest first; `left_out` older events are not told.
+ * Events since `since_s_ago`, the newest first; `left_out` older ones are not told.
  *
  * `path` is `[seconds ago, x, y]` in metres, the oldest first, by the checks of the rules that read
  * `pose_topic`; null where none does.
@@ -1337,11 +1334,6 @@ export interface RobotHistoryAnswer {
   left_out: number;
   path: [number, number, number][];
   pose_topic: string | null;
-}
-
-/** `POST /api/robot/history` → `RobotHistoryAnswer`. */
-export interface RobotHistoryRequest {
-  node: string;
 }
 
 /** An incident by the name of its robot and its own. */
@@ -1361,16 +1353,21 @@ export interface RobotIncidentsAnswer {
   robots: IncidentsOfRobot[];
 }
 
+/**
+ * A robot by its node.
+ *
+ * `POST /api/push/lasting` → `LastingAnswer`: how long rules last that it keeps;
+ * `/api/robot/history` → `RobotHistoryAnswer`; `/api/robot/start` → `RobotStartAnswer`.
+ */
+export interface RobotRequest {
+  node: string;
+}
+
 /** The topics that a robot relays, a rule file that relays every message of them, and their profile. */
 export interface RobotStartAnswer {
   topics: string[];
   rules_text: string;
   profile_text: string;
-}
-
-/** `POST /api/robot/start` → `RobotStartAnswer`. */
-export interface RobotStartRequest {
-  node: string;
 }
 
 /**
@@ -1639,7 +1636,7 @@ export interface TopicArm {
   age: Age | null;
 }
 
-/** What one topic takes of the link in one situation; `rate_hz` is null for Full. */
+/** Share of the link that one topic takes in one situation; `rate_hz` is null for Full. */
 export interface TopicLoad {
   topic: string;
   rate_hz: number | null;
@@ -1660,13 +1657,41 @@ export interface TopicOnLink {
   age_ms: number | null;
 }
 
+/**
+ * Flow of one relayed topic in, and out on `output_topic`.
+ *
+ * `messages_out` includes `repeated`. `source_hz` and `mean_hz` are (n − 1) / (last − first) of what
+ * came in and went out. `target_hz` is weighted by time, with Full as the source's rate; `error_percent`
+ * is how far `mean_hz` lies above the lesser of target and source at each time, likewise weighted; it
+ * is `None` where bounds decide what passes. Of transforms, whose target is that of each child frame,
+ * there are `frames`, and rates are means over them. `bounds` say how each bound of the receiver's
+ * picture was kept, `unreadable` how many messages of a topic with bounds could not be compared.
+ * `declared` says that sizes are those that the bag declares. A number that the messages do not determine
+ * is `None`.
+ */
+export interface TopicOutcome {
+  monitored_topic: string;
+  in: number;
+  out: number;
+  repeated: number;
+  source_hz: number | null;
+  target_hz: number | null;
+  mean_hz: number | null;
+  error_percent: number | null;
+  in_kb: number;
+  out_kb: number;
+  declared: boolean;
+  frames: number | null;
+  bounds?: Record<string, BoundRecord>;
+}
+
 /** Messages a second of a topic, bin by bin; null where less than half of one is known. */
 export interface TopicRates {
   topic: string;
   hz_bins: (number | null)[];
 }
 
-/** Who names a topic; the value is its name in JSON, the order that of trust. */
+/** Source of a topic's name; the value is its name in JSON, the order that of trust. */
 export type TopicSource = "profile" | "robot" | "rules" | "example";
 
 /**
@@ -1719,7 +1744,7 @@ export interface TopicStatus {
 export type Truth = "false" | "unknown" | "true";
 
 /**
- * What the rules would have done to a bag; `percent` is how much less of the relayed topics was sent.
+ * Result of a try of rules on a bag; `percent` is how much less of the relayed topics was sent.
  *
  * Times are seconds since the bag's start. `…_bins` have one value for each `bin_s` seconds; the first
  * begins at `first_bin_s`, 0 or less. `decisions` are the first 2000 of `decision_count`; `path` is
@@ -1792,14 +1817,14 @@ export interface TryImages {
   received: Frames;
 }
 
-/** What a `Record` would have kept, `t` seconds after the start: the `number`-th, 0 first. */
+/** Incident of a try, `t` seconds after the start: the `number`-th, 0 first. */
 export interface TryIncident {
   number: number;
   t: number;
   record: IncidentRecord;
 }
 
-/** What the operator would lose: the numbers of `testudo bag loss`, without its third arm. */
+/** Loss of the operator: the numbers of `testudo bag loss`, without its third arm. */
 export interface TryLoss {
   topics: TryTopicLoss[];
   fields: TryFieldLoss[];
@@ -1817,14 +1842,10 @@ export interface TryRequest {
   run?: string;
 }
 
-/** One topic of the bag before and after; `*_hz_bins` are messages a second, bin by bin. */
+/** One relayed topic of the bag; `*_hz_bins` are messages a second before and after, bin by bin. */
 export interface TryTopic {
   topic: string;
-  before_kb: number;
-  after_kb: number;
-  before_messages: number;
-  after_messages: number;
-  target_hz: number | null;
+  outcome: TopicOutcome;
   before_hz_bins: number[];
   after_hz_bins: number[];
 }
@@ -1843,15 +1864,10 @@ export interface UntilValue {
   value: number;
 }
 
-/** `POST /api/version` → `VersionText`: one version of the rule file `name`. */
+/** `POST /api/version` → `TextAnswer`: one version of the rule file `name`. */
 export interface VersionRequest {
   name: string;
   id: string;
-}
-
-/** The whole text of a version. */
-export interface VersionText {
-  text: string;
 }
 
 /** `GET /api/versions?name=`: the newest first, at most `most`, kept in `folder` of the project. */
@@ -1861,7 +1877,7 @@ export interface VersionsAnswer {
   folder: string;
 }
 
-/** What an editor suggests; `every_topic` are the properties of any topic. */
+/** Words that an editor suggests; `every_topic` are the properties of any topic. */
 export interface Vocabulary {
   topics: KnownTopic[];
   every_topic: Property[];
@@ -1901,31 +1917,21 @@ export interface WriteAnswer {
   previous_file: string;
 }
 
-/**
- * `POST /api/push/write` → `WriteAnswer`: write the rules that the robot keeps to its rule file.
- *
- * A refusal by the robot is a 422 with the robot's own words.
- */
-export interface WriteRequest {
-  node: string;
-  hash: string;
-}
-
-/** An upright rectangle; null is a side that nothing bounds. */
-export interface ZoneBounds {
-  min_x: number | null;
-  max_x: number | null;
-  min_y: number | null;
-  max_y: number | null;
-}
-
 /** Two rules that clash with a zone in `common`; `message` and `hint` are the checker's. */
 export interface ZoneClash {
   first: string;
   second: string;
   message: string;
   hint: string;
-  common: ZoneBounds[];
+  common: ZoneRectangle[];
+}
+
+/** An upright rectangle in metres; `None` is a side that nothing bounds. */
+export interface ZoneRectangle {
+  min_x_m: number | null;
+  max_x_m: number | null;
+  min_y_m: number | null;
+  max_y_m: number | null;
 }
 
 /** `POST /api/zones` with a `Draft`. `label` is a name for a new zone that no rule has. */
@@ -1944,10 +1950,10 @@ export interface Routes {
   "POST /api/file/rename": { asked: RenameRequest; answered: Project };
   "POST /api/file/delete": { asked: DeleteRequest; answered: Project };
   "PUT /api/project/settings": { asked: SettingsRequest; answered: Project };
-  "POST /api/recording": { asked: RecordingRequest; answered: RecordingAnswer };
+  "POST /api/recording": { asked: BagRequest; answered: RecordingAnswer };
   "PUT /api/recording": { asked: null; answered: ReceivedAnswer };
   "GET /api/versions": { asked: null; answered: VersionsAnswer };
-  "POST /api/version": { asked: VersionRequest; answered: VersionText };
+  "POST /api/version": { asked: VersionRequest; answered: TextAnswer };
   "POST /api/difference": { asked: DifferenceRequest; answered: DifferenceAnswer };
   "POST /api/document": { asked: Draft; answered: RuleDocument };
   "POST /api/edit": { asked: EditRequest; answered: EditAnswer };
@@ -1965,28 +1971,28 @@ export interface Routes {
   "POST /api/profile/write": { asked: ProfileWriteRequest; answered: TextAnswer };
   "POST /api/profile/entry": { asked: ProfileEntryRequest; answered: TextAnswer };
   "POST /api/profile/check": { asked: ProfileWriteRequest; answered: ProfileCheckAnswer };
-  "POST /api/profile/measure": { asked: ProfileMeasureRequest; answered: TextAnswer };
+  "POST /api/profile/measure": { asked: BagRequest; answered: TextAnswer };
   "POST /api/profile/levels": { asked: LevelsRequest; answered: LevelsAnswer };
   "GET /api/backgrounds": { asked: null; answered: BackgroundsAnswer };
   "POST /api/background": { asked: BackgroundRequest; answered: Background };
-  "POST /api/background/path": { asked: PathRequest; answered: DrivenPath };
+  "POST /api/background/path": { asked: BagRequest; answered: DrivenPath };
   "GET /api/incidents": { asked: null; answered: IncidentsAnswer };
   "POST /api/incident": { asked: OneIncidentRequest; answered: IncidentAnswer };
   "POST /api/incident/delete": { asked: OneIncidentRequest; answered: IncidentsAnswer };
   "POST /api/incident/course": { asked: IncidentCourseRequest; answered: IncidentCourse };
-  "POST /api/robot/history": { asked: RobotHistoryRequest; answered: RobotHistoryAnswer };
+  "POST /api/robot/history": { asked: RobotRequest; answered: RobotHistoryAnswer };
   "POST /api/robot/checks": { asked: RobotChecksRequest; answered: RobotChecksAnswer };
-  "POST /api/robot/start": { asked: RobotStartRequest; answered: RobotStartAnswer };
+  "POST /api/robot/start": { asked: RobotRequest; answered: RobotStartAnswer };
   "POST /api/push/preview": { asked: PushRequest; answered: PushPreview };
   "POST /api/push": { asked: PushRequest; answered: PushAnswer };
-  "POST /api/push/confirm": { asked: ConfirmRequest; answered: ConfirmAnswer };
-  "POST /api/push/lasting": { asked: LastingRequest; answered: LastingAnswer };
-  "POST /api/push/write": { asked: WriteRequest; answered: WriteAnswer };
+  "POST /api/push/confirm": { asked: PushedRequest; answered: ConfirmAnswer };
+  "POST /api/push/lasting": { asked: RobotRequest; answered: LastingAnswer };
+  "POST /api/push/write": { asked: PushedRequest; answered: WriteAnswer };
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
   "POST /api/try": { asked: TryRequest; answered: TryAnswer };
   "POST /api/check/course": { asked: CheckCourseRequest; answered: CheckCourse };
   "POST /api/profile/curve": { asked: CurveRequest; answered: Curve };
-  "POST /api/profile/accuracy": { asked: AccuracyCurveRequest; answered: AccuracyNeeds };
+  "POST /api/profile/accuracy": { asked: CurveRequest; answered: AccuracyNeeds };
   "GET /api/try/keeps": { asked: null; answered: KeepsAnswer };
   "POST /api/try/keep": { asked: KeepRequest; answered: KeepsAnswer };
   "POST /api/try/keep/cancel": { asked: KeepEndRequest; answered: KeepsAnswer };

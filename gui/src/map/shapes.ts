@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { ZoneBounds } from "../api/types";
+import type { ZoneRectangle } from "../api/types";
 
 /** A place in the frame of the map, in metres. */
 export type Point = readonly [x: number, y: number];
 
 /** Left, lower, right and upper end in metres. */
-export type Extent = readonly [min_x: number, min_y: number, max_x: number, max_y: number];
+export type Extent = readonly [min_x_m: number, min_y_m: number, max_x_m: number, max_y_m: number];
 
 /**
  * A picture of the floor. Its lower left corner lies at (`x`, `y`), and it is turned about it by `yaw_rad`.
@@ -27,7 +27,7 @@ export interface MapPicture {
 export interface MapZone {
   id: string;
   label: string;
-  rectangles: readonly ZoneBounds[];
+  rectangles: readonly ZoneRectangle[];
   tone: "zone" | "selected" | "clash" | "draft";
   /** Which rectangle has handles to resize it. */
   handle?: number | undefined;
@@ -38,23 +38,23 @@ export interface MapZone {
 const FAR_M = 1e5;
 
 /** `rectangle` with its open sides at the borders of `around`. */
-export function closed(rectangle: ZoneBounds, around: Extent | null): Extent {
+export function closed(rectangle: ZoneRectangle, around: Extent | null): Extent {
   const [left, low, right, high] = around ?? [-FAR_M, -FAR_M, FAR_M, FAR_M];
   return [
-    rectangle.min_x ?? Math.min(left, rectangle.max_x ?? left),
-    rectangle.min_y ?? Math.min(low, rectangle.max_y ?? low),
-    rectangle.max_x ?? Math.max(right, rectangle.min_x ?? right),
-    rectangle.max_y ?? Math.max(high, rectangle.min_y ?? high),
+    rectangle.min_x_m ?? Math.min(left, rectangle.max_x_m ?? left),
+    rectangle.min_y_m ?? Math.min(low, rectangle.max_y_m ?? low),
+    rectangle.max_x_m ?? Math.max(right, rectangle.min_x_m ?? right),
+    rectangle.max_y_m ?? Math.max(high, rectangle.min_y_m ?? high),
   ];
 }
 
 /** `sides` where `known` is bounded; what was open stays so. */
-export function bounded(known: ZoneBounds, [left, low, right, high]: Extent): ZoneBounds {
+export function bounded(known: ZoneRectangle, [left, low, right, high]: Extent): ZoneRectangle {
   return {
-    min_x: known.min_x === null ? null : left,
-    max_x: known.max_x === null ? null : right,
-    min_y: known.min_y === null ? null : low,
-    max_y: known.max_y === null ? null : high,
+    min_x_m: known.min_x_m === null ? null : left,
+    max_x_m: known.max_x_m === null ? null : right,
+    min_y_m: known.min_y_m === null ? null : low,
+    max_y_m: known.max_y_m === null ? null : high,
   };
 }
 
@@ -81,9 +81,9 @@ export function extentOf(points: Iterable<Point>): Extent | null {
 }
 
 /** The finite corners of rectangles, as points to take an extent of. */
-export function* finiteCorners(rectangles: Iterable<ZoneBounds>): Generator<Point> {
-  for (const { min_x, max_x, min_y, max_y } of rectangles) {
-    const [xs, ys] = [[min_x, max_x].filter(isNumber), [min_y, max_y].filter(isNumber)];
+export function* finiteCorners(rectangles: Iterable<ZoneRectangle>): Generator<Point> {
+  for (const { min_x_m, max_x_m, min_y_m, max_y_m } of rectangles) {
+    const [xs, ys] = [[min_x_m, max_x_m].filter(isNumber), [min_y_m, max_y_m].filter(isNumber)];
     for (const x of xs.length ? xs : [0]) for (const y of ys.length ? ys : [0]) yield [x, y];
   }
 }
@@ -95,8 +95,8 @@ export function widened(extent: Extent, share: number): Extent {
 }
 
 /** An extent with so many metres more on each side. */
-export function grown([min_x, min_y, max_x, max_y]: Extent, metres: number): Extent {
-  return [min_x - metres, min_y - metres, max_x + metres, max_y + metres];
+export function grown([min_x_m, min_y_m, max_x_m, max_y_m]: Extent, metres: number): Extent {
+  return [min_x_m - metres, min_y_m - metres, max_x_m + metres, max_y_m + metres];
 }
 
 /** To whole centimetres, which is how zones are written. */

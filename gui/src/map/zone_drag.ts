@@ -26,7 +26,7 @@ export function handlesOf(zones: readonly MapZone[], around: Extent, resolution:
   const rectangle = zone?.rectangles[zone.handle ?? 0];
   if (!rectangle) return [];
   const [left, low, right, high] = closed(rectangle, around);
-  const sides = { x: [rectangle.min_x, rectangle.max_x], y: [rectangle.min_y, rectangle.max_y] };
+  const sides = { x: [rectangle.min_x_m, rectangle.max_x_m], y: [rectangle.min_y_m, rectangle.max_y_m] };
   const isBounded = (axis: "x" | "y", side: number) => side === 0 || sides[axis][side < 0 ? 0 : 1] !== null;
   const px = { x: (right - left) / resolution, y: (high - low) / resolution };
   const hasRoom = (x: number, y: number) =>

@@ -3,7 +3,7 @@
 
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import type { RuleZones, ZoneBounds } from "../api/types";
+import type { RuleZones, ZoneRectangle } from "../api/types";
 import { MapCanvas } from "../map/map_canvas";
 import type { MapView } from "../map/map_view";
 import { bounded, type MapOwner, type Tool } from "../map/shapes";
@@ -21,7 +21,7 @@ const TOOLS: { tool: Tool; label: string }[] = [
   { tool: "polygon", label: "Draw a polygon" },
 ];
 const USUAL_TOPIC = "/odom";
-const FIRST_SIDES: ZoneBounds = { min_x: 0, max_x: 1, min_y: 0, max_y: 1 };
+const FIRST_SIDES: ZoneRectangle = { min_x_m: 0, max_x_m: 1, min_y_m: 0, max_y_m: 1 };
 
 /** The zones of the rules on a map: everything the mouse does there, the forms below it do as well. */
 export function MapPanel({ editor, zones, floor }: { editor: RuleEditor; zones: ZoneEditor; floor: MapFloor }) {
@@ -177,11 +177,11 @@ function saidOf(rule: RuleZones): string {
   return `${topics}: ${place}${rule.holds_elsewhere ? "" : others}${rule.holds_elsewhere ? "; it can hold elsewhere too" : ""}`;
 }
 
-function sidesOf({ min_x, max_x, min_y, max_y }: ZoneBounds): string {
+function sidesOf({ min_x_m, max_x_m, min_y_m, max_y_m }: ZoneRectangle): string {
   const axis = (name: string, from: number | null, to: number | null) => {
     if (from === null && to === null) return `any ${name}`;
     if (from === null) return `${name} below ${to} m`;
     return to === null ? `${name} above ${from} m` : `${name} ${from} … ${to} m`;
   };
-  return `${axis("x", min_x, max_x)}, ${axis("y", min_y, max_y)}`;
+  return `${axis("x", min_x_m, max_x_m)}, ${axis("y", min_y_m, max_y_m)}`;
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 import { useRef, useState } from "preact/hooks";
-import type { ZoneBounds } from "../api/types";
+import type { ZoneRectangle } from "../api/types";
 import type { Point } from "../map/shapes";
 import { type Draft, USUAL_RECTANGLES, type ZoneEditor } from "../state/zone_editor";
 import { Button } from "../ui/button";
@@ -12,10 +12,10 @@ import { Problem } from "../ui/notice";
 import { typedNumber } from "../ui/numbers";
 
 const SIDES = [
-  { side: "min_x", label: "x from (m)" },
-  { side: "max_x", label: "x to (m)" },
-  { side: "min_y", label: "y from (m)" },
-  { side: "max_y", label: "y to (m)" },
+  { side: "min_x_m", label: "x from (m)" },
+  { side: "max_x_m", label: "x to (m)" },
+  { side: "min_y_m", label: "y from (m)" },
+  { side: "max_y_m", label: "y to (m)" },
 ] as const;
 
 /** The sides of the chosen zone as numbers, and how far to move all of it. */
@@ -84,7 +84,7 @@ export function DraftForm({ zones, topic }: { zones: ZoneEditor; topic: string }
         <PolygonForm zones={zones} draft={draft} changed={() => setStale(draft)} />
       ) : (
         <SidesForm
-          rectangle={draft.rectangles[0] ?? { min_x: null, max_x: null, min_y: null, max_y: null }}
+          rectangle={draft.rectangles[0] ?? { min_x_m: null, max_x_m: null, min_y_m: null, max_y_m: null }}
           done={(sides) => {
             if (sides) zones.draft.value = { rectangles: [sides], polygon: null };
             else setStale(draft);
@@ -97,12 +97,12 @@ export function DraftForm({ zones, topic }: { zones: ZoneEditor; topic: string }
 }
 
 interface SidesProps {
-  rectangle: ZoneBounds;
+  rectangle: ZoneRectangle;
   /** What the button says; without one each letter counts. */
   submit?: string;
   disabled?: boolean;
   /** Null while a field holds no number. */
-  done: (sides: ZoneBounds | null) => void;
+  done: (sides: ZoneRectangle | null) => void;
 }
 
 function SidesForm({ rectangle, submit, disabled = false, done }: SidesProps) {
@@ -113,7 +113,7 @@ function SidesForm({ rectangle, submit, disabled = false, done }: SidesProps) {
   if (given !== form.current.said) form.current = { key: given, said: given };
   const read = (fields: HTMLFormElement) => {
     const data = new FormData(fields);
-    const sides = Object.fromEntries(SIDES.map(({ side }) => [side, numberIn(data, side)])) as unknown as ZoneBounds;
+    const sides = Object.fromEntries(SIDES.map(({ side }) => [side, numberIn(data, side)])) as unknown as ZoneRectangle;
     const wrong = problemOf(sides);
     setProblem({ key: form.current.key, text: wrong });
     if (wrong === "" && submit === undefined) form.current.said = JSON.stringify(sides);
@@ -146,12 +146,12 @@ function SidesForm({ rectangle, submit, disabled = false, done }: SidesProps) {
 }
 
 /** Why these are not the sides of a rectangle; empty where they are. */
-function problemOf(sides: ZoneBounds): string {
+function problemOf(sides: ZoneRectangle): string {
   const unread = SIDES.find(({ side }) => Number.isNaN(sides[side]));
   if (unread) return `"${unread.label}" is not a number.`;
   const isBelow = (from: number | null, to: number | null) => from === null || to === null || from < to;
-  if (!isBelow(sides.min_x, sides.max_x)) return '"x to (m)" must be more than "x from (m)".';
-  return isBelow(sides.min_y, sides.max_y) ? "" : '"y to (m)" must be more than "y from (m)".';
+  if (!isBelow(sides.min_x_m, sides.max_x_m)) return '"x to (m)" must be more than "x from (m)".';
+  return isBelow(sides.min_y_m, sides.max_y_m) ? "" : '"y to (m)" must be more than "y from (m)".';
 }
 
 function MoveForm({ move }: { move: (by: Point) => void }) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
 import type { Api } from "../api/client";
-import type { ProfileEntry, ProfileRow } from "../api/types";
+import type { ProfileFix, ProfileRow } from "../api/types";
 import type { RuleEditor } from "./rule_editor";
 
 /** What was done to the topic parameters, and what takes it back. */
@@ -22,7 +22,7 @@ export class ProfileRepair {
   ) {}
 
   /** Writes one entry. */
-  mend({ topic, key, value }: ProfileEntry): Promise<void> {
+  mend({ topic, key, value }: ProfileFix): Promise<void> {
     const words = (name: string) =>
       value === null ? `Took ${key} of ${topic} out of ${name}` : `Added ${key} = ${value} for ${topic} to ${name}`;
     return this.change(

@@ -53,7 +53,7 @@ export class Trial extends Timeline {
   /** The mean rate of a topic in the recording; null where it has none. */
   sourceHz(topic: string): number | null {
     const own = this.answer.topics.find((each) => each.topic === topic);
-    return own && this.durationS > 0 ? own.before_messages / this.durationS : null;
+    return own && this.durationS > 0 ? own.outcome.in / this.durationS : null;
   }
 
   /** The least and the greatest value of a property in the recording, where it was looked into. */

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, effect, signal, untracked } from "@preact/signals";
 import type { Api } from "../api/client";
-import type { Edit, RuleZones, ZoneBounds, ZonesAnswer } from "../api/types";
+import type { Edit, RuleZones, ZoneRectangle, ZonesAnswer } from "../api/types";
 import type { Drawn, MapZone, Point } from "../map/shapes";
 import type { RuleEditor } from "./rule_editor";
 
@@ -11,7 +11,7 @@ export const USUAL_RECTANGLES = 8;
 
 /** A zone that is not in the text yet; `corners` are those of a polygon, with the areas it and its cover have. */
 export interface Draft {
-  rectangles: readonly ZoneBounds[];
+  rectangles: readonly ZoneRectangle[];
   polygon: { corners: readonly Point[]; area_m2: number; over_m2: number; most: number } | null;
 }
 
@@ -65,15 +65,15 @@ export class ZoneEditor {
   }
 
   /** Gives one rectangle other sides. */
-  async resize(id: string, index: number, rectangle: ZoneBounds): Promise<void> {
+  async resize(id: string, index: number, rectangle: ZoneRectangle): Promise<void> {
     if (id === DRAFT) this.draft.value = { rectangles: [rectangle], polygon: null };
     else await this.change({ kind: "zone_resize", id, index, rectangle });
   }
 
   async draw(shape: Drawn): Promise<void> {
     if (shape.kind === "polygon") return this.cover(shape.corners, USUAL_RECTANGLES);
-    const [min_x, min_y, max_x, max_y] = shape.sides;
-    this.draft.value = { rectangles: [{ min_x, max_x, min_y, max_y }], polygon: null };
+    const [min_x_m, min_y_m, max_x_m, max_y_m] = shape.sides;
+    this.draft.value = { rectangles: [{ min_x_m, max_x_m, min_y_m, max_y_m }], polygon: null };
   }
 
   /** Makes a draft of the rectangles that cover a polygon. */
@@ -138,10 +138,10 @@ export class ZoneEditor {
     const corners = polygon?.corners.map(([x, y]): Point => [rounded(x + dx), rounded(y + dy)]) ?? [];
     draft.value = {
       rectangles: rectangles.map((one) => ({
-        min_x: shifted(one.min_x, dx),
-        max_x: shifted(one.max_x, dx),
-        min_y: shifted(one.min_y, dy),
-        max_y: shifted(one.max_y, dy),
+        min_x_m: shifted(one.min_x_m, dx),
+        max_x_m: shifted(one.max_x_m, dx),
+        min_y_m: shifted(one.min_y_m, dy),
+        max_y_m: shifted(one.max_y_m, dy),
       })),
       polygon: polygon && { ...polygon, corners },
     };

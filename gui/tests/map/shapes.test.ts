@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 import { describe, expect, test } from "vitest";
-import type { ZoneBounds } from "../../src/api/types";
+import type { ZoneRectangle } from "../../src/api/types";
 import {
   closed,
   cornersOf,
@@ -14,34 +14,34 @@ import {
   widened,
 } from "../../src/map/shapes";
 
-const OPEN: ZoneBounds = { min_x: null, max_x: null, min_y: null, max_y: null };
+const OPEN: ZoneRectangle = { min_x_m: null, max_x_m: null, min_y_m: null, max_y_m: null };
 const AROUND: Extent = [-10, -5, 10, 5];
 
 describe("a zone with open sides", () => {
   test("is drawn up to the border of what is shown", () => {
     expect(closed(OPEN, AROUND)).toEqual(AROUND);
-    expect(closed({ ...OPEN, min_x: 2, max_y: 1 }, AROUND)).toEqual([2, -5, 10, 1]);
+    expect(closed({ ...OPEN, min_x_m: 2, max_y_m: 1 }, AROUND)).toEqual([2, -5, 10, 1]);
   });
 
   test("beyond that border never turns inside out", () => {
-    const [left, , right] = closed({ ...OPEN, min_x: 40 }, AROUND);
+    const [left, , right] = closed({ ...OPEN, min_x_m: 40 }, AROUND);
     expect([left, right]).toEqual([40, 40]);
-    const [, low, , high] = closed({ ...OPEN, max_y: -40 }, AROUND);
+    const [, low, , high] = closed({ ...OPEN, max_y_m: -40 }, AROUND);
     expect([low, high]).toEqual([-40, -40]);
   });
 
   test("has a place on a map that shows nothing yet", () => {
-    const [left, low, right, high] = closed({ ...OPEN, min_x: 3 }, null);
+    const [left, low, right, high] = closed({ ...OPEN, min_x_m: 3 }, null);
     expect(left).toBe(3);
     expect([low, right, high].every(Number.isFinite)).toBe(true);
   });
 
   test("is looked for at its bounds, and at 0 where it has none", () => {
-    expect([...finiteCorners([{ ...OPEN, min_x: 3, max_x: 4 }])]).toEqual([
+    expect([...finiteCorners([{ ...OPEN, min_x_m: 3, max_x_m: 4 }])]).toEqual([
       [3, 0],
       [4, 0],
     ]);
-    expect([...finiteCorners([{ min_x: 1, max_x: 2, min_y: 3, max_y: 4 }])]).toHaveLength(4);
+    expect([...finiteCorners([{ min_x_m: 1, max_x_m: 2, min_y_m: 3, max_y_m: 4 }])]).toHaveLength(4);
   });
 });
 

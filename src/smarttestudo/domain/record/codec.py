@@ -133,10 +133,10 @@ class _RecordClass:
             value = getattr(record, field)
             if key is None:
                 written.update(cast("dict[str, Any]", encode(value) if encode else value))
+            elif default is _ALWAYS:
+                written[key] = value if value is None or encode is None else encode(value)
             elif value is not None and value != default:
                 written[key] = value if encode is None else encode(value)
-            elif default is _ALWAYS:
-                written[key] = None
         for name, attribute, encode in self._derived:
             value = getattr(record, attribute)
             written[name] = value if value is None or encode is None else encode(value)

@@ -90,9 +90,9 @@ _FIELDS = MappingProxyType(
 )
 
 
-def axis_of(check: Check) -> str | None:
-    """``pose_x`` or ``pose_y``, also where the check names the field of the message; ``None`` for others."""
-    name = _FIELDS.get(check.property, check.property)
+def axis_of(property_name: str) -> str | None:
+    """``pose_x`` or ``pose_y``, also for the field of the message; ``None`` for others."""
+    name = _FIELDS.get(property_name, property_name)
     return name if name in _FIELDS.values() else None
 
 
@@ -215,7 +215,7 @@ def _side_of(check: Check, *, negated: bool) -> Side | None:
     is_from_below = _FROM_BELOW.get(check.operator)
     if is_from_below is None or check.until is not None:
         return None
-    bound = (axis_of(check), is_from_below != negated)
+    bound = (axis_of(check.property), is_from_below != negated)
     return next((side for side in Side if side.value == bound), None)
 
 

@@ -58,7 +58,7 @@ def moved_zone(block: Block, topic: str, by_m: tuple[float, float], resolve: Res
     distances = {"pose_x": _centimetres(by_m[0]), "pose_y": _centimetres(by_m[1])}
 
     def moved(_: int, check: Check) -> Check:
-        distance = distances.get(axis_of(check) or "")
+        distance = distances.get(axis_of(check.property) or "")
         if not distance or resolve(check.topic.text) != topic:
             return check
         # Decimal digits stay as they are written: 5.4 and 0.1 make 5.5.

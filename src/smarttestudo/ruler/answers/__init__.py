@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the page of the ADIRF Ruler can ask, without HTTP."""
+"""Questions of the ADIRF Ruler's page and their answers, without HTTP."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the accuracies of a topic need, from a bag."""
+"""Rates that the accuracies of a topic need, from a bag."""
 
 from __future__ import annotations
 
@@ -16,17 +16,6 @@ from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.optimizer.accuracy_measure import PROPOSED_BOUNDS, bounds_need_hz, levelled_properties
-
-
-class AccuracyCurveRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/profile/accuracy`` → ``AccuracyNeeds``: what the accuracies of ``topic`` need, from a bag.
-
-    ``run`` names the work in ``Progress`` messages of ``/ws``.
-    """
-
-    bag: str
-    topic: str
-    run: str = ""
 
 
 class BoundNeed(Struct, frozen=True, kw_only=True):
@@ -58,7 +47,7 @@ class AccuracyNeeds(Struct, frozen=True, kw_only=True):
 
 
 def measured_needs(bag: Path, topic: str, report: Callable[[float], None]) -> AccuracyNeeds:
-    """What ``topic`` needs; ``report`` gets the share done. Raises ``RecordingError``."""
+    """Measure what ``topic`` needs; ``report`` gets the share done. Raises ``RecordingError``."""
     with open_recording(bag) as recording:
         types = {one.topic: one.type_name for one in recording.channels}
     if topic not in types:

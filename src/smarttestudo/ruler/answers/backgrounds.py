@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a project has to draw zones on: maps of nav2, images, and the paths of recordings."""
+"""Backgrounds for zones in a project: maps of nav2, images, and the paths of recordings."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from msgspec import Struct
 from smarttestudo.bags.robot_path import TransformPlaces, places_in
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.files.input_file import sha256_of_files
+from smarttestudo.ruler.answers.recordings import BagRequest
 from smarttestudo.ruler.project.nav2_map import (
     MapError,
     MapHeader,
@@ -78,12 +79,6 @@ class Background(Struct, frozen=True, kw_only=True):
     yaw_rad: float = 0.0
 
 
-class PathRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/background/path`` → ``DrivenPath``."""
-
-    bag: str
-
-
 class DrivenPath(Struct, frozen=True, kw_only=True):
     """Where the robot of a recording was: seconds since its start, x and y in metres.
 
@@ -106,7 +101,7 @@ class Backgrounds:
         self._folder = folder
 
     def choices(self) -> BackgroundsAnswer:
-        """What zones can be drawn on."""
+        """Everything that zones can be drawn on."""
         files, _ = self._folder.files()
         return BackgroundsAnswer(
             choices=tuple(
@@ -161,7 +156,7 @@ class Backgrounds:
                 return image_png(path)
             return map_png(self._header(path, request.name))
 
-    def path(self, request: PathRequest) -> DrivenPath:
+    def path(self, request: BagRequest) -> DrivenPath:
         """Where the robot of a bag was, by its pose in the map, else by its odometry or transforms.
 
         Raises:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a check reads over a recording, and when it and its condition hold."""
+"""Values of a check over a recording, and when it and its condition hold."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from smarttestudo.ruler.answers.child_messages import answer_order
 
 
 class ChildWork(Enum):
-    """What is done: a request about a bag or an incident, which is a path, or an order of its own."""
+    """Kind of work: a request about a bag or an incident, which is a path, or an order of its own."""
 
     TRIAL = "trial"
     CURVE = "curve"
@@ -49,11 +49,11 @@ def _main(work: ChildWork) -> int:
                 CurveRequest, lambda order, report: measured_curve(Path(order.bag), order.topic, report)
             )
         case ChildWork.ACCURACY:
-            from smarttestudo.ruler.answers.accuracy_curve import AccuracyCurveRequest, measured_needs  # noqa: PLC0415
+            from smarttestudo.ruler.answers.accuracy_curve import measured_needs  # noqa: PLC0415
+            from smarttestudo.ruler.answers.curve import CurveRequest  # noqa: PLC0415
 
             return answer_order(
-                AccuracyCurveRequest,
-                lambda order, report: measured_needs(Path(order.bag), order.topic, report),
+                CurveRequest, lambda order, report: measured_needs(Path(order.bag), order.topic, report)
             )
         case ChildWork.INCIDENT:
             from smarttestudo.ruler.answers.incident_course import IncidentCourseRequest, incident_course  # noqa: PLC0415

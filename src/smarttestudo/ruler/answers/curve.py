@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a topic loses at each rate, from a bag."""
+"""Loss of a topic at each rate, from a bag."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from smarttestudo.ruler.answers.profile_table import SixLevels, six_levels
 class CurveRequest(Struct, frozen=True, kw_only=True):
     """``POST /api/profile/curve`` → ``Curve``: the loss of ``topic`` at each rate, from a bag.
 
+    ``POST /api/profile/accuracy`` → ``AccuracyNeeds``: what the accuracies of ``topic`` need.
     ``run`` names the work in ``Progress`` messages of ``/ws``.
     """
 

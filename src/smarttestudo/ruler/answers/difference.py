@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What differs between two rule files for a robot, in words; nothing where only the layout does."""
+"""Differences between two rule files for a robot, in words; none where only the layout differs."""
 
 from __future__ import annotations
 

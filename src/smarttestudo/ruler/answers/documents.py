@@ -40,19 +40,10 @@ class Substitute(Struct, frozen=True, kw_only=True, tag_field="kind", tag="subst
 
 
 class PlacedFix(Struct, frozen=True, kw_only=True):
-    """What mends a finding."""
+    """Edit that mends a finding."""
 
     title: str
     edit: Substitute
-
-
-class ProfileEntry(Struct, frozen=True, kw_only=True):
-    """What mends a finding in the profile: ``value`` for ``key`` of ``topic``; null takes it out."""
-
-    title: str
-    topic: str
-    key: str
-    value: str | None
 
 
 class PlacedFinding(Struct, frozen=True, kw_only=True):
@@ -72,7 +63,7 @@ class PlacedFinding(Struct, frozen=True, kw_only=True):
     offset: int
     end_offset: int
     fix: PlacedFix | None
-    profile_fix: ProfileEntry | None
+    profile_fix: checker.ProfileFix | None
     statement: str | None
     related: tuple[str, ...]
 
@@ -137,7 +128,7 @@ def _finding(finding: checker.Finding, document: Document, writer: StatementWrit
         offset=start,
         end_offset=end,
         fix=None if finding.fix is None else _fix(finding.fix, writer),
-        profile_fix=None if finding.profile_fix is None else _entry(finding.profile_fix),
+        profile_fix=finding.profile_fix,
         statement=statement,
         related=tuple(one for one in related if one is not None and one != statement),
     )
@@ -146,10 +137,6 @@ def _finding(finding: checker.Finding, document: Document, writer: StatementWrit
 def _statement(document: Document, span: Span) -> str | None:
     entry = document.entry_at(document.places.range(span)[0])
     return None if entry is None else entry.id
-
-
-def _entry(fix: checker.ProfileFix) -> ProfileEntry:
-    return ProfileEntry(title=fix.title, topic=fix.topic, key=fix.key, value=fix.value)
 
 
 def _fix(fix: checker.Fix, writer: StatementWriter) -> PlacedFix:

@@ -128,7 +128,7 @@ class EditedTexts:
         return EditAnswer(text=text, document=rule_document(self._checked(request, text)))
 
     def _checked(self, request: Draft, text: str | None = None) -> CheckedText:
-        """What a request is about, with another ``text`` where one is given."""
+        """Checked text of a request, or another ``text`` where one is given."""
         return self._check(
             Draft(
                 text=request.text if text is None else text,

@@ -53,7 +53,7 @@ class TopicRates(Struct, frozen=True, kw_only=True):
 
 
 class IncidentCourse(Struct, frozen=True, kw_only=True):
-    """What an incident holds over time, in seconds since the window's start; the trigger is at ``trigger_s``.
+    """Content of an incident over time, in seconds since the window's start; the trigger is at ``trigger_s``.
 
     Bins are ``bin_s`` long, the first begins at ``first_bin_s``, 0 or less, and one begins at the trigger.
     ``path`` is ``[seconds, x, y]`` in metres where a topic says where the robot was. ``notices`` say what
@@ -172,7 +172,7 @@ class _Reading:
             self._undecoded += 1
 
     def notices(self) -> Iterator[str]:
-        """What is left out of the charts and of the path."""
+        """Notices of what is left out of the charts and of the path."""
         if self._outside:
             outside = counted(self._outside, "message")
             yield f"the clock jumped: not in the charts, because outside the window: {outside}"

@@ -48,7 +48,7 @@ class KeepOrder(KeepRequest, frozen=True, kw_only=True):
 
 
 class KeptIncident(Struct, frozen=True, kw_only=True):
-    """What the project calls it."""
+    """Name of a kept incident in the project."""
 
     name: str
 

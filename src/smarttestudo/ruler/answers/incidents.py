@@ -83,7 +83,7 @@ class KnownIncidents:
         )
 
     def incident(self, request: OneIncidentRequest) -> IncidentAnswer:
-        """What one holds; from now on somebody has read it."""
+        """One incident; from now on somebody has read it."""
         with self._placed():
             store, last = self._store(request.name)
             stored = store.incident(last)

@@ -108,7 +108,7 @@ def _robot(seen: SeenRobot, now_s: float) -> RobotSummary:
 
 
 def robot_label(status: RuntimeStatus) -> str:
-    """What people call the robot."""
+    """Name that people call the robot by."""
     return status.robot or status.node
 
 
@@ -123,5 +123,5 @@ def _oldest(status: RuntimeStatus) -> OldestTopic | None:
 
 
 def _lost(on_link: TopicOnLink | None) -> int:
-    """What overflowed of a topic that still loses messages."""
+    """Messages that overflowed of a topic that still loses some, else 0."""
     return on_link.counts.overflowed if on_link is not None and on_link.counts.is_losing else 0

@@ -94,7 +94,7 @@ class SituationKind(Enum):
 
 
 class TopicLoad(Struct, frozen=True, kw_only=True):
-    """What one topic takes of the link in one situation; ``rate_hz`` is null for Full."""
+    """Share of the link that one topic takes in one situation; ``rate_hz`` is null for Full."""
 
     topic: str
     rate_hz: float | None

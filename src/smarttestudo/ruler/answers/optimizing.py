@@ -69,7 +69,7 @@ def optimize_draft(draft: Draft, model: Model, *, only_named: bool) -> Optimized
 
 
 def repairs_of(optimized: OptimizedDraft, refused: Infeasibility) -> Iterator[Repair]:
-    """What would make a part fit, the smallest change first, a greater budget last; no title twice."""
+    """Repairs that make a part fit, the smallest change first, a greater budget last; no title twice."""
     changes = zip(refused.changes, refused.remedies, strict=False)
     titles: set[str] = set()
     for change, sentence in changes:

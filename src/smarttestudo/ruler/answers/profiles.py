@@ -34,6 +34,7 @@ from smarttestudo.ruler.answers.profile_table import (
     write_entry,
     write_table,
 )
+from smarttestudo.ruler.answers.recordings import BagRequest
 from smarttestudo.ruler.answers.vocabulary import topics_in
 from smarttestudo.ruler.project.project_folder import FileKind, ForbiddenPathError, ProjectFolder
 from smarttestudo.ruler.project.project_settings import SettingsFile
@@ -64,12 +65,6 @@ class ProfileChosenRequest(Struct, frozen=True, kw_only=True):
 
     name: str
     profile: str | None
-
-
-class ProfileMeasureRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/profile/measure`` → ``TextAnswer``: a profile measured in a bag of the project."""
-
-    bag: str
 
 
 class MeasureLiveRequest(Struct, frozen=True, kw_only=True):
@@ -133,7 +128,7 @@ class Profiles:
             with suppress(TestudoError):
                 yield name, parse_profile(self._folder.read(name).text, Path(name))
 
-    def measured(self, request: ProfileMeasureRequest) -> TextAnswer:
+    def measured(self, request: BagRequest) -> TextAnswer:
         """A profile measured in a bag; ``RecordingError`` where it cannot be read."""
         from smarttestudo.bags.profile import profile_of_recording  # noqa: PLC0415  reads bags
         from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  most projects have no bag

@@ -119,7 +119,7 @@ class ProjectFiles:
         self._now_s = now_s
 
     def project(self) -> Project:
-        """What there is to open."""
+        """The project with its files."""
         files, has_more = self._folder.files()
         return Project(
             root_name=self._folder.name,
@@ -143,7 +143,7 @@ class ProjectFiles:
         return FileAnswer(name=name, text=found.text, hash=found.sha256)
 
     def state(self, name: str) -> FileOnDisk:
-        """What tells whether a file that is open was changed by somebody else."""
+        """Hash that tells whether a file that is open was changed by somebody else."""
         try:
             return FileOnDisk(hash=self._folder.read(name).sha256)
         except MissingFileError:
@@ -204,7 +204,7 @@ class ProjectFiles:
         return self._folder.write(request.name, request.text, request.base_hash)
 
     def _before(self, request: SaveRequest) -> FileText | None:
-        """What a save replaces, which another program may have written; ``None`` where nothing is."""
+        """Text that a save replaces, which another program may have written; ``None`` where nothing is."""
         if request.base_hash is None:
             return None
         try:

@@ -33,7 +33,7 @@ _WORDS = re.compile(r"(?:(?P<place>\S+): )?error: (?P<cause>.*)", re.DOTALL)
 
 
 class RefusedByRobotError(RosError):
-    """What a robot did not take, in its own words."""
+    """Refusal by a robot, in its own words."""
 
 
 class Parameters(Protocol):
@@ -46,6 +46,16 @@ class Parameters(Protocol):
         """Set them; the reasons of those that were refused."""
 
 
+class RobotRequest(Struct, frozen=True, kw_only=True):
+    """A robot by its node.
+
+    ``POST /api/push/lasting`` → ``LastingAnswer``: how long rules last that it keeps;
+    ``/api/robot/history`` → ``RobotHistoryAnswer``; ``/api/robot/start`` → ``RobotStartAnswer``.
+    """
+
+    node: str
+
+
 class PushRequest(Draft, frozen=True, kw_only=True):
     """``POST /api/push/preview`` → ``PushPreview``; ``POST /api/push`` → ``PushAnswer``.
 
@@ -56,7 +66,7 @@ class PushRequest(Draft, frozen=True, kw_only=True):
 
 
 class PushPreview(Struct, frozen=True, kw_only=True):
-    """What a push would change, in sentences; ``same`` if the rules mean the same to the robot.
+    """Changes that a push would make, in sentences; ``same`` if the rules mean the same to the robot.
 
     ``text_to_send`` has numbers in the place of quality levels, since a robot may have no profile; ``hash``
     is its SHA-256. ``robot_hash`` is that of what the robot follows now.
@@ -82,8 +92,12 @@ class PushAnswer(Struct, frozen=True, kw_only=True):
     differences: tuple[str, ...]
 
 
-class ConfirmRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/push/confirm`` → ``ConfirmAnswer``: keep the rules that were pushed."""
+class PushedRequest(Struct, frozen=True, kw_only=True):
+    """Rules that were pushed to a robot, by their hash.
+
+    ``POST /api/push/confirm`` → ``ConfirmAnswer``: keep them. ``POST /api/push/write`` → ``WriteAnswer``:
+    write them to its rule file; a refusal by the robot is a 422 with the robot's own words.
+    """
 
     node: str
     hash: str
@@ -94,12 +108,6 @@ class ConfirmAnswer(Struct, frozen=True, kw_only=True):
 
     state: Literal["confirmed"]
     hash: str
-
-
-class LastingRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/push/lasting`` → ``LastingAnswer``: how long rules last that a robot keeps."""
-
-    node: str
 
 
 class LastingAnswer(Struct, frozen=True, kw_only=True):
@@ -114,16 +122,6 @@ class LastingAnswer(Struct, frozen=True, kw_only=True):
     why_not: str
 
 
-class WriteRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/push/write`` → ``WriteAnswer``: write the rules that the robot keeps to its rule file.
-
-    A refusal by the robot is a 422 with the robot's own words.
-    """
-
-    node: str
-    hash: str
-
-
 class WriteAnswer(Struct, frozen=True, kw_only=True):
     """The robot's ``file`` holds the rules; what it held is beside it, in ``previous_file``."""
 
@@ -132,7 +130,7 @@ class WriteAnswer(Struct, frozen=True, kw_only=True):
 
 
 def preview(robots: Parameters, request: PushRequest) -> PushPreview:
-    """What a push would change.
+    """Compare rules with those that a robot follows.
 
     Raises ``RefusedTextError`` for rules with errors, ``RuleFileError`` for levels that do not fit and
     ``RosError`` if the robot does not report its rules.
@@ -179,7 +177,7 @@ def push(robots: Parameters, request: PushRequest) -> PushAnswer:
     )
 
 
-def confirm(robots: Parameters, request: ConfirmRequest) -> ConfirmAnswer:
+def confirm(robots: Parameters, request: PushedRequest) -> ConfirmAnswer:
     """Let the pushed rules hold for good. Raises ``RosError``, where they are gone, too."""
     node, sha256 = request.node, request.hash
     try:
@@ -198,7 +196,7 @@ def confirm(robots: Parameters, request: ConfirmRequest) -> ConfirmAnswer:
     return ConfirmAnswer(state="confirmed", hash=sha256)
 
 
-def lasting(robots: Parameters, request: LastingRequest) -> LastingAnswer:
+def lasting(robots: Parameters, request: RobotRequest) -> LastingAnswer:
     """How long the rules last that a robot keeps. Raises ``RosError``."""
     values = robots.get(request.node, [_FILES, _WRITABLE, _MAY_WRITE])
     named = values[_FILES]
@@ -221,9 +219,9 @@ def _why_not(may_write: ParameterValue, files: tuple[str, ...]) -> str:
     return "It has several rule files, and what was sent is one text: put that into its files by other means."
 
 
-def write(robots: Parameters, request: WriteRequest) -> WriteAnswer:
+def write(robots: Parameters, request: PushedRequest) -> WriteAnswer:
     """Have a robot write the rules that it keeps to its file. Raises ``RosError``."""
-    file = lasting(robots, LastingRequest(node=request.node)).writable_file
+    file = lasting(robots, RobotRequest(node=request.node)).writable_file
     _set(robots, request.node, _WRITE, request.hash, {})
     return WriteAnswer(file=file, previous_file=f"{file}{PREVIOUS_SUFFIX}")
 

@@ -15,8 +15,12 @@ from smarttestudo.files.whole_file import OutputFileError, whole_binary_file
 from smarttestudo.ruler.project.project_folder import ProjectFolder
 
 
-class RecordingRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/recording`` → ``RecordingAnswer``: a bag of the project."""
+class BagRequest(Struct, frozen=True, kw_only=True):
+    """A bag of the project.
+
+    ``POST /api/recording`` → ``RecordingAnswer``; ``/api/background/path`` → ``DrivenPath``;
+    ``/api/profile/measure`` → ``TextAnswer``: a profile measured in it.
+    """
 
     bag: str
 
@@ -41,8 +45,8 @@ class Recordings:
     def __init__(self, folder: ProjectFolder) -> None:
         self._folder = folder
 
-    def recording(self, request: RecordingRequest) -> RecordingAnswer:
-        """What a bag holds; ``RecordingError`` where it cannot be read."""
+    def recording(self, request: BagRequest) -> RecordingAnswer:
+        """Topics and length of a bag; ``RecordingError`` where it cannot be read."""
         from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  most projects have no bag
 
         with open_recording(self._folder.bag(request.bag)) as recording:
@@ -52,7 +56,7 @@ class Recordings:
 
     @contextmanager
     def receiving(self, name: str) -> Iterator[Callable[[bytes], None]]:
-        """What the block is given appends bytes to the new bag ``name``, which is there once it ends well.
+        """Give the block what appends bytes to the new bag ``name``, which is there once the block ends well.
 
         Raises ``OutputFileError`` where there is one of that name, or no room.
         """

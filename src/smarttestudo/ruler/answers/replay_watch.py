@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What passes while a recording is replayed: counts, where the robot was, what was lost, what held."""
+"""Watches of a replay: counts, where the robot was, what was lost, what held."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class TruthWatch:
 
     @property
     def blocks(self) -> tuple[BlockTurns, ...]:
-        """What was noted, in the order of the rules."""
+        """Turns that were noted, in the order of the rules."""
         return tuple(
             BlockTurns(
                 rule=block.label,

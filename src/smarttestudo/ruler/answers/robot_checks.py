@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a robot's checks read within the last hour and when its rules held, in bounded memory."""
+"""Values of a robot's checks within the last hour and when its rules held, in bounded memory."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class RobotCheckValues:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotChecksAnswer:
-    """What statuses said; times are since ``window_s`` ago, and all is unknown before ``heard_from_s``.
+    """Rules and checks of a robot; times are since ``window_s`` ago, all is unknown before ``heard_from_s``.
 
     ``checks`` are at most 100, and none until the robot's rules were read.
     """
@@ -137,7 +137,7 @@ class RobotChecks:
 
 
 class _Turns:
-    """What rules and checks turned to when, the newest ones; known from ``from_s`` on."""
+    """The newest turns of rules and checks; known from ``from_s`` on."""
 
     def __init__(self, from_s: float) -> None:
         self.from_s = from_s

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a robot decided within the last hour, as its statuses tell, in bounded memory."""
+"""Decisions of a robot within the last hour, as its statuses tell, in bounded memory."""
 
 from __future__ import annotations
 
@@ -26,17 +26,11 @@ _POINT_PERIOD_S = 1.0
 
 
 class EventKind(Enum):
-    """What changed; the value is its name in JSON."""
+    """Kind of a change; the value is its name in JSON."""
 
     RATE = "rate"
     RULE = "rule"
     RULES = "rules"
-
-
-class RobotHistoryRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/robot/history`` → ``RobotHistoryAnswer``."""
-
-    node: str
 
 
 class RobotEvent(Struct, frozen=True, kw_only=True):
@@ -51,7 +45,7 @@ class RobotEvent(Struct, frozen=True, kw_only=True):
 
 
 class RobotHistoryAnswer(Struct, frozen=True, kw_only=True):
-    """What was heard since ``since_s_ago``, the newest first; ``left_out`` older events are not told.
+    """Events since ``since_s_ago``, the newest first; ``left_out`` older ones are not told.
 
     ``path`` is ``[seconds ago, x, y]`` in metres, the oldest first, by the checks of the rules that read
     ``pose_topic``; null where none does.
@@ -201,10 +195,10 @@ def _place_of(seen: SeenRobot) -> tuple[str, float, float] | None:
     for block in seen.status.blocks:
         for check in block.checks:
             written = seen.words.checks.get((block.file, check.line, check.column))
-            axis = None if written is None else axis_of(written)
+            axis = None if written is None else axis_of(written.property)
             if written is not None and axis is not None and check.value is not None:
-                place = found.setdefault(written.topic.text, {})
+                place = found.setdefault(written.topic, {})
                 place[axis] = check.value
                 if len(place) == 2:
-                    return written.topic.text, place["pose_x"], place["pose_y"]
+                    return written.topic, place["pose_x"], place["pose_y"]
     return None

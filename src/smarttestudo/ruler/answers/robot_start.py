@@ -21,12 +21,6 @@ from smarttestudo.ruler.answers.profile_table import (
 from smarttestudo.ruler.answers.recordings import defaults_text
 
 
-class RobotStartRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/robot/start`` → ``RobotStartAnswer``."""
-
-    node: str
-
-
 class RobotStartAnswer(Struct, frozen=True, kw_only=True):
     """The topics that a robot relays, a rule file that relays every message of them, and their profile."""
 
@@ -36,7 +30,7 @@ class RobotStartAnswer(Struct, frozen=True, kw_only=True):
 
 
 def robot_start(status: RuntimeStatus) -> RobotStartAnswer:
-    """What ``status`` says of types, rates and sizes; what it does not know is left out."""
+    """Start from the types, rates and sizes in ``status``; what it does not know is left out."""
     topics = sorted(status.topics)
     rows = tuple(_row(topic, status.topics[topic]) for topic in topics)
     table = ProfileTable(rows=rows, budget_kb_per_s=status.budget_kb_per_s)

@@ -14,7 +14,7 @@ from smarttestudo.domain.remote_robots import HeardStatus, RemoteRobots
 from smarttestudo.domain.rule_texts import RuleTexts
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.language.parser import parse
-from smarttestudo.language.syntax import Block, Check, checks_in
+from smarttestudo.language.syntax import Block, Operator, checks_in
 
 Place = tuple[int, int, int]
 """A file's number, line and column."""
@@ -30,7 +30,7 @@ class RobotCheck:
     rule: str
     topic: str
     property: str
-    op: str
+    op: Operator
     limit: float
 
 
@@ -40,20 +40,26 @@ class RuleWords:
 
     sha256: str = ""
     labels: Mapping[Place, str] = field(default_factory=dict)
-    checks: Mapping[Place, Check] = field(default_factory=dict)
+    checks: Mapping[Place, RobotCheck] = field(default_factory=dict)
     full_names: Mapping[str, str] = field(default_factory=dict)
 
 
 def words_of(texts: RuleTexts) -> RuleWords:
     """The words of all blocks in ``texts``."""
     labels: dict[Place, str] = {}
-    checks: dict[Place, Check] = {}
+    checks: dict[Place, RobotCheck] = {}
     for number, (name, text) in enumerate(texts.files):
         for statement in parse(text, name).file.statements:
             if isinstance(statement, Block):
                 labels[number, statement.span.line, statement.span.column] = statement.label
                 for check in checks_in(statement.condition):
-                    checks[number, check.span.line, check.span.column] = check
+                    checks[number, check.span.line, check.span.column] = RobotCheck(
+                        rule=statement.label,
+                        topic=check.topic.text,
+                        property=check.property,
+                        op=check.operator,
+                        limit=check.value,
+                    )
     return RuleWords(sha256=texts.sha256, labels=labels, checks=checks, full_names=texts.full_names)
 
 
@@ -61,7 +67,7 @@ _TRY_AGAIN_S = 3.0
 
 
 class StatusRateRequest:
-    """What to set ``status_hz`` of one robot to.
+    """Request for the ``status_hz`` of one robot.
 
     Others may set it, too: it is never set lower than before.
     """
@@ -78,7 +84,7 @@ class StatusRateRequest:
         return self.wanted_hz is None and self._ours_hz is None
 
     def change_hz(self, status_hz: float, now_s: float) -> float | None:
-        """What to set at ``now_s``, where the robot said that it is ``status_hz``; ``None``: nothing."""
+        """Rate to set at ``now_s``, where the robot said that it is ``status_hz``; ``None``: nothing."""
         if self.wanted_hz is None:
             return self._put_back_hz(status_hz, now_s)
         is_ours = status_hz == self._ours_hz
@@ -123,24 +129,10 @@ class SeenRobot(HeardStatus):
 
 def written_checks(seen: SeenRobot) -> Iterator[tuple[Place, RobotCheck | None]]:
     """The checks of a status by their places; ``None`` for those whose words are not known."""
-    labels, checks = seen.words.labels, seen.words.checks
     for block in seen.status.blocks:
-        rule = labels.get((block.file, block.line, block.column), "")
         for check in block.checks:
             place = block.file, check.line, check.column
-            found = checks.get(place)
-            yield (
-                place,
-                None
-                if found is None
-                else RobotCheck(
-                    rule=rule,
-                    topic=found.topic.text,
-                    property=found.property,
-                    op=found.operator.value,
-                    limit=found.value,
-                ),
-            )
+            yield place, seen.words.checks.get(place)
 
 
 class RobotWatch:

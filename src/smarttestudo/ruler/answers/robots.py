@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the page asks about running robots, and asks of them."""
+"""Questions of the page about running robots, and requests to them."""
 
 from __future__ import annotations
 
@@ -10,23 +10,18 @@ from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.ruler.answers import pushing
 from smarttestudo.ruler.answers.pushing import (
     ConfirmAnswer,
-    ConfirmRequest,
     LastingAnswer,
-    LastingRequest,
     PushAnswer,
+    PushedRequest,
     PushPreview,
     PushRequest,
+    RobotRequest,
     WriteAnswer,
-    WriteRequest,
 )
 from smarttestudo.ruler.answers.robot_checks import RobotChecksAnswer, RobotChecksRequest
-from smarttestudo.ruler.answers.robot_history import RobotHistoryAnswer, RobotHistoryRequest
+from smarttestudo.ruler.answers.robot_history import RobotHistoryAnswer
 from smarttestudo.ruler.answers.robot_link import RobotLink
-from smarttestudo.ruler.answers.robot_start import (
-    RobotStartAnswer,
-    RobotStartRequest,
-    robot_start,
-)
+from smarttestudo.ruler.answers.robot_start import RobotStartAnswer, robot_start
 
 
 class UnknownRobotError(RosError):
@@ -40,7 +35,7 @@ class WatchedRobots:
         self._link = link
 
     def preview(self, request: PushRequest) -> PushPreview:
-        """What a push would change. Raises ``UnknownRobotError`` and what ``pushing.preview`` does."""
+        """Compare rules with a robot's. Raises ``UnknownRobotError`` and what ``pushing.preview`` does."""
         self._require_known(request.node)
         return pushing.preview(self._link, request)
 
@@ -49,22 +44,22 @@ class WatchedRobots:
         self._require_known(request.node)
         return pushing.push(self._link, request)
 
-    def confirm(self, request: ConfirmRequest) -> ConfirmAnswer:
+    def confirm(self, request: PushedRequest) -> ConfirmAnswer:
         """Let pushed rules hold for good. Raises ``UnknownRobotError`` and ``RosError``."""
         self._require_known(request.node)
         return pushing.confirm(self._link, request)
 
-    def lasting(self, request: LastingRequest) -> LastingAnswer:
+    def lasting(self, request: RobotRequest) -> LastingAnswer:
         """How long kept rules last. Raises ``UnknownRobotError`` and ``RosError``."""
         self._require_known(request.node)
         return pushing.lasting(self._link, request)
 
-    def write(self, request: WriteRequest) -> WriteAnswer:
+    def write(self, request: PushedRequest) -> WriteAnswer:
         """Have kept rules written to the robot's file. Raises ``UnknownRobotError`` and ``RosError``."""
         self._require_known(request.node)
         return pushing.write(self._link, request)
 
-    def history(self, request: RobotHistoryRequest) -> RobotHistoryAnswer:
+    def history(self, request: RobotRequest) -> RobotHistoryAnswer:
         """The last hour of a robot. Raises ``UnknownRobotError``."""
         self._require_known(request.node)
         return self._link.history(request.node)
@@ -74,7 +69,7 @@ class WatchedRobots:
         self._require_known(request.node)
         return self._link.checks(request)
 
-    def start(self, request: RobotStartRequest) -> RobotStartAnswer:
+    def start(self, request: RobotRequest) -> RobotStartAnswer:
         """A project from what a robot relays. Raises ``UnknownRobotError``."""
         self._require_known(request.node)
         return robot_start(self._link.seen[request.node].status)

@@ -147,14 +147,14 @@ _Word = tuple[str, str]
 
 
 def import_preview(request: ImportPreviewRequest) -> ImportPreview:
-    """What another text could bring into a text."""
+    """Preview of what another text could bring into a text."""
     other = check_sound(request.other_text, request.other_name)
     met = _conflicts(read_document(request.text, request.name), other.document)
     return ImportPreview(document=rule_document(other), conflicts=tuple(met))
 
 
 def _conflicts(document: Document, other: Document) -> Iterator[ImportConflict]:
-    """What statements of ``other`` meet in ``document``."""
+    """Conflicts of statements of ``other`` with those of ``document``."""
     same = {meaning(one.statement): one for one in reversed(document.entries) if one.statement is not None}
     named = _by_word(document)
     for entry in other.entries:
@@ -219,7 +219,7 @@ def _by_word(document: Document) -> Mapping[_Word | None, Entry]:
 
 
 def _word(statement: Statement) -> _Word | None:
-    """What a file should hold once: a rule's name, a topic's default, floor or bound."""
+    """Key of what a file should hold once: a rule's name, a topic's default, floor or bound."""
     match statement:
         case Block():
             return None if statement.name is None else ("rule", statement.name)

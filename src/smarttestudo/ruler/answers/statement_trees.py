@@ -174,7 +174,7 @@ def _until(until: Until | None) -> page.UntilValue | None:
 
 
 def new_statement(model: page.Statement) -> NewStatement:
-    """What a request asks to write. Raises ``EditError`` for what no rule file can say."""
+    """Statement that a request asks to write. Raises ``EditError`` for what no rule file can say."""
     return NewStatement(content=_content(model), comments=model.comments)
 
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What rules would have done to a bag."""
+"""Try of rules on a bag."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,11 +18,11 @@ from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader
-from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, counted, grouped
+from smarttestudo.domain.units import NS_PER_S, counted, grouped
 from smarttestudo.editing import read_document
 from smarttestudo.language.rule_set import RuleSet, compile_rules
 from smarttestudo.replays.incidents import IncidentRequest
-from smarttestudo.replays.outcome import ReplayOutcome
+from smarttestudo.replays.outcome import ReplayOutcome, TopicOutcome
 from smarttestudo.replays.replay import ReplayRequest, replay
 from smarttestudo.ruler.answers.checked_text import CheckedText, Draft, RefusedTextError
 from smarttestudo.ruler.answers.replay_watch import (
@@ -57,14 +57,10 @@ class TryRequest(Draft, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TryTopic:
-    """One topic of the bag before and after; ``*_hz_bins`` are messages a second, bin by bin."""
+    """One relayed topic of the bag; ``*_hz_bins`` are messages a second before and after, bin by bin."""
 
     topic: str
-    before_kb: float
-    after_kb: float
-    before_messages: int
-    after_messages: int
-    target_hz: float | None
+    outcome: TopicOutcome
     before_hz_bins: tuple[float, ...]
     after_hz_bins: tuple[float, ...]
 
@@ -91,7 +87,7 @@ class TryDecision:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TryAnswer:
-    """What the rules would have done to a bag; ``percent`` is how much less of the relayed topics was sent.
+    """Result of a try of rules on a bag; ``percent`` is how much less of the relayed topics was sent.
 
     Times are seconds since the bag's start. ``…_bins`` have one value for each ``bin_s`` seconds; the first
     begins at ``first_bin_s``, 0 or less. ``decisions`` are the first 2000 of ``decision_count``; ``path`` is
@@ -157,7 +153,7 @@ def try_rules(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Watches:
-    """Who looks on while the bag is replayed."""
+    """Watches of one replay."""
 
     arrivals: ArrivalWatch
     writer: CountingWriter
@@ -166,7 +162,7 @@ class _Watches:
     incidents: IncidentTally | None
 
     def incident_request(self, draft: Draft) -> IncidentRequest | None:
-        """What asks the replay for incidents, if a rule records any."""
+        """Request to the replay for incidents, if a rule records any."""
         if self.incidents is None:
             return None
         return IncidentRequest(into=self.incidents.opened, rules_sha256=sha256_of_rules(draft.text))
@@ -196,11 +192,17 @@ def _trial(
     loss = watches.loss.loss(bins.bins)
     notices = (*outcome.notices, *watches.loss.notices(), *cuts)
     topics = tuple(
-        _topic(topic, traces, watches.writer.traces, target_hz=one.target_hz, bins=bins)
+        TryTopic(
+            topic=topic,
+            outcome=one,
+            before_hz_bins=bins.rates_hz(traces[topic]),
+            after_hz_bins=bins.rates_hz(watches.writer.traces.get(topic, TraceAccumulator())),
+        )
         for topic, one in outcome.topics.items()
         if topic in traces
     )
-    before_kb, after_kb = sum(one.before_kb for one in topics), sum(one.after_kb for one in topics)
+    before_kb = sum(one.outcome.in_kb for one in topics)
+    after_kb = sum(one.outcome.out_kb for one in topics)
     return TryAnswer(
         duration_s=outcome.duration_s,
         bin_s=float(bins.width_s),
@@ -290,24 +292,3 @@ class _Bins:
 def _bins(start_ns: int, end_ns: int) -> _Bins:
     seconds = end_ns // NS_PER_S - start_ns // NS_PER_S + 1
     return _Bins(start_ns=start_ns, seconds=seconds, width_s=max(-(-seconds // MAX_BINS), 1))
-
-
-def _topic(
-    topic: str,
-    before: Mapping[str, TraceAccumulator],
-    after: Mapping[str, TraceAccumulator],
-    *,
-    target_hz: float | None,
-    bins: _Bins,
-) -> TryTopic:
-    arrived, relayed = before[topic], after.get(topic, TraceAccumulator())
-    return TryTopic(
-        topic=topic,
-        before_kb=arrived.size_bytes / BYTES_PER_KB,
-        after_kb=relayed.size_bytes / BYTES_PER_KB,
-        before_messages=arrived.messages,
-        after_messages=relayed.messages,
-        target_hz=target_hz,
-        before_hz_bins=bins.rates_hz(arrived),
-        after_hz_bins=bins.rates_hz(relayed),
-    )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What rules would have recorded of a bag, without writing it."""
+"""Incidents that rules would have recorded of a bag, without writing them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TryIncident:
-    """What a ``Record`` would have kept, ``t`` seconds after the start: the ``number``-th, 0 first."""
+    """Incident of a try, ``t`` seconds after the start: the ``number``-th, 0 first."""
 
     number: int
     t: float
@@ -27,7 +27,7 @@ class TryIncident:
 
 @dataclass(slots=True, kw_only=True)
 class _Tally:
-    """What one incident holds so far."""
+    """Counts of one incident so far."""
 
     record: IncidentRecord
     messages: Counter[str] = field(default_factory=Counter)
@@ -75,7 +75,7 @@ class IncidentTally:
             tally.record = replace(tally.record, missing=tuple(missing))
 
     def incidents(self, start_ns: int) -> tuple[TryIncident, ...]:
-        """What was counted, in the order in which it began, in a recording that starts then."""
+        """Incidents that were counted, in the order in which they began, in a recording that starts then."""
         return tuple(
             TryIncident(
                 number=number,

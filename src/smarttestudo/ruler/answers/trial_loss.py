@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the operator would lose in a trial, by the measure of ``testudo bag loss``."""
+"""Loss of the operator in a trial, by the measure of ``testudo bag loss``."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class TryImages:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TryLoss:
-    """What the operator would lose: the numbers of ``testudo bag loss``, without its third arm."""
+    """Loss of the operator: the numbers of ``testudo bag loss``, without its third arm."""
 
     topics: tuple[TryTopicLoss, ...]
     fields: tuple[TryFieldLoss, ...]
@@ -119,7 +119,7 @@ class LossWatch:
             self._received.take(channel, stamp_ns, payload)
 
     def loss(self, bins: TimeBins) -> TryLoss:
-        """What was lost; the courses are over ``bins``."""
+        """Loss so far; the courses are over ``bins``."""
         shared = list(self._shared())
         return TryLoss(
             topics=tuple(_topic_loss(one, bins) for one in shared),
@@ -168,7 +168,7 @@ class LossWatch:
         )
 
     def notices(self) -> Iterator[str]:
-        """What was left out, a line each."""
+        """Notices of what was left out, a line each."""
         yield from self._sent.notices()
         if not self._left:
             until_s = (self._end_ns - self._start_ns) / NS_PER_S

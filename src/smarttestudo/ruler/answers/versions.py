@@ -9,6 +9,7 @@ from msgspec import Struct
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.ruler.answers.difference import differences
+from smarttestudo.ruler.answers.edits import TextAnswer
 from smarttestudo.ruler.project.project_folder import ProjectFolder
 from smarttestudo.ruler.project.version_store import (
     MAX_VERSIONS,
@@ -46,16 +47,10 @@ class VersionsAnswer(Struct, frozen=True, kw_only=True):
 
 
 class VersionRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/version`` → ``VersionText``: one version of the rule file ``name``."""
+    """``POST /api/version`` → ``TextAnswer``: one version of the rule file ``name``."""
 
     name: str
     id: str
-
-
-class VersionText(Struct, frozen=True, kw_only=True):
-    """The whole text of a version."""
-
-    text: str
 
 
 class DifferenceRequest(Struct, frozen=True, kw_only=True):
@@ -66,7 +61,7 @@ class DifferenceRequest(Struct, frozen=True, kw_only=True):
 
 
 class DifferenceAnswer(Struct, frozen=True, kw_only=True):
-    """What a robot does otherwise with the new text, in sentences; which of the two has errors of syntax."""
+    """Differences for a robot with the new text, in sentences; which of the two has errors of syntax."""
 
     differences: tuple[str, ...]
     old_parses: bool
@@ -94,13 +89,13 @@ class Versions:
             # One that cannot be read, or went away meanwhile, is listed without words.
             return None
 
-    def version(self, request: VersionRequest) -> VersionText:
+    def version(self, request: VersionRequest) -> TextAnswer:
         """One version; ``MissingFileError`` where it is not kept."""
-        return VersionText(text=self._store.text(request.name, request.id))
+        return TextAnswer(text=self._store.text(request.name, request.id))
 
 
 def difference(request: DifferenceRequest) -> DifferenceAnswer:
-    """What differs between two texts for a robot."""
+    """Compare two texts as a robot follows them."""
     old, new = parse(request.old_text, "old"), parse(request.new_text, "new")
     return DifferenceAnswer(
         differences=differences(old, new), old_parses=old.is_valid, new_parses=new.is_valid

@@ -34,7 +34,7 @@ from smarttestudo.rules.profile_file import parse_profile
 
 
 class TopicSource(Enum):
-    """Who names a topic; the value is its name in JSON, the order that of trust."""
+    """Source of a topic's name; the value is its name in JSON, the order that of trust."""
 
     PROFILE = "profile"
     ROBOT = "robot"
@@ -82,7 +82,7 @@ class VocabularyRequest(Struct, frozen=True, kw_only=True):
 
 
 class Vocabulary(Struct, frozen=True, kw_only=True):
-    """What an editor suggests; ``every_topic`` are the properties of any topic."""
+    """Words that an editor suggests; ``every_topic`` are the properties of any topic."""
 
     topics: tuple[KnownTopic, ...]
     every_topic: tuple[Property, ...]
@@ -160,7 +160,7 @@ def _property(spec: PropertySpec, tiers: AccuracyTiers | None) -> Property:
 
 
 def topics_in(rules: ParseResult) -> set[str]:
-    """What the rules name."""
+    """All topics that the rules name."""
     return {topic for statement in rules.file.statements for topic in _topics_of(statement)}
 
 

@@ -30,7 +30,6 @@ from smarttestudo.editing.zones import (
 )
 from smarttestudo.editing.zones.cover import MAX_RECTANGLES
 from smarttestudo.language.syntax import Block, RateExpression, RateWord, SetFrequency, TopicName
-from smarttestudo.ruler.answers.zones import ZoneBounds
 
 _NOWHERE = Span(line=1, column=1, end_line=1, end_column=1)
 _USUAL_RATE_HZ = 10.0
@@ -43,7 +42,7 @@ class NewZone(Struct, frozen=True, kw_only=True, tag_field="kind", tag="zone_new
     """An edit: make ``rectangles`` the condition of rule ``into``, or, if that is null, of a new one."""
 
     topic: str
-    rectangles: tuple[ZoneBounds, ...]
+    rectangles: tuple[ZoneRectangle, ...]
     into: str | None = None
     label: str = "Zone"
 
@@ -62,7 +61,7 @@ class ResizeZone(Struct, frozen=True, kw_only=True, tag_field="kind", tag="zone_
 
     id: str
     index: int
-    rectangle: ZoneBounds
+    rectangle: ZoneRectangle
 
 
 class CoverRequest(Struct, frozen=True, kw_only=True):
@@ -75,7 +74,7 @@ class CoverRequest(Struct, frozen=True, kw_only=True):
 class CoverAnswer(Struct, frozen=True, kw_only=True):
     """Rectangles that share no area and hold the polygon; ``over_m2`` is what they cover beside it."""
 
-    rectangles: tuple[ZoneBounds, ...]
+    rectangles: tuple[ZoneRectangle, ...]
     polygon_m2: float
     over_m2: float
 
@@ -84,7 +83,7 @@ def zone_edited(document: Document, change: NewZone | MoveZone | ResizeZone) -> 
     """The text with one zone edited. Raises ``EditError`` for what no rule can say."""
     match change:
         case NewZone():
-            rectangles = [_rectangle(one) for one in change.rectangles[: MAX_RECTANGLES + 1]]
+            rectangles = [_bounded(one) for one in change.rectangles[: MAX_RECTANGLES + 1]]
             if len(rectangles) > MAX_RECTANGLES:
                 raise EditError(f"a zone has at most {MAX_RECTANGLES} rectangles", remedy="draw it simpler")
             return with_new_zone(document, change.topic, rectangles, into=change.into, label=change.label)
@@ -92,7 +91,7 @@ def zone_edited(document: Document, change: NewZone | MoveZone | ResizeZone) -> 
             by_m = (_known(change.dx), _known(change.dy))
             return with_moved_zone(document, change.id, change.topic, by_m)
         case ResizeZone():
-            return with_resized_zone(document, change.id, change.index, _rectangle(change.rectangle))
+            return with_resized_zone(document, change.id, change.index, _bounded(change.rectangle))
 
 
 def cover(request: CoverRequest) -> CoverAnswer:
@@ -103,11 +102,11 @@ def cover(request: CoverRequest) -> CoverAnswer:
     found = covering_rectangles(corners, max_rectangles=request.max_rectangles)
     return CoverAnswer(
         rectangles=tuple(
-            ZoneBounds(
-                min_x=one.min_x_cm / _CM_PER_M,
-                max_x=one.max_x_cm / _CM_PER_M,
-                min_y=one.min_y_cm / _CM_PER_M,
-                max_y=one.max_y_cm / _CM_PER_M,
+            ZoneRectangle(
+                min_x_m=one.min_x_cm / _CM_PER_M,
+                max_x_m=one.max_x_cm / _CM_PER_M,
+                min_y_m=one.min_y_cm / _CM_PER_M,
+                max_y_m=one.max_y_cm / _CM_PER_M,
             )
             for one in found.rectangles
         ),
@@ -186,17 +185,12 @@ def _block(document: Document, name: str) -> Block:
     return entry.statement
 
 
-def _rectangle(model: ZoneBounds) -> ZoneRectangle:
-    return ZoneRectangle(
-        min_x_m=_bounded(model.min_x),
-        max_x_m=_bounded(model.max_x),
-        min_y_m=_bounded(model.min_y),
-        max_y_m=_bounded(model.max_y),
-    )
-
-
-def _bounded(metres: float | None) -> float | None:
-    return None if metres is None else _known(metres)
+def _bounded(rectangle: ZoneRectangle) -> ZoneRectangle:
+    """``rectangle``; ``EditError`` where a side of it is no place on a map."""
+    for side_m in (rectangle.min_x_m, rectangle.max_x_m, rectangle.min_y_m, rectangle.max_y_m):
+        if side_m is not None:
+            _known(side_m)
+    return rectangle
 
 
 def _known(metres: float) -> float:

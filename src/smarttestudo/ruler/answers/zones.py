@@ -20,20 +20,11 @@ from smarttestudo.language.syntax import Block, sets_in
 from smarttestudo.ruler.answers.checked_text import CheckedText
 
 
-class ZoneBounds(Struct, frozen=True, kw_only=True):
-    """An upright rectangle; null is a side that nothing bounds."""
-
-    min_x: float | None
-    max_x: float | None
-    min_y: float | None
-    max_y: float | None
-
-
 class PlacedZone(Struct, frozen=True, kw_only=True):
     """A rectangle of a rule. ``is_shared`` is whether a check of it bounds another rectangle as well."""
 
     topic: str
-    rectangle: ZoneBounds
+    rectangle: ZoneRectangle
     is_shared: bool
 
 
@@ -59,7 +50,7 @@ class ZoneClash(Struct, frozen=True, kw_only=True):
     second: str
     message: str
     hint: str
-    common: tuple[ZoneBounds, ...]
+    common: tuple[ZoneRectangle, ...]
 
 
 class ZonesAnswer(Struct, frozen=True, kw_only=True):
@@ -99,9 +90,7 @@ def _rule_zones(rule: _Rule) -> RuleZones:
         id=rule.id,
         label=f"{rule.block.label} (switched off)" if rule.block.is_disabled else rule.block.label,
         zones=tuple(
-            PlacedZone(
-                topic=one.topic, rectangle=_rectangle(one.rectangle), is_shared=_is_shared(one, reading)
-            )
+            PlacedZone(topic=one.topic, rectangle=one.rectangle, is_shared=_is_shared(one, reading))
             for one in reading.zones
         ),
         others=tuple(map(check_text, reading.others)),
@@ -116,10 +105,6 @@ def _is_shared(zone: Zone, reading: ZoneReading) -> bool:
     return any(uses[number] > 1 for number in zone.checks.values())
 
 
-def _rectangle(one: ZoneRectangle) -> ZoneBounds:
-    return ZoneBounds(min_x=one.min_x_m, max_x=one.max_x_m, min_y=one.min_y_m, max_y=one.max_y_m)
-
-
 def _clashes(checked: CheckedText, rules: Sequence[_Rule]) -> Iterator[ZoneClash]:
     """The clashes among the checker's findings in which zones overlap."""
     by_id = {rule.id: rule for rule in rules}
@@ -132,7 +117,7 @@ def _clashes(checked: CheckedText, rules: Sequence[_Rule]) -> Iterator[ZoneClash
             first = _rule_at(document, span, by_id)
             if first is None or second is None or not _differ(first.block, second.block):
                 continue
-            common = tuple(map(_rectangle, _common(first, second)))
+            common = tuple(_common(first, second))
             if common:
                 yield ZoneClash(
                     first=first.id,

@@ -40,7 +40,7 @@ class _HeaderError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapHeader:
-    """What the YAML file says; ``occupied_share`` is how dark an occupied cell is at least, 0 … 1.
+    """Content of the YAML file; ``occupied_share`` is how dark an occupied cell is at least, 0 … 1.
 
     Cells less dark than ``free_share`` are free, those between are unknown.
     """
@@ -98,13 +98,13 @@ def require_bounded(image: Image.Image, path: Path) -> None:
 
 
 def too_many_pixels(path: Path) -> MapError:
-    """What is said of an image that is too large."""
+    """Error for an image that is too large."""
     remedy = "save it smaller, a map with a coarser resolution"
     return MapError(f"the image has more than {MAX_MEGAPIXELS} megapixels", place=str(path), remedy=remedy)
 
 
 def read_map_header(path: Path) -> MapHeader:
-    """What the YAML file at ``path`` says; ``MapError`` with the place of what is wrong in it."""
+    """Read the YAML file at ``path``; ``MapError`` with the place of what is wrong in it."""
     try:
         values = YAML(typ="safe").load(read_input(path, _MAX_YAML_BYTES))
         return _read_header(values, path.parent)

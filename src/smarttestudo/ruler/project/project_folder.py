@@ -39,7 +39,7 @@ _SKIPPED = frozenset({"node_modules", "__pycache__", "build", "install", "log"})
 
 
 class FileKind(Enum):
-    """What a file is to the Ruler; the value is its name in JSON."""
+    """Kind of a file to the Ruler; the value is its name in JSON."""
 
     RULES = "rules"
     PROFILE = "profile"
@@ -106,7 +106,7 @@ class ProjectFolder:
         return _sha256(os.fsencode(self._root))
 
     def files(self) -> tuple[list[FoundFile], bool]:
-        """What the Ruler can open, by name, and whether there is more than it lists."""
+        """Files that the Ruler can open, by name, and whether there are more than it lists."""
         known = (one for one in self._walk(self._root, _MAX_DEPTH) if one.kind is not FileKind.IMAGE)
         found = list(islice(known, MAX_FILES + 1))
         return found[:MAX_FILES], len(found) > MAX_FILES
@@ -252,7 +252,7 @@ class ProjectFolder:
             raise TestudoError(cause, place=name, remedy="check its permissions") from error
 
     def kind(self, name: str) -> FileKind:
-        """What the file ``name`` is, by its name; ``ForbiddenPathError`` for what the Ruler does not edit."""
+        """Kind of the file ``name``, by its name; ``ForbiddenPathError`` for what the Ruler does not edit."""
         last = PurePosixPath(name).name
         if _LAYOUT.fullmatch(last):
             return FileKind.LAYOUT
@@ -319,7 +319,7 @@ def layout_name(name: str) -> str:
 
 
 def _entries(folder: Path) -> list[os.DirEntry[str]]:
-    """What is in a folder, by name; one that may not be listed has nothing to offer."""
+    """Entries of a folder, by name; one that may not be listed has none."""
     try:
         return sorted(os.scandir(folder), key=lambda one: one.name)
     except OSError:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What everybody who opens a project in the Ruler wants, in a hidden file of the project."""
+"""Settings for everybody who opens a project in the Ruler, in a hidden file of the project."""
 
 from __future__ import annotations
 

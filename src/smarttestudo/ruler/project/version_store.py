@@ -53,7 +53,7 @@ class VersionStore:
         self._writing = threading.Lock()
 
     def versions(self, name: str) -> list[KeptVersion]:
-        """Those of the rule file ``name``, the newest first; ``ForbiddenPathError`` for other files."""
+        """Versions of the rule file ``name``, the newest first; ``ForbiddenPathError`` for other files."""
         try:
             entries = list(os.scandir(self._place(name)))
         except (FileNotFoundError, NotADirectoryError):

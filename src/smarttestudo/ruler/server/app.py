@@ -24,8 +24,8 @@ from smarttestudo.ruler.answers import (
     versions,
     zone_edits,
 )
-from smarttestudo.ruler.answers.accuracy_curve import AccuracyCurveRequest, AccuracyNeeds
-from smarttestudo.ruler.answers.backgrounds import BackgroundRequest, Backgrounds, PathRequest
+from smarttestudo.ruler.answers.accuracy_curve import AccuracyNeeds
+from smarttestudo.ruler.answers.backgrounds import BackgroundRequest, Backgrounds
 from smarttestudo.ruler.answers.check_course import CheckCourse, CheckCourseRequest
 from smarttestudo.ruler.answers.checked_text import Draft
 from smarttestudo.ruler.answers.child_process import ChildWork
@@ -41,22 +41,15 @@ from smarttestudo.ruler.answers.project import (
     SaveRequest,
     SettingsRequest,
 )
-from smarttestudo.ruler.answers.pushing import (
-    ConfirmRequest,
-    LastingRequest,
-    PushRequest,
-    WriteRequest,
-)
-from smarttestudo.ruler.answers.recordings import ReceivedAnswer, RecordingRequest, Recordings
+from smarttestudo.ruler.answers.pushing import PushedRequest, PushRequest, RobotRequest
+from smarttestudo.ruler.answers.recordings import BagRequest, ReceivedAnswer, Recordings
 from smarttestudo.ruler.answers.robot_checks import RobotChecksRequest
-from smarttestudo.ruler.answers.robot_history import RobotHistoryRequest
 from smarttestudo.ruler.answers.robot_incidents import (
     OpenIncidents,
     RobotIncidentRequest,
     RobotIncidents,
 )
 from smarttestudo.ruler.answers.robot_link import OpenRobots, RobotLink
-from smarttestudo.ruler.answers.robot_start import RobotStartRequest
 from smarttestudo.ruler.answers.robots import WatchedRobots
 from smarttestudo.ruler.answers.trial import TryAnswer, TryRequest
 from smarttestudo.ruler.answers.vocabulary import Vocabulary, VocabularyRequest, vocabulary
@@ -136,14 +129,14 @@ def api_routes(
     yield from _incident_routes(KnownIncidents(folder))
     course = IncidentApi(folder, listeners)
     yield long_work("/api/incident/course", IncidentCourseRequest, course.answer, IncidentCourse)
-    yield answering("/api/robot/history", RobotHistoryRequest, robots.history)
+    yield answering("/api/robot/history", RobotRequest, robots.history)
     yield answering("/api/robot/checks", RobotChecksRequest, robots.checks)
-    yield answering("/api/robot/start", RobotStartRequest, robots.start)
+    yield answering("/api/robot/start", RobotRequest, robots.start)
     yield answering("/api/push/preview", PushRequest, robots.preview)
     yield answering("/api/push", PushRequest, robots.push)
-    yield answering("/api/push/confirm", ConfirmRequest, robots.confirm)
-    yield answering("/api/push/lasting", LastingRequest, robots.lasting)
-    yield answering("/api/push/write", WriteRequest, robots.write)
+    yield answering("/api/push/confirm", PushedRequest, robots.confirm)
+    yield answering("/api/push/lasting", RobotRequest, robots.lasting)
+    yield answering("/api/push/write", PushedRequest, robots.write)
     yield long_work(
         "/api/profile/measure-live", profiles.MeasureLiveRequest, MeasureApi(listeners).answer, TextAnswer
     )
@@ -152,7 +145,7 @@ def api_routes(
     losses = CurveApi(folder, listeners, ChildWork.CURVE)
     yield long_work("/api/profile/curve", CurveRequest, losses.answer, Curve)
     needs = CurveApi(folder, listeners, ChildWork.ACCURACY)
-    yield long_work("/api/profile/accuracy", AccuracyCurveRequest, needs.answer, AccuracyNeeds)
+    yield long_work("/api/profile/accuracy", CurveRequest, needs.answer, AccuracyNeeds)
 
 
 def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:
@@ -166,7 +159,7 @@ def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:
 
 
 def _recording_routes(known: Recordings) -> Iterator[ApiRoute]:
-    yield answering("/api/recording", RecordingRequest, known.recording)
+    yield answering("/api/recording", BagRequest, known.recording)
     yield ApiRoute("PUT", "/api/recording", receiving(known), asked=None, answered=ReceivedAnswer)
 
 
@@ -177,14 +170,14 @@ def _incident_routes(known: KnownIncidents) -> Iterator[ApiRoute]:
 
 
 def keeping_routes(keepings: Keepings) -> Iterator[ApiRoute]:
-    """What the page can ask of the incidents of tries that are being kept."""
+    """Routes about incidents of tries that are being kept."""
     yield ApiRoute("GET", "/api/try/keeps", keepings.told, asked=None, answered=KeepsAnswer)
     yield long_work("/api/try/keep", KeepRequest, keepings.start, KeepsAnswer)
     yield long_work("/api/try/keep/cancel", KeepEndRequest, keepings.end, KeepsAnswer)
 
 
 def robot_incident_routes(robots: RobotIncidents) -> Iterator[ApiRoute]:
-    """What the page can ask of the incidents that robots hold."""
+    """Routes about incidents that robots hold."""
     yield telling("/api/robot-incidents", robots.incidents)
     yield telling("/api/robot-incidents/fetches", robots.fetches)
     yield answering("/api/robot-incidents/fetch", RobotIncidentRequest, robots.fetch)
@@ -216,7 +209,7 @@ def _rule_routes(texts: edits.EditedTexts, robots: WatchedRobots) -> Iterator[Ap
 def _background_routes(backgrounds: Backgrounds) -> Iterator[ApiRoute]:
     yield telling("/api/backgrounds", backgrounds.choices)
     yield answering("/api/background", BackgroundRequest, backgrounds.background)
-    yield answering("/api/background/path", PathRequest, backgrounds.path)
+    yield answering("/api/background/path", BagRequest, backgrounds.path)
 
 
 def _profile_routes(known: profiles.Profiles) -> Iterator[ApiRoute]:
@@ -226,7 +219,7 @@ def _profile_routes(known: profiles.Profiles) -> Iterator[ApiRoute]:
     yield answering("/api/profile/write", profile_table.ProfileWriteRequest, profiles.written)
     yield answering("/api/profile/entry", profile_table.ProfileEntryRequest, profiles.with_entry)
     yield answering("/api/profile/check", profile_table.ProfileWriteRequest, profiles.checked)
-    yield answering("/api/profile/measure", profiles.ProfileMeasureRequest, known.measured)
+    yield answering("/api/profile/measure", BagRequest, known.measured)
     yield answering("/api/profile/levels", profiles.LevelsRequest, profiles.levels_of_rate)
 
 

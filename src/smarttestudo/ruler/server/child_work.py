@@ -20,7 +20,6 @@ from starlette.responses import Response
 
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
-from smarttestudo.ruler.answers.accuracy_curve import AccuracyCurveRequest
 from smarttestudo.ruler.answers.check_course import (
     CheckCourseOrder,
     CheckCourseRequest,
@@ -46,7 +45,7 @@ _TIMED_OUT = 504
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Order:
-    """What the process that does ``work`` is asked, within ``timeout_s``.
+    """Order to the process that does ``work`` within ``timeout_s``.
 
     ``run`` is how the page calls it where it is told how far it is; ``too_long`` and ``broken`` are said of
     work that takes longer, and of a process that ended without a word.
@@ -152,7 +151,7 @@ class CurveApi:
         self._kind = work
         self._work = ChildProcesses(listeners.tell)
 
-    async def answer(self, request: Request, asked: CurveRequest | AccuracyCurveRequest) -> Response:
+    async def answer(self, request: Request, asked: CurveRequest) -> Response:
         """Measure a topic of a bag; who leaves ends it."""
         if not is_topic_name(asked.topic):
             raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
@@ -189,9 +188,7 @@ class IncidentApi:
         return await self._work.answer(request, order)
 
 
-_BagOrder: TypeAlias = (
-    TryRequest | CheckCourseOrder | CurveRequest | AccuracyCurveRequest | IncidentCourseRequest
-)
+_BagOrder: TypeAlias = TryRequest | CheckCourseOrder | CurveRequest | IncidentCourseRequest
 
 
 def order_about_bag(work: ChildWork, asked: _BagOrder, name: str) -> Order:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Who may talk to the server: pages that it served itself, on names that are its own, with a token of it.
+"""Guard of the server: only pages that it served talk to it, on names of its own, with a token of it.
 
 A page of another site can send requests to 127.0.0.1 from the user's browser, also under a name of its own
 that it makes point there (DNS rebinding); it can set neither ``Host`` nor ``Origin``.
@@ -116,7 +116,7 @@ class ServerAddress:
         return origin is not None and origin.lower() == f"http://{host}".lower()
 
     def permission_of(self, token: str | None) -> Permission | None:
-        """What who sends ``token`` may do; ``None`` where that is no token that was printed."""
+        """Permission of who sends ``token``; ``None`` where that is no token that was printed."""
         if self.token is None or _is_same(token, self.token):
             return Permission.WATCH if self.is_watch_only else Permission.CHANGE
         return Permission.WATCH if _is_same(token, self.watch_token) else None

@@ -95,7 +95,7 @@ class LiveFeed:
         self._listeners.tell(Robots(problem=self._link.problem, robots=models))
 
     def _summary(self, models: Sequence[RobotSummary]) -> object:
-        """What is sent to pages at once when it changes."""
+        """Summary that is sent to pages at once when it changes."""
         return self._link.problem, [
             (
                 *(one.node, one.is_heard, one.rules.sha256, one.rules.origin, one.topics),

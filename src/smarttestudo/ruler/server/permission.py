@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What somebody may do here: change files and robots, or only watch."""
+"""Permission of somebody here: to change files and robots, or only to watch."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _READING_POSTS = frozenset(
 
 
 class Permission(Enum):
-    """What a request may do."""
+    """Permission of a request."""
 
     CHANGE = "change"
     WATCH = "watch"
@@ -64,7 +64,7 @@ def note_permission(scope: Scope, permission: Permission) -> None:
 
 
 def noted_permission(scope: Scope) -> Permission:
-    """What the sender of a request may do."""
+    """Permission that was noted for the sender of a request."""
     permission: Permission = scope[_KEY]
     return permission
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the server sends to open pages, and what they may request."""
+"""Messages of the server to open pages, and what they may request."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class OpenPage:
                 await self._socket.send_text(self._untold.pop(kind))
 
     async def next_asked(self) -> Watch | None:
-        """What the page asks next; ``None`` for what is not understood.
+        """The next request of the page; ``None`` for what is not understood.
 
         Raises ``WebSocketDisconnect`` once the page was closed.
         """
