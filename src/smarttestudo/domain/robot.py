@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from smarttestudo.domain.parameter import (
     Accept,
@@ -18,7 +18,9 @@ from smarttestudo.domain.parameter import (
     Values,
 )
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.status import Diagnostic
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.status import Diagnostic
 
 Receive = Callable[[Payload, Hashable], None]
 """Takes a serialized message and the identity of its publisher, or ``None``."""
