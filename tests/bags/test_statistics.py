@@ -46,6 +46,20 @@ def test_bins_are_those_of_a_count_by_whole_seconds_in_any_order_of_arrival(mess
     assert found == [(second, seconds[second], sizes[second]) for second in sorted(seconds)]
 
 
+@given(batches=st.lists(traces, max_size=4), is_in_order=st.booleans())
+def test_messages_counted_at_once_are_counted_as_one_by_one(
+    batches: list[list[Message]], is_in_order: bool
+) -> None:
+    one_by_one, at_once = TraceAccumulator(), TraceAccumulator()
+    for batch in batches:
+        messages = sorted(batch) if is_in_order else batch
+        for stamp_ns, size_bytes in messages:
+            one_by_one.add(stamp_ns, size_bytes)
+        at_once.add_all([stamp_ns for stamp_ns, _ in messages], [size for _, size in messages])
+    assert [*at_once.bins()] == [*one_by_one.bins()]
+    assert (at_once.first_ns, at_once.last_ns) == (one_by_one.first_ns, one_by_one.last_ns)
+
+
 @given(traces.filter(bool))
 def test_statistics_equal_a_naive_count(messages: list[Message]) -> None:
     span = span_of(messages)

@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 from bags.bag_factory import BagContent, small_mission, write_bag, write_humble_file
 from bags.bag_reading import read_bag
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.bags.sqlite.log import LogChecksum, read_log
+from smarttestudo.bags.sqlite.log import read_log
+from smarttestudo.bags.sqlite.log_checksum import LogChecksum
 from smarttestudo.domain.units import grouped
 
 MISSION = small_mission()

@@ -4,20 +4,20 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, islice
 from operator import attrgetter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from smarttestudo.bags.bag_summary import BagSummary, BagTopic
 from smarttestudo.bags.definitions import MessageTypes, RosbagDecoder
-from smarttestudo.bags.floor import PathPoint
 from smarttestudo.bags.incident_mark import incident_notices
 from smarttestudo.bags.incident_record import record_beside
 from smarttestudo.bags.qos import qos_in_words
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.bags.robot_path import PathReader, places_in
 from smarttestudo.bags.statistics import (
     IntervalHistogram,
     LatencyAccumulator,
@@ -32,6 +32,10 @@ from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader
 from smarttestudo.domain.units import grouped
 from smarttestudo.pacing.cdr import HEADER_BYTES, STAMP_BYTES, header_stamp_ns
 
+if TYPE_CHECKING:
+    from smarttestudo.bags.floor import PathPoint
+    from smarttestudo.bags.robot_path import PathReader
+
 
 class TopicCounter:
     """Messages, bytes and intervals of a topic; memory does not grow with their number."""
@@ -43,10 +47,10 @@ class TopicCounter:
         self.intervals = Intervals()
         self.latencies = LatencyAccumulator() if with_latency else None
 
-    def add(self, stamp_ns: int, size_bytes: int) -> None:
-        """Count one message."""
-        self.trace.add(stamp_ns, size_bytes)
-        self.intervals.record(stamp_ns)
+    def add_all(self, stamps_ns: Sequence[int], sizes_bytes: Sequence[int]) -> None:
+        """Count messages in time order."""
+        self.trace.add_all(stamps_ns, sizes_bytes)
+        self.intervals.record_all(stamps_ns)
 
     def add_stamp(self, stamp_ns: int, head: bytes) -> None:
         """Count the latency of a message that begins with ``head``, if its header was stamped."""
@@ -76,10 +80,11 @@ class RunCounter(TopicCounter):
         super().__init__()
         self.histogram = IntervalHistogram()
 
-    def add(self, stamp_ns: int, size_bytes: int) -> None:
-        """Count one message."""
-        super().add(stamp_ns, size_bytes)
-        self.histogram.record(stamp_ns)
+    def add_all(self, stamps_ns: Sequence[int], sizes_bytes: Sequence[int]) -> None:
+        """Count messages in time order."""
+        super().add_all(stamps_ns, sizes_bytes)
+        for stamp_ns in stamps_ns:
+            self.histogram.record(stamp_ns)
 
 
 _MESSAGES_PER_REPORT = 4096
@@ -140,6 +145,9 @@ class _Robot:
     """Is followed while its messages are counted; one that cannot be decoded costs a place."""
 
     def __init__(self, recording: RecordingReader, *, by_transforms: bool) -> None:
+        # It needs the language, which takes longer to import than many a recording to count.
+        from smarttestudo.bags.robot_path import places_in  # noqa: PLC0415
+
         self._recording = recording
         self._places: PathReader | None = places_in(
             recording.channels, RosbagDecoder(), recording.start_ns, by_transforms=by_transforms
@@ -192,10 +200,19 @@ def _count(
     if not messages:
         lost = "; ".join(recording.notices())
         raise RecordingError("the recording holds no message", place=str(path), remedy=lost or None)
-    for number, (channel, stamp_ns, size_bytes) in enumerate(sizes):
-        counters[channel.topic].add(stamp_ns, declared_bytes.get(channel.topic, size_bytes))
-        if number % _MESSAGES_PER_REPORT == 0:
-            report(number / messages)
+    counted, rest = 0, iter(sizes)
+    while batch := [*islice(rest, _MESSAGES_PER_REPORT)]:
+        report(counted / messages)
+        counted += len(batch)
+        by_topic: dict[str, tuple[list[int], list[int]]] = defaultdict(lambda: ([], []))
+        for channel, stamp_ns, size_bytes in batch:
+            stamps_ns, sizes_bytes = by_topic[channel.topic]
+            stamps_ns.append(stamp_ns)
+            sizes_bytes.append(size_bytes)
+        for topic, (stamps_ns, sizes_bytes) in by_topic.items():
+            declared = declared_bytes.get(topic)
+            counted_bytes = sizes_bytes if declared is None else [declared] * len(stamps_ns)
+            counters[topic].add_all(stamps_ns, counted_bytes)
 
 
 def _summary(

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_left
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from smarttestudo.domain.units import NS_PER_S
 
@@ -52,6 +53,20 @@ class TraceAccumulator:
             self._last_ns = stamp_ns
         elif stamp_ns < self._first_ns:
             self._first_ns = stamp_ns
+
+    def add_all(self, stamps_ns: Sequence[int], sizes_bytes: Sequence[int]) -> None:
+        """Count several messages; where they are in time order, second by second."""
+        if any(after < before for before, after in pairwise(stamps_ns)):
+            for stamp_ns, size_bytes in zip(stamps_ns, sizes_bytes, strict=True):
+                self.add(stamp_ns, size_bytes)
+            return
+        start = 0
+        while start < len(stamps_ns):
+            end = bisect_left(stamps_ns, (stamps_ns[start] // NS_PER_S + 1) * NS_PER_S, start)
+            self.add(stamps_ns[start], sum(sizes_bytes[start:end]))
+            self._messages[self._index] += end - start - 1
+            self._last_ns = max(self._last_ns, stamps_ns[end - 1])
+            start = end
 
     @property
     def first_ns(self) -> int | None:

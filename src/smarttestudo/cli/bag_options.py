@@ -9,15 +9,17 @@ import csv
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from smarttestudo.accuracy.bounds import bounded_topics
 from smarttestudo.bags.incident_mark import incident_text
 from smarttestudo.bags.incident_record import record_beside
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.report.table import Table
-from smarttestudo.rules.rule_sets import LoadedRules
+
+if TYPE_CHECKING:
+    from smarttestudo.rules.rule_sets import LoadedRules
 
 
 def add_topics(action: argparse.ArgumentParser) -> None:
@@ -73,6 +75,8 @@ def add_predict(action: argparse.ArgumentParser) -> None:
 
 def require_bounded(topics: Collection[str], rules: LoadedRules | None) -> None:
     """Raise ``UsageError`` for a topic to predict that no rule bounds."""
+    from smarttestudo.accuracy.bounds import bounded_topics  # noqa: PLC0415 - most commands have no rules
+
     bounded = bounded_topics(rules.rule_set) if rules else frozenset()
     for topic in topics:
         if topic not in bounded:

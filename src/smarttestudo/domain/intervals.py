@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from smarttestudo.domain.units import NS_PER_S
 
@@ -32,6 +33,23 @@ class Intervals:
             self._mean_ns += distance / self.count
             self._squares_ns2 += distance * (interval_ns - self._mean_ns)
         self._last_ns = stamp_ns
+
+    def record_all(self, stamps_ns: Iterable[int]) -> None:
+        """Take in several messages, at a fraction of what ``record`` costs for each."""
+        last_ns, count, longest_ns = self._last_ns, self.count, self.longest_ns
+        mean_ns, squares_ns2 = self._mean_ns, self._squares_ns2
+        for stamp_ns in stamps_ns:
+            if last_ns is not None:
+                interval_ns = stamp_ns - last_ns
+                count += 1
+                if interval_ns > longest_ns:  # noqa: PLR1730 - half the time of max()
+                    longest_ns = interval_ns
+                distance = interval_ns - mean_ns
+                mean_ns += distance / count
+                squares_ns2 += distance * (interval_ns - mean_ns)
+            last_ns = stamp_ns
+        self._last_ns, self.count, self.longest_ns = last_ns, count, longest_ns
+        self._mean_ns, self._squares_ns2 = mean_ns, squares_ns2
 
     @property
     def longest_s(self) -> float | None:

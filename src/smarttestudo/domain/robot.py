@@ -18,7 +18,9 @@ from smarttestudo.domain.parameter import (
     Values,
 )
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.status import Diagnostic
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.status import Diagnostic
 
 if TYPE_CHECKING:
     from smarttestudo.domain.compiled_relay import CompiledRelays

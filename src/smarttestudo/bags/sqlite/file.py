@@ -21,7 +21,8 @@ from smarttestudo.domain.recording import RecordedMessage
 
 # SQLite knows the length of a blob from the head of its row, and leaves the pages that hold the rest alone.
 _LENGTHS = """
-SELECT topic_id, timestamp, CASE typeof(data) WHEN 'blob' THEN length(data) END, x''
+SELECT topic_id, timestamp,
+    CASE WHEN typeof(data) = 'blob' AND typeof(timestamp) = 'integer' THEN length(data) END, x''
 FROM messages ORDER BY timestamp, id
 """
 _HEADS = _LENGTHS.replace("x''", "substr(data, 1, ?)")
@@ -38,12 +39,11 @@ def sqlite_outlines(
         with open_database(path, log) as database:
             rows = database.execute(_HEADS, (head_bytes,)) if head_bytes else database.execute(_LENGTHS)
             for number, stamp_ns, size_bytes, head in rows:
-                if not (
-                    isinstance(size_bytes, int) and isinstance(stamp_ns, int) and isinstance(head, bytes)
-                ):
+                if size_bytes is None:
                     raise OutlineError("a row without stamp or payload")
-                if number in channels:
-                    yield channels[number], stamp_ns, size_bytes, head
+                channel = channels.get(number)
+                if channel is not None:
+                    yield channel, stamp_ns, size_bytes, head
     except apsw.Error as error:
         raise OutlineError(str(error)) from error
 
