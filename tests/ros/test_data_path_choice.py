@@ -81,7 +81,7 @@ def test_where_nothing_was_compiled_librcl_does_it_and_the_log_says_so_in_a_word
 def test_fast_is_an_error_where_nothing_was_compiled() -> None:
     with (
         open_robot(data_path=DataPathKind.FAST) as robot,
-        pytest.raises(RosError, match="there are no compiled relays: .*relay.so: cannot open"),
+        pytest.raises(RosError, match=r"there are no compiled relays: .*relay\.so: cannot open"),
     ):
         _ = robot.data_path
 
