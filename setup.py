@@ -233,7 +233,7 @@ COMMANDS = {
 OWN = {
     "data_files": shared_files(),
     "cmdclass": COMMANDS,
-    "ext_modules": [] if WITHOUT_RELAYS in os.environ else [RELAYS],
+    "ext_modules": [RELAYS] if sys.platform == "linux" and WITHOUT_RELAYS not in os.environ else [],
 }
 
 install()

@@ -17,6 +17,7 @@ from ros.ros_processes import TESTUDO, SmallRobot
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import DataPathKind
 from smarttestudo.robot.ros import open_robot
+from smarttestudo.robot.ros.rcl import relay_library
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
@@ -56,6 +57,31 @@ def test_librcl_is_an_error_where_it_was_asked_for_and_cannot_be_used() -> None:
     with (
         open_robot(data_path=DataPathKind.RCL) as robot,
         pytest.raises(RosError, match="librcl cannot be used directly"),
+    ):
+        _ = robot.data_path
+
+
+@pytest.fixture
+def without_compiler(domain: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    if importlib.util.find_spec("rclpy") is None:
+        pytest.skip("ROS 2 (rclpy) is not installed")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setattr(relay_library, "LIBRARY", tmp_path / "relay.so")
+
+
+@pytest.mark.usefixtures("without_compiler")
+def test_where_nothing_was_compiled_librcl_does_it_and_the_log_says_so_in_a_word() -> None:
+    with open_robot() as robot:
+        assert "no compiled relays" in robot.data_path.description
+        assert robot.data_path.compiled is None
+
+
+@pytest.mark.usefixtures("without_compiler")
+def test_fast_is_an_error_where_nothing_was_compiled() -> None:
+    with (
+        open_robot(data_path=DataPathKind.FAST) as robot,
+        pytest.raises(RosError, match=r"there are no compiled relays: .*relay\.so: cannot open"),
     ):
         _ = robot.data_path
 

@@ -8,6 +8,7 @@ import ast
 import importlib.util
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -45,6 +46,8 @@ def test_ros2_run_finds_an_executable_that_relays_until_a_signal_comes(
     runtime.signal(signal.SIGINT)
     assert runtime.exit_code() == 0
     assert any("[testudo_of_the_workspace]: /imu: 10 Hz (default)" in line for line in runtime.output)
+    (data_path,) = (line for line in runtime.output if "Data path: " in line)
+    assert ("no compiled relays" in data_path) == (shutil.which("cc") is None)
 
 
 def test_launch_files_worlds_profiles_rules_and_the_service_are_shared(installed: Path) -> None:

@@ -38,7 +38,7 @@ class FlowCounts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RelayCounts:
-    """Counts of a topic; ``beginning`` are the first bytes of the message that was relayed last."""
+    """Counts of what came and went of a topic; ``beginning`` begins the message that was relayed last."""
 
     arrived: FlowCounts
     relayed: FlowCounts

@@ -89,5 +89,5 @@ class CompiledTopics:
         return Pace.at(self._loop.knowledge.plan[topic].rate.hz)
 
     def _take_back(self, topic: str, state: RelayState) -> None:
-        del self._running[topic]
+        self._running.pop(topic, None)
         self._passed(take_back(self._loop.relays, topic, state))

@@ -151,11 +151,14 @@ class RclRelay:
         for gid, number in numbers.last.items():
             library.add_stream(relay, streams.get(gid), gid, number)
         self._has_thread = bool(library.start(relay))
-        if not self._has_thread:
-            self.end()
-            return False
-        subscription.call(library.on_message, relay)
-        return True
+        try:
+            if self._has_thread:
+                subscription.call(library.on_message, relay)
+                return True
+        except RosError as error:
+            self._failed(error)
+        self.end()
+        return False
 
     def set_pace(self, period_ns: int, slack_ns: int) -> None:
         """Follow another pace from now on."""

@@ -125,9 +125,9 @@ class RelaySettings(ctypes.Structure):
 class RelayLibrary:
     """relay.c, compiled. Relays are addresses. Raises ``RosError`` where it is not there or another one."""
 
-    def __init__(self, path: Path = LIBRARY) -> None:
+    def __init__(self, path: Path | None = None) -> None:
         try:
-            library = ctypes.CDLL(str(path))
+            library = ctypes.CDLL(str(path or LIBRARY))
             sizes = (c_size_t * 4)()
             library.relay_sizes(sizes)
             self.on_message = ctypes.cast(library.relay_on_message, c_void_p)
