@@ -16,6 +16,7 @@ import importlib
 import json
 import math
 import os
+import signal
 import struct
 import sys
 import tempfile
@@ -174,6 +175,8 @@ def plain_relay(node: Any, topics: list[Topic]) -> None:
 
 def c_relay(node: Any, topics: list[Topic]) -> None:
     """What one writes in an hour in C: see c_relay.c, compiled to the file that C_RELAY names."""
+    # Its loop looks at no signal.
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     subscriptions, publishers = [], []
     for topic in topics:
         name, kind = topic["name"], message_class(topic)
