@@ -42,7 +42,7 @@ def exchange_rules(
     knowledge.order_of = order_of
     knowledge.settle_ns = ns_from_s(profile.settle_s)
     evaluator = Evaluator(rule_set, now_ns)
-    evaluator.carry_on(knowledge.evaluator)
+    evaluator.restore_history(knowledge.evaluator)
     knowledge.evaluator = evaluator
     knowledge.watched = _watched(knowledge, sources, now_ns)
     knowledge.watch_alarms = AlarmClock()
@@ -84,7 +84,7 @@ def _watched(
     for topic, entry in watched.items():
         known, change = knowledge.watched.get(topic), sources.get(topic)
         if known is not None:
-            entry.carry_on(known)
+            entry.restore_history(known)
         elif change is not None:
             entry.change_source(change)
     return watched
