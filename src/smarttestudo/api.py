@@ -149,4 +149,4 @@ def rows(result: Tabular | Iterable[Record]) -> list[dict[str, object]]:
 
 
 def _ignore(_: object) -> None:
-    """Nobody wants to know."""
+    """Do nothing."""

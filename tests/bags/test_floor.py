@@ -168,9 +168,9 @@ def test_a_path_by_transforms_is_the_robots_base_in_the_map() -> None:
         transforms=[link("map", "odom", 10, 0, 90), link("odom", "base_footprint", 2, 1, 30)]
     )
     moved: Any = SimpleNamespace(transforms=[link("odom", "base_footprint", 3, 1, 30)])
-    places.take(TF, 0, chain)
-    places.take(TF, ns_from_s(0.1), moved)
-    places.take(TF, ns_from_s(0.3), moved)
+    places.on_message(TF, 0, chain)
+    places.on_message(TF, ns_from_s(0.1), moved)
+    places.on_message(TF, ns_from_s(0.3), moved)
     found = [(point.t_s, round(point.x_m, 9), round(point.y_m, 9)) for point in places.path]
     assert found == [(0.0, 9, 2), (0.3, 9, 3)]
 
@@ -180,7 +180,7 @@ def test_transforms_in_a_circle_come_to_an_end() -> None:
     circle: Any = SimpleNamespace(
         transforms=[link("a", "base_link", 1, 0, 0), link("base_link", "a", 1, 0, 0)]
     )
-    places.take(TF, 0, circle)
+    places.on_message(TF, 0, circle)
     assert len(places.path) == 1
 
 
@@ -210,8 +210,8 @@ def test_a_robot_that_knows_its_place_in_the_map_is_where_that_says(
     amcl, said = (Channel(topic=name, type_name=LOCALIZED) for name in ("/amcl_pose", "/initialpose"))
     places = places_in([said, ODOM, amcl], Decoded(), 0, by_transforms=False)
     assert places is not None
-    places.take(ODOM, 0, pose("odom", 0.0))
-    places.take(said, 0, pose("map", 5.0))
+    places.on_message(ODOM, 0, pose("odom", 0.0))
+    places.on_message(said, 0, pose("map", 5.0))
     if frame is not None:
-        places.take(amcl, 0, pose(frame, 9.6))
+        places.on_message(amcl, 0, pose(frame, 9.6))
     assert (places.source, places.path[0].x_m) == expected

@@ -45,7 +45,7 @@ from smarttestudo.domain.record import (
     to_json,
 )
 from smarttestudo.loop.decision_log import read_decisions
-from smarttestudo.loop.input_json import input_from_json, input_to_json
+from smarttestudo.loop.input_log import input_from_json, input_to_json
 from smarttestudo.loop.inputs import ChangeInput, MessageInput, RuleTextsInput, WakeInput
 
 OLDER = Path(__file__).parent / "older"

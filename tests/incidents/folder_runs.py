@@ -80,7 +80,7 @@ class FolderRun:
 
     def message(self, topic: str, size_bytes: int = 20) -> None:
         payload = len(self.came).to_bytes(8, "little") + bytes(max(size_bytes - 8, 0))
-        self.recorder.take(topic, self.clock_ms * MS, payload)
+        self.recorder.on_message(topic, self.clock_ms * MS, payload)
         self.came.append((self.clock_ms, self.steady_ms, topic, payload))
 
     def trigger(self) -> None:

@@ -39,7 +39,7 @@ class KeepingSink:
     ) -> None:
         self.kept.append(Kept(incident, list(latched), list(messages)))
 
-    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+    def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         for incident in incidents:
             one = self._of(incident)
             assert one.missing is None

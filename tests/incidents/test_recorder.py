@@ -16,7 +16,7 @@ def test_fifty_overlapping_incidents_are_all_whole() -> None:
     recorder, sink = recorder_for(RULES)
     for tick in range(400):
         now_ns = 100 * S + tick * S // 10
-        recorder.take("/scan", now_ns, b"%d" % tick)
+        recorder.on_message("/scan", now_ns, b"%d" % tick)
         if 200 <= tick < 300 and tick % 2 == 0:
             recorder.begin(trigger(RULES, now_ns))
     recorder.finish(200 * S)
@@ -42,7 +42,7 @@ def test_a_window_is_over_right_after_its_last_instant() -> None:
     recorder, sink = recorder_for(RULES)
     recorder.begin(trigger(RULES, 100 * S))
     assert recorder.next_wake_ns == 105 * S + 1
-    recorder.take("/scan", 105 * S, b"last")
+    recorder.on_message("/scan", 105 * S, b"last")
     recorder.advance(105 * S)
     assert sink.kept[0].missing is None
     recorder.advance(105 * S + 1)
@@ -53,11 +53,11 @@ def test_a_window_is_over_right_after_its_last_instant() -> None:
 
 def test_a_clock_that_jumps_back_neither_shortens_nor_lengthens_a_window() -> None:
     recorder, sink = recorder_for(RULES)
-    recorder.take("/scan", 100 * S, b"before")
+    recorder.on_message("/scan", 100 * S, b"before")
     recorder.begin(trigger(RULES, 100 * S))
     for second in (101, 102, 3, 4, 5):
-        recorder.take("/scan", second * S, b"%d" % second)
-    recorder.take("/scan", 9 * S, b"after the window")
+        recorder.on_message("/scan", second * S, b"%d" % second)
+    recorder.on_message("/scan", 9 * S, b"after the window")
     assert [message.payload for message in sink.kept[0].messages] == [
         b"before",
         b"101",
@@ -82,12 +82,12 @@ def test_latched_messages_and_all_static_frames_are_in_every_incident() -> None:
         True,
         False,
     ]
-    recorder.take("/map", 1 * S, b"old map", publisher=1)
-    recorder.take("/map", 2 * S, b"map", publisher=1)
-    recorder.take("/map", 3 * S, b"other map", publisher=2)
-    recorder.take("/robot/tf_static", 4 * S, b"frames")
+    recorder.on_message("/map", 1 * S, b"old map", publisher=1)
+    recorder.on_message("/map", 2 * S, b"map", publisher=1)
+    recorder.on_message("/map", 3 * S, b"other map", publisher=2)
+    recorder.on_message("/robot/tf_static", 4 * S, b"frames")
     recorder.begin(trigger(rules, 1000 * S))
-    recorder.take("/map", 1001 * S, b"new map", publisher=1)
+    recorder.on_message("/map", 1001 * S, b"new map", publisher=1)
     recorder.finish(2000 * S)
     one = sink.kept[0]
     assert [message.payload for message in one.latched] == [b"map", b"other map", b"frames"]
@@ -98,8 +98,8 @@ def test_memory_is_taken_from_the_topic_that_has_most_of_it() -> None:
     rules = recording_rules('Record "near miss" /scan /odom Before 10 s After 5 s')
     recorder, sink = recorder_for(rules, memory_bytes=50_000)
     for tick in range(50):
-        recorder.take("/scan", 100 * S + tick, bytes(10_000))
-        recorder.take("/odom", 100 * S + tick, bytes(10))
+        recorder.on_message("/scan", 100 * S + tick, bytes(10_000))
+        recorder.on_message("/odom", 100 * S + tick, bytes(10))
     recorder.begin(trigger(rules, 100 * S + 50))
     recorder.finish(110 * S)
     counts = {
@@ -131,7 +131,7 @@ def test_what_was_heard_late_or_never_is_named() -> None:
 
 def test_other_rules_keep_what_was_kept() -> None:
     recorder, sink = recorder_for(RULES)
-    recorder.take("/scan", 100 * S, b"scan")
+    recorder.on_message("/scan", 100 * S, b"scan")
     longer = recording_rules('Record "longer" /scan /odom Before 20 s After 5 s')
     recorder.change_rules(longer)
     recorder.begin(trigger(longer, 101 * S))
@@ -149,7 +149,7 @@ def test_a_topic_that_is_silent_is_still_heard_after_a_reload() -> None:
 def test_what_rules_did_not_ask_for_before_a_reload_is_named() -> None:
     recorder, sink = recorder_for(RULES)
     for second in range(100, 131):
-        recorder.take("/scan", second * S, b"%d" % second)
+        recorder.on_message("/scan", second * S, b"%d" % second)
     longer = recording_rules('Record "longer" /scan Before 30 s After 0 s')
     recorder.change_rules(longer)
     recorder.begin(trigger(longer, 140 * S))

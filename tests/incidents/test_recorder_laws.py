@@ -41,7 +41,7 @@ def run(
             recorder.begin(trigger(RULES, now_ms * MS))
         else:
             topic, size = event
-            recorder.take(topic, now_ms * MS, bytes(size))
+            recorder.on_message(topic, now_ms * MS, bytes(size))
             came.append((now_ms * MS, topic, len(came) + 1))
             assert recorder.held_bytes <= memory_bytes or not recorder.held_messages
     recorder.finish((now_ms + 1000) * MS)

@@ -100,7 +100,7 @@ def cut(came: Sequence[Came], near: Sequence[Recorded], far: Sequence[Recorded],
         assert cutter is not None
         cutter.watch(loop)
         for one in came:
-            cutter.take(sources[one.topic], one.stamp_ns, one.payload)
+            cutter.on_message(sources[one.topic], one.stamp_ns, one.payload)
             decoded = SimpleNamespace(x=one.x)
             loop.take(MessageInput(one.stamp_ns, one.topic, one.payload, len(one.payload), decoded))
         cutter.finish(came[-1].stamp_ns)

@@ -40,7 +40,7 @@ def main() -> None:
         number, due_s = 0, time.monotonic()
         while True:
             stamp_ns = time.time_ns()
-            recorder.take("/odom", stamp_ns, struct.pack("<Q", number) + bytes(1000))
+            recorder.on_message("/odom", stamp_ns, struct.pack("<Q", number) + bytes(1000))
             os.write(log, struct.pack("<QQQ", number, stamp_ns, time.monotonic_ns()))
             number += 1
             if number % 150 == 0:

@@ -144,7 +144,7 @@ def test_what_was_requested_in_the_settling_time_passes(
     settling, times_ns, now_ns = SettlingBounds(requests[0], settle_ns), [0], 0
     for (gap_ns, _), request in zip(requested, requests[1:], strict=True):
         now_ns += gap_ns
-        settling.take(request, now_ns)
+        settling.on_request(request, now_ns)
         times_ns.append(now_ns)
         for at_ns in range(now_ns, now_ns + 2 * settle_ns):
             counting = [

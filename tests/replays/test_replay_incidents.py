@@ -178,7 +178,7 @@ def fail_within_a_window(folder: Path) -> None:
         cutter.watch(loop)
         assert loop.triggered is not None
         loop.triggered(Trigger(stamp_ns=START_NS, block=rule_set.blocks[0], values={}))
-        cutter.take(sources["/odom"], START_NS + 1, b"odometry")
+        cutter.on_message(sources["/odom"], START_NS + 1, b"odometry")
         raise RecordingError("the recording ends here")
 
 

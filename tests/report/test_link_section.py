@@ -30,10 +30,11 @@ from smarttestudo.report.link_history import (
     MAX_TOPICS,
     LinkHistory,
     LinkHistoryBuilder,
+    has_statuses,
+    link_history,
     link_table,
 )
 from smarttestudo.report.link_section import age_charts, link_chart
-from smarttestudo.report.link_statuses import has_statuses, link_history
 from smarttestudo.report.table import plain_table
 from smarttestudo.report.time_chart import Run
 
@@ -59,7 +60,7 @@ def status(
 def told(statuses: Iterable[tuple[float, RuntimeStatus]]) -> LinkHistory:
     builder = LinkHistoryBuilder(START_NS)
     for t_s, one in statuses:
-        builder.take(START_NS + round(t_s * NS_PER_S), one)
+        builder.on_status(START_NS + round(t_s * NS_PER_S), one)
     history = builder.history()
     assert history is not None
     return history

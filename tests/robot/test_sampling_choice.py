@@ -25,7 +25,7 @@ class Source:
         for _ in range(round(seconds * SECOND / LOOK)):
             self.now_ns += LOOK
             self.sent += source_hz * LOOK / SECOND
-            looks.append(self.choice.look(int(self.sent), target_hz, self.now_ns))
+            looks.append(self.choice.should_sample(int(self.sent), target_hz, self.now_ns))
         return looks
 
 

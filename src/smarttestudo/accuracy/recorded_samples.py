@@ -98,9 +98,9 @@ class SampleTaker:
 
     def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """Take a message as the writer of a replay."""
-        self.take(channel, stamp_ns, payload)
+        self.on_message(channel, stamp_ns, payload)
 
-    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> bool:
+    def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> bool:
         """Take a message, if it is one of those wanted; whether it is."""
         topic = channel.topic
         samples, counts = self.samples.get(topic), stamp_ns >= self._start_ns
@@ -180,7 +180,7 @@ def read_samples(
     for number, message in enumerate(recording.messages(topics)):
         if number % _MESSAGES_PER_REPORT == 0 and recording.message_count:
             report(number / recording.message_count)
-        taker.take(*message)
+        taker.on_message(*message)
     return RecordedSamples(topics=taker.samples, notices=(*recording.notices(), *taker.notices()))
 
 

@@ -166,7 +166,7 @@ class _Robot:
             return
         for channel, stamp_ns, payload in self._recording.messages():
             try:
-                self._places.take(channel, stamp_ns, payload)
+                self._places.on_message(channel, stamp_ns, payload)
             except RecordingError:
                 self._undecodable += 1
             yield channel, stamp_ns, len(payload)

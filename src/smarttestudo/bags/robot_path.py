@@ -38,8 +38,8 @@ class PathReader(Protocol):
     def frame(self) -> str:
         """The frame of its places; empty while no message was read."""
 
-    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
-        """Look at the next message of the recording.
+    def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """Read the next message of the recording.
 
         Raises:
             RecordingError: the message should say where the robot is, and cannot be decoded.
@@ -64,7 +64,7 @@ class PosePlaces:
         """As ``PathReader``."""
         return self._channel.topic
 
-    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+    def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """As ``PathReader``."""
         if channel is not self._channel or stamp_ns < self._due_ns:
             return
@@ -103,10 +103,10 @@ class BestPlaces:
         """As ``PathReader``."""
         return self._best.frame
 
-    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+    def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """As ``PathReader``."""
         for reader in self._readers:
-            reader.take(channel, stamp_ns, payload)
+            reader.on_message(channel, stamp_ns, payload)
 
     @property
     def _best(self) -> PathReader:
@@ -135,7 +135,7 @@ class TransformPlaces:
         """As ``PathReader``."""
         return self._channels[0].topic
 
-    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+    def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """As ``PathReader``."""
         if not any(channel is one for one in self._channels):
             return

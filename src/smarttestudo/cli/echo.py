@@ -28,7 +28,7 @@ from smarttestudo.robot.echo import Bounds, Echo, EchoedTopic, unheard_error
 from smarttestudo.robot.ros import open_robot
 
 _SHOW_PERIOD_S = 1.0
-_LOOK_PERIOD_S = 0.2
+_POLL_PERIOD_S = 0.2
 _WAIT_S = 0.1
 
 
@@ -104,16 +104,16 @@ class _Listening:
         self._topics = topics
         self._stopped = stopped
         self._timeout_s = timeout_s
-        self._start_s = self._look_s = time.monotonic()
+        self._start_s = self._poll_s = time.monotonic()
         self._end_s = self._start_s + seconds
 
     def go_on(self) -> None:
         """Receive what comes next. Raises ``RosError`` if a topic cannot be received, or not in time."""
         now_s = time.monotonic()
-        if now_s >= self._look_s:
-            self._look_s = now_s + _LOOK_PERIOD_S
+        if now_s >= self._poll_s:
+            self._poll_s = now_s + _POLL_PERIOD_S
             for topic in self._topics:
-                topic.look()
+                topic.poll()
         errors = [topic.error for topic in self._topics if topic.error is not None]
         if len(errors) == len(self._topics):
             raise errors[0]

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
 _WAIT_S = 0.05
 _LAST_PORT = 65_535
-_LOOK_PERIOD_S = 1.0
+_POLL_PERIOD_S = 1.0
 _PLACES = "--record DIR, --incidents DIR, --foxglove PORT or --openmetrics PORT"
 
 
@@ -160,8 +160,8 @@ def run(arguments: argparse.Namespace) -> int:
         _say_where(options)
         predictor = Predictor(predicts, statuses.source_hz, warn) if predicts else None
         reception = Reception([*sinks, statuses], predictor)
-        looks = [] if arguments.openmetrics is None else [lambda: metrics.look(reception, end)]
-        _receive(reception, end.wait, stopped, looks, (lambda: sending.routes) if sending else tuple)
+        polls = [] if arguments.openmetrics is None else [lambda: metrics.update(reception, end)]
+        _receive(reception, end.wait, stopped, polls, (lambda: sending.routes) if sending else tuple)
     return 0
 
 
@@ -271,10 +271,10 @@ def _receive(
     reception: Reception,
     wait: Callable[[float], list[LinkEvent]],
     stopped: Callable[[], bool],
-    looks: list[Callable[[], None]],
+    polls: list[Callable[[], None]],
     routes: Callable[[], Sequence[CommandRoute]],
 ) -> None:
-    """Receive until ``stopped``; once a second, call ``looks``.
+    """Receive until ``stopped``; once a second, call ``polls``.
 
     What arrives is shown on a terminal; elsewhere who comes, leaves and changes is said.
     """
@@ -282,10 +282,10 @@ def _receive(
         noted = None if sys.stdout.isatty() else ArrivalLog(_say)
         if sys.stdout.isatty():
             show = opened.enter_context(open_screen())
-            looks.append(
+            polls.append(
                 lambda: show(reception_lines(reception, shutil.get_terminal_size().columns, routes()))
             )
-        look_s = time.monotonic()
+        poll_s = time.monotonic()
         wait_s = _WAIT_S
         while not stopped():
             for event in wait(wait_s):
@@ -294,11 +294,11 @@ def _receive(
                 reception.handle(event, time.monotonic_ns())
             due_ns, now_ns = reception.predict(time.monotonic_ns()), time.monotonic_ns()
             wait_s = _WAIT_S if due_ns is None else min(max(due_ns - now_ns, 0) / NS_PER_S, _WAIT_S)
-            if looks and time.monotonic() >= look_s:
-                look_s = time.monotonic() + _LOOK_PERIOD_S
-                reception.look(time.monotonic_ns())
-                for look in looks:
-                    look()
+            if polls and time.monotonic() >= poll_s:
+                poll_s = time.monotonic() + _POLL_PERIOD_S
+                reception.measure(time.monotonic_ns())
+                for poll in polls:
+                    poll()
 
 
 def _port(text: str) -> int:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from smarttestudo.cli.top_table import Line, Look
+from smarttestudo.cli.top_table import Line, Style
 from smarttestudo.link.receive.reception import ReceivedRobot, Reception
 from smarttestudo.link.receive.sending import CommandRoute
 from smarttestudo.report.table import (
@@ -53,16 +53,16 @@ def reception_lines(
     if routes:
         lines += [Line("")] * bool(lines)
         lines += _sent(routes, width)
-    return lines or [Line("Waiting for a robot: start 'testudo run --link' there.", Look.QUIET)]
+    return lines or [Line("Waiting for a robot: start 'testudo run --link' there.", Style.QUIET)]
 
 
 def _heading(name: str, robot: ReceivedRobot) -> Line:
     total = sum(topic.meter.kb_per_s for topic in robot.topics.values())
     if not robot.boots:
-        return Line(printable(f"{name}   not connected"), Look.ERROR)
+        return Line(printable(f"{name}   not connected"), Style.ERROR)
     twice = f"   {len(robot.boots)} robots have this name" if len(robot.boots) > 1 else ""
-    look = Look.WARN if twice else Look.HEADING
-    return Line(printable(f"{name}   {total:.1f} KB/s of messages{twice}"), look)
+    style = Style.WARN if twice else Style.HEADING
+    return Line(printable(f"{name}   {total:.1f} KB/s of messages{twice}"), style)
 
 
 def _topics(robot: ReceivedRobot, width: int | None) -> list[Line]:
@@ -85,9 +85,9 @@ def _topics(robot: ReceivedRobot, width: int | None) -> list[Line]:
     columns = (*_COLUMNS[:-1], *([_PREDICTED] * predicts), _COLUMNS[-1])
     lines = plain_table(Table(title="", columns=columns, rows=rows), width=width).split("\n")
     heading_lines = len(lines) - len(topics)
-    looks = [Look.HEADING] * heading_lines
-    looks += [Look.STALE if topic.meter.is_silent else Look.PLAIN for _, topic in topics]
-    return [Line(text, look) for text, look in zip(lines, looks, strict=True)]
+    styles = [Style.HEADING] * heading_lines
+    styles += [Style.STALE if topic.meter.is_silent else Style.PLAIN for _, topic in topics]
+    return [Line(text, style) for text, style in zip(lines, styles, strict=True)]
 
 
 def _sent(routes: Sequence[CommandRoute], width: int | None) -> list[Line]:
@@ -107,9 +107,9 @@ def _sent(routes: Sequence[CommandRoute], width: int | None) -> list[Line]:
         for route in routes
     )
     lines = plain_table(Table(title="", columns=_SENT_COLUMNS, rows=rows), width=width).split("\n")
-    looks = [Look.HEADING] * (len(lines) - len(routes))
-    looks += [_look(route) for route in routes]
-    return [Line(text, look) for text, look in zip(lines, looks, strict=True)]
+    styles = [Style.HEADING] * (len(lines) - len(routes))
+    styles += [_style(route) for route in routes]
+    return [Line(text, style) for text, style in zip(lines, styles, strict=True)]
 
 
 def _dropped(route: CommandRoute) -> int:
@@ -118,7 +118,7 @@ def _dropped(route: CommandRoute) -> int:
     return counts.replaced + counts.expired + counts.too_large + route.suspect
 
 
-def _look(route: CommandRoute) -> Look:
+def _style(route: CommandRoute) -> Style:
     if route.problem is None:
-        return Look.PLAIN
-    return Look.QUIET if route.is_quiet else Look.WARN
+        return Style.PLAIN
+    return Style.QUIET if route.is_quiet else Style.WARN

@@ -283,7 +283,7 @@ def _run_inputs(arguments: argparse.Namespace) -> int:
 
 
 def _ignore(_: object) -> None:
-    """Nobody wants to know."""
+    """Do nothing."""
 
 
 def _replay(

@@ -17,8 +17,8 @@ from smarttestudo.cli.robots import wait_for_all
 from smarttestudo.cli.terminal import add_timeout, key_presses, stop_signals
 from smarttestudo.cli.top_table import (
     Line,
-    Look,
     SortKey,
+    Style,
     open_screen,
     print_lines,
     summary_lines,
@@ -109,9 +109,9 @@ def _lines(robots: RemoteRobots, sort: SortKey, width: int | None) -> list[Line]
         lines += summary_lines(heard.status, silent_s=silent_s if is_silent else None)
         lines += [Line(""), *topic_lines(heard.status, sort, width)]
     if not lines:
-        lines = [Line(f"Waiting for a status at {robots.place} …", Look.QUIET)]
+        lines = [Line(f"Waiting for a status at {robots.place} …", Style.QUIET)]
     if robots.problem:
-        lines.append(Line(robots.problem, Look.ERROR))
+        lines.append(Line(robots.problem, Style.ERROR))
     if robots.unreadable:
-        lines.append(Line(f"{robots.unreadable} statuses of another version could not be read", Look.WARN))
+        lines.append(Line(f"{robots.unreadable} statuses of another version could not be read", Style.WARN))
     return lines

@@ -38,7 +38,7 @@ WIDE = 110
 _QUIET = frozenset({Silence.OFF, Silence.NO_SUBSCRIBER})
 
 
-class Look(Enum):
+class Style(Enum):
     """How a line is to be shown where colours are."""
 
     HEADING = "heading"
@@ -65,14 +65,14 @@ class Line:
     """One line of the screen."""
 
     text: str
-    look: Look = Look.PLAIN
+    style: Style = Style.PLAIN
 
 
-_LOOKS = {
-    DiagnosticLevel.OK: Look.PLAIN,
-    DiagnosticLevel.WARN: Look.WARN,
-    DiagnosticLevel.ERROR: Look.ERROR,
-    DiagnosticLevel.STALE: Look.STALE,
+_LEVEL_STYLES = {
+    DiagnosticLevel.OK: Style.PLAIN,
+    DiagnosticLevel.WARN: Style.WARN,
+    DiagnosticLevel.ERROR: Style.ERROR,
+    DiagnosticLevel.STALE: Style.STALE,
 }
 _MEASURES: dict[SortKey, Callable[[TopicStatus], float | None]] = {
     SortKey.SOURCE: lambda topic: topic.source_hz,
@@ -89,12 +89,12 @@ def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> li
     ``silent_s`` is the time without a status, if it is too long.
     """
     return [
-        Line(_runtime(status), Look.HEADING),
-        Line(_link(status), Look.ERROR if status.floors_break_budget else Look.PLAIN),
-        *([Line("No valid rules: everything is relayed at full rate.", Look.WARN)] * status.is_fallback),
-        *(Line(_accepted(topic), Look.WARN if topic.problem else Look.PLAIN) for topic in status.accepted),
+        Line(_runtime(status), Style.HEADING),
+        Line(_link(status), Style.ERROR if status.floors_break_budget else Style.PLAIN),
+        *([Line("No valid rules: everything is relayed at full rate.", Style.WARN)] * status.is_fallback),
+        *(Line(_accepted(topic), Style.WARN if topic.problem else Style.PLAIN) for topic in status.accepted),
         *([] if status.incidents is None else [_incidents(status.incidents)]),
-        *([] if silent_s is None else [Line(f"No status received for {silent_s:.0f} s.", Look.STALE)]),
+        *([] if silent_s is None else [Line(f"No status received for {silent_s:.0f} s.", Style.STALE)]),
     ]
 
 
@@ -116,8 +116,8 @@ def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) 
     lines = plain_table(table, width=width).split("\n")
     heading_lines = len(lines) - len(topics)
     return [
-        *(Line(text, Look.HEADING) for text in lines[:heading_lines]),
-        *(Line(text, _look(topic)) for text, (_, topic) in zip(lines[heading_lines:], topics, strict=True)),
+        *(Line(text, Style.HEADING) for text in lines[:heading_lines]),
+        *(Line(text, _style(topic)) for text, (_, topic) in zip(lines[heading_lines:], topics, strict=True)),
         *_how_to_subscribe(status, topics),
     ]
 
@@ -188,7 +188,7 @@ def _incidents(state: IncidentState) -> Line:
         f"{_ring(state)}   "
         f"incidents: {state.open} open, {state.recorded} recorded{failed}{problem}"
     )
-    return Line(printable(text), Look.WARN if state.problem else Look.PLAIN)
+    return Line(printable(text), Style.WARN if state.problem else Style.PLAIN)
 
 
 def _ring(state: IncidentState) -> str:
@@ -260,19 +260,19 @@ def _rule(topic: TopicStatus) -> str:
     return "; ".join([rate, *bound_texts(topic.within, topic.bound_reasons)])
 
 
-def _look(topic: TopicStatus) -> Look:
-    return Look.QUIET if topic.silence in _QUIET else _LOOKS[topic_health(topic).level]
+def _style(topic: TopicStatus) -> Style:
+    return Style.QUIET if topic.silence in _QUIET else _LEVEL_STYLES[topic_health(topic).level]
 
 
 Show = Callable[[Sequence[Line]], None]
 
-_STYLES = {
-    Look.HEADING: "bold",
-    Look.PLAIN: "",
-    Look.QUIET: "dim",
-    Look.WARN: "yellow",
-    Look.ERROR: "bold red",
-    Look.STALE: "magenta",
+_RICH_STYLES = {
+    Style.HEADING: "bold",
+    Style.PLAIN: "",
+    Style.QUIET: "dim",
+    Style.WARN: "yellow",
+    Style.ERROR: "bold red",
+    Style.STALE: "magenta",
 }
 
 
@@ -309,7 +309,7 @@ def _rich_screen() -> Iterator[Show]:
         def show(lines: Sequence[Line]) -> None:
             text = Text(no_wrap=True, overflow="ellipsis")
             for line in cropped(lines, console.height):
-                text.append(f"{line.text}\n", style=_STYLES[line.look])
+                text.append(f"{line.text}\n", style=_RICH_STYLES[line.style])
             text.right_crop(1)
             live.update(text, refresh=True)
 
@@ -321,4 +321,4 @@ def cropped(lines: Sequence[Line], height: int) -> Sequence[Line]:
     if len(lines) <= height:
         return lines
     hidden = len(lines) - height + 1
-    return [*lines[: height - 1], Line(f"… {hidden} more lines: a taller window, or --sort", Look.QUIET)]
+    return [*lines[: height - 1], Line(f"… {hidden} more lines: a taller window, or --sort", Style.QUIET)]

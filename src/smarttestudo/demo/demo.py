@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules
 from smarttestudo.bags.comparison import Comparison
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.demo import linked, thesis_files
+from smarttestudo.demo import linked, thesis
 from smarttestudo.demo.folder import MARKER, demo_folder
 from smarttestudo.demo.live import LOGS, LiveDemoRequest, record_live
 from smarttestudo.demo.mission import bytes_per_second, record_mission, route_of
@@ -40,11 +40,11 @@ ADAPTIVE = "adaptive"
 DECISIONS = "decisions.jsonl"
 REPORT = "report.html"
 ACCURACY = "accuracy.json"
-THESIS = thesis_files.FOLDER
+THESIS = thesis.FOLDER
 _MADE = frozenset(
     {BASELINE, ADAPTIVE, DECISIONS, REPORT, ACCURACY, RULES, WITHIN, PREDICTED, MARKER, *LOGS, THESIS}
 )
-_FILLED = {THESIS: thesis_files.file_names()}
+_FILLED = {THESIS: thesis.file_names()}
 _TITLE = "A TurtleBot3 patrols a warehouse"
 _EXPLANATION = (
     "Source is everything that the robot published. SmartTestudo is what an operator received of it while "
@@ -107,7 +107,7 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
     """
     arrivals: tuple[LinkArrivals, ...] = ()
     route = route_of(request.mission)
-    also_write = _thesis_writer() if request.with_thesis else None
+    also_write = thesis.thesis_writer() if request.with_thesis else None
     with demo_folder(request.out, needed_bytes=_needed_bytes(request), made=_MADE, filled=_FILLED) as folder:
         rules = put_rules(folder, request.out)
         bounding = [put_rules(folder, request.out, name) for name in (WITHIN, PREDICTED)]
@@ -132,13 +132,6 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         notices=(*_rule_notices(request, (rules, *bounding)), *notices),
         arrivals=arrivals,
     )
-
-
-def _thesis_writer() -> Callable[[RunReport, Path], None]:
-    """The writer of the thesis's tables and figures; a missing package is known before the drive begins."""
-    from smarttestudo.demo.thesis import write_thesis  # noqa: PLC0415  matplotlib takes a second
-
-    return write_thesis
 
 
 def _needed_bytes(request: DemoRequest) -> int:

@@ -1,38 +1,63 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tables and figures of the thesis's evaluation, of a demo's run."""
+"""The tables and figures of the thesis's evaluation, of a demo's run, and the names of their files."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from smarttestudo.demo.thesis_files import BANDWIDTH_TABLE, FREQUENCY_TABLE, figure_names
 from smarttestudo.files.whole_file import whole_file
 from smarttestudo.report.comparison_tables import RunNames
-from smarttestudo.report.figures.draw import draw_topics
 from smarttestudo.report.run_report import RunReport
 from smarttestudo.report.table import Table
 from smarttestudo.report.table_files import csv_table, markdown_table
 from smarttestudo.report.thesis_tables import bandwidth_as_in_thesis, frequency_as_in_thesis
+from smarttestudo.simulation.readings import Topic
 
+FOLDER = "thesis"
+FREQUENCY_TABLE = "table-7.1-frequency"
+BANDWIDTH_TABLE = "table-7.2-bandwidth"
+ZONES_FIGURE = "zones.png"
 _FIGURE_NAMES = RunNames(before="Without adaptive monitoring", after="With it")
 
 
-def write_thesis(report: RunReport, folder: Path) -> None:
-    """Write Tables 7.1 and 7.2, the rate of each topic over time, and the map of zones into a new ``folder``.
+def figure_names() -> Mapping[str, str]:
+    """The file of each figure: of a topic's rate by the topic, of the zones by an empty name.
 
-    Raises:
-        OutputFileError: a file cannot be written.
+    The static frames are no topic of the thesis.
     """
-    folder.mkdir()
-    tables = {
-        FREQUENCY_TABLE: frequency_as_in_thesis(report.comparison),
-        BANDWIDTH_TABLE: bandwidth_as_in_thesis(report.comparison),
-    }
-    for name, table in tables.items():
-        _write(table, folder, name)
-    draw_topics(replace(report, names=_FIGURE_NAMES), folder, figure_names())
+    topics = (topic.value for topic in Topic if topic is not Topic.TF_STATIC)
+    of_topics = {topic: f"frequency{topic.replace('/', '-')}.png" for topic in topics}
+    return {**of_topics, "": ZONES_FIGURE}
+
+
+def file_names() -> frozenset[str]:
+    """All that a demo may write into the folder."""
+    tables = (f"{name}.{form}" for name in (FREQUENCY_TABLE, BANDWIDTH_TABLE) for form in ("md", "csv"))
+    return frozenset({*tables, *figure_names().values()})
+
+
+def thesis_writer() -> Callable[[RunReport, Path], None]:
+    """A function that writes Tables 7.1 and 7.2, the rate of each topic over time, and the map of zones.
+
+    It writes into a new folder, and raises ``OutputFileError`` where a file cannot be written. A missing
+    package is known now, before the drive begins.
+    """
+    from smarttestudo.report.figures.draw import draw_topics  # noqa: PLC0415  matplotlib takes a second
+
+    def write(report: RunReport, folder: Path) -> None:
+        folder.mkdir()
+        tables = {
+            FREQUENCY_TABLE: frequency_as_in_thesis(report.comparison),
+            BANDWIDTH_TABLE: bandwidth_as_in_thesis(report.comparison),
+        }
+        for name, table in tables.items():
+            _write(table, folder, name)
+        draw_topics(replace(report, names=_FIGURE_NAMES), folder, figure_names())
+
+    return write
 
 
 def _write(table: Table, folder: Path, name: str) -> None:

@@ -60,7 +60,7 @@ class TooOld:
         self._before: dict[str, CommandTopic] = {}
         self._said: set[str] = set()
 
-    def look(self, topics: Sequence[CommandTopic]) -> list[str]:
+    def new_sentences(self, topics: Sequence[CommandTopic]) -> list[str]:
         """A sentence for each topic of which that is new since the last look."""
         sentences = []
         for now in topics:

@@ -47,7 +47,7 @@ class BackgroundSink:
         self._left_out[incident] = LostMessages()
         self._thread.give(partial(self._sink.begin, incident, latched, messages))
 
-    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+    def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         """Have it written, unless too much waits already."""
         if self._given_bytes - self._done_bytes > self._max_waiting_bytes:
             for incident in incidents:
@@ -72,7 +72,7 @@ class BackgroundSink:
 
     def _take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         self._done_bytes += message.held_bytes
-        self._sink.take(message, incidents)
+        self._sink.write(message, incidents)
 
     def _have_stored(self, ring: RingFiles, message: SourceMessage, until_ns: int, now_ns: int) -> None:
         if self._given_bytes - self._done_bytes <= self._max_waiting_bytes:

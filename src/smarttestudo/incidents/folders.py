@@ -118,7 +118,7 @@ class IncidentFolders:
                 if not bag.holds(message.number):
                     self._lose(found, message)
 
-    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+    def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         """Write one more, for ``incidents``."""
         done: set[int] = set()
         for incident in incidents:
@@ -128,7 +128,7 @@ class IncidentFolders:
             elif id(found.shared) not in done:
                 done.add(id(found.shared))
                 try:
-                    found.shared.take(message)
+                    found.shared.write(message)
                 except _WRITE_ERRORS as error:
                     self._give_up(found.shared, found.bag.name, error)
                     self._lose(found, message)

@@ -207,7 +207,7 @@ class LiveIncidents(Part):
             if known is not None and known[0] is subscription and known[1] < dropped:
                 recorder.lose(topic, dropped - known[1], min(known[2], now_ns), now_ns)
             self._taken[topic] = subscription, dropped, now_ns
-        recorder.take(topic, now_ns, payload[:], publisher)
+        recorder.on_message(topic, now_ns, payload[:], publisher)
 
     @property
     def wake_ns(self) -> int | None:

@@ -113,7 +113,7 @@ class LiveOutages(Part):
     def _write(self, missed: Sequence[MissedMessage]) -> None:
         if self._open is not None:
             for message in missed:
-                self._open.take(message)
+                self._open.write(message)
 
     def _end(self) -> None:
         if self._begun_ns is not None:

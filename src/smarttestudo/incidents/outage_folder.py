@@ -58,7 +58,7 @@ class OutageFolder:
         except OSError as error:
             raise not_written(self._target, "an outage", error) from error
 
-    def take(self, message: MissedMessage) -> None:
+    def write(self, message: MissedMessage) -> None:
         """Keep a message."""
         channel = self._channels.get(message.origin.topic)
         if channel is None:

@@ -67,7 +67,7 @@ class IncidentSink(Protocol):
         Both are in the order of their numbers.
         """
 
-    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+    def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         """A message came while the windows of ``incidents`` were open, which keep it."""
 
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
@@ -187,7 +187,7 @@ class IncidentRecorder:
         if self._rings and topic not in self._latched and (is_latched or holds_static_frames(topic)):
             self._latched[topic] = LatchedSamples(topic)
 
-    def take(self, topic: str, stamp_ns: int, payload: bytes, publisher: Hashable = None) -> None:
+    def on_message(self, topic: str, stamp_ns: int, payload: bytes, publisher: Hashable = None) -> None:
         """A message of a topic that is kept came, at ``stamp_ns`` on the clock."""
         self.advance(stamp_ns)
         now_ns = self._time.now_ns
@@ -210,7 +210,7 @@ class IncidentRecorder:
             is_latched = samples is not None
             keeping = [one.incident for one in self._open if is_latched or topic in one.topics]
             if keeping:
-                self._sink.take(message, keeping)
+                self._sink.write(message, keeping)
 
     def lose(self, topic: str, messages: int, since_ns: int, now_ns: int) -> None:
         """So many messages of a topic were lost before they came, between two stamps of the clock."""

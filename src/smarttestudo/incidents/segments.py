@@ -209,7 +209,7 @@ class SharedMessages:
         folder.put_last_first()
         self._latched = (numbers, start_ns, segment)
 
-    def take(self, message: IncidentMessage) -> None:
+    def write(self, message: IncidentMessage) -> None:
         """One more message for all members. Raises ``OSError``."""
         if message.topic not in self._channels:
             return

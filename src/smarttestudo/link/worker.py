@@ -17,18 +17,18 @@ def _rest() -> float:
 
 
 class Worker:
-    """A thread that does what it is given, in order, and then ``look``s whether more is due.
+    """A thread that does what it is given, in order, and then ``poll``s whether more is due.
 
-    ``look`` returns after how many seconds it is to be called again; ``wake`` has that done at once.
-    ``failed`` is told what either raises: a task costs itself, ``look`` ends the thread.
+    ``poll`` returns after how many seconds it is to be called again; ``wake`` has that done at once.
+    ``failed`` is told what either raises: a task costs itself, ``poll`` ends the thread.
     """
 
     def __init__(
-        self, name: str, failed: Callable[[Exception], None], look: Callable[[], float] = _rest
+        self, name: str, failed: Callable[[Exception], None], poll: Callable[[], float] = _rest
     ) -> None:
         self.is_closed = False
         self._failed = failed
-        self._look = look
+        self._poll = poll
         self._tasks: deque[Callable[[], None]] = deque()
         self._news = threading.Event()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
@@ -46,7 +46,7 @@ class Worker:
         return True
 
     def wake(self) -> None:
-        """Have it look now."""
+        """Have it poll now."""
         self._news.set()
 
     def close(self) -> None:
@@ -61,7 +61,7 @@ class Worker:
             while not self.is_closed:
                 self._news.clear()
                 self._do_tasks()
-                wait_s = self._look()
+                wait_s = self._poll()
                 if wait_s > 0:
                     self._news.wait(wait_s)
         except Exception as error:  # noqa: BLE001 - whatever it fails of, that is said once

@@ -36,12 +36,12 @@ def _take_request(knowledge: Knowledge, topic: str, now_ns: int) -> None:
     if settling is None:
         knowledge.settling[topic] = Settling(request, knowledge.settle_ns)
     else:
-        settling.take(request, now_ns)
+        settling.on_request(request, now_ns)
     bounds = knowledge.settling_bounds.get(topic)
     if bounds is None:
         knowledge.settling_bounds[topic] = SettlingBounds(request.planned, knowledge.settle_ns)
     else:
-        bounds.take(request.planned, now_ns)
+        bounds.on_request(request.planned, now_ns)
 
 
 def _settle(knowledge: Knowledge, topic: str, now_ns: int) -> bool:

@@ -196,7 +196,7 @@ class Relay:
             return ()
         return self.relayed(self.pacer.set_accuracy(self._accuracy, now_ns), now_ns)
 
-    def let_go(self) -> None:
+    def detach_followers(self) -> None:
         """Have no followers; they are to call ``follow`` again."""
         self.followers = []
         if isinstance(self.pacer, TopicPacer):

@@ -144,7 +144,7 @@ class Relays:
     def _pair(self, paced_with: Mapping[str, str], now_ns: int) -> None:
         leader_of = leaders(paced_with, self._relays)
         for relay in self._relays.values():
-            relay.let_go()
+            relay.detach_followers()
         # Leaders first: one that followed another before needs a pacer of its own.
         for topic, relay in sorted(self._relays.items(), key=lambda item: item[0] in leader_of):
             relay.follow(self._relays.get(leader_of.get(topic, "")), now_ns)

@@ -40,7 +40,7 @@ def exchange_rules(
     knowledge.order_of = order_of
     knowledge.settle_ns = ns_from_s(profile.settle_s)
     prepared.evaluator.start(now_ns)
-    prepared.evaluator.carry_on(knowledge.evaluator)
+    prepared.evaluator.restore_history(knowledge.evaluator)
     knowledge.evaluator, prepared.evaluator = prepared.evaluator, knowledge.evaluator
     knowledge.watched = _watched(knowledge, sources, now_ns)
     knowledge.watch_alarms = AlarmClock()
@@ -82,7 +82,7 @@ def _watched(
     for topic, entry in watched.items():
         known, change = knowledge.watched.get(topic), sources.get(topic)
         if known is not None:
-            entry.carry_on(known)
+            entry.restore_history(known)
         elif change is not None:
             entry.change_source(change)
     return watched

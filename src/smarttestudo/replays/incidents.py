@@ -71,10 +71,10 @@ class IncidentCutter:
         """Begin an incident when a block of the loop does."""
         loop.triggered = self._recorder.begin
 
-    def take(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+    def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """A message of the recording, before the loop is given it."""
         if self._recorder.keeps(channel.topic):
-            self._recorder.take(channel.topic, stamp_ns, payload)
+            self._recorder.on_message(channel.topic, stamp_ns, payload)
 
     def finish(self, now_ns: int) -> None:
         """The recording ended."""

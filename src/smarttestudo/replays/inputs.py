@@ -59,7 +59,7 @@ def replay_inputs(folder: Path, decided: Callable[[Sequence[Decision]], None]) -
     again = _Again(first)
     decided(again.take_decisions())
     for recorded in inputs:
-        again.take(recorded)
+        again.on_input(recorded)
         decided(again.take_decisions())
     return InputsOutcome(
         inputs=again.inputs,
@@ -87,7 +87,7 @@ class _Again:
         self.decisions += len(decisions)
         return decisions
 
-    def take(self, recorded: RecordedInput) -> None:
+    def on_input(self, recorded: RecordedInput) -> None:
         """Give it to the loop; what would be relayed went out in the live run."""
         self.now_ns = recorded.stamp_ns
         self.inputs += 1

@@ -44,7 +44,7 @@ _REPORTS = 200
 
 
 def _ignore(_: object) -> None:
-    """Nobody wants to know."""
+    """Do nothing."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,7 +111,7 @@ def replay_together(requests: Sequence[ReplayRequest]) -> list[ReplayOutcome]:
 def _pass_messages(recording: RecordingReader, runs: Sequence[_Run], decoder: MessageDecoder) -> None:
     """Show every message to all runs; what several of them need decoded is decoded once."""
     decoded = frozenset[str]().union(*(run.decoded for run in runs))
-    takes = [run.take for run in runs]
+    takes = [run.on_message for run in runs]
     for channel, stamp_ns, payload in recording.messages():
         message = _decoded(decoder, channel, payload) if channel.topic in decoded else None
         for take in takes:
@@ -207,14 +207,14 @@ class _Run:
         self._needed = self._sources_needed()
         self.decoded = frozenset(topic for topic in self._needed if self._loop.needs_decoded(topic))
 
-    def take(self, channel: Channel, stamp_ns: int, payload: bytes, message: object) -> None:
+    def on_message(self, channel: Channel, stamp_ns: int, payload: bytes, message: object) -> None:
         """Take a message of the recording, decoded where that is needed."""
         topic, request, loop = channel.topic, self._request, self._loop
         if request.arrived is not None:
             request.arrived(channel, stamp_ns, payload)
         if self._cutter is not None and self._topics.sources.get(topic) is channel:
             self._wake_before(stamp_ns)
-            self._cutter.take(channel, stamp_ns, payload)
+            self._cutter.on_message(channel, stamp_ns, payload)
         if self._needed.get(topic) is not channel:
             if topic in self._needed:
                 self._second_types[topic] += 1

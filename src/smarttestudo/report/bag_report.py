@@ -33,8 +33,7 @@ from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.report.bag_tables import bandwidth_table, rates_table
 from smarttestudo.report.comparison_tables import RunNames
 from smarttestudo.report.figures.kinds import FigureKind
-from smarttestudo.report.link_history import LinkHistory
-from smarttestudo.report.link_statuses import has_statuses, link_history
+from smarttestudo.report.link_history import LinkHistory, has_statuses, link_history
 from smarttestudo.report.paired_runs import PairedRuns
 from smarttestudo.report.run_report import Fact, RuleText, RunReport
 from smarttestudo.report.table import Table

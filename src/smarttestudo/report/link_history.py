@@ -5,11 +5,19 @@
 from __future__ import annotations
 
 from array import array
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from pathlib import Path
 
+from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.bags.reader import open_recording
+from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.names import STATUS_TOPIC
+from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.status_json import status_from_text
+from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.report.link_comparison import quantile
 from smarttestudo.report.series import Series, SeriesPoint, coarser
 from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
@@ -23,6 +31,8 @@ _MOST_COUNT = 10**15
 _LATE_PERIODS = 3.5
 _LEAST_STATUS_HZ = 0.01
 _SHARES = (0.5, 0.95, 1.0)
+_TEXT_TYPE = "std_msgs/msg/String"
+_MESSAGES_PER_REPORT = 4096
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,7 +121,7 @@ class LinkHistoryBuilder:
         self._topics: dict[str, _Topic] = {}
         self._end_s: float | None = None
 
-    def take(self, stamp_ns: int, status: RuntimeStatus) -> None:
+    def on_status(self, stamp_ns: int, status: RuntimeStatus) -> None:
         """Add what was told at ``stamp_ns``."""
         link = status.link
         if link is None:
@@ -194,3 +204,41 @@ def _row(topic: TopicOverLink) -> Row:
     ages = (Number(quantile(ages_ms, share) if ages_ms else None, decimals=0) for share in _SHARES)
     counts = (topic.counts.sent, topic.counts.replaced, topic.counts.overflowed)
     return Row(cells=(Text(topic.topic), *ages, *(Number(count, decimals=0) for count in counts)))
+
+
+def has_statuses(channels: Iterable[Channel]) -> bool:
+    """Whether a recording with these channels lists statuses of a runtime."""
+    return any(map(_is_status, channels))
+
+
+def link_history(
+    path: Path, start_ns: int, report: Callable[[float], None]
+) -> tuple[LinkHistory | None, tuple[str, ...]]:
+    """The history of a link by a recording's statuses, timed from ``start_ns``, and what was not understood.
+
+    Raises:
+        RecordingError: it cannot be read.
+    """
+    builder, decoder, unread = LinkHistoryBuilder(start_ns), RosbagDecoder(), 0
+    with open_recording(path) as recording:
+        length_ns = max(recording.end_ns - recording.start_ns, 1)
+        for number, (channel, stamp_ns, payload) in enumerate(recording.messages({STATUS_TOPIC})):
+            if number % _MESSAGES_PER_REPORT == 0:
+                report((stamp_ns - recording.start_ns) / length_ns)
+            if not _is_status(channel):
+                continue
+            try:
+                text = getattr(decoder.decode(channel, payload), "data", "")
+                builder.on_status(stamp_ns, status_from_text(str(text)))
+            except (RecordingError, ValueError):
+                unread += 1
+    notices = []
+    if unread:
+        notices.append(f"{counted(unread, 'message')} on {STATUS_TOPIC} could not be understood")
+    if builder.left_out:
+        notices.append(f"of the link, the first {MAX_TOPICS} topics are shown")
+    return builder.history(), tuple(notices)
+
+
+def _is_status(channel: Channel) -> bool:
+    return channel.topic == STATUS_TOPIC and channel.type_name == _TEXT_TYPE

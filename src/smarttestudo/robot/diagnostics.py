@@ -7,12 +7,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import TopicOnLink
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
-from smarttestudo.domain.units import BYTES_PER_MB, counted
+from smarttestudo.domain.units import counted
 from smarttestudo.robot.status import TOLERANCE_PERCENT
 
 _UNKNOWN = "N/A"
@@ -62,32 +61,19 @@ def _of_node(status: RuntimeStatus) -> Diagnostic:
             "budget_kb_per_s": "none" if status.budget_kb_per_s is None else _number(status.budget_kb_per_s),
             "cpu_percent": _number(status.cpu_percent),
             "memory_mb": _number(status.memory_mb),
-            **({} if status.link is None else _section_values("link", status.link)),
-            **({} if status.incidents is None else _incident_values(status.incidents)),
             **{
                 key: value
-                for name, section in status.sections.items()
+                for name, section in _sections(status).items()
                 for key, value in _section_values(name, section).items()
             },
         },
     )
 
 
-def _incident_values(state: IncidentState) -> Mapping[str, str]:
-    return {
-        "incident_memory_mb": _number(state.held_bytes / BYTES_PER_MB),
-        **_ring_values(state),
-        "incident_topics": str(state.topics),
-        "incidents_open": str(state.open),
-        "incidents_recorded": str(state.recorded),
-        "incidents_failed": str(state.failed),
-    }
-
-
-def _ring_values(state: IncidentState) -> Mapping[str, str]:
-    if state.ring_max_bytes is None:
-        return {}
-    return {"incident_ring_mb": _number(state.ring_bytes / BYTES_PER_MB)}
+def _sections(status: RuntimeStatus) -> Mapping[str, object]:
+    """The records of a status by name, those of its parts last."""
+    own = {"link": status.link, "incidents": status.incidents}
+    return {**{name: section for name, section in own.items() if section is not None}, **status.sections}
 
 
 def _section_values(name: str, section: object) -> Mapping[str, str]:

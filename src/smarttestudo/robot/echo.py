@@ -152,7 +152,7 @@ class EchoedTopic:
             return "no publisher left"
         return "" if self.messages else "waiting for a message"
 
-    def look(self) -> None:
+    def poll(self) -> None:
         """Follow what the publishers of the topic are now."""
         had, self._source = self._source, live_source(self._robot.publishers(self.topic), self._source)
         if self._source is None or (had is not None and suits(had, self._source)):

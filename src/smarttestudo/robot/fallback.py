@@ -30,7 +30,7 @@ class Fallback:
         self._refused: set[str] = set()
         output_topics(fallback_rules(["/any"]), output_topic)
 
-    def look(self) -> bool:
+    def poll(self) -> bool:
         """Whether there are more topics than at the last look."""
         seen = len(self._output_topics)
         unknown = [topic for topic in self._robot.topics() if self._may_join(topic)]

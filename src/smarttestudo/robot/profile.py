@@ -79,7 +79,7 @@ def _wait_for_topics(
                 f"{what} within {timeout_s:g} s",
                 remedy="start the robot's nodes, with the same ROS_DOMAIN_ID",
             )
-        ears.look()
+        ears.poll()
         robot.wait(None, _WAIT_S)
 
 
@@ -95,7 +95,7 @@ def _listen(
         report(passed_s / seconds)
         if steady_s() >= look_s:
             look_s = steady_s() + _LOOK_PERIOD_S
-            ears.look()
+            ears.poll()
         robot.wait(None, min(_WAIT_S, seconds - passed_s))
 
 
@@ -112,7 +112,7 @@ class _TopicSampler:
         self._latched: set[str] = set()
         self._publishers: dict[str, int] = {}
 
-    def look(self) -> None:
+    def poll(self) -> None:
         """Subscribe to what is new, and count the publishers that are there at once."""
         for topic, publishers in visible_topics(self._robot).items():
             source = live_source(publishers, None)

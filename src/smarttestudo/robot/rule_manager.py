@@ -203,7 +203,7 @@ class RuleManager:
             self._robot.log.warning(f"pushed rules not confirmed within {CONFIRM_WITHIN_S} s; {holds}")
 
     def _look_for_topics(self) -> None:
-        if self._in_force.rules is None and self._fallback.look():
+        if self._in_force.rules is None and self._fallback.poll():
             self._hold()
 
     def _take(self, reading: Reading) -> None:

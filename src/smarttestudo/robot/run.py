@@ -73,7 +73,7 @@ def run_live(
     if not _clock_runs(robot, stopped):
         return
     if first.rules is None:
-        fallback.look()
+        fallback.poll()
     rules = first.rules or fallback.rules()
     inputs = InputRecorder(robot, settings, note)
     parts = [part for kind in kinds if (part := kind.make(context)) is not None]

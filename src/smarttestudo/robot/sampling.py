@@ -39,7 +39,7 @@ class SamplingChoice:
         self._since_ns = now_ns
         self._not_before_ns = now_ns
 
-    def look(self, sent: int, target_hz: float, now_ns: int) -> bool:
+    def should_sample(self, sent: int, target_hz: float, now_ns: int) -> bool:
         """Whether to sample from ``now_ns`` on; ``sent`` counts messages from any point on."""
         self._measure(sent, now_ns)
         ratio = _ratio(self.source_hz, target_hz)
@@ -152,7 +152,7 @@ class LiveSampling:
 
     def _decide(self, name: str, topic: _Topic, sent: int, now_ns: int) -> None:
         may_rest = self._may_rest and self._loop.may_skip(name)
-        rests = may_rest and topic.choice.look(sent, self._target_hz(name), now_ns)
+        rests = may_rest and topic.choice.should_sample(sent, self._target_hz(name), now_ns)
         if rests and name not in self._resting:
             topic.sent = sent
             topic.subscription.pause()

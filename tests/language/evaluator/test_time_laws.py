@@ -102,7 +102,7 @@ def test_a_condition_that_is_carried_on_goes_on_as_if_nothing_had_happened(seed:
                 one.advance(now_ns)
                 one.take_changed_topics()
             after = evaluator_of(other, kept, start_ns=now_ns)
-            after.carry_on(before)
+            after.restore_history(before)
         for one in (straight, after or before):
             one.advance(now_ns)
             for signal, value in values.items():

@@ -89,7 +89,7 @@ def look(
     is_connected: bool = True,
 ) -> CommandSubscribers:
     acceptance = acceptance or CommandSubscribers(robot, commands)
-    acceptance.look(relayed, is_connected=is_connected)
+    acceptance.poll_graph(relayed, is_connected=is_connected)
     return acceptance
 
 

@@ -111,7 +111,7 @@ class Driving:
         number = len(self.published)
         self.published.append((now_ns, publisher, number))
         payload = bytes([publisher]) + number.to_bytes(4, "little") + bytes(size_bytes - 5)
-        self.sender.offer(JOY, publisher, payload, self.operator_clock.at(now_ns))
+        self.sender.put(JOY, publisher, payload, self.operator_clock.at(now_ns))
         self._pump(now_ns)
 
     def _pump_again(self, now_ns: int) -> None:

@@ -109,7 +109,7 @@ class Ends:
         payload = count.to_bytes(8, "little") + bytes(source.size_bytes - 8)
         self.payloads[source.topic].append(payload)
         origin = MessageOrigin(topic=source.topic, stamp_ns=now_ns)
-        self.sender.offer(self._streams[source.topic], payload, now_ns, origin=origin)
+        self.sender.put(self._streams[source.topic], payload, now_ns, origin=origin)
         next_ns = now_ns + int(S / source.rate_hz)
         if next_ns < source.to_s * S:
             self.at(next_ns, partial(self._publish, source))

@@ -85,7 +85,7 @@ def test_cut_repeated_and_reordered_chunks_never_make_another_message(
     ends = Ends(Link(((0.0, 1e9),)), (Source(topic="/a", size_bytes=8, rate_hz=1, to_s=0.5),))
     ends.run(0.2)
     sender = ends.sender
-    sender.offer(1, payload, 1 * S)
+    sender.put(1, payload, 1 * S)
     chunks = []
     while (data := sender.next_chunk(1 * S)) is not None:
         chunks.append(data)

@@ -141,7 +141,7 @@ def filled_queue(sender: LinkSender[None]) -> int:
     stream = sender.open(info, 0)
     assert stream is not None
     for _ in range(MAX_QUEUED_BYTES // 100_000 + 3):
-        sender.offer(stream, bytes(100_000), 0)
+        sender.put(stream, bytes(100_000), 0)
     return stream
 
 
@@ -152,7 +152,7 @@ def test_what_overflows_while_nobody_was_ever_there_is_not_lost_on_the_link() ->
     sender.handle_report(Report(receiver=1, session=0, received_bytes=0), 0)
     assert sender.counts(0)["/camera"] == StreamCounts(queued_bytes=MAX_QUEUED_BYTES)
     sender.disconnect()
-    sender.offer(stream, bytes(100_000), 5 * S)
+    sender.put(stream, bytes(100_000), 5 * S)
     assert sender.counts(5 * S)["/camera"] == StreamCounts(
         overflowed=1, queued_bytes=MAX_QUEUED_BYTES, is_losing=True
     )
@@ -162,7 +162,7 @@ def test_a_topic_that_has_lost_nothing_for_a_minute_is_not_losing_any_more() -> 
     sender = LinkSender[None]()
     sender.handle_report(Report(receiver=1, session=0, received_bytes=0), 0)
     stream = filled_queue(sender)
-    sender.offer(stream, bytes(100_000), 7 * S)
+    sender.put(stream, bytes(100_000), 7 * S)
     told = [sender.counts(now_ns)["/camera"] for now_ns in (7 * S, 67 * S - 1, 67 * S)]
     assert [(counts.overflowed, counts.is_losing) for counts in told] == [(4, True), (4, True), (4, False)]
 

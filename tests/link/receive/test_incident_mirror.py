@@ -74,11 +74,11 @@ def test_a_robot_that_leaves_while_it_is_asked_is_no_error_and_is_fetched_from_w
     robots, said = Robots(), list[str]()
     mirror = IncidentMirror(robots, MirrorFolders(outages=tmp_path), said.append, pytest.fail)
     robots.asked = robots.there.clear
-    mirror.look()
+    mirror.poll()
     robots.asked = lambda: None
-    mirror.look()
+    mirror.poll()
     robots.there, robots.outages = ["ada"], [OUTAGE]
-    mirror.look()
+    mirror.poll()
     assert said == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
 
 
@@ -89,13 +89,13 @@ def test_after_an_error_a_robot_that_comes_back_is_asked_at_once_and_one_that_st
         robots, warned, asked = Robots(), list[str](), list[int]()
         mirror = IncidentMirror(robots, MirrorFolders(outages=tmp_path), pytest.fail, warned.append)
         robots.error = LinkError("it does not answer")
-        mirror.look()
+        mirror.poll()
         assert [one.partition(" ")[0] for one in warned] == ["ada:"]
         robots.there = []
         for _ in range(looks_away):
-            mirror.look()
+            mirror.poll()
         robots.there, robots.error = ["ada"], None
         for look in range(1, 40):
             robots.asked = lambda: asked.append(look)  # noqa: B023
-            mirror.look()
+            mirror.poll()
         assert asked[0] == looks_until_asked

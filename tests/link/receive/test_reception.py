@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from link.zenoh.ends import MAP, ODOM
 from smarttestudo.cli.receive_table import reception_lines
-from smarttestudo.cli.top_table import Line, Look
+from smarttestudo.cli.top_table import Line, Style
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.link.receive.reception import Reception
 from smarttestudo.link.zenoh.arrivals import LinkEvent, RobotPresence, StreamSaid
@@ -55,7 +55,7 @@ def steady(reception: Reception, hz: int, seconds: int, size_bytes: int = 1000, 
         now_ns = number * SECOND // hz
         reception.handle(message(robot=robot, size_bytes=size_bytes), now_ns)
         if number % hz == 0:
-            reception.look(now_ns)
+            reception.measure(now_ns)
 
 
 def shown(reception: Reception, width: int | None = None) -> list[str]:
@@ -123,15 +123,15 @@ def test_a_topic_that_fell_silent_has_rate_0_and_the_look_of_stale_values() -> N
     reception = Reception([])
     reception.handle(presence(), 0)
     steady(reception, hz=20, seconds=5)
-    assert line_of(reception, "/odom").look is Look.PLAIN
-    reception.look(15 * SECOND)
+    assert line_of(reception, "/odom").style is Style.PLAIN
+    reception.measure(15 * SECOND)
     line = line_of(reception, "/odom")
-    assert (line.look, line.text.split()[1]) == (Look.STALE, "0.00")
+    assert (line.style, line.text.split()[1]) == (Style.STALE, "0.00")
 
 
 def test_while_no_robot_came_it_says_what_to_start() -> None:
     (line,) = reception_lines(Reception([]))
-    assert (line.look, "testudo run --link" in line.text) == (Look.QUIET, True)
+    assert (line.style, "testudo run --link" in line.text) == (Style.QUIET, True)
 
 
 def test_a_robot_that_is_gone_keeps_its_topics_and_is_not_connected_until_it_is_back() -> None:
@@ -139,10 +139,10 @@ def test_a_robot_that_is_gone_keeps_its_topics_and_is_not_connected_until_it_is_
     for event in (presence(), message(), presence(is_present=False)):
         reception.handle(event, 0)
     assert line_of(reception, "ada").text == "ada   not connected"
-    assert line_of(reception, "ada").look is Look.ERROR
+    assert line_of(reception, "ada").style is Style.ERROR
     assert line_of(reception, "/odom")
     reception.handle(presence(boot="1"), 1)
-    assert line_of(reception, "ada").look is Look.HEADING
+    assert line_of(reception, "ada").style is Style.HEADING
 
 
 def test_two_robots_of_one_name_are_said_until_one_leaves() -> None:
@@ -150,7 +150,7 @@ def test_two_robots_of_one_name_are_said_until_one_leaves() -> None:
     for boot in ("0", "1", "1"):
         reception.handle(presence(boot=boot), 0)
     line = line_of(reception, "ada")
-    assert (line.text, line.look) == ("ada   0.0 KB/s of messages   2 robots have this name", Look.WARN)
+    assert (line.text, line.style) == ("ada   0.0 KB/s of messages   2 robots have this name", Style.WARN)
     reception.handle(presence(boot="0", is_present=False), 1)
     assert line_of(reception, "ada").text == "ada   0.0 KB/s of messages"
 

@@ -49,7 +49,7 @@ def numbers(reception: Reception, statuses: StatusSink) -> dict[tuple[str, ...],
     metrics = ReceptionMetrics(statuses)
     assert metrics.metrics() == []
     end: Any = End()
-    metrics.look(reception, end)
+    metrics.update(reception, end)
     return {
         (metric.name.sample_name, *labels): number
         for metric in metrics.metrics()
@@ -88,8 +88,8 @@ def test_the_counts_of_a_robot_that_is_away_stay() -> None:
     before: Any = End()
     away: Any = End()
     away.counts = dict
-    metrics.look(reception, before)
-    metrics.look(reception, away)
+    metrics.update(reception, before)
+    metrics.update(reception, away)
     found = {metric.name.sample_name: metric.samples for metric in metrics.metrics()}
     assert found["testudo_receive_delivered_messages_total"] == [(("ada",), 7.0)]
 

@@ -13,7 +13,7 @@ import pytest
 from link.zenoh.ends import ODOM
 from robot.status.virtual_robot import Source, VirtualRobot
 from smarttestudo.cli.receive_table import reception_lines
-from smarttestudo.cli.top_table import Look
+from smarttestudo.cli.top_table import Style
 from smarttestudo.domain.command import SentCounts
 from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.link.protocol.command_sender import CommandedRobot
@@ -79,7 +79,7 @@ class Operator:
 
     def look(self, after_ns: int = 0) -> None:
         self.now_ns += after_ns
-        self.sending.look(self.now_ns)
+        self.sending.poll(self.now_ns)
 
     def hears(self, topic: str, payload: bytes) -> None:
         self.graph.receivers[topic](payload, b"")
@@ -214,4 +214,4 @@ def test_the_screen_shows_what_is_sent_and_what_the_robot_told_of_it() -> None:
     robots.known[ADA] = replace(robots.known[ADA], type_name=None, problem="it is odd")
     operator.look()
     line = reception_lines(Reception([]), 110, operator.sending.routes)[-1]
-    assert (line.look, line.text.endswith("at ada, it is odd")) == (Look.WARN, True)
+    assert (line.style, line.text.endswith("at ada, it is odd")) == (Style.WARN, True)

@@ -82,7 +82,7 @@ class VirtualPublisher:
 
     def publish(self, payload: Payload) -> None:
         data = payload[:]
-        self._end.sender.offer(self._number, data, self._end.now_ns, child_frames(data) or None)
+        self._end.sender.put(self._number, data, self._end.now_ns, child_frames(data) or None)
 
     def close(self) -> None:
         self._end.sender.close(self._number, self._end.now_ns)

@@ -112,15 +112,19 @@ def test_the_node_says_what_recording_costs_and_that_it_fails() -> None:
     state = IncidentState(held_bytes=12_340_000, memory_bytes=256_000_000, topics=5, open=1, recorded=3)
     node = named("smarttestudo", replace(STATUS, incidents=state))
     assert {name: value for name, value in node.values.items() if name.startswith("incident")} == {
-        "incident_memory_mb": "12.340",
-        "incident_topics": "5",
+        "incidents_held_bytes": "12340000",
+        "incidents_memory_bytes": "256000000",
+        "incidents_topics": "5",
         "incidents_open": "1",
         "incidents_recorded": "3",
         "incidents_failed": "0",
+        "incidents_problem": "N/A",
+        "incidents_ring_bytes": "0",
+        "incidents_ring_max_bytes": "N/A",
     }
     with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
     values = named("smarttestudo", replace(STATUS, incidents=with_ring)).values
-    assert values["incident_ring_mb"] == "40.120"
+    assert values["incidents_ring_bytes"] == "40120000"
     failed = named("smarttestudo", replace(STATUS, incidents=replace(state, problem="the disk is full")))
     assert (failed.level, failed.message) == (
         DiagnosticLevel.WARN,

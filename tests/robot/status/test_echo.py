@@ -51,7 +51,7 @@ def echoed(robot: VirtualRobot, topic: str, *fields: str, keep: int = 0) -> Echo
 def heard_for(robot: VirtualRobot, topic: EchoedTopic, seconds: int) -> Echo:
     echo = topic.echo()
     for _ in range(seconds):
-        topic.look()
+        topic.poll()
         for _ in range(WAITS_PER_S):
             robot.wait(None, 1 / WAITS_PER_S)
         echo = topic.echo()
@@ -73,7 +73,7 @@ def test_rate_bandwidth_and_count_are_those_of_the_messages() -> None:
 def test_what_queued_up_before_the_start_does_not_count_as_a_rate() -> None:
     robot = VirtualRobot(sources={"/imu": Source(hz=10)})
     topic = echoed(robot, "/imu")
-    topic.look()
+    topic.poll()
     for _ in range(40):
         robot.say("/imu", "a burst")
     assert topic.echo().rate_hz is None
@@ -95,14 +95,14 @@ def test_it_waits_for_a_publisher_and_then_for_a_message() -> None:
     assert heard_for(robot, topic, 2).state == "waiting for a message"
     assert heard_for(robot, topic, 10).state == ""
     del robot.sources["/imu"]
-    topic.look()
+    topic.poll()
     assert topic.state == "no publisher left"
 
 
 def test_the_values_asked_for_are_those_of_the_last_message() -> None:
     robot = VirtualRobot(sources={"/name": Source(type_name="std_msgs/msg/String")})
     topic = echoed(robot, "/name", "data", keep=2)
-    topic.look()
+    topic.poll()
     for text in ("first", "second", "third"):
         robot.say("/name", text)
     assert topic.echo().values == {"data": "third"}
@@ -114,7 +114,7 @@ def test_the_values_asked_for_are_those_of_the_last_message() -> None:
 def test_fields_that_no_message_has_are_said() -> None:
     robot = VirtualRobot(sources={"/name": Source(type_name="std_msgs/msg/String")})
     topic = echoed(robot, "/name", "date")
-    topic.look()
+    topic.poll()
     robot.say("/name", "first")
     echo = topic.echo()
     assert echo.values == {"date": None}
@@ -126,7 +126,7 @@ def test_a_type_that_is_not_installed_is_an_error_of_its_topic() -> None:
         sources={"/arm": Source(type_name="arm/msg/State")}, missing_types=frozenset({"arm/msg/State"})
     )
     topic = echoed(robot, "/arm")
-    topic.look()
+    topic.poll()
     assert topic.state == "the message type arm/msg/State is not installed"
     assert unheard_error(robot, topic, 5) is topic.error
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from robot.status.virtual_robot import VirtualRobot
-from smarttestudo.cli.top_table import Look, SortKey, summary_lines, topic_lines
+from smarttestudo.cli.top_table import SortKey, Style, summary_lines, topic_lines
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
@@ -79,10 +79,10 @@ def test_the_page_shows_its_rates_rules_and_checks(live: Live) -> None:
 def test_top_shows_its_rates_and_why() -> None:
     heading, link = summary_lines(STATUS)
     assert heading.text.startswith("/smarttestudo   warehouse.adirf   up 0:00:19")
-    assert (link.look, link.text.endswith("of 20.0 (22 %)")) == (Look.PLAIN, True)
+    assert (link.style, link.text.endswith("of 20.0 (22 %)")) == (Style.PLAIN, True)
     lines = {line.text.split()[0]: line for line in topic_lines(STATUS, SortKey.TOPIC)[3:]}
     assert lines["/odom"].text.split()[1:4] == ["30.00", "4.00", "4.00"]
     assert lines["/odom"].text.endswith("Far from the dock")
     assert "Full" in lines["/estop"].text
     assert "no publisher" in lines["/estop"].text
-    assert lines["/cmd_vel"].look is lines["/imu"].look is Look.QUIET
+    assert lines["/cmd_vel"].style is lines["/imu"].style is Style.QUIET

@@ -18,7 +18,7 @@ import pytest
 from robot.status.statuses import ONE_OF_EACH, RELAYED, STATUS
 from smarttestudo.cli.main import main
 from smarttestudo.cli.terminal import key_presses
-from smarttestudo.cli.top_table import Line, Look, SortKey, cropped, print_lines, summary_lines, topic_lines
+from smarttestudo.cli.top_table import Line, SortKey, Style, cropped, print_lines, summary_lines, topic_lines
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import CommandTopic, LinkState
@@ -27,9 +27,9 @@ from smarttestudo.domain.status import Silence, TopicStatus
 GOLDEN = Path(__file__).parent / "golden"
 
 
-def look_of(topic: str) -> Look:
+def look_of(topic: str) -> Style:
     (line,) = (line for line in topic_lines(STATUS, SortKey.TOPIC) if line.text.startswith(f"{topic} "))
-    return line.look
+    return line.style
 
 
 def order_by(sort: SortKey) -> list[str]:
@@ -85,7 +85,7 @@ def test_what_recording_costs_has_a_line() -> None:
     failed = replace(state, failed=2, problem="/data: error: the disk is full")
     (line,) = summary_lines(replace(STATUS, incidents=failed))[2:]
     assert line.text.endswith("1 open, 3 recorded, 2 failed: /data: error: the disk is full")
-    assert line.look is Look.WARN
+    assert line.style is Style.WARN
 
 
 def test_what_is_accepted_of_operators_has_a_line_a_topic() -> None:
@@ -98,16 +98,16 @@ def test_what_is_accepted_of_operators_has_a_line_a_topic() -> None:
     assert lines == [
         Line("accepts /a: 1 200 delivered, 3 too old, 1 refused, the last 44 ms old"),
         Line("accepts /b: no node subscribes to it"),
-        Line("accepts /c: nodes subscribe to it as�[2J x and as y", Look.WARN),
+        Line("accepts /c: nodes subscribe to it as�[2J x and as y", Style.WARN),
     ]
 
 
 def test_each_topic_has_the_look_of_its_health() -> None:
-    assert look_of("/imu") is Look.PLAIN
-    assert look_of("/cmd_vel") is look_of("/odom") is Look.QUIET
-    assert look_of("/map") is look_of("/camera/image_raw/compressed") is Look.WARN
-    assert look_of("/lidar") is Look.ERROR
-    assert look_of("/estop") is look_of("/scan") is Look.STALE
+    assert look_of("/imu") is Style.PLAIN
+    assert look_of("/cmd_vel") is look_of("/odom") is Style.QUIET
+    assert look_of("/map") is look_of("/camera/image_raw/compressed") is Style.WARN
+    assert look_of("/lidar") is Style.ERROR
+    assert look_of("/estop") is look_of("/scan") is Style.STALE
 
 
 def test_it_sorts_by_name_upwards_and_by_numbers_downwards() -> None:
@@ -121,7 +121,7 @@ def test_it_sorts_by_name_upwards_and_by_numbers_downwards() -> None:
 def test_the_budget_and_its_trouble_are_said() -> None:
     assert summary_lines(STATUS)[1].text == "in 12 492.0 KB/s   out 946.0 KB/s of 1 000.0 (95 %)"
     tight = summary_lines(replace(STATUS, floors_break_budget=True))[1]
-    assert (tight.look, tight.text.endswith("the floors alone exceed it")) == (Look.ERROR, True)
+    assert (tight.style, tight.text.endswith("the floors alone exceed it")) == (Style.ERROR, True)
     assert "no budget" in summary_lines(replace(STATUS, budget_kb_per_s=None))[1].text
     linked = replace(STATUS, budget_kb_per_s=None, link=LinkState(is_connected=True))
     assert "out 946.0 KB/s, not limited   link: not the limit" in summary_lines(linked)[1].text
@@ -130,8 +130,8 @@ def test_the_budget_and_its_trouble_are_said() -> None:
 
 def test_a_fallback_and_a_lost_runtime_are_said() -> None:
     fallback = replace(STATUS, topics={"/imu": replace(RELAYED, reason=Reason.FALLBACK)})
-    looks = [line.look for line in summary_lines(fallback, silent_s=7.0)]
-    assert looks[2:] == [Look.WARN, Look.STALE]
+    looks = [line.style for line in summary_lines(fallback, silent_s=7.0)]
+    assert looks[2:] == [Style.WARN, Style.STALE]
 
 
 def test_names_from_the_network_cannot_move_the_cursor() -> None:

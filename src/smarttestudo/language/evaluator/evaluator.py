@@ -91,7 +91,7 @@ class Evaluator:
         self._graph.dismantle(rest)
         del self._propagation
 
-    def carry_on(self, before: Evaluator) -> None:
+    def restore_history(self, before: Evaluator) -> None:
         """Take over the history of every condition that ``before`` has, too, be it with other durations.
 
         To be followed by an ``advance`` and the values of all signals.
@@ -100,11 +100,11 @@ class Evaluator:
         for (held, _), window in self._graph.windows.items():
             known = known_of.get(held)
             if known is not None:
-                self._propagation.carry_on(window, known)
+                self._propagation.restore_history(window, known)
         for signal, latch in self._graph.latches.items():
             remembered = before._graph.latches.get(signal)
             if remembered is not None:
-                latch.carry_on(remembered)
+                latch.restore_history(remembered)
 
     def set(self, signal: Signal, value: float | None) -> None:
         """Take a signal's value; ``None`` and NaN mean unknown. Signals that no check reads are ignored."""

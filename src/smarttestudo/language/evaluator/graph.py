@@ -174,9 +174,9 @@ class Propagation:
             self._look_at(number)
         self._carried.clear()
 
-    def carry_on(self, window: TimeWindow, before: TimeWindow) -> None:
+    def restore_history(self, window: TimeWindow, before: TimeWindow) -> None:
         """Take over the history of ``before``; what holds now is known after the next ``advance``."""
-        window.carry_on(before)
+        window.restore_history(before)
         self._carried.append(window.number)
 
     def _ring(self, at_ns: int) -> None:
@@ -220,7 +220,7 @@ class Propagation:
 
     def _look(self, window: TimeWindow) -> None:
         window.queued = False
-        truth = window.look(self.now_ns)
+        truth = window.update(self.now_ns)
         self._alarms.set(window.number, window.next_change_ns(self.now_ns))
         self.change(window, truth)
 

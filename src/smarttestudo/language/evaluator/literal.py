@@ -122,7 +122,7 @@ class Latch(Node):
             self._memory = FALSE
         return self._memory
 
-    def carry_on(self, before: Latch) -> None:
+    def restore_history(self, before: Latch) -> None:
         """Take over the memory of ``before``."""
         self._memory = before._memory
 
@@ -146,7 +146,7 @@ class TimeWindow(Node):
         self._unknown_until_ns: int | None = None
         source.windows.append(self)
 
-    def look(self, now_ns: int) -> int:
+    def update(self, now_ns: int) -> int:
         """Take the literal's truth from ``now_ns`` on; its own truth then."""
         truth = self.source.truth
         if truth != self._seen:
@@ -180,7 +180,7 @@ class TimeWindow(Node):
     def _counts(self, until_ns: int | None, now_ns: int) -> bool:
         return until_ns is not None and now_ns < until_ns + self._duration_ns
 
-    def carry_on(self, before: TimeWindow) -> None:
+    def restore_history(self, before: TimeWindow) -> None:
         """Take over what ``before`` remembers."""
         self._seen = before._seen
         self._false_until_ns = before._false_until_ns

@@ -109,12 +109,12 @@ def parse_block(cursor: Cursor) -> Block | None:
     then = parse_actions(cursor, after_error=head is None)
     otherwise: tuple[Action, ...] = ()
     else_trivia = end_if_trivia = NO_TRIVIA
-    if started := cursor.take(_ELSE):
+    if started := cursor.accept(_ELSE):
         else_trivia = cursor.take_trivia(started)
         cursor.begin_statement()
         otherwise = parse_actions(cursor, after_error=head is None)
         _refuse_more_else(cursor)
-    if ended := cursor.take(_END_IF):
+    if ended := cursor.accept(_END_IF):
         cursor.is_block_open = False
         end_if_trivia = cursor.take_trivia(ended)
     if head is None or not then:
@@ -139,7 +139,7 @@ def parse_block(cursor: Cursor) -> Block | None:
 
 def _take_disabled(cursor: Cursor) -> bool:
     """Whether ``Disabled`` was there; what follows it is a block, or the statement is given up."""
-    if cursor.take(_DISABLED) is None:
+    if cursor.accept(_DISABLED) is None:
         return False
     cursor.mend("expected-if", _EXPECTED_BLOCK, (_RULE, _IF))
     if cursor.kind not in (_RULE, _IF):
@@ -211,7 +211,7 @@ def _head_or_recover(cursor: Cursor, first: Token) -> _Head | None:
     except BrokenStatementError:
         cursor.skip_to(SAFE_PLACES)
         cursor.mend("expected-then", "'Then'", (TokenKind.THEN,))
-        cursor.take(TokenKind.THEN)
+        cursor.accept(TokenKind.THEN)
         return None
 
 

@@ -96,7 +96,7 @@ def _refuse_end_of_group(cursor: Cursor, opened: Token) -> None:
 def _expression(cursor: Cursor, depth: int) -> Condition:
     terms = [_term(cursor, depth)]
     timed_depth = cursor.timed_depth
-    while cursor.take(_OR):
+    while cursor.accept(_OR):
         terms.append(_term(cursor, depth))
         timed_depth = max(timed_depth, cursor.timed_depth)
     cursor.timed_depth = timed_depth
@@ -107,7 +107,7 @@ def _term(cursor: Cursor, depth: int) -> Condition:
     factors = [parse_condition(cursor, depth)]
     timed_depth = cursor.timed_depth
     _mend_connective(cursor)
-    while cursor.take(_AND):
+    while cursor.accept(_AND):
         factors.append(parse_condition(cursor, depth))
         timed_depth = max(timed_depth, cursor.timed_depth)
         _mend_connective(cursor)

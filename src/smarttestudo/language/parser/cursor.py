@@ -142,7 +142,7 @@ class Cursor:
         self._next = next(self._following, self._end_of_file)
         return token
 
-    def take(self, kind: TokenKind) -> Token | None:
+    def accept(self, kind: TokenKind) -> Token | None:
         """Read the next token if it is of ``kind``."""
         self.steps += 1
         return self.advance() if self._next.kind is kind else None

@@ -34,7 +34,7 @@ def parse_rule_line(cursor: Cursor) -> RuleLine:
     try:
         name = parse_name(cursor, _EXPECTED_NAME, example='Rule "Corridor"', if_empty=_IF_EMPTY)
         cursor.mend("expected-if", "'Priority' or 'If'", (TokenKind.PRIORITY, TokenKind.IF))
-        priority = _priority(cursor) if cursor.take(TokenKind.PRIORITY) else None
+        priority = _priority(cursor) if cursor.accept(TokenKind.PRIORITY) else None
         cursor.mend("expected-if", "'If'", (TokenKind.IF,))
     except BrokenStatementError:
         cursor.skip_to(SAFE_PLACES)

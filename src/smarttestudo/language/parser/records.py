@@ -44,7 +44,7 @@ def _part(cursor: Cursor, keyword: TokenKind) -> Duration:
     word = f"'{keyword.value}'"
     code = f"expected-{keyword.value.lower()}"
     cursor.mend(code, word, (keyword,))
-    if cursor.take(keyword) is None:
+    if cursor.accept(keyword) is None:
         hint = 'for instance Record "near miss" Before 30 s After 10 s'
         raise cursor.failure(code, word, hint=hint)
     return parse_duration(cursor)

@@ -140,7 +140,7 @@ def _skip_body(cursor: Cursor) -> None:
     while cursor.kind in (TokenKind.THEN, TokenKind.ELSE):
         cursor.advance()
         parse_actions(cursor, after_error=True)
-    if cursor.take(TokenKind.END_IF):
+    if cursor.accept(TokenKind.END_IF):
         cursor.is_block_open = False
 
 
@@ -207,11 +207,11 @@ def _report_outside(cursor: Cursor, *, is_first: bool) -> None:
 
 def _collection(cursor: Cursor) -> Collection:
     first = cursor.token
-    has_begin = cursor.take(TokenKind.BEGIN) is not None
+    has_begin = cursor.accept(TokenKind.BEGIN) is not None
     trivia = cursor.take_trivia(first) if has_begin else NO_TRIVIA
     statements = parse_statements(cursor)
     end_trivia = NO_TRIVIA
-    if end := cursor.take(TokenKind.END):
+    if end := cursor.accept(TokenKind.END):
         end_trivia = cursor.take_trivia(end)
     elif has_begin and not cursor.is_cut_off:
         cursor.begin_statement()

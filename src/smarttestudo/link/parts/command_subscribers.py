@@ -52,19 +52,19 @@ class CommandSubscribers(Part):
     def on_graph(self) -> None:
         """Follow the graph."""
         is_connected = self._link is not None and self._link.state.is_connected
-        self.look(self._relayed, is_connected=is_connected)
+        self.poll_graph(self._relayed, is_connected=is_connected)
 
     def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
         """``status`` with what is known of each topic."""
         return replace(status, accepted=tuple(self._commands.topics))
 
-    def look(self, relayed: Collection[str], *, is_connected: bool) -> None:
+    def poll_graph(self, relayed: Collection[str], *, is_connected: bool) -> None:
         """Follow the graph; ``relayed`` are the names of what goes to operators."""
         for topic, served in self._served.items():
             type_name, problem = self._found(topic, relayed)
             if (type_name, problem) != (served.type_name, served.problem):
                 self._serve(topic, served, type_name, problem)
-        for sentence in self._too_old.look(self._commands.topics):
+        for sentence in self._too_old.new_sentences(self._commands.topics):
             self._robot.log.warning(f"What an operator sends on {sentence}")
         self._look_at_operators(is_connected=is_connected)
 

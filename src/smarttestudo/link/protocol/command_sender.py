@@ -93,7 +93,7 @@ class _Flight:
 class CommandSender:
     """Messages for one robot, in the time that is passed in; the robot's own clock may be another.
 
-    Give it reports (``handle_report``) and messages (``offer``), and send what ``next_command`` gives while
+    Give it reports (``handle_report``) and messages (``put``), and send what ``next_command`` gives while
     it gives something, ten times a second at least. ``names`` are the topics that are sent, ``new_sender``
     makes random numbers of 64 bits.
     """
@@ -145,7 +145,7 @@ class CommandSender:
             self._streams = {one.topic.topic: (number, one) for number, one in enumerate(report.streams)}
         self._acknowledge(report.acknowledged.get(self._sender), now_ns)
 
-    def offer(self, topic: str, publisher: Hashable, payload: bytes, now_ns: int) -> bool:
+    def put(self, topic: str, publisher: Hashable, payload: bytes, now_ns: int) -> bool:
         """Have a message sent instead of an earlier one of its publisher; whether it is small enough."""
         counts = self.counts[topic]
         if len(payload) > MAX_COMMAND_BYTES:

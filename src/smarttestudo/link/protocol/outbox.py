@@ -180,7 +180,7 @@ class Outbox:
         """Serve a stream so from now on."""
         self._streams[stream].needs = needs
 
-    def offer(
+    def put(
         self,
         stream: int,
         payload: bytes,

@@ -41,7 +41,7 @@ _Request = TypeVar("_Request")
 class LinkSender(Generic[_Request]):
     """Streams, what waits in them and the window of the link, in the time that is passed in.
 
-    The driver gives it messages (``offer``) and reports (``handle_report``), and sends what ``next_chunk``
+    The driver gives it messages (``put``) and reports (``handle_report``), and sends what ``next_chunk``
     gives while that gives something; another look is due after a message or a report.
     It serves one operator's end at a time: the first that reports, until that is silent. Others hear what
     that one is sent.
@@ -113,7 +113,7 @@ class LinkSender(Generic[_Request]):
             if info.topic in anew:
                 self._outbox.skip(number)
 
-    def offer(
+    def put(
         self,
         stream: int,
         payload: bytes,
@@ -128,7 +128,7 @@ class LinkSender(Generic[_Request]):
         if not self.is_connected(now_ns):
             self._outbox.cut()
         if stream in self._infos:
-            self._outbox.offer(stream, payload, now_ns, lane, origin)
+            self._outbox.put(stream, payload, now_ns, lane, origin)
 
     def take_missed(self, now_ns: int, *, is_last: bool = False) -> list[MissedMessage]:
         """The messages missed since the last call; if it ``is_last``, what waits for nobody, too."""
@@ -299,7 +299,7 @@ class LinkSender(Generic[_Request]):
         said = Announcement(
             stream=stream, info=self._infos.get(stream), predicted_for=self._receivers.numbers
         )
-        self._outbox.offer(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)
+        self._outbox.put(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)
 
     def _encoded(self, stream: int, payload: bytes) -> Encoded:
         """Encode a message, and keep how many bytes that saves of those that are planned."""
@@ -332,4 +332,4 @@ class LinkSender(Generic[_Request]):
         if trip_ns is not None and now_ns - self._trip_said_ns >= NS_PER_S:
             self._trip_said_ns = now_ns
             said = RoundTrip(round_trip_ms=trip_ns / NS_PER_MS)
-            self._outbox.offer(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)
+            self._outbox.put(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)

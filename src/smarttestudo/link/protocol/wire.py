@@ -153,7 +153,7 @@ class Reader:
             raise malformed("a length that is too large")
         return count
 
-    def take(self, size_bytes: int) -> bytes:
+    def read(self, size_bytes: int) -> bytes:
         """The next bytes."""
         end = self._at + size_bytes
         if end > len(self._data):
@@ -163,7 +163,7 @@ class Reader:
 
     def rest(self) -> bytes:
         """All that is left."""
-        return self.take(len(self._data) - self._at)
+        return self.read(len(self._data) - self._at)
 
 
 class FrameType(Generic[_Value]):
@@ -254,7 +254,7 @@ def _write_bytes(data: bytearray, value: bytes) -> None:
 
 
 def _read_bytes(reader: Reader) -> bytes:
-    return reader.take(reader.varint())
+    return reader.read(reader.varint())
 
 
 _SIMPLE: Mapping[object, _Codec] = {
@@ -263,7 +263,7 @@ _SIMPLE: Mapping[object, _Codec] = {
     int: _Codec(_write_number, _read_number),
     float: _Codec(
         lambda data, value: data.extend(_DOUBLE.pack(value)),
-        lambda reader: _DOUBLE.unpack(reader.take(_DOUBLE.size))[0],
+        lambda reader: _DOUBLE.unpack(reader.read(_DOUBLE.size))[0],
     ),
     bytes: _Codec(_write_bytes, _read_bytes),
     str: _Codec(

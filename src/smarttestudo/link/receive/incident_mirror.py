@@ -49,7 +49,7 @@ class IncidentMirror:
         self._folders = folders
         self._say = say
         self._warn = warn
-        self._worker = Worker("link-mirror", lambda error: warn(said(error)), self.look)
+        self._worker = Worker("link-mirror", lambda error: warn(said(error)), self.poll)
         self._rests: dict[tuple[str, str], int] = {}
         self._there: frozenset[str] = frozenset()
         self._warned: set[str] = set()
@@ -63,8 +63,8 @@ class IncidentMirror:
         finally:
             self._worker.close()
 
-    def look(self) -> float:
-        """Fetch what there is now; after how many seconds to look again."""
+    def poll(self) -> float:
+        """Fetch what there is now; after how many seconds to poll again."""
         before, self._there = self._there, frozenset(self._incidents.robots(0))
         self._rests = {
             (robot, name): looks - 1

@@ -79,7 +79,7 @@ class Reception:
                 sink.write(message)
         return self._predictor.due_ns
 
-    def look(self, now_ns: int) -> None:
+    def measure(self, now_ns: int) -> None:
         """Measure the rates anew; to be called about once a second."""
         for robot in self.robots.values():
             for topic in robot.topics.values():

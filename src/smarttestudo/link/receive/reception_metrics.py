@@ -70,7 +70,7 @@ RECEPTION_METRICS = (
 
 
 class ReceptionMetrics:
-    """The metrics of the last ``look``. Any thread may ask for them; the rest is for the one that receives.
+    """The metrics of the last ``update``. Any thread may ask for them; the rest is for the one that receives.
 
     A robot's own status, which ``statuses`` gets, is told under the names that it has at the robot.
     """
@@ -84,8 +84,8 @@ class ReceptionMetrics:
         """As of the last look."""
         return self._last
 
-    def look(self, reception: Reception, end: OperatorEnd) -> None:
-        """Take what is known now; to be called after ``Reception.look``."""
+    def update(self, reception: Reception, end: OperatorEnd) -> None:
+        """Take what is known now; to be called after ``Reception.measure``."""
         # A robot that is away keeps its counts, or they would fall.
         self._counts |= end.counts()
         while len(self._counts) > MAX_BOOTS:

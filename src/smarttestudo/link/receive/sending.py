@@ -145,10 +145,10 @@ class Sending:
         self._commands.pump()
         if now_ns - self._looked_ns >= _LOOK_NS:
             self._looked_ns = now_ns
-            self.look(now_ns)
+            self.poll(now_ns)
         return 0.0
 
-    def look(self, now_ns: int) -> None:
+    def poll(self, now_ns: int) -> None:
         """Follow the graph and what the robots accept."""
         robots = self._commands.robots()
         targets: dict[str, list[tuple[CommandedRobot, CommandTopic]]] = {}
@@ -252,7 +252,7 @@ class Sending:
                 lasting.add(f"{name} does not accept {topic}: name it there in 'testudo run --accept'")
             for topic in accepted - set(self._commands.names):
                 lasting.add(f"{name} accepts {topic}, which is not sent: name it in 'testudo receive --send'")
-            for sentence in self._too_old[robot.boot].look(list(robot.topics.values())):
+            for sentence in self._too_old[robot.boot].new_sentences(list(robot.topics.values())):
                 trip_ms = robot.round_trip_ms
                 trip = "" if trip_ms is None else f"; the round trip takes {trip_ms:.0f} ms"
                 self._say(f"What is sent to {name} on {sentence}{trip}", again=True)

@@ -95,7 +95,7 @@ class CommandInbox:
 
     def _on_command(self, sample: zenoh.Sample) -> None:
         data = sample.payload.to_bytes()
-        self._versions.look(OPERATOR, data)
+        self._versions.check(OPERATOR, data)
         with self._lock:
             delivery = self._receiver.receive(data, self._clock())
             publisher = None if delivery is None else self._publishers[delivery.topic]

@@ -56,7 +56,7 @@ class CommandOutbox:
         """Have a message sent instead of an earlier one of its publisher; whether it is small enough."""
         with self._lock:
             sender = self._senders.get(boot)
-            is_taken = sender is None or sender.offer(topic, publisher, payload, self._clock())
+            is_taken = sender is None or sender.put(topic, publisher, payload, self._clock())
             self._pump()
         return is_taken
 

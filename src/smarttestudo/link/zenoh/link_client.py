@@ -60,7 +60,7 @@ class LinkClient(QueryClient):
             self._unreachable = self._why()
             return _TRY_AGAIN_S
         self._unreachable = None if is_connected(session) else self._why()
-        return LOOK_PERIOD_S if self._listener is None else min(self._listener.look(), LOOK_PERIOD_S)
+        return LOOK_PERIOD_S if self._listener is None else min(self._listener.poll(), LOOK_PERIOD_S)
 
     def _opened(self) -> zenoh.Session | None:
         try:

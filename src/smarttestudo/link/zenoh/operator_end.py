@@ -115,7 +115,7 @@ class OperatorEnd:
             self.unknown += 1
             return
         data = sample.payload.to_bytes()
-        self._versions.look(robot_peer(robot.boot), data)
+        self._versions.check(robot_peer(robot.boot), data)
         with robot.lock:
             found = robot.receiver.receive(data, self._clock())
             wake_ns = robot.receiver.wake_ns
@@ -199,7 +199,7 @@ class OperatorEnd:
         for robot in self._present():
             look_ns = min(look_ns, self._report(robot, now_ns))
         self._look_ns = look_ns
-        return min(max(0, look_ns - self._clock()) / NS_PER_S, self._statuses.look())
+        return min(max(0, look_ns - self._clock()) / NS_PER_S, self._statuses.poll())
 
     def _report(self, robot: _Robot, now_ns: int) -> int:
         """Send the report of a robot where one is due; when the next is."""

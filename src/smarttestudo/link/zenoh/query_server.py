@@ -120,7 +120,7 @@ class QueryServer:
                 asked.drop()
                 return
             query = Query(asked, key, b"" if asked.payload is None else asked.payload.to_bytes())
-            self._versions.look(OPERATOR, query.data)
+            self._versions.check(OPERATOR, query.data)
             try:
                 handle(query)
             except LinkError as error:

@@ -175,7 +175,7 @@ class RobotEnd:
 
     def send(self, stream: int, payload: bytes, lane: Hashable) -> None:
         """Have a message of a stream sent."""
-        self._do(partial(self._sender.offer, stream, payload, self._clock(), lane, self._origin()))
+        self._do(partial(self._sender.put, stream, payload, self._clock(), lane, self._origin()))
 
     def end(self, stream: int) -> None:
         """Send nothing more of a stream."""
@@ -223,7 +223,7 @@ class RobotEnd:
         if self._has_left and not is_heard(self._data):
             return
         data = sample.payload.to_bytes()
-        self._versions.look(OPERATOR, data)
+        self._versions.check(OPERATOR, data)
         try:
             report = REPORTS.from_bytes(data)
         except LinkError:

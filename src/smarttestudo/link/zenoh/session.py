@@ -205,8 +205,8 @@ class OtherVersions:
         self._warn = warn
         self._said: set[str] = set()
 
-    def look(self, peer: str, data: bytes) -> None:
-        """Look at what came of ``peer``."""
+    def check(self, peer: str, data: bytes) -> None:
+        """See which version the data of ``peer`` has."""
         version = other_version(data)
         if version is None or len(self._said) >= _MOST_SAID:
             return

@@ -23,7 +23,7 @@ Heard = Callable[[Boot, Record, int], None]
 
 _AGAIN_S, _LONGEST_AGAIN_S = 1.0, 8.0
 """When to ask again for a full status, twice as late each time."""
-_LOOK_PERIOD_S = 60.0
+_POLL_PERIOD_S = 60.0
 
 
 @dataclass(slots=True, eq=False)
@@ -40,7 +40,7 @@ class _Listening:
 class StatusListener:
     """Hears the robots that were added. ``malformed`` counts what came on their keys and is no status.
 
-    ``look`` asks for full statuses where they are missed; ``wake`` has it called at once.
+    ``poll`` asks for full statuses where they are missed; ``wake`` has it called at once.
     """
 
     def __init__(
@@ -66,10 +66,10 @@ class StatusListener:
         self._robots.pop(boot, None)
         self._versions.leave(robot_peer(boot))
 
-    def look(self) -> float:
-        """Ask for what is missed; after how many seconds to look again."""
+    def poll(self) -> float:
+        """Ask for what is missed; after how many seconds to poll again."""
         now_s = time.monotonic()
-        wait_s = _LOOK_PERIOD_S
+        wait_s = _POLL_PERIOD_S
         for robot in [*self._robots.values()]:
             if robot.receiver.needs_full:
                 if now_s >= robot.ask_s:
@@ -100,7 +100,7 @@ class StatusListener:
             self._receive(robot, sample.payload.to_bytes())
 
     def _receive(self, robot: _Listening, data: bytes) -> None:
-        self._versions.look(robot_peer(robot.boot), data)
+        self._versions.check(robot_peer(robot.boot), data)
         with robot.lock:
             try:
                 record = robot.receiver.receive(data)

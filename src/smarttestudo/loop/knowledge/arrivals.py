@@ -85,7 +85,7 @@ class Arrivals:
         """Whether any of them is read."""
         return bool(self._cuts)
 
-    def carry_on(self, before: Arrivals) -> None:
+    def restore_history(self, before: Arrivals) -> None:
         """Take over the arrivals that ``before`` counted, if it did."""
         if before._window_is_read:
             self._window = before._window

@@ -68,7 +68,7 @@ class Settling:
         self._request = request
         self._replaced: deque[tuple[int, RequestedRate]] = deque()
 
-    def take(self, request: RequestedRate, now_ns: int) -> None:
+    def on_request(self, request: RequestedRate, now_ns: int) -> None:
         """The rules now request ``request``."""
         self._replaced.append((now_ns + self._settle_ns, self._request))
         self._request = request

@@ -25,7 +25,7 @@ class SettlingBounds:
         self._settle_ns = settle_ns
         self._replaced: list[tuple[int, PlannedRate]] = []
 
-    def take(self, request: PlannedRate, now_ns: int) -> None:
+    def on_request(self, request: PlannedRate, now_ns: int) -> None:
         """The rules now request the bounds of ``request``."""
         if request.within == self._request.within:
             self._request = request

@@ -39,7 +39,7 @@ class Fields:
         """Whether any field is read."""
         return bool(self._signals)
 
-    def carry_on(self, before: Fields) -> None:
+    def restore_history(self, before: Fields) -> None:
         """Take over the type, and the last values of the signals that ``before`` reads in the same way."""
         self.change_type(before._type_name)
         if self._type_name == before._type_name and self._level_unit is before._level_unit:
@@ -102,7 +102,7 @@ class SourceState:
         self._has_publishers = True
         self._transient_local = False
 
-    def carry_on(self, before: SourceState) -> None:
+    def restore_history(self, before: SourceState) -> None:
         """Take over what ``before`` knows of the source."""
         self._start_ns = before._start_ns
         self._period = before._period
@@ -164,11 +164,11 @@ class WatchedTopic:
         after_s = profile.stale_after_s
         self.source = SourceState(start_ns, None if after_s is None else ns_from_s(after_s))
 
-    def carry_on(self, before: WatchedTopic) -> None:
+    def restore_history(self, before: WatchedTopic) -> None:
         """Take over what ``before``, the same topic under other rules, knows."""
-        self.source.carry_on(before.source)
-        self.fields.carry_on(before.fields)
-        self.arrivals.carry_on(before.arrivals)
+        self.source.restore_history(before.source)
+        self.fields.restore_history(before.fields)
+        self.arrivals.restore_history(before.arrivals)
 
     def change_source(self, change: SourceChanged) -> None:
         """Take a change of the source."""

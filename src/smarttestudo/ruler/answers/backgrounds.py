@@ -191,7 +191,7 @@ def _driven(bag: Path, name: str) -> DrivenPath:
             raise RecordingError("the recording does not say where the robot was", place=name, remedy=remedy)
         for channel, stamp_ns, (size_bytes, head) in recording.heads(_HEAD_BYTES):
             if size_bytes == len(head):
-                places.take(channel, stamp_ns, head)
+                places.on_message(channel, stamp_ns, head)
         step = -(-len(places.path) // MAX_POINTS) or 1
         return DrivenPath(
             path=tuple((point.t_s, point.x_m, point.y_m) for point in places.path[::step]),

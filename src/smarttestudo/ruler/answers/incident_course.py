@@ -167,7 +167,7 @@ class _Reading:
         if self._places is None or payload is None:
             return
         try:
-            self._places.take(channel, stamp_ns, payload)
+            self._places.on_message(channel, stamp_ns, payload)
         except RecordingError:
             self._undecoded += 1
 

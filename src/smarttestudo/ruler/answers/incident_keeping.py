@@ -161,9 +161,9 @@ class _OnlyOne:
             self._sink.begin(incident, latched, messages)
         self._left -= 1
 
-    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+    def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         if self._chosen in incidents:
-            self._sink.take(message, [one for one in incidents if one is self._chosen])
+            self._sink.write(message, [one for one in incidents if one is self._chosen])
 
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
         if incident is self._chosen:

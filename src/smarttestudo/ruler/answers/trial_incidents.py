@@ -62,7 +62,7 @@ class IncidentTally:
             for message in (*latched, *messages):
                 tally.add(message)
 
-    def take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+    def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         """As ``IncidentSink``."""
         for incident in incidents:
             if incident in self._tallies:

@@ -104,7 +104,7 @@ class LossWatch:
 
     def arrived(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """The robot sent a message."""
-        if self._left and self._sent.take(channel, stamp_ns, payload):
+        if self._left and self._sent.on_message(channel, stamp_ns, payload):
             self._left -= 1
             if not self._left:
                 self._end_ns = stamp_ns
@@ -116,7 +116,7 @@ class LossWatch:
     def relayed(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """The operator received a message."""
         if self._left or stamp_ns <= self._end_ns:
-            self._received.take(channel, stamp_ns, payload)
+            self._received.on_message(channel, stamp_ns, payload)
 
     def loss(self, bins: TimeBins) -> TryLoss:
         """Loss so far; the courses are over ``bins``."""
