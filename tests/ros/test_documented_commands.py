@@ -123,6 +123,7 @@ def make_desk(factory: pytest.TempPathFactory, desk: Path) -> None:
     """The files that the pages speak of: those that they show, of the checkout, or of a reader's own."""
     for name in ("examples", "profiles", "extras"):
         shutil.copytree(ROOT / name, desk / name)
+    # A file of a later page replaces the one of an earlier page: the access control that of the first link.
     for block in (block for page in PAGES for block in blocks_of(page) if block.title is not None):
         (desk / str(block.title)).write_text(block.text, encoding="utf-8")
     (desk / "rules").mkdir()
@@ -134,10 +135,6 @@ def make_desk(factory: pytest.TempPathFactory, desk: Path) -> None:
     shutil.copytree(demo / "baseline", desk / "yesterday")
     rules = ("--rules", "examples/near_miss.adirf", "--output", "received", "--incidents", "kept")
     assert run_testudo_in(desk, "replay", "yesterday", *rules).code == 0
-    configurations = (block.text for block in blocks_of(SECURED) if block.language == "json5")
-    for name, text in zip(("operator.json5", "robot.json5"), configurations, strict=True):
-        (desk / name).write_text(text, encoding="utf-8")
-    shutil.copy(desk / "robot.json5", desk / "viewer.json5")
     for line in shell_blocks_run_of(SECURED)[0].commands:
         here = line.replace("192.168.1.5", "127.0.0.1")
         subprocess.run(["sh", "-ec", here], cwd=desk, check=True, capture_output=True)

@@ -12,6 +12,7 @@ import signal
 import subprocess
 from pathlib import Path
 
+from docs.code_blocks import blocks_of
 from ros.ros_processes import SmallRobot
 from ros_package.workspace import ROOT
 
@@ -48,6 +49,18 @@ def test_the_example_of_its_environment_has_all_that_the_command_needs() -> None
     given = set(re.findall(r"^(\w+)=", ENVIRONMENT.read_text(encoding="utf-8"), flags=re.MULTILINE))
     assert needed
     assert needed <= given
+
+
+def test_a_link_finds_its_files_from_any_folder() -> None:
+    blocks = {block.language: block.text for block in blocks_of("docs/systemd.md") if "link/" in block.text}
+    named = re.findall(r": \"([^\"]*)\"", blocks["json5"])
+    copied = next(line for line in blocks["sh"].splitlines() if "ca.pem" in line).split()
+    folder = copied[-1]
+    assert len(named) == 3
+    assert all(path.startswith(folder) and path.removeprefix(folder) in copied for path in named)
+    (arguments,) = blocks["text"].splitlines()
+    assert f"{folder}robot.json5" in arguments
+    assert arguments in ENVIRONMENT.read_text(encoding="utf-8")
 
 
 def test_systemd_has_nothing_to_say_against_it() -> None:

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -33,7 +31,7 @@ from smarttestudo.domain.parameter import SilentNodeError
 from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
 from smarttestudo.domain.record import to_json
 from smarttestudo.link.protocol.messages import CHANGING_QUESTIONS
-from smarttestudo.link.zenoh import open_link_robots, open_operator_end, open_robot_end
+from smarttestudo.link.zenoh import open_link_robots, open_robot_end
 from smarttestudo.link.zenoh.link_robots import LinkRobots
 from smarttestudo.link.zenoh.query_server import MAX_WAITING
 from smarttestudo.link.zenoh.robot_end import RobotEnd
@@ -77,8 +75,8 @@ def watching(endpoint: str, config: Path | None = None) -> Iterator[LinkRobots]:
 
 
 @contextmanager
-def listening_robot(endpoint: str, name: str = "r1", config: Path | None = None) -> Iterator[Robot]:
-    with open_robot_end(name, LinkOptions(listen=(endpoint,), config_file=config), refuse_warning) as end:
+def listening_robot(endpoint: str, name: str = "r1") -> Iterator[Robot]:
+    with open_robot_end(name, LinkOptions(listen=(endpoint,)), refuse_warning) as end:
         yield Robot(end)
 
 
@@ -263,52 +261,3 @@ def test_a_question_that_is_none_is_refused_at_once(payload: bytes | None) -> No
 
 def _is_refused(session: zenoh.Session, key: str, payload: bytes | None) -> bool:
     return [reply.err is not None for reply in session.get(key, payload=payload, timeout=2.0)] == [True]
-
-
-USERS = {"viewer": "seeing", "operator": "pushing"}
-DOCUMENT = Path(__file__).parents[3] / "docs" / "how-to" / "watch-without-ros.md"
-
-
-def documented(folder: Path) -> Path:
-    """The configuration that the documentation shows, with the users above."""
-    (folder / "users.txt").write_text("".join(f"{user}:{word}\n" for user, word in USERS.items()))
-    blocks = re.findall(r"^```json5\n(.*?)^```$", DOCUMENT.read_text(), re.MULTILINE | re.DOTALL)
-    (shown,) = (block for block in blocks if "testudo/*/*/set" in block)
-    path = folder / "listens.json5"
-    path.write_text(shown.replace("users.txt", str(folder / "users.txt")))
-    return path
-
-
-@pytest.mark.parametrize("is_direct", [True, False])
-def test_access_control_lets_one_user_listen_and_another_push(tmp_path: Path, is_direct: bool) -> None:
-    endpoint = free_endpoint()
-    config = documented(tmp_path)
-    with ExitStack() as opened:
-        if is_direct:
-            robot = opened.enter_context(listening_robot(endpoint, config=config))
-        else:
-            listens = LinkOptions(listen=(endpoint,), config_file=config)
-            opened.enter_context(open_operator_end(listens, refuse_warning))
-            connects = LinkOptions(connect=(endpoint,), config_file=_user(tmp_path, "operator"))
-            end = opened.enter_context(open_robot_end("r1", connects, refuse_warning))
-            robot = Robot(end)
-        for user, may_push in (("viewer", False), ("operator", True)):
-            robots = opened.enter_context(watching(endpoint, _user(tmp_path, user)))
-            heard_by(robots, robot)
-            values = answered(robots, robot, partial(robots.get, ID, NAMES))
-            assert values == {"rules_hash": "value of rules_hash"}
-            refusals = answered(robots, robot, partial(robots.set, ID, {"status_hz": 5.0}))
-            assert (refusals == {}) == may_push
-            if not may_push:
-                assert str(refusals) == (
-                    f"{ID}: error: nobody takes this there; check that `testudo run` is still running, "
-                    "and that access control lets you ask this"
-                )
-        assert robot.set == [{"status_hz": 5.0}]
-
-
-def _user(folder: Path, name: str) -> Path:
-    path = folder / f"{name}.json5"
-    auth = {"usrpwd": {"user": name, "password": USERS[name]}}
-    path.write_text(json.dumps({"transport": {"auth": auth}}))
-    return path
