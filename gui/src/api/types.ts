@@ -3,7 +3,7 @@
 // Written by scripts/make_api_types.py (make docs); change the structs and records in Python instead.
 
 /** The protocol of the web socket. */
-export const PROTOCOL_VERSION = 1;
+export const PROTOCOL_VERSION = 2;
 
 /** The properties of a topic that changed, beside the rate of its source. */
 export interface AccuracyNeeds {

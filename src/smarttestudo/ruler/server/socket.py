@@ -20,7 +20,7 @@ from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.answers.live_view import Live, RobotSummary
 from smarttestudo.ruler.server.permission import Permission, noted_permission
 
-PROTOCOL_VERSION = 1
+PROTOCOL_VERSION = 2
 MAX_UPDATE_HZ = 20.0
 _MAX_ASKED_BYTES = 10_000
 # A page is told a little early rather than not at all: statuses come when they come.
