@@ -148,7 +148,7 @@ def assert_foreseeing_changes_nothing(random: Random) -> None:
             prepared.start(now_ns)
             both = [Evaluator(rule_set, now_ns), prepared]
             for one in both:
-                one.carry_on(before)
+                one.restore_history(before)
         for one in both or [before]:
             one.advance(now_ns)
             for signal, value in values.items():
