@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from typing import NamedTuple
 
 from smarttestudo.domain.finding import Fix
 from smarttestudo.domain.source import Span
@@ -22,24 +23,30 @@ def write_topic(name: TopicName, topic: str | None) -> Fix | None:
     return None if topic is None else Fix(span=name.span, replacement=topic, title=f"write {topic}")
 
 
-def new_default(file: RuleFile | None, topic: str) -> Fix | None:
-    """Write ``SetFrequency topic Full`` behind the last default of ``file``, or before its rules.
+class DefaultPlace(NamedTuple):
+    """Where a new default belongs: behind statement ``last`` of ``part``, or before its rules."""
+
+    part: Collection
+    last: int | None
+
+
+def default_place(file: RuleFile) -> DefaultPlace | None:
+    """The place in the last ``begin … end`` with a default, else in the first one with a rule.
 
     ``None`` for a file without any statement.
     """
-    part = _place(file)
-    if part is None:
+    places = [DefaultPlace(part, _last_default(part)) for part in file.collections if part.statements]
+    with_default = (place for place in reversed(places) if place.last is not None)
+    return next(with_default, next(iter(places), None))
+
+
+def new_default(place: DefaultPlace | None, topic: str) -> Fix | None:
+    """Write ``SetFrequency topic Full`` at ``place``, if there is one."""
+    if place is None:
         return None
     default = f"SetFrequency {topic} Full"
-    span, replacement = _insertion(part, default)
+    span, replacement = _insertion(place, default)
     return Fix(span=span, replacement=replacement, title=f"add {default}")
-
-
-def _place(file: RuleFile | None) -> Collection | None:
-    """The last ``begin … end`` with a default, else the first one with a rule."""
-    parts = () if file is None else tuple(part for part in file.collections if part.statements)
-    with_default = (part for part in reversed(parts) if _last_default(part) is not None)
-    return next(with_default, next(iter(parts), None))
 
 
 def _last_default(part: Collection) -> int | None:
@@ -47,9 +54,9 @@ def _last_default(part: Collection) -> int | None:
     return max((at for at, one in enumerate(part.statements) if not isinstance(one, Block)), default=None)
 
 
-def _insertion(part: Collection, default: str) -> tuple[Span, str]:
+def _insertion(place: DefaultPlace, default: str) -> tuple[Span, str]:
     """Where to write and what: a line of its own wherever the text has lines for its statements."""
-    last = _last_default(part)
+    part, last = place
     if last is None:
         first = part.statements[0].span
         if first.line > part.span.line:

@@ -79,7 +79,7 @@ def _no_default(topic: str, where: str, rules: RuleModel) -> Found:
         message=f"{topic} has no default: it is Full{_cost_of_full(topic, rules)} where {where} and while "
         "values are unknown",
         hint=f"add a default: SetFrequency {first.statement.topic.text} and a rate",
-        fix=new_default(rules.files.get(first.path), first.statement.topic.text),
+        fix=new_default(rules.default_places.get(first.path), first.statement.topic.text),
     )
 
 

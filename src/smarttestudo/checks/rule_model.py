@@ -10,6 +10,7 @@ from functools import cache, partial
 
 from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
+from smarttestudo.checks.fixes import DefaultPlace, default_place
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (
@@ -82,7 +83,7 @@ class RuleModel:
     first mention of each topic at all; ``glued`` are, by file, the words that follow a keyword without a
     blank between. A branch that sets no rate is not among ``branches``, and ``recordings`` is every Record.
     Conditions are over states. Of disabled blocks, only ``mentions``, ``disabled`` and ``disabled_checks``
-    tell. ``files`` are by their path.
+    tell. ``default_places`` are by file.
     """
 
     context: CheckContext
@@ -101,7 +102,7 @@ class RuleModel:
     recordings: tuple[ResolvedRecord, ...]
     disabled: ResolvedRules
     disabled_checks: tuple[CheckSite, ...]
-    files: Mapping[str, RuleFile]
+    default_places: Mapping[str, DefaultPlace | None]
 
     @property
     def bound_in_rules_only(self) -> Sequence[str]:
@@ -137,7 +138,7 @@ def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleMod
         recordings=tuple(record for branch in rules.branches for record in branch.records),
         disabled=disabled,
         disabled_checks=tuple(site_of(*one) for one in _checks(disabled)),
-        files={file.path: file for file in files},
+        default_places={file.path: default_place(file) for file in files},
     )
 
 

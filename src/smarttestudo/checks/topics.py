@@ -42,7 +42,7 @@ def _tf_without_tf_static(rules: RuleModel) -> Iterator[Found]:
                 span=first.statement.topic.span,
                 message=f"{topic} is relayed without {topic}_static",
                 hint=f"add SetFrequency {static} Full",
-                fix=new_default(rules.files.get(first.path), static),
+                fix=new_default(rules.default_places.get(first.path), static),
             )
 
 
