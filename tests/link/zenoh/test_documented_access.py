@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
@@ -135,8 +135,8 @@ def test_a_viewer_neither_drives_nor_hears_topics_nor_speaks_for_the_robot(
             linked = LinkOptions(config_file=file, **options)  # type: ignore[arg-type]
             return opened.enter_context(open_session(linked, mode, refuse_warning)).session
 
-        def note(place: set[bytes]) -> zenoh.handlers.Callback:
-            return zenoh.handlers.Callback(lambda sample: place.add(sample.payload.to_bytes()))
+        def note(place: set[bytes]) -> Callable[[zenoh.Sample], None]:
+            return lambda sample: place.add(sample.payload.to_bytes())
 
         operator = session("router", OPERATOR, listen=(endpoint,))
         robot = session("peer", ROBOT, connect=(endpoint,))
