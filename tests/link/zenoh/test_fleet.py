@@ -105,8 +105,11 @@ def test_a_robot_has_the_keys_of_its_name_alone_and_a_viewer_changes_nothing(
 
     opened("router")
     ada, bob, operator, viewer = map(opened, ("ada", "bob", "operator", "viewer"))
-    heard: list[bytes] = []
-    subscriber = operator.declare_subscriber("testudo/**", lambda one: heard.append(one.payload.to_bytes()))
+    heard, seen = list[bytes](), list[bytes]()
+    subscribers = (
+        operator.declare_subscriber("testudo/**", lambda one: heard.append(one.payload.to_bytes())),
+        viewer.declare_subscriber("testudo/*/*/data", lambda one: seen.append(one.payload.to_bytes())),
+    )
     queryables = [
         ada.declare_queryable(f"testudo/ada/1/{kind}", lambda query: query.reply(query.key_expr, b"done"))
         for kind in ("get", "set")
@@ -119,6 +122,7 @@ def test_a_robot_has_the_keys_of_its_name_alone_and_a_viewer_changes_nothing(
         ada.put("testudo/ada/1/data", b"mine")
 
     until(lambda: len(heard) > 3, publish)
+    until(lambda: b"mine" in seen, publish)
     assert set(heard) == {b"mine"}
 
     def answers(session: zenoh.Session, kind: str) -> int:
@@ -130,7 +134,8 @@ def test_a_robot_has_the_keys_of_its_name_alone_and_a_viewer_changes_nothing(
     assert answers(viewer, "get") == 1
     assert answers(viewer, "set") == 0
     assert answers(bob, "get") == 0
-    subscriber.undeclare()
+    for subscriber in subscribers:
+        subscriber.undeclare()
     for queryable in queryables:
         queryable.undeclare()
 
