@@ -177,6 +177,27 @@ def test_strangers_reach_nothing_with_malformed_old_stamps_and_forged_reports() 
         until(lambda: b"new" in published.payloads, lambda: outbox.send(boot, JOY, b"", b"new"))
 
 
+def test_a_message_to_more_keys_than_the_robots_own_reaches_nothing_there() -> None:
+    # Zenoh's access control denies a put where the rule's key includes that of the put.
+    endpoint = free_endpoint()
+    options = LinkOptions(connect=(endpoint,), commands=(JOY,))
+    puts = 0
+    with sending(endpoint), open_robot_end("ada", options, print) as end, stranger_at(endpoint) as other:
+        assert end.commands is not None
+        inbox = end.commands
+
+        def put_all() -> None:
+            nonlocal puts
+            puts += 1
+            for key in ("testudo/**", "**", f"{end.boot.key}/*", "testudo/*/*/command", "testudo/*/*/report"):
+                other.put(key, b"", congestion_control=zenoh.CongestionControl.BLOCK)
+            for key in (end.boot.command_key, end.boot.report_key):
+                other.put(key, b"", congestion_control=zenoh.CongestionControl.BLOCK)
+
+        until(lambda: min(inbox.malformed, end.malformed) >= 3, put_all)
+        assert max(inbox.malformed, end.malformed) <= puts
+
+
 @pytest.mark.parametrize("side", ["listen", "connect"])
 def test_nobody_is_driven_over_a_link_that_lets_anybody_in(side: str) -> None:
     endpoints = {side: ("tcp/0.0.0.0:0" if side == "listen" else "tcp/192.0.2.1:7447",)}
