@@ -123,6 +123,11 @@ def _without_unknown(connection: Connection) -> Connection:
     return connection._replace(digest="") if connection.digest == _UNKNOWN_DIGEST else connection
 
 
+_STAMPS = 1 << 63
+_MOST_ROWS = 256
+_MOST_ROWS_BYTES = 1_000_000
+
+
 class _Sqlite3Storage(Sqlite3Writer):
     def __init__(self, path: Path, compression: CompressionMode) -> None:
         if compression is not CompressionMode.NONE:
@@ -132,6 +137,27 @@ class _Sqlite3Storage(Sqlite3Writer):
         self.conn = sqlite3.connect(self.path)
         self.conn.executescript(self.SQLITE_SCHEMA)
         self.cursor = self.conn.cursor()
+        self._rows: list[tuple[int, int, bytes]] = []
+        self._rows_bytes = 0
+
+    def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
+        """Keep the message until there are some: SQLite takes many rows in a fraction of the time."""
+        if not -_STAMPS <= timestamp < _STAMPS:
+            raise OverflowError("SQLite holds 64 bits")
+        # A view may be of memory that its owner uses again.
+        self._rows.append((connection.id, timestamp, bytes(data)))
+        self._rows_bytes += len(data)
+        if len(self._rows) >= _MOST_ROWS or self._rows_bytes >= _MOST_ROWS_BYTES:
+            self._write_rows()
+
+    def close(self, version: int, metadata: str) -> None:
+        """Write what is kept, and the metadata."""
+        self._write_rows()
+        super().close(version, metadata)
+
+    def _write_rows(self) -> None:
+        rows, self._rows, self._rows_bytes = self._rows, [], 0
+        self.cursor.executemany("INSERT INTO messages (topic_id, timestamp, data) VALUES (?, ?, ?)", rows)
 
     def add_msgtype(self, connection: Connection) -> None:
         if connection.msgdef.data:

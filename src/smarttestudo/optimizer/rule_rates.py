@@ -173,7 +173,7 @@ def _tiers(solved: SolvedSubproblem) -> Iterator[tuple[StatementKey, Requirement
 
 
 class _DefaultLoads:
-    """Bandwidths of topics at their default, in KB/s, so that a block looks at its own topics only.
+    """Loads of topics at their default, in KB/s, so that a block looks at its own topics only.
 
     The sum of all is kept without rounding: what is left without some of them is rounded once, as if the
     others had been added.
@@ -189,7 +189,7 @@ class _DefaultLoads:
             self._names.setdefault(topic_of(name), []).append(name)
 
     def beside(self, subproblem: Subproblem) -> float:
-        """KB/s of all topics that ``subproblem`` leaves as they are, and of what it keeps of its own."""
+        """Sum of all topics that ``subproblem`` leaves as they are, and of what it keeps of its own."""
         topics = {topic_of(name) for name in (*subproblem.requirements, *subproblem.kept)}
         own = [-self._taken[name] for topic in topics for name in self._names.get(topic, ())]
         kept = [
