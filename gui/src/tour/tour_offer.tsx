@@ -9,14 +9,31 @@ import { focusPageSoon } from "../ui/dialog";
 
 const KEY = "tour";
 
-/** Offers the tour to who opens the page for the first time; it is in nobody's way, and an answer is for good. */
+/**
+ * Offers the tour to who opens the page for the first time; an answer is for good.
+ *
+ * Beside rules it is gone as soon as somebody works on them, and back on the home screen.
+ */
 export function TourOffer({ route }: { route: Route }) {
   const [isNew, setNew] = useState(() => !knowsTour());
+  const [isAside, setAside] = useState(false);
+  const card = useRef<HTMLElement>(null);
   const yes = useRef<HTMLButtonElement>(null);
-  const isShown = isNew && (route.page === "home" || route.page === "rules");
+  const isBesideRules = isNew && route.page === "rules";
+  const isShown = (isNew && route.page === "home") || (isBesideRules && !isAside);
   useEffect(() => {
     if (isShown && document.activeElement === document.body) yes.current?.focus();
   }, []);
+  useEffect(() => {
+    if (!isBesideRules) return setAside(false);
+    const work = ({ target }: Event) => setAside((is) => is || !card.current?.contains(target as Node));
+    addEventListener("pointerdown", work, true);
+    addEventListener("input", work, true);
+    return () => {
+      removeEventListener("pointerdown", work, true);
+      removeEventListener("input", work, true);
+    };
+  }, [isBesideRules]);
   const isTaken = route.page === "tour";
   useEffect(() => {
     if (!isTaken) return;
@@ -35,6 +52,7 @@ export function TourOffer({ route }: { route: Route }) {
   if (!isShown) return null;
   return (
     <section
+      ref={card}
       class="tour-card tour-offer"
       role="dialog"
       aria-modal="false"

@@ -66,6 +66,20 @@ def test_the_tour_is_walked_with_one_key_and_touches_no_file(ruler: RulerPage, p
     assert list(project.iterdir()) == []
 
 
+def test_beside_rules_the_offer_gives_way_to_work_and_is_there_again_at_home(
+    ruler: RulerPage, project: Path
+) -> None:
+    (project / "one.adirf").write_text("begin\n    SetFrequency /odom 10\nend\n")
+    ruler.home()
+    ruler.open("one.adirf")
+    offer = ruler.page.get_by_role("dialog", name=OFFER)
+    expect(offer).to_be_visible()
+    ruler.button("New rule").click()
+    expect(offer).to_have_count(0)
+    ruler.home()
+    expect(offer).to_be_visible()
+
+
 @pytest.mark.parametrize("way", ["Escape", "No, thanks"])
 def test_who_does_not_want_it_is_asked_never_again(ruler: RulerPage, way: str) -> None:
     offer = ruler.page.get_by_role("dialog", name=OFFER)
