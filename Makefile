@@ -91,6 +91,7 @@ lint: lint-python lint-gui lint-ci
 lint-python: $(VENV)/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/python scripts/release_files.py --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
