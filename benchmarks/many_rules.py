@@ -171,9 +171,10 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0, help="length of each window")
     parser.add_argument("--windows", type=int, default=3)
     parser.add_argument("--reloads", type=int, default=50)
+    parser.add_argument("--domain", type=int, default=DOMAIN, help="a ROS domain that nobody uses")
     parser.add_argument("--watched", action="store_true", help="have somebody subscribe to both statuses")
     arguments = parser.parse_args()
-    settings = environment(DOMAIN, large_messages=False)
+    settings = environment(arguments.domain, large_messages=False)
     with tempfile.TemporaryDirectory() as folder, ExitStack() as opened:
         odom, imu = opened.enter_context(processes([role("source", [ODOM]), role("source", [IMU])], settings))
         relays = [

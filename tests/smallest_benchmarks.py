@@ -33,6 +33,8 @@ WITH_ROS: Mapping[str, str] = {
     "live_cost": "--case 'Imu 200 → 50' --seconds 0.5",
     "live_idle": "--seconds 0.5 --rounds 1",
     "live_memory": "--seconds 11",
+    "many_rules": "--rules 50 --seconds 1 --windows 1 --reloads 1",
+    "relay_paths": "--case 'Imu 200 → 50 Hz' --seconds 0.5 --windows 1",
     "ruler_live": "--minutes 0.1",
 }
 WITH_CHROMIUM: Mapping[str, str] = {"ruler_typing": "--rules 10 --keys 6"}

@@ -86,7 +86,7 @@ while due[0][0] < 150:
     at_s, topic = heapq.heappop(due)
     rate_hz, size_bytes = TOPICS[topic]
     heapq.heappush(due, (at_s + 1 / rate_hz, topic))
-    recorder.take(topic, int(at_s * S), os.urandom(size_bytes))
+    recorder.on_message(topic, int(at_s * S), os.urandom(size_bytes))
 taken = resident_bytes() - before
 recorder.begin(trigger(RULES, 150 * S))
 print(taken, sum(len(one.payload) for one in sink.kept[0].messages))
