@@ -120,7 +120,6 @@ def test_the_robot_knows_what_became_of_its_messages() -> None:
         with operator_end(endpoint) as operator:
             reader = Reader(operator)
             until(lambda: len(reader.payloads()) >= 20, lambda: publisher.publish(bytes(1000)))
-            until(lambda: robot.age_ms("/odom") is not None, reader.read)
-            assert robot.state.is_connected
+            until(lambda: robot.age_ms("/odom") is not None and robot.state.is_connected, reader.read)
             assert robot.state.round_trip_ms is not None
             assert robot.counts()["/odom"].sent >= 20
