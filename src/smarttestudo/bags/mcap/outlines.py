@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import heapq
+import io
 from collections.abc import Iterator
 from operator import itemgetter
 from pathlib import Path
@@ -19,7 +20,6 @@ from smarttestudo.bags.stored_file import ChannelsByNumber, Outline, OutlineErro
 
 _MESSAGE_BYTES = FRAME.size + MESSAGE_HEADER.size
 """How long a message without a payload is."""
-_MESSAGE_OP = int(Op.MESSAGE)
 _INDEX_ENTRY_BYTES = 16
 _SMALL_RECORD_BYTES = 4096
 """Records up to this size, in the mean of a chunk, are read faster than they are hopped over."""
@@ -57,35 +57,17 @@ def _in_chunk(
     if chunk.compression:
         file.seek(content)
         unpacked = chunk_content(file.read(chunk.chunk_length - FRAME.size), is_whole=True)
-        outlines = _outlines_in(unpacked, channels, head_bytes)
+        outlines = _outlines(io.BytesIO(unpacked), 0, len(unpacked), channels, head_bytes)
     elif chunk.uncompressed_size <= messages * _SMALL_RECORD_BYTES:
         file.seek(first)
         records = file.read(chunk.uncompressed_size)
         if len(records) < chunk.uncompressed_size:
             raise OutlineError("a chunk is cut off")
-        outlines = _outlines_in(records, channels, head_bytes)
+        outlines = _outlines(io.BytesIO(records), 0, len(records), channels, head_bytes)
     else:
         outlines = _outlines(file, first, first + chunk.uncompressed_size, channels, head_bytes)
     for outline in sorted(outlines, key=itemgetter(1)):
         yield outline[1], chunk.chunk_start_offset, outline
-
-
-def _outlines_in(content: bytes, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
-    """The outlines of the messages in ``content``, the records of a chunk."""
-    start, end = 0, len(content)
-    while start < end:
-        op, size_bytes = FRAME.unpack_from(content, start)
-        after = start + FRAME.size + size_bytes
-        if after > end:
-            raise OutlineError("a record is longer than its chunk")
-        if op == _MESSAGE_OP:
-            number, _, stamp_ns, _ = MESSAGE_HEADER.unpack_from(content, start + FRAME.size)
-            channel = channels.get(number)
-            if channel is not None:
-                head_start = start + _MESSAGE_BYTES
-                head = content[head_start : min(head_start + head_bytes, after)]
-                yield channel, stamp_ns, size_bytes - MESSAGE_HEADER.size, head
-        start = after
 
 
 def _outlines(
