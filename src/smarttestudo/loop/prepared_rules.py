@@ -47,7 +47,7 @@ class PreparedRules:
         self.before, self.after = before, after
         self.evaluator = Evaluator(after, rest=rest)
         self.evaluator.foresee(values or {}, rest)
-        old_blocks, new_blocks = _blocks_by_topic(before, rest), _blocks_by_topic(after, rest)
+        old_blocks, new_blocks = before.blocks_by_topic(rest), after.blocks_by_topic(rest)
         self.same = {
             topic: _same(old, new)
             for topic, old in old_blocks.items()
@@ -76,14 +76,6 @@ def _same(before: Sequence[RuleBlock], after: Sequence[RuleBlock]) -> SameRules:
         blocks={one.order: other for one, other in pairs},
         lines={(one.label, one.line): other.line for one, other in pairs},
     )
-
-
-def _blocks_by_topic(rule_set: RuleSet, rest: Rest) -> dict[str, list[RuleBlock]]:
-    blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
-    for block in resting(rule_set.blocks, rest):
-        for topic in block.topics:
-            blocks[topic].append(block)
-    return blocks
 
 
 def _are_alike(topic: str, before: _Deciding, after: _Deciding, rest: Rest) -> bool:

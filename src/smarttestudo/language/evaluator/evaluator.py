@@ -210,8 +210,5 @@ def _thresholds(graph: Graph) -> dict[Signal, Thresholds]:
 
 
 def _arbiters(rule_set: RuleSet, rest: Rest) -> dict[str, TopicArbiter]:
-    blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in rule_set.relayed}
-    for block in resting(rule_set.blocks, rest):
-        for topic in block.topics:
-            blocks[topic].append(block)
+    blocks = rule_set.blocks_by_topic(rest)
     return {topic: TopicArbiter(topic, setting, rule_set) for topic, setting in blocks.items()}
