@@ -42,9 +42,8 @@ export function OptimizePanel({ editor, api, project, repair, wantsRates }: Prop
     return () => clearTimeout(timer);
   }, [text, profile]);
   const isAnswered =
-    profile === null
-      ? editor.profileChoice.isKnown.value
-      : result?.text === text && result.profile_text === profile.text;
+    editor.profileChoice.isKnown.value &&
+    (profile === null || (result?.text === text && result.profile_text === profile.text));
   useEffect(() => {
     if (!wantsRates.value || !isAnswered) return;
     wantsRates.value = false;
@@ -130,8 +129,10 @@ function ratesName(editor: RuleEditor): string {
 
 /** Downloads rules without a profile as they are, unless they name levels, which only a profile makes numbers. */
 async function downloadPlain(editor: RuleEditor): Promise<void> {
-  if (!(await editor.isSound())) editor.message.value = "Nothing was downloaded: the rules have errors";
-  else if (namesLevel(editor.document.value)) editor.message.value = MISSING;
+  const isSound = await editor.isSound();
+  // A level without a profile is an error as well: the panel says what to do about it.
+  if (namesLevel(editor.document.value)) editor.message.value = MISSING;
+  else if (!isSound) editor.message.value = "Nothing was downloaded: the rules have errors";
   else {
     download(ratesName(editor), editor.text.value);
     editor.message.value = "Downloaded the rules as they are: they name no quality level";

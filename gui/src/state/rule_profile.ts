@@ -6,7 +6,7 @@ import type { Api, Rules } from "../api/client";
 /** The topic parameters that a rule file is checked and optimized with. */
 export class RuleProfile {
   readonly used = signal<{ name: string; text: string } | null>(null);
-  /** Whether it was asked which profile goes with the rules. */
+  /** Whether it was asked which profile goes with the rules, and no other is being read. */
   readonly isKnown = signal(false);
   /** The profile that was chosen for the rules, where it is no longer there. */
   readonly gone = signal<string | null>(null);
@@ -23,7 +23,7 @@ export class RuleProfile {
       await this.use(name);
       this.gone.value = gone;
     } finally {
-      this.isKnown.value = true;
+      if (this.wanted === wanted) this.isKnown.value = true;
     }
   }
 
@@ -31,8 +31,13 @@ export class RuleProfile {
     const wanted = { name };
     this.wanted = wanted;
     this.gone.value = null;
-    const profile = name === null ? null : await this.api.read(name);
-    if (this.wanted === wanted) this.used.value = profile;
+    this.isKnown.value = false;
+    try {
+      const profile = name === null ? null : await this.api.read(name);
+      if (this.wanted === wanted) this.used.value = profile;
+    } finally {
+      if (this.wanted === wanted) this.isKnown.value = true;
+    }
   }
 
   /** Reads the profile again. */

@@ -13,6 +13,22 @@ from ruler.browser.ruler_page import RulerPage
 
 _PLACE = re.compile(r"x (-?[\d.]+) m, y (-?[\d.]+) m")
 _AFTER_TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+_AT_REST = """
+() => new Promise(done => {
+    let [before, frames] = ["", 0];
+    const look = () => {
+        const host = document.querySelector(".map-host");
+        const scale = document.querySelector(".map-scale");
+        const now = [host?.clientWidth, host?.clientHeight, scale?.style.width, scale?.textContent].join();
+        frames = now === before ? frames + 1 : 0;
+        before = now;
+        if (frames >= 10) done();
+        else requestAnimationFrame(look);
+    };
+    look();
+})
+"""
+"""Resolves when the map has had the same size and scale for ten frames."""
 _SIDES = ("x from (m)", "x to (m)", "y from (m)", "y to (m)")
 
 
@@ -34,6 +50,8 @@ class MapPage:
         self.canvas = ruler.page.get_by_role("application", name="Zones on the map")
         self.canvas.wait_for()
         expect(ruler.page.get_by_text("Loading the map …")).to_have_count(0)
+        # Zones and tools come after it, and all that is there is fitted in anew.
+        ruler.page.evaluate(_AT_REST)
 
     @property
     def form(self) -> Locator:

@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Route, expect
 
 from axe import violations
 from bags.bag_factory import small_mission, write_bag
@@ -93,11 +94,27 @@ def test_optimize_and_download_downloads(ruler: RulerPage) -> None:
     assert ", profile radio.toml (sha256 " in text.splitlines()[0]
 
 
+def test_a_download_waits_for_the_profile_that_was_just_chosen(ruler: RulerPage, project: Path) -> None:
+    shutil.copy(project / "quality" / "radio.toml", project / "quality" / "other.toml")
+    ruler.home()
+    ruler.open("quality/inspection.adirf")
+    held: list[Route] = []
+
+    def hold(route: Route) -> None:
+        held.append(route)
+
+    ruler.page.route(re.compile("other.toml"), hold)
+    ruler.page.get_by_label("Topic parameters").select_option("quality/other.toml")
+    with ruler.page.expect_download() as download:
+        ruler.tool("Optimize and Download").click()
+        expect(ruler.page.get_by_text("Everything fits into")).to_be_visible()
+        held.pop().continue_()
+    assert ", profile other.toml (sha256 " in download.value.path().read_text().splitlines()[0]
+
+
 def test_what_cannot_be_downloaded_is_said(ruler: RulerPage) -> None:
     ruler.open("quality/inspection.adirf")
-    # The rules are checked anew once no profile is in use.
-    with ruler.page.expect_response(lambda answer: answer.url.endswith("/api/document")):
-        ruler.page.get_by_label("Topic parameters").select_option("")
+    ruler.page.get_by_label("Topic parameters").select_option("")
     ruler.tool("Optimize and Download").click()
     expect(
         ruler.page.get_by_text("Nothing was downloaded: the panel below says what is missing")
