@@ -45,7 +45,10 @@ def why_unreachable(endpoint: str, config: Mapping[str, object]) -> str:
         return f"{endpoint}: it does not accept our certificate: {reason}"
     except (OSError, OverflowError, LinkError) as error:
         return f"{endpoint}: it cannot be reached: {getattr(error, 'strerror', None) or error}"
-    return f"{endpoint}: somebody answers, but does not let us in: check user and password in --zenoh-config"
+    return (
+        f"{endpoint}: a process listens there, but no link comes about: "
+        "user or password in --zenoh-config are not accepted, or that process stands still"
+    )
 
 
 def _shake_hands(connection: socket.socket, locator: Locator, config: Mapping[str, object]) -> None:
