@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import itertools
 import random
+from collections.abc import Sequence
 
 import pytest
 from hypothesis import given, settings
@@ -18,10 +20,13 @@ from incidents.simulated_fetch import (
     SPARE_LINK,
     Contents,
     FetchingEnds,
+    Operator,
     Recorded,
     spare_link,
 )
-from link.protocol.simulated_link import Ends, Link, S, quantile
+from link.protocol.simulated_link import Ends, Link, S, Source, quantile
+from smarttestudo.incidents.fetching import RangeAsk
+from smarttestudo.link.protocol.sender import LinkSender
 
 GAP_S = 60.0
 FROM_S = 10.0
@@ -58,6 +63,32 @@ def test_without_live_topics_a_fetch_takes_nearly_all_of_the_link() -> None:
     assert ends.done_ns is not None
     assert [bytes(one) for one in ends.operator.files] == contents.files
     assert contents.order.size_bytes / (ends.done_ns / S) > 0.5 * SPARE_LINK
+
+
+@pytest.mark.parametrize("live", [(), LIVE], ids=["alone", "beside live topics"])
+@pytest.mark.parametrize("budget_bytes_per_s", [4_000.0, 20_000.0])
+def test_a_fetch_keeps_to_its_budget_and_uses_it(live: Sequence[Source], budget_bytes_per_s: float) -> None:
+    contents = Contents.of(GAP, 20.0)
+    sender: LinkSender[tuple[Operator, RangeAsk]] = LinkSender(fetch_budget_bytes_per_s=budget_bytes_per_s)
+    ends = FetchingEnds(
+        spare_link(), live, sender=sender, contents=contents, is_live=bool(live), ends_when_done=True
+    )
+    sender.follow(NEEDS)
+    ends.run(1000)
+    assert ends.done_ns is not None
+    assert [bytes(one) for one in ends.operator.files] == contents.files
+    least_s = contents.order.size_bytes / budget_bytes_per_s
+    assert least_s - 1 < ends.done_ns / S < 1.3 * least_s
+    for (at_ns, cursor), (later_ns, later) in itertools.combinations(ends.progress[::7], 2):
+        assert later - cursor < budget_bytes_per_s * ((later_ns - at_ns) / S + 2)
+
+
+def test_without_a_budget_nothing_is_fetched() -> None:
+    sender: LinkSender[tuple[Operator, RangeAsk]] = LinkSender(fetch_budget_bytes_per_s=0.0)
+    ends = FetchingEnds(spare_link(), LIVE, sender=sender, contents=Contents.of(GAP, 5.0))
+    ends.run(30)
+    assert not ends.sent_bytes
+    assert not ends.progress
 
 
 def test_what_the_link_carries_is_learned_though_live_topics_need_little() -> None:

@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 
+from smarttestudo.cli.loop_options import budget_kb_per_s
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.link.zenoh.security import LinkOptions
 
-_NEED_A_LINK = ("accept", "robot", "zenoh_config", "insecure")
+_NEED_A_LINK = ("accept", "robot", "fetch_budget", "zenoh_config", "insecure")
 
 
 def add_link(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +45,13 @@ def add_link(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="publish what 'testudo receive --send' sends of these topics, unless it is older than 0.5 s",
     )
+    group.add_argument(
+        "--fetch-budget",
+        metavar="N",
+        type=budget_kb_per_s,
+        help="KB/s of the link that incidents and gaps may take when operators fetch them (default: all "
+        "that live topics leave)",
+    )
     add_zenoh_config(group)
 
 
@@ -70,9 +79,11 @@ def link_options(arguments: argparse.Namespace, accepted: tuple[str, ...]) -> Li
             config_file=arguments.zenoh_config,
             insecure=arguments.insecure,
             commands=accepted,
+            fetch_budget_kb_per_s=math.inf if arguments.fetch_budget is None else arguments.fetch_budget,
         )
     for name in _NEED_A_LINK:
-        if getattr(arguments, name):
+        given = getattr(arguments, name)
+        if given or isinstance(given, float):
             option = "--" + name.replace("_", "-")
             raise UsageError("it needs a link", place=option, remedy="add --link or --link-listen")
     return None

@@ -28,7 +28,12 @@ def refusal(capsys: pytest.CaptureFixture[str], arguments: list[str], code: int)
     ("arguments", "line"),
     [
         ([*RUN, option, *value], f"{option}: error: it needs a link; add --link or --link-listen")
-        for option, *value in (("--robot", "x"), ("--insecure",), ("--zenoh-config", "link.json5"))
+        for option, *value in (
+            ("--robot", "x"),
+            ("--insecure",),
+            ("--zenoh-config", "link.json5"),
+            ("--fetch-budget", "0"),
+        )
     ]
     + [
         (

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -26,6 +27,10 @@ _PIECE_NS = 5 * NS_PER_MS
 _LEAST_PIECE_BYTES = 600
 _MOST_PIECE_BYTES = 16_000
 _LONGEST_PAUSE_NS = NS_PER_S // 2
+_BUDGET_PIECE_S = 0.5
+"""How much of the budget a piece takes at most."""
+_BUDGET_CREDIT_NS = NS_PER_S
+"""How much of the budget that live topics kept from being used may be used later."""
 _FRAMING_BYTES = 150
 """The head of a piece on the wire: it is an answer of Zenoh in a packet of its own."""
 _USED = 0.95
@@ -77,11 +82,15 @@ class BackgroundAnswers(Generic[_Request]):
     its capacity, and a piece is sent only when that queue is empty, nothing live waits, and all bytes under
     way leave a margin in the window. So a live message waits for one piece at most. Now and then the link is
     filled a little faster, to learn whether it carries more than live topics needed so far. Without live
-    topics, a window of its own says how much may be under way.
+    topics, a window of its own says how much may be under way. Where there is a budget, all answers together
+    take no more of the wire than that.
     """
 
-    def __init__(self, live: Callable[[int], Window | None]) -> None:
+    def __init__(self, live: Callable[[int], Window | None], budget_bytes_per_s: float = math.inf) -> None:
         self._live = live
+        self._budget_bytes_per_s = budget_bytes_per_s
+        self._within_budget_ns = 0
+        """When all that was sent is within the budget."""
         self._askers: dict[int, _Asker[_Request]] = {}
         self._alone = Window()
         self._busy_ns = self._sent_ns = 0
@@ -142,17 +151,21 @@ class BackgroundAnswers(Generic[_Request]):
 
     def wake_ns(self, now_ns: int) -> int | None:
         """When something may be sent though nothing happens; ``None`` where that is not known."""
-        return self._free_ns if self._free_ns > now_ns and not self.is_empty else None
+        due_ns = max(self._free_ns, self._within_budget_ns)
+        return due_ns if due_ns > now_ns and not self.is_empty else None
 
     def next(self, now_ns: int) -> BackgroundAnswer[_Request] | None:
         """The request to answer now. Nothing live waits then."""
         if self.is_empty:
             self._alone.idle()
             return None
-        live = self._live(now_ns)
-        size_bytes = self._room_alone() if live is None else self._room_beside(live, now_ns)
-        if not size_bytes:
+        if now_ns < self._within_budget_ns or not self._budget_bytes_per_s:
             return None
+        live = self._live(now_ns)
+        room_bytes = self._room_alone() if live is None else self._room_beside(live, now_ns)
+        if not room_bytes:
+            return None
+        size_bytes = int(min(room_bytes, max(_LEAST_PIECE_BYTES, self._budget_bytes_per_s * _BUDGET_PIECE_S)))
         number = next(number for number, asker in self._askers.items() if asker.waiting)
         asker = self._askers.pop(number)
         # All take turns.
@@ -166,6 +179,8 @@ class BackgroundAnswers(Generic[_Request]):
         known.sent_bytes += size_bytes
         known.flights.append((known.sent_bytes, now_ns))
         self._sent_ns = now_ns
+        of_budget_ns = int((size_bytes + _FRAMING_BYTES) * NS_PER_S / self._budget_bytes_per_s)
+        self._within_budget_ns = max(self._within_budget_ns, now_ns - _BUDGET_CREDIT_NS) + of_budget_ns
         live = self._live(now_ns)
         if live is None:
             self._alone.sent(size_bytes, now_ns)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Hashable, Mapping
 from dataclasses import replace
 from typing import Generic, TypeVar
@@ -47,14 +48,14 @@ class LinkSender(Generic[_Request]):
     that one is sent.
     """
 
-    def __init__(self, encode: Encode = plain) -> None:
+    def __init__(self, encode: Encode = plain, fetch_budget_bytes_per_s: float = math.inf) -> None:
         self._encode = encode
         self._outbox = Outbox(self._encoded)
         self._outbox.open(CONTROL_STREAM)
         self._infos: dict[int, StreamInfo] = {}
         self._needs: Mapping[str, LinkNeeds] = {}
         self._window = Window()
-        self.background: BackgroundAnswers[_Request] = BackgroundAnswers(self._live)
+        self.background: BackgroundAnswers[_Request] = BackgroundAnswers(self._live, fetch_budget_bytes_per_s)
         """Requests that others ``ask``, to be answered while no topic needs the link (``next_answer``)."""
         self._session = 0
         self._sessions = 0

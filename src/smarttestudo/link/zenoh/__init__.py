@@ -42,7 +42,7 @@ def open_robot_end(
     from smarttestudo.link.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
 
     with open_session(options, "peer", warn) as opened:
-        end = RobotEnd(opened, robot, warn, clock)
+        end = RobotEnd(opened, robot, warn, clock, options.fetch_budget_kb_per_s)
         try:
             if not options.commands:
                 yield end

@@ -17,7 +17,7 @@ from smarttestudo.domain.errors import LinkError, said
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.incidents.catalog import IncidentCatalog
 from smarttestudo.incidents.transfer_messages import AskBytes
 from smarttestudo.link.protocol.chunks import MAX_MESSAGE_BYTES
@@ -46,7 +46,12 @@ class RobotEnd:
     """
 
     def __init__(
-        self, opened: LinkSession, robot: str, warn: Callable[[str], None], clock: Callable[[], int]
+        self,
+        opened: LinkSession,
+        robot: str,
+        warn: Callable[[str], None],
+        clock: Callable[[], int],
+        fetch_budget_kb_per_s: float,
     ) -> None:
         """Offer the robot to operators. Raises ``UsageError`` for its name."""
         self.boot = new_boot(robot, secrets.randbits(64))
@@ -56,7 +61,9 @@ class RobotEnd:
         """Messages of operators, where the robot accepts any."""
         self._warn = warn
         self._clock = clock
-        self._sender: LinkSender[WaitingAsk] = LinkSender(Compressor().encode)
+        self._sender: LinkSender[WaitingAsk] = LinkSender(
+            Compressor().encode, fetch_budget_kb_per_s * BYTES_PER_KB
+        )
         self._lock = threading.Lock()
         self._inbox: deque[Callable[[], None]] = deque()
         self._has_left = False

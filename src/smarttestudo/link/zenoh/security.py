@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import ipaddress
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +22,8 @@ class LinkOptions:
 
     ``config_file`` is a Zenoh configuration (JSON5) for certificates, users and access control; what is
     needed for a link goes before what it says. ``insecure`` allows what others can read and change.
-    ``commands`` are the topics whose messages go from operators to robots.
+    ``commands`` are the topics whose messages go from operators to robots. What operators fetch of incidents
+    and gaps takes at most ``fetch_budget_kb_per_s`` of a robot's end.
     """
 
     listen: tuple[str, ...] = ()
@@ -29,6 +31,7 @@ class LinkOptions:
     config_file: Path | None = None
     insecure: bool = False
     commands: tuple[str, ...] = ()
+    fetch_budget_kb_per_s: float = math.inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
