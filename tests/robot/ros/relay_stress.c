@@ -161,7 +161,6 @@ static void *control(void *given) {
         .gid_bytes = GID_BYTES,
         .takes_on_callback = topic->index != 1,
         .publishes_at_once = topic->index == 2,
-        .is_latched = topic->index == 3,
     };
     relay_t *relay = begin(topic, &settings, NULL);
     while (!atomic_load(&is_over)) {

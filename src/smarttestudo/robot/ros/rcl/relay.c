@@ -2,7 +2,7 @@
    SPDX-License-Identifier: Apache-2.0
 
    Relays topics without Python: takes serialized messages, drops duplicates, paces, publishes and counts.
-   The law of the pace is that of pacing/grid.py and pacing/stream.py, to the nanosecond.
+   The law of the pace is that of pacing/grid.py and of VolatileStream in pacing/stream.py, to the nanosecond.
 
    All topics share a thread. The middleware calls relay_on_message on a thread of its own, which must never wait:
    it takes and paces there if the topic allows it and its mutex is free, and leaves the rest to the shared thread.
@@ -43,7 +43,7 @@ typedef struct {
     int64_t (*now_ns)(void); /* the system's clock where it is NULL */
 } functions_t;
 
-typedef struct { uint64_t messages, size_bytes; int64_t span_ns, last_ns; } flow_t;
+typedef struct { uint64_t messages, size_bytes, span_ns; int64_t last_ns; } flow_t;
 typedef struct {
     flow_t arrived, relayed;
     uint64_t sent, lost, errors;
@@ -57,7 +57,7 @@ typedef struct {
 typedef struct {
     uint8_t gid[GID_BYTES];
     uint64_t number;
-    int64_t first_ns, due_ns, held_ns, arrivals_ns[ARRIVALS_KEPT];
+    int64_t due_ns, held_ns, arrivals_ns[ARRIVALS_KEPT];
     uint32_t arrivals, is_open, is_held, reserved;
     message_t held; /* valid until the next call */
 } stream_t;
@@ -66,7 +66,7 @@ typedef struct {
     functions_t rcl;
     allocator_t allocator;
     const void *subscription, *publisher;
-    uint32_t gid_bytes, takes_on_callback, publishes_at_once, is_latched;
+    uint32_t gid_bytes, takes_on_callback, publishes_at_once, reserved;
     int64_t period_ns, slack_ns;
     counts_t counts;
 } settings_t;
@@ -114,7 +114,7 @@ static void free_message(message_t *message) {
 }
 
 static void record(flow_t *flow, int64_t now, uint64_t size_bytes) {
-    if (flow->messages && now > flow->last_ns) flow->span_ns += now - flow->last_ns;
+    if (flow->messages && now > flow->last_ns) flow->span_ns += (uint64_t)(now - flow->last_ns);
     flow->last_ns = now;
     flow->messages++;
     flow->size_bytes += size_bytes;
@@ -141,12 +141,14 @@ static void change_pace(const settings_t *old, const settings_t *pace, stream_t 
         stream->due_ns = max_ns(stream->due_ns, after_last_ns);
     } else {
         wide scaled = (wide)max_ns(stream->due_ns - now, -old->slack_ns) * pace->period_ns;
-        stream->due_ns = now + (int64_t)(scaled / old->period_ns - (scaled % old->period_ns < 0));
+        wide ahead_ns = scaled / old->period_ns - (scaled % old->period_ns < 0);
+        /* More credit than the slack counts for nothing, and need not fit. */
+        stream->due_ns = now + (ahead_ns < -pace->slack_ns ? -pace->slack_ns : (int64_t)ahead_ns);
     }
-    if (pace->period_ns == NEVER_NS && !pace->is_latched) stream->is_held = 0;
+    if (pace->period_ns == NEVER_NS) stream->is_held = 0;
 }
 
-/* The stream: as SourcePeriod, and VolatileStream or LatchedStream. */
+/* The stream: as SourcePeriod and VolatileStream. */
 static void record_arrival(stream_t *stream, int64_t now) {
     if (stream->arrivals && now < stream->arrivals_ns[stream->arrivals - 1]) stream->arrivals = 0;
     if (stream->arrivals == ARRIVALS_KEPT)
@@ -154,21 +156,14 @@ static void record_arrival(stream_t *stream, int64_t now) {
     stream->arrivals_ns[stream->arrivals++] = now;
 }
 
-/* The mean interval of arrivals; negative where it is not known. */
-static int64_t mean_ns(const stream_t *stream) {
-    int64_t intervals = (int64_t)stream->arrivals - 1;
-    return intervals > 0 ? (stream->arrivals_ns[intervals] - stream->arrivals_ns[0]) / intervals : -1;
-}
-
-static int is_due(const settings_t *pace, const stream_t *stream, int64_t now) {
-    if (now >= stream->due_ns || !pace->is_latched) return now >= stream->due_ns;
-    int is_whole = now - stream->first_ns <= 2 * NS_PER_S || mean_ns(stream) < 0 || mean_ns(stream) >= NS_PER_S;
-    return is_whole && pace->period_ns < NEVER_NS;
-}
-
 static int64_t release_ns(const settings_t *pace, const stream_t *stream) {
-    if (!stream->is_held || pace->is_latched) return stream->is_held ? stream->due_ns : NEVER_NS;
-    return max_ns(stream->due_ns, stream->held_ns + max_ns(mean_ns(stream) * 2, pace->period_ns));
+    int64_t quiet_ns = 0, intervals = (int64_t)stream->arrivals - 1;
+    if (!stream->is_held) return NEVER_NS;
+    if (intervals > 0)
+        quiet_ns = (stream->arrivals_ns[intervals] - stream->arrivals_ns[0]) / intervals;
+    /* A clock may jump ahead by a century, and twice that must fit, too. */
+    quiet_ns = quiet_ns < NEVER_NS / 4 ? quiet_ns * 2 : NEVER_NS / 2;
+    return max_ns(stream->due_ns, stream->held_ns + max_ns(quiet_ns, pace->period_ns));
 }
 
 /* In how many ns to serve it at the latest if no message comes. */
@@ -235,7 +230,7 @@ static void see(relay_t *relay, int64_t now) {
         if (has_jumped) {
             start(&relay->settings, stream, now);
             stream->arrivals = 0;
-            stream->first_ns = stream->held_ns = now;
+            stream->held_ns = now;
         }
         if (release_ns(&relay->settings, stream) <= now) pass(relay, stream, &stream->held, now);
     }
@@ -281,13 +276,12 @@ static void offer(relay_t *relay, stream_t *stream, int64_t now) {
     record(&relay->settings.counts.arrived, now, relay->incoming.length);
     if (!stream->is_open) {
         stream->is_open = 1;
-        stream->first_ns = now;
         start(pace, stream, now);
     }
     record_arrival(stream, now);
-    if (is_due(pace, stream, now)) {
+    if (now >= stream->due_ns) {
         pass(relay, stream, &relay->incoming, now);
-    } else if (pace->period_ns < NEVER_NS || pace->is_latched) {
+    } else if (pace->period_ns < NEVER_NS) {
         stream->is_held = 1;
         stream->held_ns = now;
         swap(&stream->held, &relay->incoming);

@@ -76,7 +76,6 @@ class CStream(ctypes.Structure):
     _fields_ = (
         ("gid", c_uint8 * GID_BYTES),
         ("number", c_uint64),
-        ("first_ns", c_int64),
         ("due_ns", c_int64),
         ("held_ns", c_int64),
         ("arrivals_ns", c_int64 * (INTERVALS_KEPT + 1)),
@@ -116,7 +115,7 @@ class RelaySettings(ctypes.Structure):
         ("gid_bytes", c_uint32),
         ("takes_on_callback", c_uint32),
         ("publishes_at_once", c_uint32),
-        ("is_latched", c_uint32),
+        ("reserved", c_uint32),
         ("period_ns", c_int64),
         ("slack_ns", c_int64),
         ("counts", CCounts),
