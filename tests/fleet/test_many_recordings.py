@@ -13,6 +13,7 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin
 
 from bags.bag_factory import small_mission, write_bag, write_mcap_file
+from fleet.dask_processes import DaskProcesses
 from report.test_bag_command import Ran, thinned
 from smarttestudo.cli.main import main
 
@@ -93,6 +94,27 @@ def test_the_json_of_many_is_a_line_for_each_with_what_is_said_of_it_alone(
     named = [{key: line[key] for key in ("bag", "a", "b") if key in line} for line in lines]
     assert lines == [{**names, **one} for names, one in zip(named, alone, strict=True)]
     assert [Path(str(next(iter(names.values())))).name for names in named] == ["a", "b", "c"]
+
+
+@pytest.mark.parametrize("command", [COMMANDS[1], COMMANDS[4], COMMANDS[6], COMMANDS[7]])
+def test_a_dask_cluster_gives_the_same_numbers_to_the_last_digit(
+    command: str, testudo: Command, fleet: Path, cluster: DaskProcesses
+) -> None:
+    absolute = of_all(command.replace("sent", f"{fleet}/sent").replace("received", f"{fleet}/received"))
+    here = testudo(*absolute, "--json", "--workers", "1")
+    shutil.rmtree(fleet / "out", ignore_errors=True)
+    there = testudo(*absolute, "--json", "--dask", cluster.address)
+    assert (there.code, there.err) == (here.code, here.err) == (0, "")
+    assert list(map(timeless, there.out.splitlines())) == list(map(timeless, here.out.splitlines()))
+    assert len(there.out.splitlines()) == 3
+
+
+def test_a_path_that_is_another_place_for_each_worker_is_refused(testudo: Command, fleet: Path) -> None:
+    ran = testudo("bag", "rates", "sent", "--dask", "tcp://127.0.0.1:1")
+    assert (ran.code, ran.out) == (2, "")
+    assert ran.err == (
+        "--dask: error: sent/a is another place for each worker; name recordings from the root, or by a URL\n"
+    )
 
 
 @pytest.mark.parametrize("command", COMMANDS[:-1])

@@ -9,7 +9,7 @@ import os
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 from smarttestudo.cli.bag_options import CsvPrinter, print_json, print_notices
 from smarttestudo.cli.paths import own_name
 from smarttestudo.cli.progress import Progress, progress, silent
-from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.units import counted
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ RECORDINGS_HELP = (
     "stands for all recordings in it"
 )
 EXIT_ERROR = 1
+_CLUSTER_TIMEOUT_S = 10.0
 _PLACES = ("bag", "a", "b")
 """Arguments that are a recording."""
 
@@ -116,6 +117,12 @@ def add_executor(action: argparse.ArgumentParser) -> None:
         type=_positive,
         help="work on so many at once, each in a process (default: one for each core; 1: in this process)",
     )
+    several.add_argument(
+        "--dask",
+        metavar="ADDRESS",
+        help="work on them on the Dask cluster of this scheduler, as in tcp://10.0.0.2:8786 (needs the "
+        "extra fleet)",
+    )
 
 
 def _positive(text: str) -> int:
@@ -179,17 +186,22 @@ def each_recording(
         output.show(alone, command.measure(alone, progress))
         return 0
     failed = 0
-    with closing(_outcomes(arguments, asked, command)) as outcomes:
-        for one, outcome in outcomes:
-            error = outcome if isinstance(outcome, TestudoError) else output.failure(one, outcome)
-            if error is not None:
-                failed += 1
-                _print_error(one, error)
+    there = [one for one in asked if not isinstance(one, TestudoError)]
+    with _executor(arguments, there) as executor:
+        with closing(_outcomes(executor, arguments, asked, command)) as outcomes:
+            for one, outcome in outcomes:
+                error = outcome if isinstance(outcome, TestudoError) else output.failure(one, outcome)
+                if error is not None:
+                    failed += 1
+                    _print_error(one, error)
+        print_notices(executor.notices)
+        if executor.failure is not None:
+            _print_error(arguments, executor.failure)
     if _is_text(arguments):
         failures = f", {failed} of which could not be read" if failed else ""
         sums = [f"{counted(len(asked), 'recording')}{failures}", command.sum()]
         print(f"\n{': '.join(filter(None, sums))}")  # noqa: T201
-    return EXIT_ERROR if failed else 0
+    return EXIT_ERROR if failed or executor.failure else 0
 
 
 def _with(arguments: argparse.Namespace, one: Mapping[str, object]) -> argparse.Namespace:
@@ -197,13 +209,17 @@ def _with(arguments: argparse.Namespace, one: Mapping[str, object]) -> argparse.
 
 
 def _outcomes(
-    arguments: argparse.Namespace, asked: Sequence[Asked], command: RecordingCommand[Result]
+    executor: Executor,
+    arguments: argparse.Namespace,
+    asked: Sequence[Asked],
+    command: RecordingCommand[Result],
 ) -> Generator[tuple[argparse.Namespace, Result | TestudoError]]:
     """The arguments of each recording with what came of it, in order."""
     there = [one for one in asked if not isinstance(one, TestudoError)]
-    executor = _executor(arguments, len(there))
     label = f"Reading {counted(len(asked), 'recording')}"
-    task: Callable[[Mapping[str, Path | None]], Result] = partial(_measure_one, command.measure, arguments)
+    task: Callable[[Mapping[str, Path | None]], Result] = partial(
+        _measure_one, command.measure, _from_the_root(arguments)
+    )
     with closing(executor.map(task, there)) as results:
         for number, one in enumerate(asked):
             if isinstance(one, TestudoError):
@@ -214,7 +230,19 @@ def _outcomes(
                 report(number / len(asked))
                 outcome = next(results)
             yield _with(arguments, one), outcome
-    print_notices(executor.notices)
+
+
+def _from_the_root(arguments: argparse.Namespace) -> argparse.Namespace:
+    """``arguments`` with paths that mean the same in any folder, where a cluster works on them."""
+    if arguments.dask is None:
+        return arguments
+    return argparse.Namespace(**{name: _absolute(value) for name, value in vars(arguments).items()})
+
+
+def _absolute(value: object) -> object:
+    if isinstance(value, list):
+        return [_absolute(one) for one in value]
+    return value.absolute() if isinstance(value, Path) else value
 
 
 def _measure_one(
@@ -225,8 +253,25 @@ def _measure_one(
     return measure(_with(arguments, one), silent)
 
 
-def _executor(arguments: argparse.Namespace, count: int) -> Executor:
-    workers = min(arguments.workers or len(os.sched_getaffinity(0)), count)
+@contextmanager
+def _executor(arguments: argparse.Namespace, there: Sequence[Mapping[str, object]]) -> Iterator[Executor]:
+    """Who works on the recordings that are there."""
+    local = _local_executor(min(arguments.workers or len(os.sched_getaffinity(0)), len(there)))
+    if arguments.dask is None:
+        yield local
+        return
+    for one in there:
+        for path in recordings_in(one).values():
+            if not path.is_absolute():
+                cause = f"{path} is another place for each worker"
+                raise UsageError(cause, place="--dask", remedy="name recordings from the root, or by a URL")
+    from smarttestudo.fleet.dask_cluster import open_cluster  # noqa: PLC0415  as above
+
+    with open_cluster(arguments.dask, timeout_s=_CLUSTER_TIMEOUT_S, otherwise=local) as cluster:
+        yield cluster
+
+
+def _local_executor(workers: int) -> Executor:
     if workers <= 1:
         from smarttestudo.fleet.executor import InProcess  # noqa: PLC0415  as above
 

@@ -13,6 +13,10 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
+class WorkerError(TestudoError):
+    """Workers ended without an answer."""
+
+
 class Executor(Protocol):
     """Works on one task for each of many items.
 
@@ -31,6 +35,10 @@ class Executor(Protocol):
     def notices(self) -> Sequence[str]:
         """What was lost and made good, a line each."""
 
+    @property
+    def failure(self) -> TestudoError | None:
+        """Why it could not go on, where the rest was worked on in another way."""
+
 
 def attempt(task: Callable[[Item], Result], item: Item) -> Result | TestudoError:
     """The result of ``task`` for ``item``, or the error that it ended with; a missing package is raised."""
@@ -46,6 +54,7 @@ class InProcess:
     """An ``Executor`` that works in this process, on one item after the other."""
 
     notices: Sequence[str] = ()
+    failure: TestudoError | None = None
 
     def map(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Generator[Result | TestudoError]:
         """The results in order, each made when it is asked for."""

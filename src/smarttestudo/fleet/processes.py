@@ -17,16 +17,12 @@ from typing import Generic, cast
 
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.units import counted
-from smarttestudo.fleet.executor import Item, Result, attempt
+from smarttestudo.fleet.executor import Item, Result, WorkerError, attempt
 
 _AHEAD_PER_WORKER = 4
 """Items that may be finished or under way behind one that takes long."""
 _TRIES = 2
 _END_S = 5.0
-
-
-class WorkerError(TestudoError):
-    """A worker ended without an answer."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -49,6 +45,8 @@ class _Worker:
 
 class Processes:
     """An ``Executor`` with ``workers`` processes, each with one item, so it is known which item ends one."""
+
+    failure: TestudoError | None = None
 
     def __init__(self, workers: int) -> None:
         self._workers = workers
