@@ -10,64 +10,16 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from rosbags.rosbag2 import StoragePlugin
 
-from bags.bag_factory import small_mission, write_bag, write_mcap_file
+from bags.bag_factory import small_mission, write_mcap_file
+from fleet.commands import COMMANDS, Command
 from fleet.dask_processes import DaskProcesses
-from report.test_bag_command import Ran, thinned
-from smarttestudo.cli.main import main
+from report.test_bag_command import Ran
 
 # Marks this module as one that starts processes.
 assert subprocess
 
-RULES = "begin\n    SetFrequency /odom 5\n    SetFrequency /scan 1\nend\n"
 WITHOUT_TIMES = {"wall_seconds"}
-
-
-@pytest.fixture(scope="module")
-def fleet_made_once(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("fleet")
-    for name in ("a", "b", "c"):
-        write_bag(folder / "sent" / name, small_mission(2 + ord(name) % 3), storage=StoragePlugin.MCAP)
-        write_bag(folder / "received" / name, thinned(5))
-    (folder / "rules.adirf").write_text(RULES)
-    return folder
-
-
-@pytest.fixture
-def fleet(fleet_made_once: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    shutil.copytree(fleet_made_once, tmp_path, dirs_exist_ok=True)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-@pytest.fixture
-def testudo(capsys: pytest.CaptureFixture[str]) -> Command:
-    return Command(capsys)
-
-
-class Command:
-    """Runs the command in this process."""
-
-    def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
-        self._capsys = capsys
-
-    def __call__(self, *arguments: str) -> Ran:
-        self._capsys.readouterr()
-        code = main(arguments)
-        return Ran(code, *self._capsys.readouterr())
-
-
-COMMANDS = [
-    "bag info sent/{}",
-    "bag rates sent/{} --latency --topics /odom",
-    "bag bandwidth sent/{}",
-    "bag compare sent/{} received/{}",
-    "bag loss sent/{} received/{} --rules rules.adirf",
-    "bag loss sent/{} --topics /odom",
-    "bag accuracy sent/{} --rules rules.adirf",
-    "replay sent/{} --rules rules.adirf --output out-{}",
-]
 
 
 def one_by_one(testudo: Command, command: str, *options: str) -> list[Ran]:

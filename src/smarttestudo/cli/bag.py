@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,14 +21,15 @@ from smarttestudo.cli.progress import Progress
 from smarttestudo.cli.recordings import (
     Asked,
     RecordingCommand,
-    add_executor,
     add_pair,
     add_recordings,
+    add_several,
     each_recording,
     pairs_asked,
     recordings_asked,
 )
-from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped
+from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_S, counted, grouped
+from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.report import bag_tables, comparison_tables
 from smarttestudo.report.table import Table
 
@@ -69,7 +71,7 @@ def add_arguments(parser: CommandParser) -> None:
         action.set_defaults(run=_run_summary, table=table, latency=False, figures=None)
         if name in _DRAWN:
             bag_figures.add_figures(action, _DRAWN[name])
-        add_executor(action)
+        add_several(action)
     _add_compare(actions)
     for name, purpose in _LAZY.items():
         add_lazy(actions, name, f"smarttestudo.cli.bag_{name}", purpose)
@@ -87,7 +89,7 @@ def _add_compare(actions: Subcommands) -> None:
     add_map(action)
     add_topics_and_form(action)
     bag_figures.add_figures(action, bag_figures.Drawn.BOTH)
-    add_executor(action)
+    add_several(action)
     action.set_defaults(run=_run_compare)
 
 
@@ -104,6 +106,7 @@ def _run_summary(arguments: argparse.Namespace) -> int:
 class _Summaries(RecordingCommand[BagSummary]):
     """What ``info``, ``rates`` and ``bandwidth`` say of recordings, and all of them together."""
 
+    table = RowTable.TOPICS
     is_named_by_text = True
 
     def __init__(
@@ -139,6 +142,11 @@ class _Summaries(RecordingCommand[BagSummary]):
         """A table of the topics."""
         print_tables([self._table(result)])
 
+    def rows(self, result: BagSummary) -> Iterator[Mapping[str, object]]:
+        """Also when it was recorded."""
+        recorded_at = datetime.fromtimestamp(result.span.start_ns // NS_PER_S, tz=timezone.utc)
+        return ({**row, "recorded_at": recorded_at} for row in result.rows())
+
     def finish(self, arguments: argparse.Namespace) -> None:
         """Draw it."""
         if arguments.figures is not None:
@@ -170,6 +178,7 @@ def _run_compare(arguments: argparse.Namespace) -> int:
 class _Comparisons(RecordingCommand[BagComparison]):
     """What ``compare`` says of pairs."""
 
+    table = RowTable.COMPARISONS
     is_named_by_text = True
 
     @staticmethod

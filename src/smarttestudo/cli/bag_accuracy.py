@@ -22,13 +22,14 @@ from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import Progress
 from smarttestudo.cli.recordings import (
     RecordingCommand,
-    add_executor,
     add_recordings,
+    add_several,
     each_recording,
     recordings_asked,
 )
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
+from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.report.accuracy_comparison_table import accuracy_sentences, accuracy_tables
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_sets import load_rules
@@ -70,7 +71,7 @@ def add_arguments(action: CommandParser) -> None:
         "--profile", metavar="FILE", type=file_path, help="what is known about the topics (TOML)"
     )
     add_form(action)
-    add_executor(action)
+    add_several(action)
     action.set_defaults(run=run)
 
 
@@ -88,6 +89,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 class _Accuracies(RecordingCommand["AccuracyComparison"]):
     """How far pictures of recordings are off, under rules and at fixed rates."""
+
+    table = RowTable.ACCURACIES
 
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> AccuracyComparison:

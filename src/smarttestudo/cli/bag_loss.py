@@ -26,14 +26,15 @@ from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import Progress
 from smarttestudo.cli.recordings import (
     RecordingCommand,
-    add_executor,
     add_pair,
+    add_several,
     each_recording,
     pairs_asked,
 )
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
+from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.language.properties import ARRIVAL_PROPERTIES, is_field_path
 from smarttestudo.loop.decision_log import read_decisions
 from smarttestudo.report.accuracy_curve_table import accuracy_table
@@ -94,7 +95,7 @@ def add_arguments(action: CommandParser) -> None:
     )
     add_map(action)
     add_topics_and_form(action)
-    add_executor(action)
+    add_several(action)
     action.set_defaults(run=run)
 
 
@@ -122,6 +123,7 @@ def run(arguments: argparse.Namespace) -> int:
 class _Losses(RecordingCommand["LossReport"]):
     """What was lost between recordings and what was received of them."""
 
+    table = RowTable.LOSSES
     is_named_by_text = True
 
     @staticmethod
@@ -177,6 +179,8 @@ def _refuse_options_of_pairs(arguments: argparse.Namespace) -> None:
 
 class _Curves(RecordingCommand["LossCurves"]):
     """What would be lost of recordings at each rate."""
+
+    table = RowTable.CURVES
 
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> LossCurves:

@@ -15,13 +15,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from smarttestudo.cli.bag_options import CsvPrinter, print_json, print_notices
-from smarttestudo.cli.paths import own_name
+from smarttestudo.cli.paths import file_path, own_name
 from smarttestudo.cli.progress import Progress, progress, silent
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.units import counted
+from smarttestudo.files.outputs import require_separate
+from smarttestudo.fleet.row_tables import RowTable
 
 if TYPE_CHECKING:
     from smarttestudo.fleet.executor import Executor
+    from smarttestudo.fleet.parquet import ParquetFolder
 
 RECORDINGS_HELP = (
     "a rosbag2 folder, a .db3 or an .mcap file; any other folder, or a quoted pattern ('bags/*.mcap'), "
@@ -53,6 +56,8 @@ Result = TypeVar("Result", bound=Measured)
 class RecordingCommand(ABC, Generic[Result]):
     """What a command says of recordings, one after the other."""
 
+    table: RowTable
+    """Where ``--parquet`` adds what is known."""
     is_named_by_text = False
     """Whether ``print_text`` says which recording it is about."""
 
@@ -72,6 +77,10 @@ class RecordingCommand(ABC, Generic[Result]):
     def shown(self, result: Result) -> Result:
         """The part of it that is asked for."""
         return result
+
+    def rows(self, result: Result) -> Iterable[Mapping[str, object]]:
+        """What ``--parquet`` adds of it."""
+        return result.rows()
 
     def finish(self, arguments: argparse.Namespace) -> None:
         """Do what follows once a recording was printed."""
@@ -108,8 +117,8 @@ def add_pair(action: argparse.ArgumentParser, *, a: str, b: str, is_b_optional: 
     )
 
 
-def add_executor(action: argparse.ArgumentParser) -> None:
-    """Add who works on several recordings."""
+def add_several(action: argparse.ArgumentParser) -> None:
+    """Add who works on several recordings, and where the rows of all are gathered."""
     several = action.add_argument_group("several recordings")
     several.add_argument(
         "--workers",
@@ -122,6 +131,13 @@ def add_executor(action: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help="work on them on the Dask cluster of this scheduler, as in tcp://10.0.0.2:8786 (needs the "
         "extra fleet)",
+    )
+
+    action.add_argument(
+        "--parquet",
+        metavar="DIR",
+        type=file_path,
+        help="also add the rows of --csv to the Parquet tables in this folder (needs the extra fleet)",
     )
 
 
@@ -177,7 +193,7 @@ def each_recording(
 
     The error of an only one is raised. Of several each has a line, and costs no other.
     """
-    output = _Output(command, is_only=len(asked) == 1)
+    output = _Output(command, _parquet_folder(arguments, asked), is_only=len(asked) == 1)
     if len(asked) == 1:
         (only,) = asked
         if isinstance(only, TestudoError):
@@ -202,6 +218,19 @@ def each_recording(
         sums = [f"{counted(len(asked), 'recording')}{failures}", command.sum()]
         print(f"\n{': '.join(filter(None, sums))}")  # noqa: T201
     return EXIT_ERROR if failed or executor.failure else 0
+
+
+def _parquet_folder(arguments: argparse.Namespace, asked: Sequence[Asked]) -> ParquetFolder | None:
+    """Where rows are added, which must not be in a recording."""
+    if arguments.parquet is None:
+        return None
+    from smarttestudo.fleet.parquet import ParquetFolder  # noqa: PLC0415  most have no extra fleet
+
+    found = [one for one in asked if not isinstance(one, TestudoError)]
+    require_separate(
+        {"--parquet": arguments.parquet}, [path for one in found for path in recordings_in(one).values()]
+    )
+    return ParquetFolder(arguments.parquet)
 
 
 def _with(arguments: argparse.Namespace, one: Mapping[str, object]) -> argparse.Namespace:
@@ -301,8 +330,11 @@ def _is_text(arguments: argparse.Namespace) -> bool:
 class _Output(Generic[Result]):
     """Prints each recording as a line of JSON, as rows of one CSV, or as text with empty lines between."""
 
-    def __init__(self, command: RecordingCommand[Result], *, is_only: bool) -> None:
+    def __init__(
+        self, command: RecordingCommand[Result], parquet: ParquetFolder | None, *, is_only: bool
+    ) -> None:
         self._command = command
+        self._parquet = parquet
         self._is_only = is_only
         self._csv = CsvPrinter()
         self._is_first = True
@@ -318,6 +350,9 @@ class _Output(Generic[Result]):
         else:
             self._csv.print_rows(self._named(one, row) for row in result.rows())
         print_notices(self._noted(one, notice) for notice in self._command.notices(result))
+        if self._parquet is not None:
+            names = {name: str(path) for name, path in recordings_in(vars(one)).items()}
+            self._parquet.add(self._command.table, ({**names, **row} for row in self._command.rows(result)))
         self._command.finish(one)
 
     def _noted(self, one: argparse.Namespace, notice: str) -> str:

@@ -19,8 +19,8 @@ from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import Progress
 from smarttestudo.cli.recordings import (
     RecordingCommand,
-    add_executor,
     add_recordings,
+    add_several,
     each_recording,
     folders_of_each,
     recordings_asked,
@@ -35,6 +35,7 @@ from smarttestudo.domain.recording import RecordingReader, Storage
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import make_folder, require_separate
 from smarttestudo.files.whole_file import whole_file
+from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.incidents.live_incidents import INCIDENT_MEMORY
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.decision_log import decision_log
@@ -74,7 +75,7 @@ def add_arguments(parser: CommandParser) -> None:
         "--decisions, --report and --incidents",
     )
     _add_options(parser)
-    add_executor(parser)
+    add_several(parser)
     parser.set_defaults(run=run)
 
 
@@ -153,6 +154,8 @@ def _with_outputs(
 
 class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
     """What rules relay of recordings, or decide over recorded inputs."""
+
+    table = RowTable.REPLAYS
 
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> ReplayOutcome | InputsOutcome:
