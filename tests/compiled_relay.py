@@ -43,9 +43,9 @@ def compiled(folder: Path, name: str, *arguments: str) -> Path:
     return made
 
 
-def library_in(folder: Path) -> relay_library.RelayLibrary:
+def library_in(folder: Path, *flags: str) -> relay_library.RelayLibrary:
     """relay.c as it is here."""
-    made = compiled(folder, "relay.so", "-shared", "-fPIC", str(SOURCE))
+    made = compiled(folder, "relay.so", "-shared", "-fPIC", *flags, str(SOURCE))
     return relay_library.RelayLibrary(made)
 
 

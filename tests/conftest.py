@@ -19,6 +19,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from real_browser import chromium
+from smarttestudo.domain.robot import DataPathKind
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -35,13 +36,19 @@ _SIGNALS_OF_A_TERMINAL = (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Let whoever looks for rare failures try more examples than a law itself asks for."""
+    """Let whoever looks for rare failures try more examples than a law asks for, or another data path."""
     parser.addoption(
         "--examples-factor",
         metavar="N",
         type=float,
         default=1,
         help="try N times as many Hypothesis examples as each law asks for; 0.1 is a tenth",
+    )
+    parser.addoption(
+        "--data-path",
+        choices=[kind.value for kind in DataPathKind],
+        default=DataPathKind.AUTO.value,
+        help="how `testudo run` of live tests relays where the test does not say; as its own --data-path",
     )
 
 

@@ -66,6 +66,12 @@ class Process:
         return time.clock_gettime((~self._process.pid << 3) | 2)
 
     @property
+    def main_thread_cpu_s(self) -> float:
+        """CPU time of its first thread so far, which is Python's."""
+        pid = self._process.pid
+        return int(Path(f"/proc/{pid}/task/{pid}/schedstat").read_text().split()[0]) / 1e9
+
+    @property
     def resident_mb(self) -> float:
         """Resident memory."""
         status = Path(f"/proc/{self._process.pid}/status").read_text()

@@ -104,8 +104,8 @@ class CompiledPacer(AnyPacer):
 
     def wake(self, now_ns: int) -> list[int]:
         self._rcl.now_ns = now_ns
-        next_ns = now_ns + self._library.step(self._relay)
-        self._next_ns = NEVER_NS if next_ns == c_ns(NEVER_NS) else next_ns
+        wait_ns = self._library.step(self._relay)
+        self._next_ns = NEVER_NS if wait_ns is None else now_ns + wait_ns
         return self._passed()
 
     def set_rate(self, rate_hz: float, now_ns: int) -> None:

@@ -30,10 +30,10 @@ def other_domain(domain: int) -> Iterator[int]:
 
 
 @pytest.fixture
-def robot(domain: int, tmp_path: Path) -> Iterator[SmallRobot]:
+def robot(domain: int, tmp_path: Path, pytestconfig: pytest.Config) -> Iterator[SmallRobot]:
     if importlib.util.find_spec("rclpy") is None:
         pytest.skip("ROS 2 (rclpy) is not installed")
-    small_robot = SmallRobot(domain, tmp_path)
+    small_robot = SmallRobot(domain, tmp_path, data_path=pytestconfig.getoption("--data-path"))
     yield small_robot
     small_robot.end()
 

@@ -10,6 +10,7 @@ import queue
 import subprocess
 import sys
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -116,10 +117,11 @@ def started(command: list[str], environment: dict[str, str]) -> ForkedPython | s
 
 
 class SmallRobot:
-    """Starts processes on one ROS domain and ends them."""
+    """Starts processes on one ROS domain and ends them; ``data_path`` is that of runtimes that name none."""
 
-    def __init__(self, domain: int, folder: Path) -> None:
+    def __init__(self, domain: int, folder: Path, *, data_path: str = "auto") -> None:
         self.folder = folder
+        self._data_path = data_path
         self._environment = {
             **inherited(os.environ),
             "ROS_DOMAIN_ID": str(domain),
@@ -159,11 +161,11 @@ class SmallRobot:
 
     def testudo_run(self, *arguments: str) -> Process:
         """``testudo run``."""
-        return self._start(["-c", TESTUDO, "run", *arguments])
+        return self._start(["-c", TESTUDO, "run", *self._on_path(arguments)])
 
     def runtime(self, rules: str, *arguments: str) -> Process:
         """``testudo run`` by the rules given as text."""
-        return self.testudo("run", "--rules", self.rule_file(rules), *arguments)
+        return self.testudo_run("--rules", self.rule_file(rules), *arguments)
 
     def runtime_lacking(self, lack: str, rules: str, *arguments: str) -> Process:
         """``testudo run`` on an rclpy that lacks something; see ``other_rclpy.py``."""
@@ -172,7 +174,7 @@ class SmallRobot:
 
     def runtime_with_own_part(self, *arguments: str) -> Process:
         """``testudo run`` with a part of a test; see ``own_part.py``."""
-        return self._start([str(FOLDER / "own_part.py"), *arguments])
+        return self._start([str(FOLDER / "own_part.py"), *self._on_path(arguments)])
 
     def receiver(self, endpoint: str, *arguments: str) -> Process:
         """``testudo receive`` that listens at ``endpoint``."""
@@ -208,6 +210,12 @@ class SmallRobot:
         path = self.folder / f"rules{len(self._processes)}.adirf"
         path.write_text(rules, encoding="utf-8")
         return str(path)
+
+    def _on_path(self, arguments: Sequence[str]) -> Sequence[str]:
+        # Where nothing is asked for, the default is what a user gets.
+        if self._data_path == "auto" or "--data-path" in arguments:
+            return arguments
+        return ["--data-path", self._data_path, *arguments]
 
     def _start(self, arguments: list[str], **environment: str) -> Process:
         return self.command(sys.executable, *arguments, **environment)

@@ -182,7 +182,7 @@ def test_closing_a_subscription_or_the_path_ends_its_relay_first(fast: Robot, qo
     echo.source.publish(text(1))
     echo.subscription.close()
     assert echo.relay is None
-    assert threads_of(os.getpid()) == threads
+    echo.wait_until(lambda: threads_of(os.getpid()) == threads)
     echo.subscription = fast.data_path.subscribe("/numbers", TEXT, qos, lambda *_: None)
     echo.begin()
     assert echo.relay is not None

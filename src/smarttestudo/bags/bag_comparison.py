@@ -27,6 +27,11 @@ class BagComparison:
         pairs = self.comparison.topics
         return frozenset(name for pair in pairs for name in (pair.topic, pair.after_topic) if name)
 
+    @property
+    def notices(self) -> tuple[str, ...]:
+        """What was lost or odd of either, a line each."""
+        return (*self.a.notices, *self.b.notices)
+
     def only(self, names: Collection[str]) -> BagComparison:
         """The same with the pairs of which one topic is in ``names``."""
         kept = tuple(
@@ -48,7 +53,7 @@ class BagComparison:
                 "b": to_json(b.total),
                 "bandwidth_change_percent": self.comparison.bandwidth_change_percent,
             },
-            "notices": [*self.a.notices, *self.b.notices],
+            "notices": list(self.notices),
         }
 
     def rows(self) -> Iterator[dict[str, object]]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from smarttestudo.bags import zstd_files
 from smarttestudo.bags.mcap import record_bytes
 from smarttestudo.bags.metadata import BagMetadata, read_metadata, require_known_formats
+from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.bags.sqlite import pages as sqlite_pages
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.files.input_file import require_file
@@ -45,6 +46,16 @@ def find_bag_files(path: Path) -> BagFiles:
         cause = f"cannot be read: {error.strerror}"
         raise RecordingError(cause, place=str(path), remedy="check the path and its permissions") from error
     return BagFiles(paths=(path,), metadata=BagMetadata())
+
+
+def is_recording(path: Path) -> bool:
+    """Whether ``path`` is a folder that holds the metadata or a storage file of a recording."""
+    try:
+        return any(
+            entry.name == METADATA_NAME or _expected_magic(entry) is not None for entry in path.iterdir()
+        )
+    except OSError:
+        return False
 
 
 def require_bag_file(path: Path) -> None:

@@ -5,32 +5,35 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.bags.bag_comparison import BagComparison, compare_bags
+from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.incident_mark import incident_subtitle
-from smarttestudo.bags.topic_selection import select_topics
+from smarttestudo.bags.topic_selection import is_selected, select_topics
 from smarttestudo.cli import bag_figures
-from smarttestudo.cli.bag_options import (
-    add_map,
-    add_topics_and_form,
-    print_csv,
-    print_json,
-    print_notices,
-    print_tables,
-    topic_mapping,
-)
+from smarttestudo.cli.bag_options import add_map, add_topics_and_form, print_tables, topic_mapping
 from smarttestudo.cli.command_parser import CommandParser, add_lazy
-from smarttestudo.cli.paths import file_path
-from smarttestudo.cli.progress import progress
-from smarttestudo.files.outputs import require_separate
+from smarttestudo.cli.progress import Progress
+from smarttestudo.cli.recordings import (
+    Asked,
+    RecordingCommand,
+    add_pair,
+    add_recordings,
+    add_several,
+    each_recording,
+    pairs_asked,
+    recordings_asked,
+)
+from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_S, counted, grouped
+from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.report import bag_tables, comparison_tables
 from smarttestudo.report.table import Table
 
 if TYPE_CHECKING:
-    from smarttestudo.bags.bag_summary import BagSummary
     from smarttestudo.cli.command_parser import Subcommands
 
 _TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table]]] = {
@@ -50,13 +53,13 @@ _DRAWN = {"rates": bag_figures.Drawn.RATES, "bandwidth": bag_figures.Drawn.BANDW
 
 def add_arguments(parser: CommandParser) -> None:
     """Add the arguments of ``testudo bag``."""
-    parser.description = "Measure and compare recordings. Only `loss`, `accuracy` and `report` read payloads."
+    parser.description = (
+        "Measure and compare recordings, one or many. Only `loss`, `accuracy` and `report` read payloads."
+    )
     actions = parser.add_commands("actions")
     for name, (purpose, table) in _TABLES.items():
         action = actions.add_parser(name, help=purpose, description=f"Show {purpose}.")
-        action.add_argument(
-            "bags", metavar="BAG", nargs="+", type=file_path, help="a rosbag2 folder, a .db3 or an .mcap file"
-        )
+        add_recordings(action)
         add_topics_and_form(action)
         if name == "rates":
             action.add_argument(
@@ -68,6 +71,7 @@ def add_arguments(parser: CommandParser) -> None:
         action.set_defaults(run=_run_summary, table=table, latency=False, figures=None)
         if name in _DRAWN:
             bag_figures.add_figures(action, _DRAWN[name])
+        add_several(action)
     _add_compare(actions)
     for name, purpose in _LAZY.items():
         add_lazy(actions, name, f"smarttestudo.cli.bag_{name}", purpose)
@@ -81,60 +85,129 @@ def _add_compare(actions: Subcommands) -> None:
         description=f"Show {purpose}. With A's /odom pairs B's /testudo/odom or /odom_receive, "
         "else its /odom.",
     )
-    action.add_argument("a", metavar="A", type=file_path, help="the recording to compare with")
-    action.add_argument("b", metavar="B", type=file_path, help="the recording to compare")
+    add_pair(action, a="the recording to compare with", b="the recording to compare")
     add_map(action)
     add_topics_and_form(action)
     bag_figures.add_figures(action, bag_figures.Drawn.BOTH)
+    add_several(action)
     action.set_defaults(run=_run_compare)
 
 
 def _run_summary(arguments: argparse.Namespace) -> int:
-    bag_figures.require_separate_figures(arguments.figures, arguments.bags)
-    summaries = [_measure(path, with_latency=arguments.latency) for path in arguments.bags]
-    if arguments.topics:
-        known = {topic.name for summary in summaries for topic in summary.topics}
-        place = ", ".join(summary.name for summary in summaries)
-        chosen = select_topics(arguments.topics, known, place=place)
-        summaries = [summary.only(chosen) for summary in summaries]
-    if arguments.json:
-        objects = [summary.to_json() for summary in summaries]
-        print_json(objects[0] if len(objects) == 1 else {"bags": objects})
-    elif arguments.csv:
-        print_csv(row for summary in summaries for row in summary.rows())
-    else:
-        print_tables([arguments.table(summary) for summary in summaries])
-    print_notices(notice for summary in summaries for notice in summary.notices)
+    asked: Sequence[Asked] = recordings_asked(arguments.bags)
     if arguments.figures is not None:
-        bag_figures.draw_each(arguments)
-    return 0
+        asked = bag_figures.with_figures(asked, arguments.figures)
+    summaries = _Summaries(arguments.table, arguments.topics, is_only=len(asked) == 1)
+    code = each_recording(arguments, asked, summaries)
+    summaries.require_topics()
+    return code
+
+
+class _Summaries(RecordingCommand[BagSummary]):
+    """What ``info``, ``rates`` and ``bandwidth`` say of recordings, and all of them together."""
+
+    table = RowTable.TOPICS
+    is_named_by_text = True
+
+    def __init__(
+        self, table: Callable[[BagSummary], Table], patterns: Sequence[str], *, is_only: bool
+    ) -> None:
+        self._table = table
+        self._patterns = patterns
+        self._is_only = is_only
+        self._names: list[str] = []
+        self._topics: set[str] = set()
+        self._messages = self._size_bytes = 0
+        self._duration_s = 0.0
+
+    @staticmethod
+    def measure(arguments: argparse.Namespace, progress: Progress) -> BagSummary:
+        """All topics of a recording."""
+        return _measure(arguments.bag, progress, with_latency=arguments.latency)
+
+    def shown(self, result: BagSummary) -> BagSummary:
+        """The topics that are asked for; of several recordings, not each need have one."""
+        if self._patterns and self._is_only:
+            result = result.only(select_topics(self._patterns, result.statistics, place=result.name))
+        elif self._patterns:
+            self._names.append(result.name)
+            self._topics.update(result.statistics)
+            result = result.only([one for one in result.statistics if is_selected(one, self._patterns)])
+        self._messages += result.total.messages
+        self._size_bytes += result.total.size_bytes
+        self._duration_s += result.span.duration_s
+        return result
+
+    def print_text(self, result: BagSummary) -> None:
+        """A table of the topics."""
+        print_tables([self._table(result)])
+
+    def rows(self, result: BagSummary) -> Iterator[Mapping[str, object]]:
+        """Also when it was recorded."""
+        recorded_at = datetime.fromtimestamp(result.span.start_ns // NS_PER_S, tz=timezone.utc)
+        return ({**row, "recorded_at": recorded_at} for row in result.rows())
+
+    def finish(self, arguments: argparse.Namespace) -> None:
+        """Draw it."""
+        if arguments.figures is not None:
+            bag_figures.draw_pair(arguments, arguments.bag, None, mapping={}, folder=arguments.figures)
+
+    def sum(self) -> str:
+        """Messages, volume and duration."""
+        return (
+            f"{grouped(self._messages)} messages, {grouped(self._size_bytes / BYTES_PER_MB, 1)} MB in "
+            f"{grouped(self._duration_s, 1)} s"
+        )
+
+    def require_topics(self) -> None:
+        """Raise ``RecordingError`` for a pattern that names no topic of any recording that was read."""
+        if self._names:
+            first, *others = self._names
+            place = f"{first} and {counted(len(others), 'other')}" if others else first
+            select_topics(self._patterns, self._topics, place=place)
 
 
 def _run_compare(arguments: argparse.Namespace) -> int:
-    mapping = topic_mapping(arguments.map)
+    topic_mapping(arguments.map)
+    asked = pairs_asked(arguments.a, arguments.b)
     if arguments.figures is not None:
-        bags = (arguments.a, arguments.b)
-        require_separate({"--figures": bag_figures.figure_files(arguments.figures)}, bags)
-    a, b = _measure(arguments.a), _measure(arguments.b)
-    select_topics(tuple(mapping), a.statistics, place=a.name)
-    select_topics(tuple(mapping.values()), b.statistics, place=b.name)
-    compared = compare_bags(a, b, mapping)
-    if arguments.topics:
+        asked = bag_figures.with_figures(asked, arguments.figures)
+    return each_recording(arguments, asked, _Comparisons())
+
+
+class _Comparisons(RecordingCommand[BagComparison]):
+    """What ``compare`` says of pairs."""
+
+    table = RowTable.COMPARISONS
+    is_named_by_text = True
+
+    @staticmethod
+    def measure(arguments: argparse.Namespace, progress: Progress) -> BagComparison:
+        """Both recordings, and their topics paired."""
+        mapping = topic_mapping(arguments.map)
+        a, b = _measure(arguments.a, progress), _measure(arguments.b, progress)
+        select_topics(tuple(mapping), a.statistics, place=a.name)
+        select_topics(tuple(mapping.values()), b.statistics, place=b.name)
+        compared = compare_bags(a, b, mapping)
+        if not arguments.topics:
+            return compared
         place = f"{a.name}, {b.name}"
-        compared = compared.only(select_topics(arguments.topics, compared.names, place=place))
-    if arguments.json:
-        print_json(compared.to_json())
-    elif arguments.csv:
-        print_csv(compared.rows())
-    else:
-        for letter, bag in (("A", a), ("B", b)):
+        return compared.only(select_topics(arguments.topics, compared.names, place=place))
+
+    def print_text(self, result: BagComparison) -> None:
+        """Which recordings they are, and a table of each quantity."""
+        for letter, bag in (("A", result.a), ("B", result.b)):
             print(f"{letter}: {bag.name}{incident_subtitle(bag.incident)}")  # noqa: T201
         print()  # noqa: T201
-        print_tables(_compare_tables(compared))
-    print_notices((*a.notices, *b.notices))
-    if arguments.figures is not None:
-        bag_figures.draw_pair(arguments, arguments.a, arguments.b, mapping=mapping, folder=arguments.figures)
-    return 0
+        print_tables(_compare_tables(result))
+
+    def finish(self, arguments: argparse.Namespace) -> None:
+        """Draw both."""
+        if arguments.figures is not None:
+            mapping = topic_mapping(arguments.map)
+            bag_figures.draw_pair(
+                arguments, arguments.a, arguments.b, mapping=mapping, folder=arguments.figures
+            )
 
 
 def _compare_tables(compared: BagComparison) -> list[Table]:
@@ -143,7 +216,7 @@ def _compare_tables(compared: BagComparison) -> list[Table]:
     return [build(compared.comparison, names) for build in tables]
 
 
-def _measure(path: Path, *, with_latency: bool = False) -> BagSummary:
+def _measure(path: Path, progress: Progress, *, with_latency: bool = False) -> BagSummary:
     from smarttestudo.bags.measure import measure_bag  # noqa: PLC0415  needs packages a robot lacks
 
     with progress(f"Reading {path}") as report:

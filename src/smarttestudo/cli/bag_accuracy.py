@@ -13,23 +13,29 @@ from typing import TYPE_CHECKING
 from smarttestudo.accuracy.comparison import View
 from smarttestudo.cli.bag_options import (
     add_form,
-    print_csv,
     print_incident,
-    print_json,
-    print_notices,
     print_tables,
 )
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path
-from smarttestudo.cli.progress import progress
+from smarttestudo.cli.progress import Progress
+from smarttestudo.cli.recordings import (
+    RecordingCommand,
+    add_recordings,
+    add_several,
+    each_recording,
+    recordings_asked,
+)
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
+from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.report.accuracy_comparison_table import accuracy_sentences, accuracy_tables
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_sets import load_rules
 
 if TYPE_CHECKING:
+    from smarttestudo.accuracy.comparison import AccuracyComparison
     from smarttestudo.rules.rule_sets import LoadedRules
 
 EXIT_ERROR = 1
@@ -42,9 +48,7 @@ def add_arguments(action: CommandParser) -> None:
         "the first ones, and show how far the operator's picture of what the rules bound (KeepWithin) is "
         "off. Without a bound: of poses, frames and joints. Images are left out."
     )
-    action.add_argument(
-        "bag", metavar="BAG", type=file_path, help="a rosbag2 folder, a .db3 or an .mcap file"
-    )
+    add_recordings(action)
     action.add_argument(
         "--rules",
         metavar="FILE",
@@ -67,45 +71,57 @@ def add_arguments(action: CommandParser) -> None:
         "--profile", metavar="FILE", type=file_path, help="what is known about the topics (TOML)"
     )
     add_form(action)
+    add_several(action)
     action.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compare and print; 1 if rules have an error."""
-    from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules, compare_accuracy  # noqa: PLC0415  needs packages a robot lacks
-
-    profile = load_profile(arguments.profile) if arguments.profile else Profile()
-    loaded = list(_loaded(arguments, profile))
-    errors = [rules for _, _, rules in loaded if rules.errors]
+    """Compare and print; 1 if rules have an error, or a recording could not be read."""
+    arguments.loaded_profile = load_profile(arguments.profile) if arguments.profile else Profile()
+    arguments.loaded = list(_loaded(arguments, arguments.loaded_profile))
+    errors = [rules for _, _, rules in arguments.loaded if rules.errors]
     for rules in errors:
         print_findings(rules.errors, rules.texts, sys.stderr)
     if errors:
         return EXIT_ERROR
-    comparison = compare_accuracy(
-        AccuracyRequest(
-            bag=arguments.bag,
-            rules=[NamedRules(name=name, rule_set=rules.rule_set, view=view) for name, view, rules in loaded],
-            profile=profile,
-            progress=progress,
+    return each_recording(arguments, recordings_asked(arguments.bags), _Accuracies())
+
+
+class _Accuracies(RecordingCommand["AccuracyComparison"]):
+    """How far pictures of recordings are off, under rules and at fixed rates."""
+
+    table = RowTable.ACCURACIES
+
+    @staticmethod
+    def measure(arguments: argparse.Namespace, progress: Progress) -> AccuracyComparison:
+        """The comparison of one recording."""
+        from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules, compare_accuracy  # noqa: PLC0415  needs packages a robot lacks
+
+        comparison = compare_accuracy(
+            AccuracyRequest(
+                bag=arguments.bag,
+                rules=[
+                    NamedRules(name=name, rule_set=rules.rule_set, view=view)
+                    for name, view, rules in arguments.loaded
+                ],
+                profile=arguments.loaded_profile,
+                progress=progress,
+            )
         )
-    )
-    if comparison is None:
-        raise UsageError(
-            "no rule relays a topic whose picture can be measured",
-            place=str(arguments.bag),
-            remedy="bound a property with KeepWithin, or relay odometry, poses, frames or joints",
-        )
-    if arguments.json:
-        print_json(comparison.to_json())
-    elif arguments.csv:
-        print_csv(comparison.rows())
-    else:
-        print_incident(arguments.bag)
-        print_tables(accuracy_tables(comparison))
-        for number, sentence in enumerate(accuracy_sentences(comparison)):
+        if comparison is None:
+            raise UsageError(
+                "no rule relays a topic whose picture can be measured",
+                place=str(arguments.bag),
+                remedy="bound a property with KeepWithin, or relay odometry, poses, frames or joints",
+            )
+        return comparison
+
+    def print_text(self, result: AccuracyComparison) -> None:
+        """A table of each topic, and what they say in sentences."""
+        print_incident(Path(result.bag))
+        print_tables(accuracy_tables(result))
+        for number, sentence in enumerate(accuracy_sentences(result)):
             print(sentence if number else f"\n{sentence}")  # noqa: T201
-    print_notices(comparison.notices)
-    return 0
 
 
 def _loaded(arguments: argparse.Namespace, profile: Profile) -> Iterator[tuple[str, View, LoadedRules]]:

@@ -11,8 +11,10 @@ from enum import Enum
 from pathlib import Path
 
 from smarttestudo.cli.loop_options import budget_kb_per_s
-from smarttestudo.cli.paths import file_path, own_name
+from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
+from smarttestudo.cli.recordings import Asked, folders_of_each, recordings_in
+from smarttestudo.domain.errors import TestudoError
 from smarttestudo.files.outputs import require_separate
 
 
@@ -49,17 +51,20 @@ def add_budget(action: argparse.ArgumentParser) -> None:
     )
 
 
-def draw_each(arguments: argparse.Namespace) -> None:
-    """Draw each of the bags; several have a folder each."""
-    for bag, folder in zip(arguments.bags, _folders(arguments.bags, arguments.figures), strict=True):
-        draw_pair(arguments, bag, None, mapping={}, folder=folder)
-
-
-def require_separate_figures(figures: Path | None, bags: Sequence[Path]) -> None:
-    """Refuse a folder for the figures of ``bags`` in which they would harm a recording."""
-    if figures is not None:
-        folders = _folders(bags, figures)
-        require_separate({"--figures": [file for one in folders for file in figure_files(one)]}, bags)
+def with_figures(asked: Sequence[Asked], figures: Path) -> list[Asked]:
+    """``asked`` with the folder for the figures of each, which must not harm a recording."""
+    numbered: list[Asked] = []
+    files: list[Path] = []
+    bags: list[Path] = []
+    for one, folder in zip(asked, folders_of_each(asked, figures), strict=True):
+        if isinstance(one, TestudoError):
+            numbered.append(one)
+            continue
+        numbered.append({**one, "figures": folder})
+        files += figure_files(folder)
+        bags += recordings_in(one).values()
+    require_separate({"--figures": files}, bags)
+    return numbered
 
 
 def figure_files(folder: Path) -> Sequence[Path]:
@@ -67,12 +72,6 @@ def figure_files(folder: Path) -> Sequence[Path]:
     from smarttestudo.report.figures import draw  # noqa: PLC0415  needs packages a robot lacks
 
     return draw.figure_files(folder)
-
-
-def _folders(bags: Sequence[Path], figures: Path) -> list[Path]:
-    if len(bags) == 1:
-        return [figures]
-    return [figures / f"{number}-{own_name(bag)}" for number, bag in enumerate(bags, start=1)]
 
 
 def draw_pair(

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.accuracy.bounds import bounded_topics, needs_decisions
@@ -14,10 +15,7 @@ from smarttestudo.cli.bag_options import (
     add_map,
     add_predict,
     add_topics_and_form,
-    print_csv,
     print_incident,
-    print_json,
-    print_notices,
     print_tables,
     require_bounded,
     topic_mapping,
@@ -25,10 +23,18 @@ from smarttestudo.cli.bag_options import (
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path
-from smarttestudo.cli.progress import progress
+from smarttestudo.cli.progress import Progress
+from smarttestudo.cli.recordings import (
+    RecordingCommand,
+    add_pair,
+    add_several,
+    each_recording,
+    pairs_asked,
+)
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
+from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.language.properties import ARRIVAL_PROPERTIES, is_field_path
 from smarttestudo.loop.decision_log import read_decisions
 from smarttestudo.report.accuracy_curve_table import accuracy_table
@@ -38,6 +44,7 @@ from smarttestudo.rules.rule_sets import LoadedRules, load_rules
 
 if TYPE_CHECKING:
     from smarttestudo.accuracy.curve import LossCurves
+    from smarttestudo.accuracy.loss_report import LossReport
     from smarttestudo.report.table import Table
 
 EXIT_ERROR = 1
@@ -51,9 +58,11 @@ def add_arguments(action: CommandParser) -> None:
         "rates with the same bytes. With A alone: the error at rates of 0.1, 0.2, 0.5, 1 … Hz, with "
         "proposed levels, and the messages that an accuracy needs, with hold and with dead reckoning."
     )
-    action.add_argument("a", metavar="A", type=file_path, help="the recording of what the robot sent")
-    action.add_argument(
-        "b", metavar="B", type=file_path, nargs="?", help="the recording of what the operator received"
+    add_pair(
+        action,
+        a="the recording of what the robot sent",
+        b="the recording of what the operator received",
+        is_b_optional=True,
     )
     action.add_argument(
         "--field",
@@ -86,55 +95,65 @@ def add_arguments(action: CommandParser) -> None:
     )
     add_map(action)
     add_topics_and_form(action)
+    add_several(action)
     action.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Measure and print; 1 if the rules have an error."""
-    fields = _fields(arguments.field)
-    profile = load_profile(arguments.profile) if arguments.profile else Profile()
-    return (
-        _run_curves(arguments, fields, profile)
-        if arguments.b is None
-        else _run_loss(arguments, fields, profile)
-    )
-
-
-def _run_loss(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]], profile: Profile) -> int:
-    from smarttestudo.accuracy.recorded_loss import LossQuestion, measure_loss  # noqa: PLC0415  needs packages a robot lacks
-
-    mapping = topic_mapping(arguments.map)
-    rules = load_rules(arguments.rules, profile=profile) if arguments.rules else None
+    """Measure and print; 1 if the rules have an error, or a recording could not be read."""
+    arguments.fields = _fields(arguments.field)
+    arguments.loaded_profile = load_profile(arguments.profile) if arguments.profile else Profile()
+    arguments.loaded_rules = None
+    if arguments.b is None:
+        _refuse_options_of_pairs(arguments)
+        return each_recording(arguments, pairs_asked(arguments.a, None), _Curves())
+    topic_mapping(arguments.map)
+    rules = load_rules(arguments.rules, profile=arguments.loaded_profile) if arguments.rules else None
     if rules and rules.errors:
         print_findings(rules.errors, rules.texts, sys.stderr)
         return EXIT_ERROR
     require_bounded(arguments.predict, rules)
-    decisions = _decisions(arguments, rules, profile)
-    with progress(f"Reading {arguments.a} and {arguments.b}") as report:
-        question = LossQuestion(
-            mapping=mapping,
-            topics=arguments.topics,
-            fields=fields,
-            rule_set=rules.rule_set if rules else None,
-            decisions=decisions,
-            predict=arguments.predict,
-            profile=profile,
-        )
-        loss = measure_loss(arguments.a, arguments.b, question, report)
-    if arguments.json:
-        print_json(loss.to_json())
-    elif arguments.csv:
-        print_csv(loss.rows())
-    else:
-        print(f"{arms_text(loss)}\n")  # noqa: T201
-        print_incident(arguments.a)
-        print_tables(loss_tables(loss))
-    print_notices(loss.notices)
-    return 0
+    arguments.loaded_rules = rules
+    asked = pairs_asked(arguments.a, arguments.b)
+    if len(asked) > 1 and arguments.decisions is not None:
+        raise UsageError("it belongs to one recording", place="--decisions", remedy="leave it out")
+    return each_recording(arguments, asked, _Losses())
+
+
+class _Losses(RecordingCommand["LossReport"]):
+    """What was lost between recordings and what was received of them."""
+
+    table = RowTable.LOSSES
+    is_named_by_text = True
+
+    @staticmethod
+    def measure(arguments: argparse.Namespace, progress: Progress) -> LossReport:
+        """The loss of one pair."""
+        from smarttestudo.accuracy.recorded_loss import LossQuestion, measure_loss  # noqa: PLC0415  needs packages a robot lacks
+
+        rules, profile = arguments.loaded_rules, arguments.loaded_profile
+        decisions = _decisions(arguments, rules, profile, progress)
+        with progress(f"Reading {arguments.a} and {arguments.b}") as report:
+            question = LossQuestion(
+                mapping=topic_mapping(arguments.map),
+                topics=arguments.topics,
+                fields=arguments.fields,
+                rule_set=rules.rule_set if rules else None,
+                decisions=decisions,
+                predict=arguments.predict,
+                profile=profile,
+            )
+            return measure_loss(arguments.a, arguments.b, question, report)
+
+    def print_text(self, result: LossReport) -> None:
+        """What is compared, and a table of each kind of loss."""
+        print(f"{arms_text(result)}\n")  # noqa: T201
+        print_incident(Path(result.a))
+        print_tables(loss_tables(result))
 
 
 def _decisions(
-    arguments: argparse.Namespace, rules: LoadedRules | None, profile: Profile
+    arguments: argparse.Namespace, rules: LoadedRules | None, profile: Profile, progress: Progress
 ) -> Sequence[Decision]:
     """Decisions that were kept, else, where blocks ask for bounds, those of the rules over A."""
     from smarttestudo.replays.decisions import decisions_over  # noqa: PLC0415  as above
@@ -148,9 +167,7 @@ def _decisions(
         return decisions_over(arguments.a, rule_set, profile, report)
 
 
-def _run_curves(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str]], profile: Profile) -> int:
-    from smarttestudo.accuracy.curve import measure_curves  # noqa: PLC0415  as above
-
+def _refuse_options_of_pairs(arguments: argparse.Namespace) -> None:
     for option in ("rules", "map", "decisions", "predict"):
         if getattr(arguments, option):
             raise UsageError(
@@ -158,26 +175,38 @@ def _run_curves(arguments: argparse.Namespace, fields: Mapping[str, Sequence[str
                 place=f"--{option}",
                 remedy="give what the operator received as B",
             )
-    with progress(f"Reading {arguments.a}") as report:
-        curves = measure_curves(
-            arguments.a,
-            topics=arguments.topics,
-            fields=fields,
-            profile=profile,
-            with_accuracy=not arguments.csv,
-            report=report,
-        )
-    if arguments.json:
-        print_json(curves.to_json())
-    elif arguments.csv:
-        print_csv(curves.rows())
-    else:
-        print_incident(arguments.a)
-        print_tables(_curve_tables(curves))
-    without = ", ".join(topic for topic in curves.without if not curves.accuracies_of(topic))
-    unchanged = [f"{without}: no field changes, so there is no curve"] if without else []
-    print_notices((*curves.notices, *unchanged))
-    return 0
+
+
+class _Curves(RecordingCommand["LossCurves"]):
+    """What would be lost of recordings at each rate."""
+
+    table = RowTable.CURVES
+
+    @staticmethod
+    def measure(arguments: argparse.Namespace, progress: Progress) -> LossCurves:
+        """The curves of one recording."""
+        from smarttestudo.accuracy.curve import measure_curves  # noqa: PLC0415  as above
+
+        with progress(f"Reading {arguments.a}") as report:
+            return measure_curves(
+                arguments.a,
+                topics=arguments.topics,
+                fields=arguments.fields,
+                profile=arguments.loaded_profile,
+                with_accuracy=not arguments.csv,
+                report=report,
+            )
+
+    def print_text(self, result: LossCurves) -> None:
+        """The tables of each topic."""
+        print_incident(Path(result.name))
+        print_tables(_curve_tables(result))
+
+    def notices(self, result: LossCurves) -> Iterable[str]:
+        """Also which topics have no curve."""
+        without = ", ".join(topic for topic in result.without if not result.accuracies_of(topic))
+        unchanged = [f"{without}: no field changes, so there is no curve"] if without else []
+        return (*result.notices, *unchanged)
 
 
 def _curve_tables(curves: LossCurves) -> Iterator[Table]:

@@ -131,14 +131,19 @@ def print_json(value: object) -> None:
     print(json_text(value))  # noqa: T201
 
 
-def print_csv(rows: Iterable[Mapping[str, object]]) -> None:
-    """Rows with the same keys, under a line of them."""
-    writer: csv.DictWriter[str] | None = None
-    for row in rows:
-        if writer is None:
-            writer = csv.DictWriter(sys.stdout, fieldnames=list(row), lineterminator="\n")
-            writer.writeheader()
-        writer.writerow(row)
+class CsvPrinter:
+    """Prints rows with the same keys, under one line of them."""
+
+    def __init__(self) -> None:
+        self._writer: csv.DictWriter[str] | None = None
+
+    def print_rows(self, rows: Iterable[Mapping[str, object]]) -> None:
+        """Print further rows."""
+        for row in rows:
+            if self._writer is None:
+                self._writer = csv.DictWriter(sys.stdout, fieldnames=list(row), lineterminator="\n")
+                self._writer.writeheader()
+            self._writer.writerow(row)
 
 
 def print_notices(notices: Iterable[str]) -> None:

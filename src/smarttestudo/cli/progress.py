@@ -6,11 +6,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import TextIO
 
 Report = Callable[[float], None]
 """Takes the share of the work done, 0 … 1."""
+
+Progress = Callable[[str], AbstractContextManager[Report]]
+"""Shows how far the work of that name is."""
 
 _ERASE_LINE = "\r\x1b[K"
 
@@ -20,7 +23,8 @@ def progress(label: str, stream: TextIO | None = None) -> Iterator[Report]:
     """Show on ``stream`` (default: standard error) how far the work ``label`` is; erased at the end."""
     stream = stream or sys.stderr
     if not stream.isatty():
-        yield _silent
+        with silent(label) as report:
+            yield report
         return
     try:
         from rich.progress import Progress  # noqa: F401, PLC0415  a robot has no rich
@@ -32,8 +36,10 @@ def progress(label: str, stream: TextIO | None = None) -> Iterator[Report]:
         yield report
 
 
-def _silent(share: float) -> None:
-    """Nobody watches."""
+@contextmanager
+def silent(_label: str) -> Iterator[Report]:
+    """Show nothing: nobody watches."""
+    yield lambda _share: None
 
 
 @contextmanager

@@ -6,164 +6,54 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarttestudo.bags.comparison import change_percent
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.loop_options import add_rules, given_value
 from smarttestudo.cli.paths import file_path
-from smarttestudo.cli.progress import progress
+from smarttestudo.cli.progress import Progress
+from smarttestudo.cli.recordings import (
+    RecordingCommand,
+    add_recordings,
+    add_several,
+    each_recording,
+    folders_of_each,
+    recordings_asked,
+)
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
-from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader, Storage
 from smarttestudo.domain.units import counted
-from smarttestudo.files.outputs import require_separate
+from smarttestudo.files.outputs import make_folder, require_separate
 from smarttestudo.files.whole_file import whole_file
+from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.incidents.live_incidents import INCIDENT_MEMORY
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.decision_log import decision_log
 from smarttestudo.loop.input_log import holds_inputs
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.replays.outcome import ReplayOutcome, TopicOutcome
-from smarttestudo.report.comparison_tables import DECLARED
-from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.replays.outcome import ReplayOutcome
+from smarttestudo.report.replay_tables import bounds_table, rates_table, volume_table
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_files import rule_files_named
-from smarttestudo.rules.rule_sets import LoadedRules, load_rules
+from smarttestudo.rules.rule_sets import FaultyRulesError, LoadedRules, load_rules
 
 if TYPE_CHECKING:
     from smarttestudo.replays.incidents import IncidentRequest
-    from smarttestudo.replays.outcome import ReplayOutcome
-
-
-_TOPIC = Column(heading="Topic", align=Align.LEFT)
-_RATES_NOTE = (
-    "Hz: (n − 1) / (last − first). Error: the mean against the lesser of target and source at each time. "
-    "Target and error are weighted by time."
-)
-_BOUNDS_NOTE = (
-    "Bound and worst are in the property's unit: m, degrees, or the field's own. Worst is how far the "
-    "operator's picture was off after any message of the source; broken counts the messages after which it "
-    "was more than the bound."
-)
-_FRAMES_NOTE = "Transforms have the rate for each child frame, and so the means over the frames stand here."
-_DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
-
-
-def rates_table(outcome: ReplayOutcome) -> Table:
-    """Table of each relayed topic's messages in and out, and how near its rate came to its target."""
-    repeats = any(topic.repeated for topic in outcome.topics.values())
-    frames = any((topic.frames or 0) > 1 for topic in outcome.topics.values())
-    return Table(
-        title="Rates",
-        columns=(
-            _TOPIC,
-            Column(heading="In"),
-            Column(heading="Out"),
-            *((Column(heading="Repeated"),) if repeats else ()),
-            Column(heading="Source", unit="Hz"),
-            Column(heading="Target", unit="Hz"),
-            Column(heading="Mean", unit="Hz"),
-            Column(heading="Error", unit="%"),
-        ),
-        rows=tuple(_rates(name, topic, repeats=repeats) for name, topic in outcome.topics.items()),
-        footnotes=(_RATES_NOTE, _FRAMES_NOTE) if frames else (_RATES_NOTE,),
-    )
-
-
-def bounds_table(outcome: ReplayOutcome) -> Table:
-    """How each bound of the receiver's picture was kept."""
-    rows = tuple(
-        Row(
-            cells=(
-                Text(name),
-                Text(prop),
-                Number(one.bound, decimals=3),
-                Number(one.worst, decimals=3),
-                Number(one.broken, decimals=0),
-            )
-        )
-        for name, topic in outcome.topics.items()
-        for prop, one in topic.bounds.items()
-    )
-    return Table(
-        title="Bounds",
-        columns=(
-            _TOPIC,
-            Column(heading="Property", align=Align.LEFT),
-            Column(heading="Bound"),
-            Column(heading="Worst"),
-            Column(heading="Broken"),
-        ),
-        rows=rows,
-        footnotes=(_BOUNDS_NOTE,),
-    )
-
-
-def volume_table(outcome: ReplayOutcome) -> Table:
-    """How much each relayed topic carried in and out, and the sum; declared sizes are labelled."""
-    topics = outcome.topics
-    declared = any(topic.declared for topic in topics.values())
-    total = Row(
-        cells=(
-            Text("All"),
-            *_volumes(
-                sum(topic.in_kb for topic in topics.values()), sum(topic.out_kb for topic in topics.values())
-            ),
-            *((Text(""),) if declared else ()),
-        ),
-        is_total=True,
-    )
-    return Table(
-        title="Volume",
-        columns=(
-            _TOPIC,
-            Column(heading="In", unit="KB"),
-            Column(heading="Out", unit="KB"),
-            Column(heading="Change", unit="%"),
-            *((Column(heading="Sizes", align=Align.LEFT),) if declared else ()),
-        ),
-        rows=(*(_volume(name, topic, declared=declared) for name, topic in topics.items()), total),
-        footnotes=(_DECLARED_NOTE,) if declared else (),
-    )
-
-
-def _rates(name: str, topic: TopicOutcome, *, repeats: bool) -> Row:
-    return Row(
-        cells=(
-            Text(name),
-            Number(topic.messages_in, decimals=0),
-            Number(topic.messages_out, decimals=0),
-            *((Number(topic.repeated, decimals=0),) if repeats else ()),
-            Number(topic.source_hz),
-            Number(topic.target_hz),
-            Number(topic.mean_hz),
-            Number(topic.error_percent, signed=True),
-        )
-    )
-
-
-def _volume(name: str, topic: TopicOutcome, *, declared: bool) -> Row:
-    label = (Text(DECLARED if topic.declared else ""),) if declared else ()
-    return Row(cells=(Text(name), *_volumes(topic.in_kb, topic.out_kb), *label))
-
-
-def _volumes(in_kb: float, out_kb: float) -> tuple[Number, Number, Number]:
-    change = Number(change_percent(in_kb, out_kb), decimals=1, signed=True)
-    return Number(in_kb, decimals=1), Number(out_kb, decimals=1), change
-
+    from smarttestudo.replays.inputs import InputsOutcome
 
 EXIT_ERROR = 1
-_OUTPUTS = ("--output", "--decisions", "--report", "--incidents")
+_OUTPUTS = {"output": "", "decisions": ".jsonl", "report": ".html", "incidents": ""}
+"""Options that name what is written, and the suffix of its name where each recording has its own."""
 
 
 def add_arguments(parser: CommandParser) -> None:
@@ -171,16 +61,21 @@ def add_arguments(parser: CommandParser) -> None:
     parser.description = (
         "Run the loop over a recording in virtual time, and write what it relays as a new one."
     )
-    parser.add_argument(
-        "bag",
-        metavar="BAG",
-        type=file_path,
-        help="a rosbag2 folder, a .db3 or an .mcap file; or what 'testudo run --record-inputs' left, which "
-        "holds its own rules and gives decisions only",
+    add_recordings(
+        parser,
+        or_else="or what 'testudo run --record-inputs' left, which holds its own rules and gives decisions "
+        "only",
     )
     add_rules(parser, required=False)
-    parser.add_argument("--output", metavar="DIR", type=file_path, help="the new recording's folder")
+    parser.add_argument(
+        "--output",
+        metavar="DIR",
+        type=file_path,
+        help="the new recording's folder; of several recordings a folder with one of each, as are "
+        "--decisions, --report and --incidents",
+    )
     _add_options(parser)
+    add_several(parser)
     parser.set_defaults(run=run)
 
 
@@ -229,39 +124,94 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Replay; 1 if the rules have an error."""
-    _require_separate(arguments)
-    if holds_inputs(arguments.bag):
-        return _run_inputs(arguments)
+    """Replay; 1 if the rules have an error, or a recording could not be replayed."""
+    asked = recordings_asked(arguments.bags)
+    try:
+        if len(asked) > 1:
+            if arguments.rules is not None:
+                load_rules(arguments.rules, profile=_profile(arguments)).refuse_errors()
+            asked = _with_outputs(arguments, asked)
+        return each_recording(arguments, asked, _Replays())
+    except FaultyRulesError as error:
+        print_findings(error.rules.errors, error.rules.texts, sys.stderr)
+        return EXIT_ERROR
+
+
+def _with_outputs(
+    arguments: argparse.Namespace, asked: Sequence[Mapping[str, Path | None]]
+) -> list[Mapping[str, Path | None]]:
+    """``asked`` with what is to be written of each, in the folders that the options name."""
+    with_outputs = [*asked]
+    for option, suffix in _OUTPUTS.items():
+        folder = getattr(arguments, option)
+        if folder is None:
+            continue
+        make_folder(folder)
+        for number, path in enumerate(folders_of_each(asked, folder)):
+            with_outputs[number] = {**with_outputs[number], option: path.with_name(path.name + suffix)}
+    return with_outputs
+
+
+class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
+    """What rules relay of recordings, or decide over recorded inputs."""
+
+    table = RowTable.REPLAYS
+
+    @staticmethod
+    def measure(arguments: argparse.Namespace, progress: Progress) -> ReplayOutcome | InputsOutcome:
+        """Replay one recording, or the inputs of a run."""
+        _require_separate(arguments)
+        if holds_inputs(arguments.bag):
+            return _replayed_inputs(arguments)
+        _require_rules(arguments)
+        from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
+
+        profile = _profile(arguments)
+        with open_recording(arguments.bag) as recording:
+            bag_topics = {channel.topic: channel.type_name for channel in recording.channels}
+            rules = load_rules(arguments.rules, profile=profile, bag_topics=bag_topics)
+            rules.refuse_errors()
+            return _replay(arguments, recording, profile or Profile(), rules, progress)
+
+    def print_text(self, result: ReplayOutcome | InputsOutcome) -> None:
+        """The rates, the bounds and the volume, or the decisions over inputs."""
+        if not isinstance(result, ReplayOutcome):
+            inputs = f"{counted(result.decisions, 'decision')} from {counted(result.inputs, 'input')}"
+            print(f"{inputs} in {result.duration_s:.1f} s")  # noqa: T201
+            return
+        tables = [rates_table(result), volume_table(result)]
+        if any(topic.bounds for topic in result.topics.values()):
+            tables.insert(1, bounds_table(result))
+        for table in tables:
+            print_table(table)
+            print()  # noqa: T201
+        print(f"{counted(result.decisions, 'decision')} in {result.wall_seconds:.1f} s")  # noqa: T201
+        for name in result.incidents:
+            print(f"incident {name}")  # noqa: T201
+
+
+def _profile(arguments: argparse.Namespace) -> Profile | None:
+    return None if arguments.profile is None else load_profile(arguments.profile)
+
+
+def _require_rules(arguments: argparse.Namespace) -> None:
     for option in ("rules", "output"):
         if getattr(arguments, option) is None:
             raise UsageError(
                 "a replay of a recording needs it", place=f"--{option}", remedy=f"add --{option}"
             )
-    from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
-
-    profile = None if arguments.profile is None else load_profile(arguments.profile)
-    with open_recording(arguments.bag) as recording:
-        bag_topics = {channel.topic: channel.type_name for channel in recording.channels}
-        rules = load_rules(arguments.rules, profile=profile, bag_topics=bag_topics)
-        if rules.errors:
-            print_findings(rules.errors, rules.texts, sys.stderr)
-            return EXIT_ERROR
-        outcome = _replay(arguments, recording, profile or Profile(), rules)
-    _print(outcome, as_json=arguments.json)
-    return 0
 
 
 def _require_separate(arguments: argparse.Namespace) -> None:
     require_separate(
-        {option: getattr(arguments, option.removeprefix("--")) for option in _OUTPUTS},
+        {f"--{option}": getattr(arguments, option) for option in _OUTPUTS},
         (arguments.bag, arguments.profile, *rule_files_named(arguments.rules or ())),
     )
 
 
-def _run_inputs(arguments: argparse.Namespace) -> int:
+def _replayed_inputs(arguments: argparse.Namespace) -> InputsOutcome:
     """Decide anew over the inputs that a live run recorded."""
-    from smarttestudo.replays.inputs import replay_inputs  # noqa: PLC0415  see run
+    from smarttestudo.replays.inputs import replay_inputs  # noqa: PLC0415  see measure
 
     for option in ("rules", "output", "profile", "budget", "report", "incidents"):
         if getattr(arguments, option) is not None:
@@ -271,15 +221,7 @@ def _run_inputs(arguments: argparse.Namespace) -> int:
         decided: Callable[[Sequence[Decision]], None] = _ignore
         if arguments.decisions is not None:
             decided = opened.enter_context(decision_log(arguments.decisions))
-        outcome = replay_inputs(arguments.bag, decided)
-    if arguments.json:
-        print(json_text(outcome.to_json()))  # noqa: T201
-    else:
-        inputs = f"{counted(outcome.decisions, 'decision')} from {counted(outcome.inputs, 'input')}"
-        print(f"{inputs} in {outcome.duration_s:.1f} s")  # noqa: T201
-    for notice in outcome.notices:
-        print(f"note: {notice}", file=sys.stderr)  # noqa: T201
-    return 0
+        return replay_inputs(arguments.bag, decided)
 
 
 def _ignore(_: object) -> None:
@@ -287,9 +229,13 @@ def _ignore(_: object) -> None:
 
 
 def _replay(
-    arguments: argparse.Namespace, recording: RecordingReader, profile: Profile, rules: LoadedRules
+    arguments: argparse.Namespace,
+    recording: RecordingReader,
+    profile: Profile,
+    rules: LoadedRules,
+    progress: Progress,
 ) -> ReplayOutcome:
-    from smarttestudo.replays.replay import ReplayRequest, replay  # noqa: PLC0415  see run
+    from smarttestudo.replays.replay import ReplayRequest, replay  # noqa: PLC0415  see measure
 
     decisions: list[Decision] = []
     with ExitStack() as opened:
@@ -325,7 +271,9 @@ def _replay(
             )
         replaying.close()
         if arguments.report is not None:
-            write_report(_report(arguments, outcome, decisions, profile, rules))
+            write_report(
+                _report(arguments, outcome, decisions, profile=profile, rules=rules, progress=progress)
+            )
         return outcome
 
 
@@ -342,7 +290,7 @@ def _predicted(topics: Sequence[str], rule_set: RuleSet) -> frozenset[str]:
 
 
 def _incidents(arguments: argparse.Namespace, rules: LoadedRules) -> IncidentRequest | None:
-    from smarttestudo.replays.incidents import IncidentRequest  # noqa: PLC0415  see run
+    from smarttestudo.replays.incidents import IncidentRequest  # noqa: PLC0415  see measure
 
     if arguments.incidents is None:
         return None
@@ -357,11 +305,13 @@ def _report(
     arguments: argparse.Namespace,
     outcome: ReplayOutcome,
     decisions: Sequence[Decision],
+    *,
     profile: Profile,
     rules: LoadedRules,
+    progress: Progress,
 ) -> str:
     from smarttestudo.report.document import render_report  # noqa: PLC0415
-    from smarttestudo.report.replay_report import replay_report  # noqa: PLC0415  see run
+    from smarttestudo.report.replay_report import replay_report  # noqa: PLC0415  see measure
 
     return render_report(
         replay_report(
@@ -376,21 +326,3 @@ def _report(
             progress=progress,
         )
     )
-
-
-def _print(outcome: ReplayOutcome, *, as_json: bool) -> None:
-
-    if as_json:
-        print(json_text(outcome.to_json()))  # noqa: T201
-    else:
-        tables = [rates_table(outcome), volume_table(outcome)]
-        if any(topic.bounds for topic in outcome.topics.values()):
-            tables.insert(1, bounds_table(outcome))
-        for table in tables:
-            print_table(table)
-            print()  # noqa: T201
-        print(f"{counted(outcome.decisions, 'decision')} in {outcome.wall_seconds:.1f} s")  # noqa: T201
-        for name in outcome.incidents:
-            print(f"incident {name}")  # noqa: T201
-    for notice in outcome.notices:
-        print(f"note: {notice}", file=sys.stderr)  # noqa: T201

@@ -16,6 +16,7 @@ class Extra(Enum):
     """An extra of the distribution, by its name in pyproject.toml."""
 
     STUDIO = "studio"
+    FLEET = "fleet"
     LINK = "link"
     METRICS = "metrics"
     PHYSICS = "physics"
@@ -29,6 +30,7 @@ _OF_STUDIO = (
 _EXTRAS = {
     **dict.fromkeys(_OF_STUDIO, Extra.STUDIO),
     **dict.fromkeys(("zenoh", "foxglove"), Extra.LINK),
+    **dict.fromkeys(("dask", "distributed", "fsspec", "s3fs", "pyarrow"), Extra.FLEET),
     "prometheus_client": Extra.METRICS,
     "mujoco": Extra.PHYSICS,
 }

@@ -87,6 +87,14 @@ def _refused(option: str, path: Path, cause: str) -> UsageError:
     return UsageError(f"{path} {cause}", place=option, remedy="name another output")
 
 
+def make_folder(path: Path) -> None:
+    """Make the folder ``path`` where there is none. Raises ``RecordingError`` where it cannot be made."""
+    try:
+        path.mkdir(exist_ok=True)
+    except OSError as error:
+        raise write_error(path, error) from error
+
+
 def require_new(path: Path) -> None:
     """Raise ``RecordingError`` where there is something at ``path``."""
     if path.exists() or path.is_symlink():

@@ -44,6 +44,10 @@ class InputsOutcome:
         """The object that ``testudo replay --json`` prints."""
         return asdict(self)
 
+    def rows(self) -> Iterator[dict[str, object]]:
+        """None: inputs are not relayed."""
+        return iter(())
+
 
 def replay_inputs(folder: Path, decided: Callable[[Sequence[Decision]], None]) -> InputsOutcome:
     """Give a new loop the inputs recorded in ``folder``, and ``decided`` its decisions, in order.

@@ -66,6 +66,12 @@ def tier_values_for(files: Sequence[RuleFile], profile: Profile | None, resolve:
     return done
 
 
+class FaultyRulesError(RuleFileError):
+    """The first error of ``rules``, which have some."""
+
+    rules: LoadedRules
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadedRules:
     """Findings on rule files, and the rules that they form together; ``texts`` are the files by path.
@@ -83,16 +89,18 @@ class LoadedRules:
         return tuple(finding for finding in self.findings if finding.severity is Severity.ERROR)
 
     def refuse_errors(self) -> None:
-        """Raise ``RuleFileError`` with the first error where there is one."""
+        """Raise ``FaultyRulesError`` with the first error where there is one."""
         if not self.errors:
             return
         first, *others = self.errors
         more = f" (the first of {len(self.errors)} errors)" if others else ""
-        raise RuleFileError(
+        error = FaultyRulesError(
             f"{first.message}{more}",
             place=f"{first.path}:{first.span.line}:{first.span.column}",
             remedy=first.hint or None,
         )
+        error.rules = self
+        raise error
 
     @property
     def in_force(self) -> RulesInForce:

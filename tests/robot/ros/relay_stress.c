@@ -7,6 +7,7 @@
    usage: relay_stress SECONDS     ends with 1 and a line of what is wrong */
 #include "relay.c"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -42,7 +43,7 @@ static void wrong(const char *what, int topic) {
 
 static unsigned any(unsigned *seed, unsigned below) { return (unsigned)rand_r(seed) % below; }
 
-static int take(const void *subscription, message_t *taken, void *info, void *allocation) {
+static int take_item(const void *subscription, message_t *taken, void *info, void *allocation) {
     topic_t *topic = (topic_t *)(uintptr_t)subscription;
     (void)allocation;
     pthread_mutex_lock(&topic->queue_mutex);
@@ -129,8 +130,9 @@ static void *produce(void *given) {
 
 static relay_t *begin(topic_t *topic, const settings_t *settings, relay_t *before) {
     relay_t *relay = relay_new(settings);
-    stream_t stream;
-    for (size_t i = 0; before && relay_stream(before, i, &stream); i++) relay_add_stream(relay, &stream);
+    const stream_t *streams;
+    size_t count = before ? relay_streams(before, &streams) : 0;
+    for (size_t i = 0; i < count; i++) relay_add_stream(relay, &streams[i]);
     if (before) relay_free(before);
     if (!relay_start(relay)) wrong("no thread", topic->index);
     pthread_mutex_lock(&topic->callback_mutex);
@@ -152,7 +154,7 @@ static void *control(void *given) {
     topic_t *topic = given;
     unsigned seed = (unsigned)topic->index + 99;
     settings_t settings = {
-        .rcl = {take, publish, error_text, reset_error, NULL},
+        .rcl = {take_item, publish, error_text, reset_error, NULL},
         .allocator = {.allocate = libc_allocate, .deallocate = libc_free},
         .subscription = topic,
         .publisher = topic,

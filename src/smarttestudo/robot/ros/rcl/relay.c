@@ -2,25 +2,25 @@
    SPDX-License-Identifier: Apache-2.0
 
    Relays topics without Python: takes serialized messages, drops duplicates, paces, publishes and counts.
-
    The law of the pace is that of pacing/grid.py and of VolatileStream in pacing/stream.py, to the nanosecond.
-   Each topic has a mutex and a thread. The middleware calls relay_on_message on a thread of its own, which must
-   never wait: it takes and paces there if the topic allows it and the mutex is free, and leaves the rest to the
-   topic's thread. What a write may block for waits in `outgoing` for that thread, which publishes without the
-   mutex; so a slow write delays its own topic only. rcl's functions come as pointers: this needs no headers. */
+
+   All topics share a thread. The middleware calls relay_on_message on a thread of its own, which must never wait:
+   it takes and paces there if the topic allows it and its mutex is free, and leaves the rest to the shared thread.
+   What a write may block for waits in `outgoing`, and is published without the mutex. If the shared thread is in
+   one topic for SLOW_NS while there is more to do, another takes its place, and it ends with that topic: so a slow
+   write delays the others by SLOW_NS at most. rcl's functions come as pointers: this needs no headers. */
 #define _GNU_SOURCE
-#include <errno.h>
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-enum { ABI = 1, GID_BYTES = 24, BEGINNING_BYTES = 16, RCL_ERROR_BYTES = 4096, ERROR_BYTES = 256 };
+enum { ABI = 2, GID_BYTES = 24, BEGINNING_BYTES = 16, RCL_ERROR_BYTES = 4096, ERROR_BYTES = 256 };
 enum { INFO_BYTES = 256, NUMBER_AT = 16, GID_AT = 40, TAKE_FAILED = 401 };
 enum { ARRIVALS_KEPT = 21, MAX_STREAMS = 256, MAX_OUTGOING = 8, MAX_TAKEN_AT_ONCE = 16 };
 #define NS_PER_S INT64_C(1000000000)
+#define SLOW_NS (NS_PER_S / 100)
 /* After all times; the period of Off, and its negative is when a stream at Full is due. */
 #define NEVER_NS (INT64_C(1) << 62)
 __extension__ typedef __int128 wide;
@@ -28,20 +28,13 @@ __extension__ typedef __int128 wide;
 typedef struct {
     void *(*allocate)(size_t, void *);
     void (*deallocate)(void *, void *);
-    void *(*reallocate)(void *, size_t, void *);
-    void *(*zero_allocate)(size_t, size_t, void *);
-    void *state;
+    void *reallocate, *zero_allocate, *state;
 } allocator_t;
 
 /* An rcutils_uint8_array_t; the middleware makes its buffer as large as a message needs. */
-typedef struct {
-    uint8_t *buffer;
-    size_t length, capacity;
-    allocator_t allocator;
-} message_t;
+typedef struct { uint8_t *buffer; size_t length, capacity; allocator_t allocator; } message_t;
 
 typedef struct { char text[RCL_ERROR_BYTES]; } rcl_error_t;
-
 typedef struct {
     int (*take)(const void *subscription, message_t *taken, void *info, void *allocation);
     int (*publish)(const void *publisher, const message_t *sent, void *allocation);
@@ -50,11 +43,7 @@ typedef struct {
     int64_t (*now_ns)(void); /* the system's clock where it is NULL */
 } functions_t;
 
-typedef struct {
-    uint64_t messages, size_bytes;
-    int64_t span_ns, last_ns;
-} flow_t;
-
+typedef struct { uint64_t messages, size_bytes, span_ns; int64_t last_ns; } flow_t;
 typedef struct {
     flow_t arrived, relayed;
     uint64_t sent, lost, errors;
@@ -68,8 +57,7 @@ typedef struct {
 typedef struct {
     uint8_t gid[GID_BYTES];
     uint64_t number;
-    int64_t due_ns, held_ns;
-    int64_t arrivals_ns[ARRIVALS_KEPT];
+    int64_t due_ns, held_ns, arrivals_ns[ARRIVALS_KEPT];
     uint32_t arrivals, is_open, is_held, reserved;
     message_t held; /* valid until the next call */
 } stream_t;
@@ -82,28 +70,31 @@ typedef struct {
     int64_t period_ns, slack_ns;
     counts_t counts;
 } settings_t;
+typedef struct outgoing { message_t message; struct outgoing *next; } outgoing_t;
 
-typedef struct outgoing {
-    message_t message;
-    struct outgoing *next;
-} outgoing_t;
-
-typedef struct {
-    settings_t settings; /* its counts and pace are those of now */
+typedef struct relay {
+    /* Guarded by the shared mutex: when to serve it at the latest, by the steady clock; 0 is at once. */
+    int64_t serve_at_ns;
+    struct relay *next;
+    int is_served, is_stopping, is_unread;
+    /* Guarded by its own; `settings` has the counts and the pace of now, `streams` one for each publisher. */
     pthread_mutex_t mutex;
-    stream_t *streams; /* one for each publisher */
-    size_t stream_count, last_stream;
+    settings_t settings;
+    stream_t *streams;
     message_t incoming;
     outgoing_t *first, *last, *unused;
-    unsigned outgoing_count;
-    int64_t sleeps_until_ns;
-    atomic_int is_stopping;
-    pthread_t thread;
-    /* Apart from `mutex`, and never held for long, so that the middleware's threads may lock it. */
-    pthread_mutex_t wake_mutex;
-    pthread_cond_t wake;
-    int is_woken;
+    uint64_t stream_count, outgoing_count, messages_before; /* when it was served last */
 } relay_t;
+
+/* The mutex is never held for long, so that the middleware's threads may lock it. */
+static struct {
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;
+    pthread_t thread;
+    relay_t *relays;
+    int64_t sleeps_until_ns, serves_since_ns; /* 0 while it serves no topic */
+    int has_thread;
+} shared = {PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER};
 
 static int64_t clock_ns(clockid_t clock) {
     struct timespec now;
@@ -116,23 +107,14 @@ static int64_t now_ns(const relay_t *relay) {
 }
 
 static int64_t max_ns(int64_t one, int64_t other) { return one > other ? one : other; }
-
-static void swap(message_t *one, message_t *other) {
-    message_t kept = *one;
-    *one = *other;
-    *other = kept;
-}
-
-static message_t new_message(const relay_t *relay) {
-    return (message_t){.allocator = relay->settings.allocator};
-}
+static void swap(message_t *one, message_t *other) { message_t kept = *one; *one = *other; *other = kept; }
 
 static void free_message(message_t *message) {
     if (message->buffer) message->allocator.deallocate(message->buffer, message->allocator.state);
 }
 
 static void record(flow_t *flow, int64_t now, uint64_t size_bytes) {
-    if (flow->messages && now > flow->last_ns) flow->span_ns += now - flow->last_ns;
+    if (flow->messages && now > flow->last_ns) flow->span_ns += (uint64_t)(now - flow->last_ns);
     flow->last_ns = now;
     flow->messages++;
     flow->size_bytes += size_bytes;
@@ -144,11 +126,8 @@ static void start(const settings_t *pace, stream_t *stream, int64_t now) {
 }
 
 static void charge(const settings_t *pace, stream_t *stream, int64_t now) {
-    if (stream->due_ns > now)
-        stream->due_ns = now;
-    else if (stream->due_ns < now - pace->slack_ns)
-        stream->due_ns = now - pace->slack_ns;
-    stream->due_ns += pace->period_ns;
+    int64_t due_ns = stream->due_ns < now ? stream->due_ns : now;
+    stream->due_ns = max_ns(due_ns, now - pace->slack_ns) + pace->period_ns;
 }
 
 static void change_pace(const settings_t *old, const settings_t *pace, stream_t *stream, int64_t now) {
@@ -162,7 +141,9 @@ static void change_pace(const settings_t *old, const settings_t *pace, stream_t 
         stream->due_ns = max_ns(stream->due_ns, after_last_ns);
     } else {
         wide scaled = (wide)max_ns(stream->due_ns - now, -old->slack_ns) * pace->period_ns;
-        stream->due_ns = now + (int64_t)(scaled / old->period_ns - (scaled % old->period_ns < 0));
+        wide ahead_ns = scaled / old->period_ns - (scaled % old->period_ns < 0);
+        /* More credit than the slack counts for nothing, and need not fit. */
+        stream->due_ns = now + (ahead_ns < -pace->slack_ns ? -pace->slack_ns : (int64_t)ahead_ns);
     }
     if (pace->period_ns == NEVER_NS) stream->is_held = 0;
 }
@@ -170,52 +151,41 @@ static void change_pace(const settings_t *old, const settings_t *pace, stream_t 
 /* The stream: as SourcePeriod and VolatileStream. */
 static void record_arrival(stream_t *stream, int64_t now) {
     if (stream->arrivals && now < stream->arrivals_ns[stream->arrivals - 1]) stream->arrivals = 0;
-    if (stream->arrivals == ARRIVALS_KEPT) {
-        stream->arrivals--;
-        memmove(stream->arrivals_ns, stream->arrivals_ns + 1, stream->arrivals * sizeof(int64_t));
-    }
+    if (stream->arrivals == ARRIVALS_KEPT)
+        memmove(stream->arrivals_ns, stream->arrivals_ns + 1, --stream->arrivals * sizeof(int64_t));
     stream->arrivals_ns[stream->arrivals++] = now;
 }
 
 static int64_t release_ns(const settings_t *pace, const stream_t *stream) {
-    if (!stream->is_held) return NEVER_NS;
     int64_t quiet_ns = 0, intervals = (int64_t)stream->arrivals - 1;
+    if (!stream->is_held) return NEVER_NS;
     if (intervals > 0)
-        quiet_ns = (stream->arrivals_ns[intervals] - stream->arrivals_ns[0]) / intervals * 2;
+        quiet_ns = (stream->arrivals_ns[intervals] - stream->arrivals_ns[0]) / intervals;
+    /* A clock may jump ahead by a century, and twice that must fit, too. */
+    quiet_ns = quiet_ns < NEVER_NS / 4 ? quiet_ns * 2 : NEVER_NS / 2;
     return max_ns(stream->due_ns, stream->held_ns + max_ns(quiet_ns, pace->period_ns));
 }
 
-static int64_t next_release_ns(const relay_t *relay) {
-    int64_t next_ns = NEVER_NS;
+/* In how many ns to serve it at the latest if no message comes. */
+static int64_t wait_ns(const relay_t *relay, int64_t now) {
+    int64_t next_ns = relay->first ? now : NEVER_NS;
     for (size_t i = 0; i < relay->stream_count; i++) {
         int64_t at_ns = release_ns(&relay->settings, &relay->streams[i]);
         if (at_ns < next_ns) next_ns = at_ns;
     }
-    return next_ns;
-}
-
-/* A clock that jumped back starts every grid anew; what is held stays held. */
-static void see(relay_t *relay, int64_t now) {
-    if (now < relay->settings.counts.now_ns)
-        for (size_t i = 0; i < relay->stream_count; i++) {
-            stream_t *stream = &relay->streams[i];
-            start(&relay->settings, stream, now);
-            stream->arrivals = 0;
-            stream->held_ns = now;
-        }
-    relay->settings.counts.now_ns = now;
+    return next_ns < NEVER_NS ? max_ns(next_ns - now, 0) : NEVER_NS;
 }
 
 static void note_error(relay_t *relay) {
-    const functions_t *rcl = &relay->settings.rcl;
-    rcl_error_t error = rcl->error_text();
-    rcl->reset_error();
+    memcpy(relay->settings.counts.error, relay->settings.rcl.error_text().text, ERROR_BYTES - 1);
+    relay->settings.rcl.reset_error();
     relay->settings.counts.errors++;
-    memcpy(relay->settings.counts.error, error.text, ERROR_BYTES - 1);
 }
 
-static void pass(relay_t *relay, message_t *message, int64_t now) {
+static void pass(relay_t *relay, stream_t *stream, message_t *message, int64_t now) {
     counts_t *counts = &relay->settings.counts;
+    stream->is_held = 0;
+    charge(&relay->settings, stream, now);
     record(&counts->relayed, now, message->length);
     counts->beginning_bytes = message->length < BEGINNING_BYTES ? message->length : BEGINNING_BYTES;
     if (counts->beginning_bytes) memcpy(counts->beginning, message->buffer, counts->beginning_bytes);
@@ -223,26 +193,23 @@ static void pass(relay_t *relay, message_t *message, int64_t now) {
         if (relay->settings.rcl.publish(relay->settings.publisher, message, NULL)) note_error(relay);
         return;
     }
-    outgoing_t *outgoing = relay->unused;
-    if (outgoing)
-        relay->unused = outgoing->next;
-    else if ((outgoing = malloc(sizeof *outgoing)))
-        outgoing->message = new_message(relay);
-    else {
-        counts->errors++;
-        return;
-    }
-    swap(&outgoing->message, message);
+    outgoing_t *outgoing = relay->unused ? relay->unused : calloc(1, sizeof *outgoing);
+    counts->errors += !outgoing;
+    if (!outgoing) return;
+    relay->unused = outgoing->next;
     outgoing->next = NULL;
+    outgoing->message.allocator = relay->settings.allocator;
+    swap(&outgoing->message, message);
     *(relay->first ? &relay->last->next : &relay->first) = outgoing;
     relay->last = outgoing;
     relay->outgoing_count++;
 }
 
-/* On the topic's thread, which alone publishes what waits: so the order stays. */
+/* What waits now; only who serves the topic publishes it, so the order stays. */
 static void publish_outgoing(relay_t *relay) {
-    while (relay->first) {
-        outgoing_t *outgoing = relay->first;
+    outgoing_t *outgoing = NULL, *last = relay->last;
+    while (relay->first && outgoing != last) {
+        outgoing = relay->first;
         relay->first = outgoing->next;
         pthread_mutex_unlock(&relay->mutex);
         int code = relay->settings.rcl.publish(relay->settings.publisher, &outgoing->message, NULL);
@@ -254,15 +221,19 @@ static void publish_outgoing(relay_t *relay) {
     }
 }
 
-static void release(relay_t *relay, stream_t *stream, int64_t now) {
-    stream->is_held = 0;
-    charge(&relay->settings, stream, now);
-    pass(relay, &stream->held, now);
-}
-
-static void release_due(relay_t *relay, int64_t now) {
-    for (size_t i = 0; i < relay->stream_count; i++)
-        if (release_ns(&relay->settings, &relay->streams[i]) <= now) release(relay, &relay->streams[i], now);
+/* It is now: what is due passes. A clock that jumped back starts every grid anew; what is held stays held. */
+static void see(relay_t *relay, int64_t now) {
+    int has_jumped = now < relay->settings.counts.now_ns;
+    relay->settings.counts.now_ns = now;
+    for (size_t i = 0; i < relay->stream_count; i++) {
+        stream_t *stream = &relay->streams[i];
+        if (has_jumped) {
+            start(&relay->settings, stream, now);
+            stream->arrivals = 0;
+            stream->held_ns = now;
+        }
+        if (release_ns(&relay->settings, stream) <= now) pass(relay, stream, &stream->held, now);
+    }
 }
 
 static void forget_streams(relay_t *relay) {
@@ -272,175 +243,199 @@ static void forget_streams(relay_t *relay) {
 /* The stream of one more publisher. Beyond the most, all begin anew, and what is held passes. */
 static stream_t *new_stream(relay_t *relay) {
     if (relay->stream_count == MAX_STREAMS) {
-        for (size_t i = 0; i < MAX_STREAMS; i++)
-            if (relay->streams[i].is_held) release(relay, &relay->streams[i], relay->settings.counts.now_ns);
+        for (stream_t *stream = relay->streams; stream < relay->streams + MAX_STREAMS; stream++)
+            if (stream->is_held) pass(relay, stream, &stream->held, relay->settings.counts.now_ns);
         forget_streams(relay);
     }
     stream_t *streams = realloc(relay->streams, (relay->stream_count + 1) * sizeof *streams);
     if (!streams) return NULL;
     relay->streams = streams;
-    relay->last_stream = relay->stream_count;
-    streams[relay->stream_count] = (stream_t){.held = new_message(relay)};
+    streams[relay->stream_count] = (stream_t){.held.allocator = relay->settings.allocator};
     return &streams[relay->stream_count++];
 }
 
 /* The stream of a message, unless that or a later one of its publisher came before. */
 static stream_t *counted(relay_t *relay, const uint8_t *gid, uint64_t number) {
     counts_t *counts = &relay->settings.counts;
-    for (size_t i = 0; i < relay->stream_count; i++) {
-        /* Mostly it is the one before. */
-        size_t at = (relay->last_stream + i) % relay->stream_count;
-        stream_t *known = &relay->streams[at];
-        if (memcmp(known->gid, gid, GID_BYTES)) continue;
-        if (number <= known->number) return NULL;
-        counts->sent += number - known->number;
-        counts->lost += number - known->number - 1;
-        known->number = number;
-        relay->last_stream = at;
-        return known;
-    }
-    stream_t *added = new_stream(relay);
-    if (!added) return NULL;
-    memcpy(added->gid, gid, GID_BYTES);
-    added->number = number;
-    counts->sent++;
-    return added;
+    stream_t *known = NULL;
+    for (size_t i = 0; i < relay->stream_count && !known; i++)
+        if (!memcmp(relay->streams[i].gid, gid, GID_BYTES)) known = &relay->streams[i];
+    if (known && number <= known->number) return NULL;
+    uint64_t before = known ? known->number : number - 1;
+    if (!known && !(known = new_stream(relay))) return NULL;
+    memcpy(known->gid, gid, GID_BYTES);
+    known->number = number;
+    counts->sent += number - before;
+    counts->lost += number - before - 1;
+    return known;
 }
 
 static void offer(relay_t *relay, stream_t *stream, int64_t now) {
-    message_t *message = &relay->incoming;
+    const settings_t *pace = &relay->settings;
     see(relay, now);
-    record(&relay->settings.counts.arrived, now, message->length);
-    release_due(relay, now);
+    record(&relay->settings.counts.arrived, now, relay->incoming.length);
     if (!stream->is_open) {
         stream->is_open = 1;
-        start(&relay->settings, stream, now);
+        start(pace, stream, now);
     }
     record_arrival(stream, now);
     if (now >= stream->due_ns) {
-        stream->is_held = 0;
-        charge(&relay->settings, stream, now);
-        pass(relay, message, now);
-    } else if (stream->due_ns < NEVER_NS) {
+        pass(relay, stream, &relay->incoming, now);
+    } else if (pace->period_ns < NEVER_NS) {
         stream->is_held = 1;
         stream->held_ns = now;
-        swap(&stream->held, message);
+        swap(&stream->held, &relay->incoming);
     }
 }
 
-/* Whether there may be more; while much waits for the thread, messages stay in the middleware's queue. */
-static int serve(relay_t *relay) {
+/* Whether there may be more; while much waits to be published, messages stay in the middleware's queue. */
+static int take(relay_t *relay) {
     uint64_t info[INFO_BYTES / sizeof(uint64_t)];
     uint8_t gid[GID_BYTES] = {0};
-    const settings_t *settings = &relay->settings;
-    for (int taken = 0; taken < MAX_TAKEN_AT_ONCE; taken++) {
-        if (relay->outgoing_count >= MAX_OUTGOING) return 1;
-        int code = settings->rcl.take(settings->subscription, &relay->incoming, info, NULL);
-        if (code) {
-            if (code != TAKE_FAILED) note_error(relay);
-            return 0;
-        }
-        memcpy(gid, (uint8_t *)info + GID_AT, settings->gid_bytes);
+    for (int taken = 0; taken < MAX_TAKEN_AT_ONCE && relay->outgoing_count < MAX_OUTGOING; taken++) {
+        int code = relay->settings.rcl.take(relay->settings.subscription, &relay->incoming, info, NULL);
+        if (code && code != TAKE_FAILED) note_error(relay);
+        if (code) return 0;
+        memcpy(gid, (uint8_t *)info + GID_AT, relay->settings.gid_bytes);
         stream_t *stream = counted(relay, gid, info[NUMBER_AT / sizeof(uint64_t)]);
         if (stream) offer(relay, stream, now_ns(relay));
     }
     return 1;
 }
 
-static void wake(relay_t *relay) {
-    pthread_mutex_lock(&relay->wake_mutex);
-    if (!relay->is_woken) {
-        relay->is_woken = 1;
-        pthread_cond_signal(&relay->wake);
-    }
-    pthread_mutex_unlock(&relay->wake_mutex);
-}
-
-/* By the steady clock: another one may jump back, and then this would last for ever. */
-static void sleep_for(relay_t *relay, int64_t ns) {
-    int64_t end_ns = clock_ns(CLOCK_MONOTONIC) + max_ns(ns, 0);
-    struct timespec end = {.tv_sec = end_ns / NS_PER_S, .tv_nsec = end_ns % NS_PER_S};
-    pthread_mutex_lock(&relay->wake_mutex);
-    for (int code = 0; !relay->is_woken && code != ETIMEDOUT;)
-        code = pthread_cond_timedwait(&relay->wake, &relay->wake_mutex, &end);
-    relay->is_woken = 0;
-    pthread_mutex_unlock(&relay->wake_mutex);
-}
-
-/* What its thread does whenever it wakes; returns in how many ns to do so again without a message. */
-int64_t relay_step(relay_t *relay) {
-    int64_t now, has_more;
+/* Serve it once; returns in how many ns to do so again, or -1 if there is more to take. */
+int64_t relay_step(relay_t *relay, int takes) {
     pthread_mutex_lock(&relay->mutex);
-    do {
-        has_more = !relay->is_stopping && serve(relay);
-        now = now_ns(relay);
-        see(relay, now);
-        release_due(relay, now);
-        publish_outgoing(relay);
-    } while (has_more);
-    int64_t next_ns = relay->sleeps_until_ns = next_release_ns(relay);
+    int has_more = takes && take(relay);
+    int64_t now = now_ns(relay), period_ns = relay->settings.period_ns;
+    see(relay, now);
+    publish_outgoing(relay);
+    int64_t again_ns = has_more ? -1 : wait_ns(relay, now);
+    /* What comes later and is held, is not due within a period: so it need not wake the thread. */
+    uint64_t messages = relay->settings.counts.arrived.messages;
+    if (again_ns == NEVER_NS && period_ns && messages > relay->messages_before) again_ns = period_ns;
+    relay->messages_before = messages;
     pthread_mutex_unlock(&relay->mutex);
-    return next_ns - now;
+    return again_ns;
 }
 
-static void *run(void *given) {
-    relay_t *relay = given;
-    while (!atomic_load(&relay->is_stopping)) sleep_for(relay, relay_step(relay));
-    relay_step(relay);
-    return NULL;
+static void *run(void *unused);
+
+/* Have a new thread be the shared one; whether it could be started. */
+static int start_thread(void) {
+    pthread_t thread;
+    if (pthread_create(&thread, NULL, run, NULL)) return 0;
+    pthread_detach(shared.thread = thread);
+    shared.serves_since_ns = 0;
+    return shared.has_thread = 1;
+}
+
+/* Have it served in so many ns, and messages taken if some are unread. */
+static void serve_in(relay_t *relay, int64_t ns, int is_unread) {
+    if (ns == NEVER_NS) return;
+    int64_t now = clock_ns(CLOCK_MONOTONIC);
+    pthread_mutex_lock(&shared.mutex);
+    relay->is_unread |= is_unread;
+    if (relay->serve_at_ns) relay->serve_at_ns = ns ? now + ns : 0;
+    int is_earlier = relay->serve_at_ns < shared.sleeps_until_ns;
+    if (is_earlier) shared.sleeps_until_ns = relay->serve_at_ns;
+    if (shared.serves_since_ns && now - shared.serves_since_ns > SLOW_NS) start_thread();
+    pthread_mutex_unlock(&shared.mutex);
+    if (is_earlier) pthread_cond_broadcast(&shared.changed);
+}
+
+/* Whether this is still the shared thread. */
+static int serve_now(relay_t *relay) {
+    int takes = relay->is_unread;
+    relay->is_unread = 0;
+    relay->is_served = 1;
+    relay->serve_at_ns = NEVER_NS;
+    shared.serves_since_ns = clock_ns(CLOCK_MONOTONIC);
+    pthread_mutex_unlock(&shared.mutex);
+    int64_t again_ns = relay_step(relay, takes);
+    int64_t at_ns = again_ns > 0 ? clock_ns(CLOCK_MONOTONIC) + again_ns : 0;
+    pthread_mutex_lock(&shared.mutex);
+    relay->is_served = 0;
+    relay->is_unread |= again_ns < 0;
+    if (at_ns < relay->serve_at_ns) relay->serve_at_ns = at_ns;
+    if (relay->is_stopping) pthread_cond_broadcast(&shared.changed);
+    int is_shared = pthread_equal(shared.thread, pthread_self());
+    if (is_shared) shared.serves_since_ns = 0;
+    return is_shared;
+}
+
+/* By the steady clock: another one may jump back, and then a wait would last for ever. */
+static void *run(void *unused) {
+    int is_shared = 1;
+    pthread_mutex_lock(&shared.mutex);
+    while (is_shared && shared.relays) {
+        int64_t now = clock_ns(CLOCK_MONOTONIC);
+        if (now < shared.sleeps_until_ns) {
+            struct timespec until = {shared.sleeps_until_ns / NS_PER_S, shared.sleeps_until_ns % NS_PER_S};
+            pthread_cond_clockwait(&shared.changed, &shared.mutex, CLOCK_MONOTONIC, &until);
+            continue;
+        }
+        shared.sleeps_until_ns = NEVER_NS;
+        for (relay_t *relay = shared.relays; relay && is_shared; relay = relay->next) {
+            if (relay->is_served || relay->is_stopping) continue;
+            if (relay->serve_at_ns <= now) is_shared = serve_now(relay);
+            if (relay->serve_at_ns < shared.sleeps_until_ns) shared.sleeps_until_ns = relay->serve_at_ns;
+        }
+    }
+    shared.has_thread &= !is_shared;
+    pthread_cond_broadcast(&shared.changed);
+    pthread_mutex_unlock(&shared.mutex);
+    return unused;
 }
 
 /* What Python calls. All but relay_stop and relay_free may be called while the relay runs. */
 
-void relay_sizes(size_t sizes[4]) {
-    memcpy(sizes, (size_t[]){ABI, sizeof(settings_t), sizeof(stream_t), sizeof(counts_t)}, 4 * sizeof *sizes);
-}
+const size_t relay_sizes[] = {ABI, sizeof(settings_t), sizeof(stream_t), sizeof(counts_t)};
 
 relay_t *relay_new(const settings_t *settings) {
-    relay_t *relay = calloc(1, sizeof *relay);
+    relay_t *relay = malloc(sizeof *relay);
     if (!relay) return NULL;
-    relay->settings = *settings;
-    if (relay->settings.gid_bytes > GID_BYTES) relay->settings.gid_bytes = GID_BYTES;
-    relay->incoming = new_message(relay);
-    pthread_condattr_t steady;
-    pthread_condattr_init(&steady);
-    pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
-    pthread_mutex_init(&relay->mutex, NULL);
-    pthread_mutex_init(&relay->wake_mutex, NULL);
-    pthread_cond_init(&relay->wake, &steady);
-    pthread_condattr_destroy(&steady);
+    *relay = (relay_t){.mutex = PTHREAD_MUTEX_INITIALIZER, .settings = *settings};
+    relay->incoming.allocator = settings->allocator;
+    if (settings->gid_bytes > GID_BYTES) relay->settings.gid_bytes = GID_BYTES;
     return relay;
 }
 
 /* To be called before relay_start: what is known of a publisher. Whether there was memory for it. */
 int relay_add_stream(relay_t *relay, const stream_t *known) {
+    size_t length = known->is_held ? known->held.length : 0;
     stream_t *added = new_stream(relay);
     if (!added) return 0;
-    message_t held = added->held;
-    held.length = held.capacity = known->is_held ? known->held.length : 0;
-    if (held.length && !(held.buffer = held.allocator.allocate(held.length, held.allocator.state)))
-        held.length = held.capacity = 0;
-    if (held.length) memcpy(held.buffer, known->held.buffer, held.length);
+    message_t held = {NULL, length, length, added->held.allocator};
+    if (length && !(held.buffer = held.allocator.allocate(length, held.allocator.state))) return 0;
+    if (length) memcpy(held.buffer, known->held.buffer, length);
     *added = *known;
     added->held = held;
-    return held.length || !known->is_held || !known->held.length;
+    return 1;
 }
 
-/* Whether its thread runs; from now on the middleware may call relay_on_message. */
+/* Whether a thread serves it; from now on the middleware may call relay_on_message. */
 int relay_start(relay_t *relay) {
-    return pthread_create(&relay->thread, NULL, run, relay) == 0;
+    pthread_mutex_lock(&shared.mutex);
+    int has_thread = shared.has_thread || start_thread();
+    relay->next = shared.relays;
+    if (has_thread) shared.relays = relay;
+    pthread_mutex_unlock(&shared.mutex);
+    serve_in(relay, 0, 1);
+    return has_thread;
 }
 
 void relay_on_message(const void *given, size_t count) {
     relay_t *relay = (relay_t *)(uintptr_t)given;
+    int64_t ns = 0;
+    int is_unread = 1;
     (void)count;
-    int is_left = 1;
-    if (relay->settings.takes_on_callback && pthread_mutex_trylock(&relay->mutex) == 0) {
-        is_left = !relay->is_stopping && serve(relay);
-        is_left |= relay->first != NULL || next_release_ns(relay) < relay->sleeps_until_ns;
+    if (relay->settings.takes_on_callback && !pthread_mutex_trylock(&relay->mutex)) {
+        is_unread = take(relay);
+        if (!is_unread) ns = wait_ns(relay, now_ns(relay));
         pthread_mutex_unlock(&relay->mutex);
     }
-    if (is_left) wake(relay);
+    serve_in(relay, ns, is_unread);
 }
 
 void relay_set_pace(relay_t *relay, int64_t period_ns, int64_t slack_ns) {
@@ -451,49 +446,48 @@ void relay_set_pace(relay_t *relay, int64_t period_ns, int64_t slack_ns) {
     relay->settings.period_ns = period_ns;
     relay->settings.slack_ns = slack_ns;
     for (size_t i = 0; i < relay->stream_count; i++)
-        if (relay->streams[i].is_open)
-            change_pace(&old, &relay->settings, &relay->streams[i], now);
+        if (relay->streams[i].is_open) change_pace(&old, &relay->settings, &relay->streams[i], now);
     pthread_mutex_unlock(&relay->mutex);
-    wake(relay);
+    serve_in(relay, 0, 0);
 }
 
-/* Also wakes the thread if the clock jumped past what it sleeps for, or back. */
+/* Also has it served at the right time if the clock jumped. */
 void relay_read(relay_t *relay, counts_t *counts) {
     pthread_mutex_lock(&relay->mutex);
-    int64_t now = now_ns(relay);
-    see(relay, now);
+    see(relay, now_ns(relay));
     *counts = relay->settings.counts;
-    int is_due = next_release_ns(relay) <= now;
+    int64_t ns = wait_ns(relay, counts->now_ns);
     pthread_mutex_unlock(&relay->mutex);
-    if (is_due) wake(relay);
+    serve_in(relay, ns, 0);
 }
 
 /* Publish what passed, and take nothing more; the middleware must no longer call relay_on_message. */
 void relay_stop(relay_t *relay) {
-    atomic_store(&relay->is_stopping, 1);
-    wake(relay);
-    pthread_join(relay->thread, NULL);
+    pthread_mutex_lock(&shared.mutex);
+    relay->is_stopping = 1;
+    while (relay->is_served) pthread_cond_wait(&shared.changed, &shared.mutex);
+    relay_t **at = &shared.relays;
+    while (*at != relay) at = &(*at)->next;
+    *at = relay->next;
+    pthread_cond_broadcast(&shared.changed);
+    pthread_mutex_unlock(&shared.mutex);
+    relay_step(relay, 0);
 }
 
-/* The stream of that index once the relay is stopped; 0 where there are no more. */
-int relay_stream(const relay_t *relay, size_t index, stream_t *stream) {
-    if (index >= relay->stream_count) return 0;
-    *stream = relay->streams[index];
-    return 1;
+/* Its streams once it is stopped; their number. */
+size_t relay_streams(const relay_t *relay, const stream_t **streams) {
+    *streams = relay->streams;
+    return relay->stream_count;
 }
 
 void relay_free(relay_t *relay) {
     forget_streams(relay);
     free_message(&relay->incoming);
-    while (relay->unused) {
-        outgoing_t *outgoing = relay->unused;
-        relay->unused = outgoing->next;
-        free_message(&outgoing->message);
-        free(outgoing);
+    for (outgoing_t *next; relay->unused; relay->unused = next) {
+        next = relay->unused->next;
+        free_message(&relay->unused->message);
+        free(relay->unused);
     }
     free(relay->streams);
-    pthread_cond_destroy(&relay->wake);
-    pthread_mutex_destroy(&relay->mutex);
-    pthread_mutex_destroy(&relay->wake_mutex);
     free(relay);
 }

@@ -16,7 +16,7 @@ from smarttestudo.robot.ros.rcl.bindings import Allocator, SerializedMessage
 
 LIBRARY = Path(__file__).with_name("relay.so")
 """Where setup.py puts it, if there is a C compiler."""
-ABI = 1
+ABI = 2
 GID_BYTES = 24
 BEGINNING_BYTES = 16
 ERROR_BYTES = 256
@@ -128,12 +128,11 @@ class RelayLibrary:
     def __init__(self, path: Path | None = None) -> None:
         try:
             library = ctypes.CDLL(str(path or LIBRARY))
-            sizes = (c_size_t * 4)()
-            library.relay_sizes(sizes)
+            sizes = (c_size_t * 4).in_dll(library, "relay_sizes")
             self.on_message = ctypes.cast(library.relay_on_message, c_void_p)
             self._new, self.free = library.relay_new, library.relay_free
-            self._add_stream, self._stream = library.relay_add_stream, library.relay_stream
-            self.start, self.stop, self.step = library.relay_start, library.relay_stop, library.relay_step
+            self._add_stream, self._streams = library.relay_add_stream, library.relay_streams
+            self.start, self.stop, self._step = library.relay_start, library.relay_stop, library.relay_step
             self._set_pace, self._read = library.relay_set_pace, library.relay_read
         except (OSError, AttributeError) as error:
             raise RosError(f"there are no compiled relays: {error}", remedy=REMEDY) from error
@@ -142,10 +141,10 @@ class RelayLibrary:
         self._new.argtypes, self._new.restype = [c_void_p], c_void_p
         self._set_pace.argtypes, self._set_pace.restype = [c_void_p, c_int64, c_int64], None
         self._add_stream.argtypes = [c_void_p, c_void_p]
-        self._stream.argtypes = [c_void_p, c_size_t, c_void_p]
+        self._streams.argtypes, self._streams.restype = [c_void_p, c_void_p], c_size_t
         self._read.argtypes, self._read.restype = [c_void_p, c_void_p], None
         self.start.argtypes, self.start.restype = [c_void_p], c_int
-        self.step.argtypes, self.step.restype = [c_void_p], c_int64
+        self._step.argtypes, self._step.restype = [c_void_p, c_int], c_int64
         for function in (self.stop, self.free):
             function.argtypes, function.restype = [c_void_p], None
 
@@ -173,14 +172,18 @@ class RelayLibrary:
 
     def streams(self, relay: int) -> list[CStream]:
         """The streams of a relay that was stopped; what they hold is gone once it is freed."""
-        found: list[CStream] = []
-        while self._stream(relay, len(found), ctypes.addressof(stream := CStream())):
-            found.append(stream)
-        return found
+        first = ctypes.POINTER(CStream)()
+        count: int = self._streams(relay, ctypes.addressof(first))
+        return first[:count]
 
     def set_pace(self, relay: int, period_ns: int, slack_ns: int) -> None:
         """Follow another pace from now on."""
         self._set_pace(relay, c_ns(period_ns), slack_ns)
+
+    def step(self, relay: int) -> int | None:
+        """Take, pace and publish what there is; in how many ns to do so again at the latest."""
+        wait_ns: int = self._step(relay, 1)
+        return None if wait_ns >= C_NEVER_NS else max(wait_ns, 0)
 
     def counts(self, relay: int) -> CCounts:
         """The counts as of now."""

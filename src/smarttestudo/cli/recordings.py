@@ -1,0 +1,383 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Commands over recordings: which are named, who works on them, and what is said of each."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+
+from smarttestudo.cli.bag_options import CsvPrinter, print_json, print_notices
+from smarttestudo.cli.paths import file_path, own_name
+from smarttestudo.cli.progress import Progress, progress, silent
+from smarttestudo.domain.errors import TestudoError, UsageError
+from smarttestudo.domain.units import counted
+from smarttestudo.files.outputs import require_separate
+from smarttestudo.fleet.row_tables import RowTable
+
+if TYPE_CHECKING:
+    from smarttestudo.fleet.executor import Executor
+    from smarttestudo.fleet.parquet import ParquetFolder
+
+RECORDINGS_HELP = (
+    "a rosbag2 folder, a .db3 or an .mcap file; any other folder, or a quoted pattern ('bags/*.mcap'), "
+    "stands for all recordings in it"
+)
+EXIT_ERROR = 1
+_CLUSTER_TIMEOUT_S = 10.0
+_PLACES = ("bag", "a", "b")
+"""Arguments that are a recording."""
+
+
+class Measured(Protocol):
+    """What is known of one recording, or of a pair."""
+
+    @property
+    def notices(self) -> Sequence[str]:
+        """What was lost or odd, a line each."""
+
+    def to_json(self) -> dict[str, object]:
+        """The object that ``--json`` prints."""
+
+    def rows(self) -> Iterator[dict[str, object]]:
+        """The rows of ``--csv``."""
+
+
+Result = TypeVar("Result", bound=Measured)
+
+
+class RecordingCommand(ABC, Generic[Result]):
+    """What a command says of recordings, one after the other."""
+
+    table: RowTable
+    """Where ``--parquet`` adds what is known."""
+    is_named_by_text = False
+    """Whether ``print_text`` says which recording it is about."""
+
+    @staticmethod
+    @abstractmethod
+    def measure(arguments: argparse.Namespace, progress: Progress) -> Result:
+        """What is known of the recording in ``arguments``; another process may be asked."""
+
+    @abstractmethod
+    def print_text(self, result: Result) -> None:
+        """Print it for people."""
+
+    def notices(self, result: Result) -> Iterable[str]:
+        """What was lost or odd."""
+        return result.notices
+
+    def shown(self, result: Result) -> Result:
+        """The part of it that is asked for."""
+        return result
+
+    def rows(self, result: Result) -> Iterable[Mapping[str, object]]:
+        """What ``--parquet`` adds of it."""
+        return result.rows()
+
+    def finish(self, arguments: argparse.Namespace) -> None:
+        """Do what follows once a recording was printed."""
+
+    def sum(self) -> str:
+        """What all recordings are together."""
+        return ""
+
+
+def recording_name(text: str) -> str:
+    """Recordings from the command line; ``ArgumentTypeError`` for an empty name."""
+    if not text:
+        raise argparse.ArgumentTypeError("the name of a file or folder is not empty")
+    return text
+
+
+def add_recordings(action: argparse.ArgumentParser, *, or_else: str = "") -> None:
+    """Add one recording or more; ``or_else`` is what may be named instead."""
+    action.add_argument(
+        "bags",
+        metavar="BAG",
+        nargs="+",
+        type=recording_name,
+        help="; ".join(filter(None, (RECORDINGS_HELP, or_else))),
+    )
+
+
+def add_pair(action: argparse.ArgumentParser, *, a: str, b: str, is_b_optional: bool = False) -> None:
+    """Add A and B, which are described by ``a`` and ``b``."""
+    pairs = "several are paired by their names in the folders, or by what the patterns leave open"
+    action.add_argument("a", metavar="A", type=recording_name, help=f"{a}: {RECORDINGS_HELP}")
+    action.add_argument(
+        "b", metavar="B", nargs="?" if is_b_optional else None, type=recording_name, help=f"{b}; {pairs}"
+    )
+
+
+def add_several(action: argparse.ArgumentParser) -> None:
+    """Add who works on several recordings, and where the rows of all are gathered."""
+    several = action.add_argument_group("several recordings")
+    several.add_argument(
+        "--workers",
+        metavar="N",
+        type=_positive,
+        help="work on so many at once, each in a process (default: one for each core; 1: in this process)",
+    )
+    several.add_argument(
+        "--dask",
+        metavar="ADDRESS",
+        help="work on them on the Dask cluster of this scheduler, as in tcp://10.0.0.2:8786 (needs the "
+        "extra fleet)",
+    )
+
+    action.add_argument(
+        "--parquet",
+        metavar="DIR",
+        type=file_path,
+        help="also add the rows of --csv to the Parquet tables in this folder (needs the extra fleet)",
+    )
+
+
+def _positive(text: str) -> int:
+    number = int(text) if text.isascii() and text.isdigit() else 0
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of 1 or more")
+    return number
+
+
+Asked = Mapping[str, Path | None] | TestudoError
+"""Arguments that stand for one recording or a pair in those of the command, or why there are none."""
+
+
+def recordings_asked(texts: Sequence[str]) -> list[Mapping[str, Path | None]]:
+    """The recordings that ``texts`` name, in their order."""
+    from smarttestudo.fleet.recordings import find_recordings  # noqa: PLC0415  needs packages a robot lacks
+
+    return [{"bag": found.path} for text in texts for found in find_recordings(text)]
+
+
+def pairs_asked(a: str, b: str | None) -> list[Asked]:
+    """Each recording that ``a`` names, with the one of ``b`` that belongs to it."""
+    from smarttestudo.fleet.recordings import find_recordings, pair_recordings  # noqa: PLC0415  as above
+
+    if b is None:
+        return [{"a": found.path, "b": None} for found in find_recordings(a)]
+    return [
+        one if isinstance(one, TestudoError) else {"a": one.a, "b": one.b} for one in pair_recordings(a, b)
+    ]
+
+
+def recordings_in(one: Mapping[str, object]) -> dict[str, Path]:
+    """The recordings among arguments, by the argument's name."""
+    return {name: path for name in _PLACES if isinstance(path := one.get(name), Path)}
+
+
+def folders_of_each(asked: Sequence[Asked], folder: Path) -> Iterator[Path]:
+    """Where what is written of each goes: ``folder`` itself of an only one, else a folder in it."""
+    if len(asked) == 1:
+        yield folder
+        return
+    digits = len(str(len(asked)))
+    for number, one in enumerate(asked, start=1):
+        named = [] if isinstance(one, TestudoError) else [*recordings_in(one).values()]
+        yield folder / "-".join([f"{number:0{digits}}", *map(own_name, named[:1])])
+
+
+def each_recording(
+    arguments: argparse.Namespace, asked: Sequence[Asked], command: RecordingCommand[Result]
+) -> int:
+    """Show what ``command`` says of each of ``asked``, in order; 1 if one could not be read.
+
+    The error of an only one is raised. Of several each has a line, and costs no other.
+    """
+    output = _Output(command, _parquet_folder(arguments, asked), is_only=len(asked) == 1)
+    if len(asked) == 1:
+        (only,) = asked
+        if isinstance(only, TestudoError):
+            raise only
+        alone = _with(arguments, only)
+        output.show(alone, command.measure(alone, progress))
+        return 0
+    failed = 0
+    there = [one for one in asked if not isinstance(one, TestudoError)]
+    with _executor(arguments, there) as executor:
+        with closing(_outcomes(executor, arguments, asked, command)) as outcomes:
+            for one, outcome in outcomes:
+                error = outcome if isinstance(outcome, TestudoError) else output.failure(one, outcome)
+                if error is not None:
+                    failed += 1
+                    _print_error(one, error)
+        print_notices(executor.notices)
+        if executor.failure is not None:
+            _print_error(arguments, executor.failure)
+    if _is_text(arguments):
+        failures = f", {failed} of which could not be read" if failed else ""
+        sums = [f"{counted(len(asked), 'recording')}{failures}", command.sum()]
+        print(f"\n{': '.join(filter(None, sums))}")  # noqa: T201
+    return EXIT_ERROR if failed or executor.failure else 0
+
+
+def _parquet_folder(arguments: argparse.Namespace, asked: Sequence[Asked]) -> ParquetFolder | None:
+    """Where rows are added, which must not be in a recording."""
+    if arguments.parquet is None:
+        return None
+    from smarttestudo.fleet.parquet import ParquetFolder  # noqa: PLC0415  most have no extra fleet
+
+    found = [one for one in asked if not isinstance(one, TestudoError)]
+    require_separate(
+        {"--parquet": arguments.parquet}, [path for one in found for path in recordings_in(one).values()]
+    )
+    return ParquetFolder(arguments.parquet)
+
+
+def _with(arguments: argparse.Namespace, one: Mapping[str, object]) -> argparse.Namespace:
+    return argparse.Namespace(**{**vars(arguments), **one})
+
+
+def _outcomes(
+    executor: Executor,
+    arguments: argparse.Namespace,
+    asked: Sequence[Asked],
+    command: RecordingCommand[Result],
+) -> Generator[tuple[argparse.Namespace, Result | TestudoError]]:
+    """The arguments of each recording with what came of it, in order."""
+    there = [one for one in asked if not isinstance(one, TestudoError)]
+    label = f"Reading {counted(len(asked), 'recording')}"
+    task: Callable[[Mapping[str, Path | None]], Result] = partial(
+        _measure_one, command.measure, _from_the_root(arguments)
+    )
+    with closing(executor.map(task, there)) as results:
+        for number, one in enumerate(asked):
+            if isinstance(one, TestudoError):
+                yield arguments, one
+                continue
+            # What is printed of one must not meet the bar.
+            with progress(label) as report:
+                report(number / len(asked))
+                outcome = next(results)
+            yield _with(arguments, one), outcome
+
+
+def _from_the_root(arguments: argparse.Namespace) -> argparse.Namespace:
+    """``arguments`` with paths that mean the same in any folder, where a cluster works on them."""
+    if arguments.dask is None:
+        return arguments
+    return argparse.Namespace(**{name: _absolute(value) for name, value in vars(arguments).items()})
+
+
+def _absolute(value: object) -> object:
+    if isinstance(value, list):
+        return [_absolute(one) for one in value]
+    return value.absolute() if isinstance(value, Path) else value
+
+
+def _measure_one(
+    measure: Callable[[argparse.Namespace, Progress], Result],
+    arguments: argparse.Namespace,
+    one: Mapping[str, Path | None],
+) -> Result:
+    return measure(_with(arguments, one), silent)
+
+
+@contextmanager
+def _executor(arguments: argparse.Namespace, there: Sequence[Mapping[str, object]]) -> Iterator[Executor]:
+    """Who works on the recordings that are there."""
+    local = _local_executor(min(arguments.workers or len(os.sched_getaffinity(0)), len(there)))
+    if arguments.dask is None:
+        yield local
+        return
+    for one in there:
+        for path in recordings_in(one).values():
+            if not path.is_absolute():
+                cause = f"{path} is another place for each worker"
+                raise UsageError(cause, place="--dask", remedy="name recordings from the root, or by a URL")
+    from smarttestudo.fleet.dask_cluster import open_cluster  # noqa: PLC0415  as above
+
+    with open_cluster(arguments.dask, timeout_s=_CLUSTER_TIMEOUT_S, otherwise=local) as cluster:
+        yield cluster
+
+
+def _local_executor(workers: int) -> Executor:
+    if workers <= 1:
+        from smarttestudo.fleet.executor import InProcess  # noqa: PLC0415  as above
+
+        return InProcess()
+    from smarttestudo.fleet.processes import Processes  # noqa: PLC0415  as above
+
+    return Processes(workers)
+
+
+def _print_error(one: argparse.Namespace, error: TestudoError) -> None:
+    """A line after what was printed."""
+    sys.stdout.flush()
+    print(_with_name(one, str(error)), file=sys.stderr)  # noqa: T201
+
+
+def _with_name(one: argparse.Namespace, line: str) -> str:
+    """``line``, after the name of the recording that it is about where it does not begin with it."""
+    names = [str(path) for path in recordings_in(vars(one)).values()]
+    return line if not names or line.startswith(tuple(names)) else f"{', '.join(names)}: {line}"
+
+
+def _is_text(arguments: argparse.Namespace) -> bool:
+    """Whether people read what is printed."""
+    return not arguments.json and not getattr(arguments, "csv", False)
+
+
+class _Output(Generic[Result]):
+    """Prints each recording as a line of JSON, as rows of one CSV, or as text with empty lines between."""
+
+    def __init__(
+        self, command: RecordingCommand[Result], parquet: ParquetFolder | None, *, is_only: bool
+    ) -> None:
+        self._command = command
+        self._parquet = parquet
+        self._is_only = is_only
+        self._csv = CsvPrinter()
+        self._is_first = True
+
+    def show(self, one: argparse.Namespace, result: Result) -> None:
+        """Print one result in the form that is asked for, and its notices."""
+        result = self._command.shown(result)
+        if _is_text(one):
+            self._print_heading(one)
+            self._command.print_text(result)
+        elif one.json:
+            print_json(self._named(one, result.to_json()))
+        else:
+            self._csv.print_rows(self._named(one, row) for row in result.rows())
+        print_notices(self._noted(one, notice) for notice in self._command.notices(result))
+        if self._parquet is not None:
+            names = {name: str(path) for name, path in recordings_in(vars(one)).items()}
+            self._parquet.add(self._command.table, ({**names, **row} for row in self._command.rows(result)))
+        self._command.finish(one)
+
+    def _noted(self, one: argparse.Namespace, notice: str) -> str:
+        return notice if self._is_only else _with_name(one, notice)
+
+    def failure(self, one: argparse.Namespace, result: Result) -> TestudoError | None:
+        """Print one result; an error that this ends with is returned."""
+        try:
+            self.show(one, result)
+        except TestudoError as error:
+            return error
+        return None
+
+    def _named(self, one: argparse.Namespace, value: Mapping[str, object]) -> Mapping[str, object]:
+        """``value``, of several recordings with the name of its own."""
+        if self._is_only:
+            return value
+        return {**{name: str(path) for name, path in recordings_in(vars(one)).items()}, **value}
+
+    def _print_heading(self, one: argparse.Namespace) -> None:
+        if self._is_only:
+            return
+        if not self._is_first:
+            print()  # noqa: T201
+        self._is_first = False
+        if not self._command.is_named_by_text:
+            for path in recordings_in(vars(one)).values():
+                print(f"{path}\n")  # noqa: T201

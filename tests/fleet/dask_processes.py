@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A Dask scheduler and workers as processes, on the loopback."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+TESTS = Path(__file__).parents[1]
+_WITHIN_S = 60
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DaskProcesses:
+    address: str
+    scheduler: subprocess.Popen[bytes]
+    workers: tuple[subprocess.Popen[bytes], ...]
+
+
+@contextmanager
+def dask_processes(folder: Path, *, workers: int = 2) -> Iterator[DaskProcesses]:
+    """They end with the block, as far as they still are."""
+    file = folder / "scheduler.json"
+    started: list[subprocess.Popen[bytes]] = []
+    try:
+        started.append(_start(folder, "scheduler", "--port", "0", "--host", "127.0.0.1"))
+        end_s = time.monotonic() + _WITHIN_S
+        while not file.exists():
+            assert time.monotonic() < end_s
+            time.sleep(0.05)
+        started += [_start(folder, "worker", "--nthreads", "1", "--no-nanny") for _ in range(workers)]
+        address = json.loads(file.read_text())["address"]
+        yield DaskProcesses(address=address, scheduler=started[0], workers=tuple(started[1:]))
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+
+def _start(folder: Path, *arguments: str) -> subprocess.Popen[bytes]:
+    """``dask`` with ``arguments``; a task that ended two workers is not tried again."""
+    variables = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join((str(TESTS), os.environ.get("PYTHONPATH", ""))),
+        "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1",
+    }
+    return subprocess.Popen(
+        [sys.executable, "-m", "dask", *arguments, "--no-dashboard", "--scheduler-file", "scheduler.json"],
+        cwd=folder,
+        env=variables,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
