@@ -55,9 +55,10 @@ class LinkState:
     """State of the link at the robot's end; ``None`` for what was not measured yet.
 
     ``capacity_kb_per_s`` is what the link carries, ``round_trip_ms`` the least of the last seconds,
-    ``outages`` how often the operator's end was silent while something was under way to it. ``sessions``
-    counts how often an operator's end came that may lack what was sent before. All operator's ends that are
-    there reckon the topics in ``predicted`` where they are told how.
+    ``outages`` how often nothing arrived at the operator's end for more than a second and four round trips,
+    whether its connection was cut or not. ``sessions`` counts how often an operator's end came that may
+    lack what was sent before. All operator's ends that are there reckon the topics in ``predicted`` where
+    they are told how.
     """
 
     is_connected: Annotated[
@@ -78,7 +79,7 @@ class LinkState:
         Metered(
             "link",
             "outages",
-            "How often the operator's end was silent while something was under way.",
+            "How often nothing arrived at the operator's end for more than a second and four round trips.",
             MetricKind.COUNTER,
         ),
     ] = 0

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
+import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -104,6 +105,15 @@ def run(ends: Ends) -> dict[str, Fate]:
 
 def cut_for(lengths_ms: Sequence[int]) -> tuple[tuple[int, int], ...]:
     return tuple((n * 6 * S + S, n * 6 * S + S + length * MS) for n, length in enumerate(lengths_ms))
+
+
+@pytest.mark.parametrize(
+    ("lengths_ms", "outages"), [((250,), 0), ((2_000,), 1), ((400, 5_000), 1), ((3_000, 2_500), 2)]
+)
+def test_a_connection_that_is_cut_for_long_is_an_outage(lengths_ms: Sequence[int], outages: int) -> None:
+    ends = CutEnds(Link(((0.0, 250_000.0),), 0.02), SMALL, cuts=cut_for(lengths_ms))
+    run(ends)
+    assert ends.sender.state(END_NS).outages == outages
 
 
 # In ms; eighths of a second are whole in floats.

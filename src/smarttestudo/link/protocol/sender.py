@@ -148,7 +148,7 @@ class LinkSender(Generic[_Request]):
             return
         must_restart = report.receiver != self._receiver or report.session == 0
         if must_restart and report.receiver == self._left_receiver:
-            self._learn_of_cut(report)
+            self._learn_of_cut(report, now_ns)
         self._receiver, self._heard_ns = report.receiver, now_ns
         if self._session < report.session < _LAST_SESSION:
             # Somebody else's chunks were taken for ours; ours count again from the next session on.
@@ -199,9 +199,13 @@ class LinkSender(Generic[_Request]):
 
     def is_stalled(self, now_ns: int) -> bool:
         """Whether what is under way should long have arrived."""
-        since_ns, trip_ns = self._window.waiting_since_ns, self._window.round_trip_ns
-        limit_ns = FIRST_STALLED_AFTER_NS if trip_ns is None else STALLED_AFTER_NS + 4 * trip_ns
-        return since_ns is not None and now_ns - since_ns > limit_ns
+        since_ns = self._window.waiting_since_ns
+        return since_ns is not None and now_ns - since_ns > self._stalled_after_ns
+
+    @property
+    def _stalled_after_ns(self) -> int:
+        trip_ns = self._window.round_trip_ns
+        return FIRST_STALLED_AFTER_NS if trip_ns is None else STALLED_AFTER_NS + 4 * trip_ns
 
     def disconnect(self) -> None:
         """The operator's end is gone; the next that reports gets a new session."""
@@ -262,8 +266,10 @@ class LinkSender(Generic[_Request]):
         """The window of the topics, while anybody receives them."""
         return self._window if self.is_connected(now_ns) else None
 
-    def _learn_of_cut(self, report: Report) -> None:
+    def _learn_of_cut(self, report: Report, now_ns: int) -> None:
         """A receiver whose connection was cut is back, and knows what had arrived by then."""
+        if self._receiver is None:
+            self._outages += now_ns - self._heard_ns > self._stalled_after_ns
         if report.session == self._session and report.received_bytes <= self._window.sent_bytes:
             self._outbox.acknowledge(report.received_bytes)
 
