@@ -30,10 +30,17 @@ def other_domain(domain: int) -> Iterator[int]:
 
 
 @pytest.fixture
-def robot(domain: int, tmp_path: Path, pytestconfig: pytest.Config) -> Iterator[SmallRobot]:
+def data_path(pytestconfig: pytest.Config) -> str:
+    """How runtimes relay that name no data path; a test may be parametrized with others."""
+    asked: str = pytestconfig.getoption("--data-path")
+    return asked
+
+
+@pytest.fixture
+def robot(domain: int, tmp_path: Path, data_path: str) -> Iterator[SmallRobot]:
     if importlib.util.find_spec("rclpy") is None:
         pytest.skip("ROS 2 (rclpy) is not installed")
-    small_robot = SmallRobot(domain, tmp_path, data_path=pytestconfig.getoption("--data-path"))
+    small_robot = SmallRobot(domain, tmp_path, data_path=data_path)
     yield small_robot
     small_robot.end()
 

@@ -14,9 +14,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from forked_python import ForkedPython, inherited
 
 FOLDER = Path(__file__).parent
+on_every_data_path = pytest.mark.parametrize("data_path", ["auto", "librcl", "rclpy"])
+told_apart = pytest.mark.parametrize("data_path", ["auto"])
+"""For tests of publishers of one topic, which rclpy does not tell apart."""
 LINE_TIMEOUT_S = 120.0
 TESTUDO = "import sys; from smarttestudo.cli.main import main; sys.exit(main())"
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from ros.calm_window import Arrival, calm_window
-from ros.ros_processes import SmallRobot
+from ros.ros_processes import SmallRobot, told_apart
 
 BOOL = "std_msgs/msg/Bool"
 CLOCK = "rosgraph_msgs/msg/Clock"
@@ -89,6 +89,7 @@ def test_an_event_that_says_true_and_goes_silent_arrives(robot: SmallRobot) -> N
         operator.line_with("heard")
 
 
+@told_apart
 def test_what_one_publisher_latched_survives_another_that_says_much(robot: SmallRobot) -> None:
     robot.runtime("begin SetFrequency /map_name Full end").line_with("publishers told apart")
     robot.source(

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from ros.ros_processes import SmallRobot
+from ros.ros_processes import SmallRobot, on_every_data_path, told_apart
 
 IMU = "sensor_msgs/msg/Imu"
 ODOMETRY = "nav_msgs/msg/Odometry"
 TEXT = "std_msgs/msg/String"
 
 
+@on_every_data_path
 def test_a_late_subscriber_gets_the_latched_message_of_each_publisher(robot: SmallRobot) -> None:
     latched: dict[str, Any] = {"map_name": {"type": TEXT, "transient_local": True, "messages": 2}}
     robot.runtime("begin SetFrequency /map_name Full end")
@@ -23,6 +24,7 @@ def test_a_late_subscriber_gets_the_latched_message_of_each_publisher(robot: Sma
     assert sorted(text for _, text, _ in late.result()["map_name"]) == ["first floor", "ground floor"]
 
 
+@on_every_data_path
 def test_a_source_that_comes_back_with_another_qos_is_relayed_again(robot: SmallRobot) -> None:
     operator = robot.operator(imu={"type": IMU})
     runtime = robot.runtime("begin SetFrequency /imu Full end")
@@ -68,6 +70,7 @@ def test_a_topic_is_heard_only_while_an_operator_listens(robot: SmallRobot) -> N
     assert [text for _, text, _ in again.result()["map_name"]] == ["ground floor"]
 
 
+@on_every_data_path
 def test_a_topic_that_comes_back_with_another_type_is_relayed_again(robot: SmallRobot) -> None:
     runtime = robot.runtime("begin SetFrequency /pose Full end")
     source = robot.source(pose={"type": IMU, "hz": 50})
@@ -85,6 +88,7 @@ def test_an_operator_who_asks_for_too_much_is_named(robot: SmallRobot) -> None:
     runtime.line_with("/testudo/imu: /operator asks for reliable delivery, which /imu does not offer")
 
 
+@told_apart
 def test_what_another_smarttestudo_sends_on_a_topic_of_the_robot_is_left_out(robot: SmallRobot) -> None:
     robot.source(
         odom={"type": ODOMETRY, "hz": 50, "x": 1.0},

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -14,10 +15,13 @@ from smarttestudo.bags import zstd_files
 from smarttestudo.bags.bag_files import BagFiles, find_bag_files, is_packed, require_bag_file
 from smarttestudo.bags.metadata import BagMetadata, embedded_metadata
 from smarttestudo.bags.recording import RecordingPart, RosbagRecording
+from smarttestudo.bags.remote_path import fetched_in_full, is_remote
 from smarttestudo.bags.storage_files import open_storage_file
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordingReader
 from smarttestudo.files.removal import temporary_folder
+
+_COPIED_BYTES = 1 << 20
 
 
 @contextmanager
@@ -29,8 +33,8 @@ def open_recording(path: Path) -> Iterator[RecordingReader]:
     Raises:
         RecordingError: there is no bag at ``path``, or nothing of it can be read.
     """
-    bag = find_bag_files(path)
-    with ExitStack() as opened:
+    with fetched_in_full(path), ExitStack() as opened:
+        bag = find_bag_files(path)
         notices = list(bag.notices)
         parts = _open_parts(bag, opened, notices)
         metadata = bag.metadata if bag.metadata.file_names else _metadata_within(parts)
@@ -62,12 +66,24 @@ def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPa
         if is_packed(path):
             storage_path = _unpacked(path, opened, notices)
             whole_bytes = zstd_files.unpacked_file_bytes(path)
+        elif is_remote(path) and path.suffix != ".mcap":
+            storage_path = _fetched(path, opened)
         file = open_storage_file(storage_path, whole_bytes)
     except OSError as error:
         cause = f"cannot be read: {error.strerror}"
         raise RecordingError(cause, place=str(path), remedy="check the path and its permissions") from error
     opened.callback(file.close)
     return RecordingPart(path=path, storage_path=storage_path, file=file)
+
+
+def _fetched(path: Path, opened: ExitStack) -> Path:
+    """A copy of a file that cannot be read by ranges, with the log beside it; it goes with ``opened``."""
+    folder = opened.enter_context(temporary_folder(prefix="testudo-"))
+    for one in (path, path.with_name(f"{path.name}-wal")):
+        if one.is_file():
+            with one.open("rb") as file, (folder / one.name).open("wb") as copy:
+                shutil.copyfileobj(file, copy, _COPIED_BYTES)
+    return folder / path.name
 
 
 def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:

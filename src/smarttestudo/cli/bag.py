@@ -94,7 +94,7 @@ def _add_compare(actions: Subcommands) -> None:
 
 
 def _run_summary(arguments: argparse.Namespace) -> int:
-    asked: Sequence[Asked] = recordings_asked(arguments.bags)
+    asked: Sequence[Asked] = recordings_asked(arguments)
     if arguments.figures is not None:
         asked = bag_figures.with_figures(asked, arguments.figures)
     summaries = _Summaries(arguments.table, arguments.topics, is_only=len(asked) == 1)
@@ -169,7 +169,7 @@ class _Summaries(RecordingCommand[BagSummary]):
 
 def _run_compare(arguments: argparse.Namespace) -> int:
     topic_mapping(arguments.map)
-    asked = pairs_asked(arguments.a, arguments.b)
+    asked = pairs_asked(arguments)
     if arguments.figures is not None:
         asked = bag_figures.with_figures(asked, arguments.figures)
     return each_recording(arguments, asked, _Comparisons())

@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_findings(rules.errors, rules.texts, sys.stderr)
     if errors:
         return EXIT_ERROR
-    return each_recording(arguments, recordings_asked(arguments.bags), _Accuracies())
+    return each_recording(arguments, recordings_asked(arguments), _Accuracies())
 
 
 class _Accuracies(RecordingCommand["AccuracyComparison"]):

@@ -106,7 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
     arguments.loaded_rules = None
     if arguments.b is None:
         _refuse_options_of_pairs(arguments)
-        return each_recording(arguments, pairs_asked(arguments.a, None), _Curves())
+        return each_recording(arguments, pairs_asked(arguments), _Curves())
     topic_mapping(arguments.map)
     rules = load_rules(arguments.rules, profile=arguments.loaded_profile) if arguments.rules else None
     if rules and rules.errors:
@@ -114,7 +114,7 @@ def run(arguments: argparse.Namespace) -> int:
         return EXIT_ERROR
     require_bounded(arguments.predict, rules)
     arguments.loaded_rules = rules
-    asked = pairs_asked(arguments.a, arguments.b)
+    asked = pairs_asked(arguments)
     if len(asked) > 1 and arguments.decisions is not None:
         raise UsageError("it belongs to one recording", place="--decisions", remedy="leave it out")
     return each_recording(arguments, asked, _Losses())

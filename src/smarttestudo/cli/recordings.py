@@ -12,11 +12,13 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Se
 from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar, cast
 
+from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, RemotePath, is_remote
 from smarttestudo.cli.bag_options import CsvPrinter, print_json, print_notices
 from smarttestudo.cli.paths import file_path, own_name
 from smarttestudo.cli.progress import Progress, progress, silent
+from smarttestudo.cli.terminal import duration_s
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import require_separate
@@ -27,8 +29,8 @@ if TYPE_CHECKING:
     from smarttestudo.fleet.parquet import ParquetFolder
 
 RECORDINGS_HELP = (
-    "a rosbag2 folder, a .db3 or an .mcap file; any other folder, or a quoted pattern ('bags/*.mcap'), "
-    "stands for all recordings in it"
+    "a rosbag2 folder, a .db3 or an .mcap file, or its URL (s3://bucket/a.mcap); any other folder, or a "
+    "quoted pattern ('bags/*.mcap'), stands for all recordings in it"
 )
 EXIT_ERROR = 1
 _CLUSTER_TIMEOUT_S = 10.0
@@ -133,6 +135,13 @@ def add_several(action: argparse.ArgumentParser) -> None:
         "extra fleet)",
     )
 
+    several.add_argument(
+        "--timeout",
+        metavar="SECONDS",
+        type=duration_s,
+        default=DEFAULT_TIMEOUT_S,
+        help="how long a server of a URL may take for an answer (default: %(default)g)",
+    )
     action.add_argument(
         "--parquet",
         metavar="DIR",
@@ -152,27 +161,35 @@ Asked = Mapping[str, Path | None] | TestudoError
 """Arguments that stand for one recording or a pair in those of the command, or why there are none."""
 
 
-def recordings_asked(texts: Sequence[str]) -> list[Mapping[str, Path | None]]:
-    """The recordings that ``texts`` name, in their order."""
+def recordings_asked(arguments: argparse.Namespace) -> list[Mapping[str, Path | None]]:
+    """The recordings that the command line names, in their order."""
     from smarttestudo.fleet.recordings import find_recordings  # noqa: PLC0415  needs packages a robot lacks
 
-    return [{"bag": found.path} for text in texts for found in find_recordings(text)]
+    return [
+        {"bag": found.path}
+        for text in arguments.bags
+        for found in find_recordings(text, timeout_s=arguments.timeout)
+    ]
 
 
-def pairs_asked(a: str, b: str | None) -> list[Asked]:
-    """Each recording that ``a`` names, with the one of ``b`` that belongs to it."""
+def pairs_asked(arguments: argparse.Namespace) -> list[Asked]:
+    """Each recording that A names, with the one of B that belongs to it."""
     from smarttestudo.fleet.recordings import find_recordings, pair_recordings  # noqa: PLC0415  as above
 
+    a, b, timeout_s = arguments.a, arguments.b, arguments.timeout
     if b is None:
-        return [{"a": found.path, "b": None} for found in find_recordings(a)]
+        return [{"a": found.path, "b": None} for found in find_recordings(a, timeout_s=timeout_s)]
     return [
-        one if isinstance(one, TestudoError) else {"a": one.a, "b": one.b} for one in pair_recordings(a, b)
+        one if isinstance(one, TestudoError) else {"a": one.a, "b": one.b}
+        for one in pair_recordings(a, b, timeout_s=timeout_s)
     ]
 
 
 def recordings_in(one: Mapping[str, object]) -> dict[str, Path]:
     """The recordings among arguments, by the argument's name."""
-    return {name: path for name in _PLACES if isinstance(path := one.get(name), Path)}
+    return {
+        name: cast("Path", path) for name in _PLACES if isinstance(path := one.get(name), Path | RemotePath)
+    }
 
 
 def folders_of_each(asked: Sequence[Asked], folder: Path) -> Iterator[Path]:
@@ -183,7 +200,11 @@ def folders_of_each(asked: Sequence[Asked], folder: Path) -> Iterator[Path]:
     digits = len(str(len(asked)))
     for number, one in enumerate(asked, start=1):
         named = [] if isinstance(one, TestudoError) else [*recordings_in(one).values()]
-        yield folder / "-".join([f"{number:0{digits}}", *map(own_name, named[:1])])
+        yield folder / "-".join([f"{number:0{digits}}", *map(_own_name, named[:1])])
+
+
+def _own_name(recording: Path) -> str:
+    return recording.name if is_remote(recording) else own_name(recording)
 
 
 def each_recording(

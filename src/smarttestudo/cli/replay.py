@@ -125,7 +125,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay; 1 if the rules have an error, or a recording could not be replayed."""
-    asked = recordings_asked(arguments.bags)
+    asked = recordings_asked(arguments)
     try:
         if len(asked) > 1:
             if arguments.rules is not None:

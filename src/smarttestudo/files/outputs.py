@@ -29,7 +29,8 @@ def require_separate(
 
     Raises ``UsageError`` for the first that does.
     """
-    read = [path for path in inputs if path is not None]
+    # What is behind a URL is no file here.
+    read = [path for path in inputs if isinstance(path, Path)]
     written: list[tuple[str, Path]] = []
     for option, paths in outputs.items():
         for path in () if paths is None else (paths,) if isinstance(paths, Path) else paths:

@@ -12,6 +12,7 @@ from glob import glob, has_magic
 from pathlib import Path
 
 from smarttestudo.bags.bag_files import is_recording
+from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, is_url, remote_matches, remote_path
 from smarttestudo.domain.errors import RecordingError
 
 _WILDCARD = re.compile(r"[*?]|\[[^]]*\]?")
@@ -33,36 +34,51 @@ class RecordingPair:
     b: Path
 
 
-def find_recordings(text: str) -> tuple[FoundRecording, ...]:
-    """The recordings that ``text`` names, by name.
+def find_recordings(text: str, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> tuple[FoundRecording, ...]:
+    """The recordings that ``text``, a path or a URL, names, by name.
 
     A folder that is no recording itself stands for all in it, at any depth. A pattern has ``*``, ``?``,
     ``[…]``, and ``**`` for any depth. What leads to no recording is named as if it was one, so that opening
-    it says why.
+    it says why. A server has ``timeout_s`` for an answer.
     """
-    if has_magic(text) and not os.path.lexists(text):
-        matches = sorted(glob(text, recursive=True))  # noqa: PTH207  pathlib has no patterns with a root
-        first, *_, last = _WILDCARD.split(text)
-        found = [
-            FoundRecording(path=path, key=str(path).removeprefix(first).removesuffix(last))
-            for match in matches
-            for path in _recordings_at(Path(match))
-        ]
-    else:
-        top = Path(text)
-        found = [
-            FoundRecording(path=path, key="" if path == top else str(path.relative_to(top)))
-            for path in _recordings_at(top)
-        ]
-    return tuple(found) or (FoundRecording(path=Path(text)),)
+    top = remote_path(text, timeout_s) if is_url(text) else Path(text)
+    try:
+        found = _matching(text, top) if _is_pattern(text) else _below(top)
+    except OSError:
+        found = []
+    return tuple(found) or (FoundRecording(path=top),)
 
 
-def pair_recordings(a: str, b: str) -> tuple[RecordingPair | RecordingError, ...]:
+def _is_pattern(text: str) -> bool:
+    return has_magic(text) and (is_url(text) or not os.path.lexists(text))
+
+
+def _matching(text: str, top: Path) -> list[FoundRecording]:
+    """What the pattern ``text`` matches, and what is in folders that it matches."""
+    first, *_, last = _WILDCARD.split(text)
+    matches = remote_matches(top) if is_url(text) else map(Path, sorted(glob(text, recursive=True)))  # noqa: PTH207  pathlib has no patterns with a root
+    return [
+        FoundRecording(path=path, key=str(path).removeprefix(first).removesuffix(last))
+        for match in matches
+        for path in _recordings_at(match)
+    ]
+
+
+def _below(top: Path) -> list[FoundRecording]:
+    return [
+        FoundRecording(path=path, key="" if path == top else str(path.relative_to(top)))
+        for path in _recordings_at(top)
+    ]
+
+
+def pair_recordings(
+    a: str, b: str, *, timeout_s: float = DEFAULT_TIMEOUT_S
+) -> tuple[RecordingPair | RecordingError, ...]:
     """Each recording that ``a`` names with the one of ``b`` of the same name in its folder or pattern.
 
     One without a partner is an error in its place.
     """
-    first, second = find_recordings(a), find_recordings(b)
+    first, second = (find_recordings(text, timeout_s=timeout_s) for text in (a, b))
     if len(first) == len(second) == 1:
         return (RecordingPair(a=first[0].path, b=second[0].path),)
     partners = _by_key(second)
@@ -93,18 +109,16 @@ def _recordings_at(path: Path) -> Iterator[Path]:
 
 def _recordings_below(folder: Path) -> Iterator[Path]:
     """The recordings in ``folder``; a link to another folder is one at most, so that no circle is walked."""
-    for name in _folders_in(folder):
-        path = folder / name
+    for path in _folders_in(folder):
         if is_recording(path):
             yield path
         elif not path.is_symlink():
             yield from _recordings_below(path)
 
 
-def _folders_in(folder: Path) -> Sequence[str]:
-    """Names of the folders in ``folder``; none where there is no folder that can be listed."""
+def _folders_in(folder: Path) -> Sequence[Path]:
+    """The folders in ``folder``; none where there is no folder that can be listed."""
     try:
-        with os.scandir(folder) as entries:
-            return sorted(entry.name for entry in entries if entry.is_dir())
+        return sorted(entry for entry in folder.iterdir() if entry.is_dir())
     except OSError:
         return ()
