@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The processes at both ends of a thin link: SmartTestudo's, plain Zenoh's, and a plain TCP flow beside them.
+"""The processes at both ends of a link: SmartTestudo's, plain Zenoh's, and a plain TCP flow beside them.
 
 A payload begins with the time at which it was due and its number. Both ends run on one machine and read the
 same monotonic clock, so that arrival minus publication is the age.
@@ -18,7 +18,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 
 from smarttestudo.demo.network_namespaces import OPERATOR_ADDRESS
@@ -32,6 +32,8 @@ _CONNECTED_WITHIN_S = 15.0
 
 Publish = Callable[[bytes], object]
 Note = Callable[[str, bytes], None]
+_Publishing = tuple[list[Publish], Callable[[], bool]]
+"""How to publish each topic, and whether somebody listens."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,12 +62,9 @@ class Topic:
         return data[_HEAD.size : self.size_bytes]
 
 
-def be_robot(contender: str, topics: Sequence[Topic], seconds: float) -> None:
+def be_robot(contender: str, topics: Sequence[Topic], seconds: float, endpoint: str = ENDPOINT) -> None:
     """Connect, wait for a line, publish for ``seconds``, and tell what that took."""
-    opened = {"testudo": _testudo_robot, "zenoh": _zenoh_robot, "fastdds": fast_dds_robot, "none": _no_robot}[
-        contender
-    ]
-    with opened(topics) as (publishers, is_connected):
+    with _robot(contender, topics, endpoint) as (publishers, is_connected):
         give_up_s = time.monotonic() + _CONNECTED_WITHIN_S
         while not is_connected():
             if time.monotonic() > give_up_s:
@@ -81,7 +80,7 @@ def be_robot(contender: str, topics: Sequence[Topic], seconds: float) -> None:
         sys.stdin.readline()
 
 
-def be_operator(contender: str, topics: Sequence[Topic]) -> None:
+def be_operator(contender: str, topics: Sequence[Topic], endpoint: str = ENDPOINT) -> None:
     """Receive until a line comes, and tell what arrived: topic, number, published and arrived in ns, size."""
     arrived: list[tuple[str, int, int, int, int]] = []
 
@@ -89,8 +88,7 @@ def be_operator(contender: str, topics: Sequence[Topic]) -> None:
         stamp_ns, number = _HEAD.unpack_from(payload)
         arrived.append((topic, number, stamp_ns, time.monotonic_ns(), len(payload)))
 
-    opened = {"testudo": _testudo_operator, "zenoh": _zenoh_operator, "fastdds": fast_dds_operator}[contender]
-    with opened(note, topics):
+    with _operator(contender, note, topics, endpoint):
         print(json.dumps("listening"), flush=True)
         sys.stdin.readline()
         print(json.dumps(arrived), flush=True)
@@ -151,34 +149,58 @@ def warn(text: str) -> None:
     print(text, file=sys.stderr)
 
 
+def _robot(contender: str, topics: Sequence[Topic], endpoint: str) -> AbstractContextManager[_Publishing]:
+    match contender:
+        case "testudo":
+            return _testudo_robot(topics, endpoint)
+        case "zenoh":
+            return _zenoh_robot(topics, endpoint)
+        case "fastdds":
+            return fast_dds_robot(topics)
+        case _:
+            return _no_robot(topics)
+
+
+def _operator(
+    contender: str, note: Note, topics: Sequence[Topic], endpoint: str
+) -> AbstractContextManager[None]:
+    match contender:
+        case "testudo":
+            return _testudo_operator(note, endpoint)
+        case "zenoh":
+            return _zenoh_operator(note, topics, endpoint)
+        case _:
+            return fast_dds_operator(note, topics)
+
+
 @contextmanager
-def _testudo_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Callable[[], bool]]]:
+def _testudo_robot(topics: Sequence[Topic], endpoint: str) -> Iterator[_Publishing]:
     from smarttestudo.domain.link import LinkNeeds, StreamInfo  # noqa: PLC0415
     from smarttestudo.domain.robot import Qos  # noqa: PLC0415
     from smarttestudo.link.zenoh import open_robot_end  # noqa: PLC0415  the rival needs none of it
     from smarttestudo.link.zenoh.security import LinkOptions  # noqa: PLC0415
 
     qos = Qos(reliable=False, transient_local=False, depth=5)
-    with open_robot_end("robot", LinkOptions(connect=(ENDPOINT,), insecure=True), warn) as end:
+    with open_robot_end("robot", LinkOptions(connect=(endpoint,), insecure=True), warn) as end:
         end.follow({one.name: LinkNeeds(priority=one.priority, floor_hz=one.floor_hz) for one in topics})
         infos = [StreamInfo(topic=one.name, type_name="std_msgs/msg/String", qos=qos) for one in topics]
         yield [end.advertise(info).publish for info in infos], lambda: end.state.is_connected
 
 
 @contextmanager
-def _no_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Callable[[], bool]]]:
+def _no_robot(topics: Sequence[Topic]) -> Iterator[_Publishing]:
     """The same source without a link."""
     yield [lambda _payload: None for _ in topics], lambda: True
 
 
 @contextmanager
-def _testudo_operator(note: Note, _topics: Sequence[Topic]) -> Iterator[None]:
+def _testudo_operator(note: Note, endpoint: str) -> Iterator[None]:
     from smarttestudo.domain.link import ReceivedMessage  # noqa: PLC0415
     from smarttestudo.link.zenoh import open_operator_end  # noqa: PLC0415  the rival needs none of it
     from smarttestudo.link.zenoh.security import LinkOptions  # noqa: PLC0415
 
     is_closed = threading.Event()
-    with open_operator_end(LinkOptions(listen=(ENDPOINT,), insecure=True), warn) as end:
+    with open_operator_end(LinkOptions(listen=(endpoint,), insecure=True), warn) as end:
 
         def read() -> None:
             while not is_closed.is_set():
@@ -196,19 +218,19 @@ def _testudo_operator(note: Note, _topics: Sequence[Topic]) -> Iterator[None]:
 
 
 @contextmanager
-def _zenoh_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Callable[[], bool]]]:
+def _zenoh_robot(topics: Sequence[Topic], endpoint: str) -> Iterator[_Publishing]:
     from smarttestudo.link.zenoh.plain import plain_robot  # noqa: PLC0415  needs zenoh
 
     priorities = {one.name: one.zenoh_priority for one in topics}
-    with plain_robot(ENDPOINT, priorities, compresses=_compresses(topics)) as (puts, is_connected):
+    with plain_robot(endpoint, priorities, compresses=_compresses(topics)) as (puts, is_connected):
         yield [puts[one.name] for one in topics], is_connected
 
 
 @contextmanager
-def _zenoh_operator(note: Note, topics: Sequence[Topic]) -> Iterator[None]:
+def _zenoh_operator(note: Note, topics: Sequence[Topic], endpoint: str) -> Iterator[None]:
     from smarttestudo.link.zenoh.plain import plain_operator  # noqa: PLC0415  needs zenoh
 
-    with plain_operator(ENDPOINT, note, compresses=_compresses(topics)):
+    with plain_operator(endpoint, note, compresses=_compresses(topics)):
         yield
 
 

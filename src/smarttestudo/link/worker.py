@@ -7,6 +7,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 
 _END_WITHIN_S = 5.0
 _REST_S = 60.0
@@ -14,6 +15,29 @@ _REST_S = 60.0
 
 def _rest() -> float:
     return _REST_S
+
+
+class AutoResetEvent:
+    """An event that is set until one ``wait`` ends.
+
+    It is a lock, in C: where threads wait hundreds of times a second, ``threading.Event`` costs as much as
+    what they do then.
+    """
+
+    def __init__(self) -> None:
+        self._is_unset = threading.Lock()
+        self._is_unset.acquire()
+
+    def set(self) -> None:
+        """Have a ``wait`` end: one that waits now, or the next."""
+        if self._is_unset.locked():
+            # Another thread may do the same at this moment.
+            with suppress(RuntimeError):
+                self._is_unset.release()
+
+    def wait(self, timeout_s: float) -> bool:
+        """Wait until it is set, and unset it; whether it was set in time."""
+        return self._is_unset.acquire(timeout=max(timeout_s, 0.0))
 
 
 class Worker:
@@ -30,7 +54,7 @@ class Worker:
         self._failed = failed
         self._poll = poll
         self._tasks: deque[Callable[[], None]] = deque()
-        self._news = threading.Event()
+        self._news = AutoResetEvent()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     def start(self) -> None:
@@ -42,7 +66,7 @@ class Worker:
         if most is not None and len(self._tasks) >= most:
             return False
         self._tasks.append(task)
-        self._news.set()
+        self.wake()
         return True
 
     def wake(self) -> None:
@@ -52,18 +76,17 @@ class Worker:
     def close(self) -> None:
         """Begin nothing more, and wait a few seconds for what was begun."""
         self.is_closed = True
-        self._news.set()
+        self.wake()
         if self._thread.ident is not None:
             self._thread.join(_END_WITHIN_S)
 
     def _run(self) -> None:
         try:
             while not self.is_closed:
-                self._news.clear()
                 self._do_tasks()
                 wait_s = self._poll()
-                if wait_s > 0:
-                    self._news.wait(wait_s)
+                # What wakes it after it began to look has it look again.
+                self._news.wait(wait_s)
         except Exception as error:  # noqa: BLE001 - whatever it fails of, that is said once
             self._fail(error)
 

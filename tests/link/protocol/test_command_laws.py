@@ -200,7 +200,7 @@ def test_a_flood_costs_what_is_allowed_in_a_second() -> None:
     assert len(receiver.next_report(9 * S)) < 1_000
 
 
-@given(st.binary(max_size=120) | st.binary(max_size=80).map(lambda data: b"\3\6" + data))
+@given(st.binary(max_size=120) | st.binary(max_size=80).map(lambda data: b"\4\6" + data))
 def test_random_bytes_are_refused_at_both_ends_or_cost_nothing(data: bytes) -> None:
     receiver, sender = accepting(), CommandSender((JOY,), lambda: 3)
     assert receiver.receive(data, 0) is None

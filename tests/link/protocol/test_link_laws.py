@@ -17,9 +17,10 @@ from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.protocol.chunks import Chunk
-from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report, RoundTrip
+from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, LinkTimes, Report
 from smarttestudo.link.protocol.receiver import LinkReceiver
 from smarttestudo.link.protocol.sender import LinkSender
+from smarttestudo.link.protocol.wire import WIRE_VERSION, Kind
 
 rates = st.sampled_from([0.0, 5_000.0, 60_000.0, 400_000.0, 3_000_000.0])
 
@@ -106,7 +107,10 @@ def test_what_was_never_sent_cannot_be_acknowledged(session: int, received_bytes
     assert after.capacity_kb_per_s == before.capacity_kb_per_s
 
 
-@given(st.binary(max_size=300) | st.binary(max_size=60).map(lambda body: b"\3\2" + body))
+@given(
+    st.binary(max_size=300)
+    | st.binary(max_size=60).map(lambda body: bytes((WIRE_VERSION, Kind.REPORT)) + body)
+)
 def test_random_bytes_are_a_report_or_refused(data: bytes) -> None:
     try:
         report = REPORTS.from_bytes(data)
@@ -150,9 +154,11 @@ def stream(**changes: Any) -> StreamInfo:
 @pytest.mark.parametrize(
     "said",
     [
-        RoundTrip(round_trip_ms=math.inf),
-        RoundTrip(round_trip_ms=math.nan),
-        RoundTrip(round_trip_ms=-1),
+        LinkTimes(round_trip_ms=math.inf, report_period_ms=20),
+        LinkTimes(round_trip_ms=math.nan, report_period_ms=20),
+        LinkTimes(round_trip_ms=-1, report_period_ms=20),
+        LinkTimes(round_trip_ms=1, report_period_ms=math.nan),
+        LinkTimes(round_trip_ms=1, report_period_ms=-1),
         Announcement(stream=0, info=None),
         Announcement(stream=4096, info=None),
         Announcement(stream=1, info=stream(topic="/x y")),
@@ -163,7 +169,7 @@ def stream(**changes: Any) -> StreamInfo:
         Announcement(stream=1, info=stream(prediction=Prediction(within={}, heartbeat_hz=0))),
     ],
 )
-def test_a_control_message_that_lies_is_refused(said: Announcement | RoundTrip) -> None:
+def test_a_control_message_that_lies_is_refused(said: Announcement | LinkTimes) -> None:
     with pytest.raises(LinkError, match="malformed"):
         CONTROL.from_bytes(CONTROL.to_bytes(said))
     told = Announcement(stream=3, info=stream(), predicted_for=frozenset({2**64 - 1}))

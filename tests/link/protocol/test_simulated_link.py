@@ -89,6 +89,59 @@ def test_an_idle_link_is_not_taken_for_a_thin_one(delay_s: float) -> None:
     assert len(both.ages_s("/burst", 35, 37.001)) >= 9
 
 
+LOOPBACK = 1e9
+"""Bytes/s."""
+
+
+@pytest.mark.parametrize(
+    "sources",
+    [
+        (Source(topic="/image", size_bytes=20_000, rate_hz=500, to_s=3.5),),
+        (Source(topic="/image", size_bytes=100_000, rate_hz=100, to_s=3.5),),
+        (Source(topic="/imu", size_bytes=300, rate_hz=2_000, to_s=3.5),),
+        tuple(Source(topic=f"/image_{n}", size_bytes=20_000, rate_hz=30, to_s=3.5) for n in range(8)),
+    ],
+    ids=lambda sources: f"{len(sources)} of {sources[0].size_bytes} bytes at {sources[0].rate_hz:g} Hz",
+)
+def test_where_the_link_carries_far_more_no_message_is_replaced_once_that_is_known(
+    sources: tuple[Source, ...],
+) -> None:
+    both = ends((0, LOOPBACK), sources=sources, delay_s=0.0002)
+    both.run(4)
+    for source in sources:
+        payloads = both.payloads[source.topic]
+        late = payloads[int(1.5 * source.rate_hz) :]
+        assert [message.payload for _, message in both.arrived[source.topic]][-len(late) :] == late
+        # Reports are said 50 ms apart there, and are not waited for.
+        assert max(both.ages_s(source.topic, 1.5)) <= 0.01
+
+
+def test_a_fast_link_that_stands_still_for_a_moment_costs_no_message_and_for_longer_only_old_ones() -> None:
+    source = Source(topic="/image", size_bytes=20_000, rate_hz=500, to_s=5.0)
+    both = ends((0, LOOPBACK), (3, 0), (3.08, LOOPBACK), (4, 0), (4.5, LOOPBACK), sources=(source,))
+    both.run(5.5)
+    counts = both.sender.counts(5 * S)["/image"]
+    offered = [message.offered_ns for _, message in both.arrived["/image"] if message.offered_ns > 2 * S]
+    gaps_s = [
+        ((before + S // 500) / S, after / S)
+        for before, after in pairwise(offered)
+        if after - before > 0.003 * S
+    ]
+    # What waited until the link went on is the newest, after what was under way.
+    assert min(begin_s for begin_s, _ in gaps_s) > 4.0
+    assert max(end_s for _, end_s in gaps_s) < 4.8
+    assert max(both.ages_s("/image", 4.6)) <= 0.15
+    assert counts.sent + counts.replaced == len(both.payloads["/image"])
+
+
+def test_a_burst_after_a_pause_is_sent_at_what_the_link_showed_it_carries() -> None:
+    source = Source(topic="/image", size_bytes=200_000, rate_hz=5)
+    both = ends((0, 5_000_000), sources=(source,), delay_s=0.001)
+    both.run(10)
+    # The link takes 40 ms for each.
+    assert max(both.ages_s("/image", 5)) <= 0.08
+
+
 @pytest.mark.slow
 def test_topics_with_floors_keep_them_under_tenfold_overload() -> None:
     sources = (

@@ -237,7 +237,7 @@ def test_what_is_not_there_is_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "question", [b"", b"malformed", b"\3\x0c\1\x09../../etc", b"\3\x0c\2" + bytes(60), bytes(5_000)]
+    "question", [b"", b"malformed", b"\4\x0c\1\x09../../etc", b"\4\x0c\2" + bytes(60), bytes(5_000)]
 )
 def test_a_stranger_who_asks_what_is_malformed_is_refused_and_others_are_answered(
     tmp_path: Path, question: bytes
@@ -324,7 +324,7 @@ def lying_piece(make: Callable[[AskBytes], bytes]) -> Answer:
         lying_piece(lambda _: b"malformed"),
         lying_piece(lambda ask: whole_piece(ask)[:-1]),
         lambda _: b"malformed",
-        lambda _: packed(b"\3\x0e" + b"[" * 100_000),
+        lambda _: packed(b"\4\x0e" + b"[" * 100_000),
     ],
 )
 def test_a_robot_that_lies_costs_its_own_fetch_only(tmp_path: Path, answer: Answer) -> None:

@@ -123,3 +123,25 @@ def test_the_robot_knows_what_became_of_its_messages() -> None:
             until(lambda: robot.age_ms("/odom") is not None and robot.state.is_connected, reader.read)
             assert robot.state.round_trip_ms is not None
             assert robot.counts()["/odom"].sent >= 20
+
+
+def test_what_arrives_and_what_was_replaced_is_all_that_was_published() -> None:
+    endpoint, count = free_endpoint(), 400
+    image = replace(ODOM, topic="/image", type_name="sensor_msgs/msg/Image")
+    noise = random.Random(2).randbytes(100_000)
+    with operator_end(endpoint) as operator, robot_end(endpoint) as robot:
+        reader, publisher = Reader(operator), robot.advertise(image)
+        until(lambda: robot.state.is_connected, reader.read)
+        for number in range(count):
+            publisher.publish(number.to_bytes(4, "big") + noise)
+            reader.read()
+
+        def numbers() -> list[int]:
+            return [int.from_bytes(payload[:4], "big") for payload in reader.payloads("/image")]
+
+        until(lambda: count - 1 in numbers())
+        until(lambda: robot.counts()["/image"].sent == len(numbers()))
+        counts = robot.counts()["/image"]
+        assert numbers() == sorted({*numbers()})
+        assert counts.sent + counts.replaced == count
+        assert counts.overflowed == counts.queued_bytes == operator.dropped == 0

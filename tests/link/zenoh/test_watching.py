@@ -214,7 +214,7 @@ def test_questions_that_are_too_large_or_too_many_are_refused() -> None:
         ] * MAX_WAITING
 
 
-@pytest.mark.parametrize("strange", [b"", b"\3", b"\3\5\5\xff", b"\3\4\1[]", b"\xff" * 500])
+@pytest.mark.parametrize("strange", [b"", b"\4", b"\4\5\5\xff", b"\4\4\1[]", b"\xff" * 500])
 def test_what_is_malformed_on_a_status_key_costs_what_it_touches(strange: bytes) -> None:
     endpoint = free_endpoint()
     with (
@@ -246,7 +246,7 @@ def test_a_question_of_many_keys_at_once_reaches_no_robot() -> None:
 
 
 @pytest.mark.parametrize(
-    "payload", [None, b"", b"\0", b"\3", b"\3\x08", b"\3\x09\1", b"\3\x88x", b"\0" * 1_200]
+    "payload", [None, b"", b"\0", b"\4", b"\4\x08", b"\4\x09\1", b"\4\x88x", b"\0" * 1_200]
 )
 def test_a_question_that_is_none_is_refused_at_once(payload: bytes | None) -> None:
     endpoint = free_endpoint()

@@ -192,7 +192,7 @@ class BackgroundAnswers(Generic[_Request]):
         self._fill(size_bytes, now_ns, live)
 
     def _room_alone(self) -> int:
-        room_bytes = self._alone.chunk_bytes
+        room_bytes = min(self._alone.chunk_bytes, _MOST_PIECE_BYTES)
         if not room_bytes:
             self._alone.limited()
         return room_bytes

@@ -17,8 +17,8 @@ CONTROL_STREAM = 0
 """The stream in which the robot's end says what the others are."""
 
 # stream and flags, session, number, offset, size, offered_ns, sent_ns
-_HEADER = struct.Struct("<HIIIIqq")
-HEADER_BYTES = HEAD_BYTES + _HEADER.size
+_HEADER = struct.Struct(f"<{HEAD_BYTES}sHIIIIqq")
+HEADER_BYTES = _HEADER.size
 _COMPRESSED = MAX_STREAMS
 _KEPT = 2 * MAX_STREAMS
 
@@ -47,14 +47,15 @@ class Chunk:
         """The chunk as it travels."""
         flags = _COMPRESSED * self.is_compressed | _KEPT * self.is_kept
         head = (self.stream | flags, self.session, self.number, self.offset, self.size_bytes)
-        return frame(Kind.CHUNK, _HEADER.pack(*head, self.offered_ns, self.sent_ns) + self.body)
+        # One copy of a body that may be large.
+        return _HEADER.pack(frame(Kind.CHUNK, b""), *head, self.offered_ns, self.sent_ns) + self.body
 
     @staticmethod
     def from_bytes(data: bytes) -> Chunk:
         """The chunk that ``to_bytes`` gave ``data`` for. Raises ``LinkError`` for anything else."""
         if kind_of(data) != Kind.CHUNK or len(data) < HEADER_BYTES:
             raise malformed("no chunk")
-        flags, session, number, offset, size_bytes, *times_ns = _HEADER.unpack_from(data, HEAD_BYTES)
+        _, flags, session, number, offset, size_bytes, offered_ns, sent_ns = _HEADER.unpack_from(data)
         body = data[HEADER_BYTES:]
         if size_bytes > MAX_MESSAGE_BYTES or offset + len(body) > size_bytes or flags >= 2 * _KEPT:
             raise malformed("a chunk that reaches beyond its message")
@@ -64,8 +65,8 @@ class Chunk:
             number=number,
             offset=offset,
             size_bytes=size_bytes,
-            offered_ns=times_ns[0],
-            sent_ns=times_ns[1],
+            offered_ns=offered_ns,
+            sent_ns=sent_ns,
             is_compressed=bool(flags & _COMPRESSED),
             is_kept=bool(flags & _KEPT),
             body=body,

@@ -68,10 +68,11 @@ class Announcement:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RoundTrip:
-    """The least round trip that the robot's end has measured."""
+class LinkTimes:
+    """The least round trip that the robot's end has measured, and how often it needs a report."""
 
     round_trip_ms: float
+    report_period_ms: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,9 +162,10 @@ def _check_report(report: Report) -> None:
     _require(0 <= report.session < 2**32 and report.received_bytes >= 0, "no session")
 
 
-def _check_control(said: Announcement | RoundTrip) -> None:
-    if isinstance(said, RoundTrip):
+def _check_control(said: Announcement | LinkTimes) -> None:
+    if isinstance(said, LinkTimes):
         _require_duration(said.round_trip_ms)
+        _require_duration(said.report_period_ms)
         return
     _require(0 < said.stream < MAX_STREAMS, "no number of a stream")
     info = said.info
@@ -215,8 +217,8 @@ def _check_reading(question: GetParameters | GetTopics) -> None:
 
 
 REPORTS: FrameType[Report] = FrameType(Kind.REPORT, Report, _check_report, most_bytes=256_000)
-CONTROL: FrameType[Announcement | RoundTrip] = FrameType(
-    Kind.CONTROL, Announcement | RoundTrip, _check_control
+CONTROL: FrameType[Announcement | LinkTimes] = FrameType(
+    Kind.CONTROL, Announcement | LinkTimes, _check_control
 )
 COMMANDS: FrameType[CommandMessage | SentNames] = FrameType(
     Kind.COMMAND, CommandMessage | SentNames, _check_command

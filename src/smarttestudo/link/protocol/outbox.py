@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, field
@@ -17,12 +16,16 @@ from smarttestudo.link.protocol.chunks import CONTROL_STREAM, Chunk
 
 MAX_QUEUED_BYTES = 1_000_000
 """The size of the queue of a topic that is sent whole."""
+PATIENCE_NS = NS_PER_S // 10
+"""For how long none gives way to another after nothing waited: a link that carries all is late at times."""
+MAX_PATIENT_BYTES = 16_000_000
+"""The size of all messages of a stream that wait so."""
 MAX_GIVEN_UP_BYTES = 16_000_000
 """The size of all messages kept that gave way, until something arrives; the oldest beyond it are missed."""
 LOSING_NS = 60 * NS_PER_S
 """For how long a topic that lost a message is said to lose some."""
-MAX_LANES = 1024
-"""How many messages of one stream may wait at once where each replaces only those of its own kind."""
+MAX_WAITING = 1024
+"""How many messages of one stream may wait at once, those of a topic that is sent whole apart."""
 
 
 class Encoded(NamedTuple):
@@ -62,12 +65,14 @@ class _Message:
 
 @dataclass(slots=True, eq=False)
 class _Stream:
-    """One stream: ``slots`` hold the newest message of each lane, ``queue`` those that are never replaced."""
+    """One stream: ``slots`` has messages that newer ones of their ``lanes`` may replace, ``queue`` others."""
 
     number: int
     needs: LinkNeeds
     latched: deque[_Message] | None
-    slots: dict[Hashable, _Message] = field(default_factory=dict)
+    slots: dict[int, _Message] = field(default_factory=dict)
+    lanes: dict[Hashable, deque[int]] = field(default_factory=dict)
+    slots_bytes: int = 0
     queue: deque[_Message] = field(default_factory=deque)
     begun: _Message | None = None
     unacknowledged: deque[_Message] = field(default_factory=deque)
@@ -114,7 +119,7 @@ class _Stream:
             message = self.queue.popleft()
             self.queued_bytes -= len(message.payload)
         else:
-            message = self.slots.pop(next(iter(self.slots)))
+            message = self.take_slot(next(iter(self.slots)))
         self.begun = message
         floor_hz = self.needs.floor_hz
         self.is_floor_begun = floor_hz > 0 and now_ns >= self.floor_due_ns
@@ -124,13 +129,26 @@ class _Stream:
             self.floor_due_ns = max(self.floor_due_ns, now_ns - period_ns) + period_ns
         return message
 
+    def put_slot(self, message: _Message) -> None:
+        self.slots[message.number] = message
+        self.lanes.setdefault(message.lane, deque()).append(message.number)
+        self.slots_bytes += len(message.payload)
+
+    def take_slot(self, number: int) -> _Message:
+        message = self.slots.pop(number)
+        lane = self.lanes[message.lane]
+        lane.remove(number)
+        if not lane:
+            del self.lanes[message.lane]
+        self.slots_bytes -= len(message.payload)
+        return message
+
     def counts(self, now_ns: int) -> StreamCounts:
-        waiting = sum(len(message.payload) for message in self.slots.values())
         return StreamCounts(
             sent=self.sent,
             replaced=self.replaced,
             overflowed=self.overflowed,
-            queued_bytes=self.queued_bytes + waiting,
+            queued_bytes=self.queued_bytes + self.slots_bytes,
             is_losing=self.overflowed_ns is not None and now_ns - self.overflowed_ns < LOSING_NS,
         )
 
@@ -138,8 +156,8 @@ class _Stream:
 class Outbox:
     """Streams with what waits in them. All messages of the control stream arrive.
 
-    A message that has not begun is replaced by a newer one of its stream and lane; one that has begun is
-    finished. Latched messages and those of topics that are sent whole queue instead, up to
+    A message that has not begun is replaced by a newer one of its stream and lane, after ``PATIENCE_NS``; one
+    that has begun is finished. Latched messages and those of topics that are sent whole queue instead, up to
     ``MAX_QUEUED_BYTES`` a stream; what overflows is counted, once there was a session.
 
     What gives way while nothing arrives at the other end is ``missed`` there, and so is what was under way
@@ -151,6 +169,8 @@ class Outbox:
         self._streams: dict[int, _Stream] = {}
         self._active: dict[int, _Stream] = {}
         self._had_session = False
+        self._waits_since_ns = 0
+        """Since when something waits."""
         self.missed: deque[MissedMessage] = deque()
         """Missed messages with an origin, to be taken from here."""
         self._given_up: deque[_Message] = deque()
@@ -189,16 +209,19 @@ class Outbox:
         origin: MessageOrigin | None = None,
     ) -> None:
         """Have a message sent. It replaces only messages of its ``lane``."""
+        if not self._active:
+            self._waits_since_ns = now_ns
         open_stream = self._streams[stream]
         number, open_stream.next_number = open_stream.next_number, (open_stream.next_number + 1) % 2**32
         is_kept = open_stream.latched is not None or stream == CONTROL_STREAM or open_stream.needs.is_full
         message = _Message(number, payload, now_ns, is_kept, lane, origin)
         if open_stream.latched is not None:
             open_stream.latched.append(message)
+        is_patient = self._had_session and not self._is_cut and now_ns - self._waits_since_ns <= PATIENCE_NS
         if is_kept:
-            self._queue(open_stream, message)
+            self._queue(open_stream, message, MAX_PATIENT_BYTES if is_patient else MAX_QUEUED_BYTES)
         else:
-            self._replace(open_stream, message)
+            self._replace(open_stream, message, is_patient=is_patient)
         if open_stream.has_work:
             self._active[stream] = open_stream
 
@@ -286,10 +309,10 @@ class Outbox:
         for number, stream in self._streams.items():
             yield number, stream.counts(now_ns)
 
-    def _queue(self, stream: _Stream, message: _Message) -> None:
-        most_bytes = math.inf if stream.number == CONTROL_STREAM else MAX_QUEUED_BYTES
-        while stream.queue and stream.queued_bytes + len(message.payload) > most_bytes:
-            # The oldest gives way, as in a DDS history with KEEP_LAST.
+    def _queue(self, stream: _Stream, message: _Message, most_bytes: int) -> None:
+        may_overflow = stream.number != CONTROL_STREAM
+        while may_overflow and stream.queue and stream.queued_bytes + len(message.payload) > most_bytes:
+            # As in a DDS history with KEEP_LAST.
             oldest = stream.queue.popleft()
             stream.queued_bytes -= len(oldest.payload)
             self._give_up(oldest)
@@ -299,14 +322,17 @@ class Outbox:
         stream.queue.append(message)
         stream.queued_bytes += len(message.payload)
 
-    def _replace(self, stream: _Stream, message: _Message) -> None:
-        before = stream.slots.pop(message.lane, None)
-        if before is None and len(stream.slots) >= MAX_LANES:
-            before = stream.slots.pop(next(iter(stream.slots)))
-        if before is not None:
-            stream.replaced += 1
-            self._give_up(before)
-        stream.slots[message.lane] = message
+    def _replace(self, stream: _Stream, message: _Message, *, is_patient: bool) -> None:
+        if not is_patient or stream.slots_bytes + len(message.payload) > MAX_PATIENT_BYTES:
+            for number in tuple(stream.lanes.get(message.lane, ())):
+                self._give_way(stream, number)
+        if len(stream.slots) >= MAX_WAITING:
+            self._give_way(stream, next(iter(stream.slots)))
+        stream.put_slot(message)
+
+    def _give_way(self, stream: _Stream, number: int) -> None:
+        stream.replaced += 1
+        self._give_up(stream.take_slot(number))
 
     def _finish(self, stream: _Stream, message: _Message) -> None:
         stream.begun, stream.is_floor_begun = None, False
@@ -323,11 +349,16 @@ class Outbox:
         stream.unacknowledged.clear()
         if begun is not None and begun.is_kept:
             again.append(begun)
-        elif begun is not None and begun.lane not in stream.slots:
-            stream.slots = {begun.lane: begun, **stream.slots}
-        elif begun is not None:
+        elif begun is not None and begun.lane in stream.lanes:
             stream.replaced += 1
             self._miss(begun)
+        elif begun is not None:
+            waiting, stream.slots = stream.slots, {}
+            stream.put_slot(begun)
+            stream.slots |= waiting
+        for lane in list(stream.lanes.values()):
+            for number in list(lane)[:-1]:
+                self._give_way(stream, number)
         if stream.latched is not None:
             self._miss(*(one for one in (*again, *stream.queue) if one not in stream.latched))
             again, stream.queue, stream.queued_bytes = list(stream.latched), deque(), 0

@@ -18,7 +18,7 @@ from smarttestudo.link.protocol.chunks import (
 )
 from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
-from smarttestudo.link.protocol.window import ACKNOWLEDGE_PERIOD_NS
+from smarttestudo.link.protocol.window import ACKNOWLEDGE_BYTES, ACKNOWLEDGE_PERIOD_NS
 
 KEEP_ALIVE_NS = NS_PER_S // 2
 """How often to report though nothing came, so that the robot's end knows that somebody is there."""
@@ -80,6 +80,8 @@ class LinkReceiver:
         self._round_trip_ns = 0
         self._newest: dict[int, int] = {}
         self._ages_ms: dict[int, float] = {}
+        self.report_period_ns = ACKNOWLEDGE_PERIOD_NS
+        """How often to report while something comes."""
         self._reported_bytes = 0
         self._reported_ns: int | None = None
         self._ages_reported_ns = 0
@@ -98,8 +100,14 @@ class LinkReceiver:
         """When the next report is due."""
         if self._reported_ns is None:
             return 0
-        has_news = self._session_bytes != self._reported_bytes
-        return self._reported_ns + (ACKNOWLEDGE_PERIOD_NS if has_news else KEEP_ALIVE_NS)
+        if self._session_bytes - self._reported_bytes >= ACKNOWLEDGE_BYTES:
+            return self._reported_ns
+        return self._reported_ns + (self.report_period_ns if self.has_news else KEEP_ALIVE_NS)
+
+    @property
+    def has_news(self) -> bool:
+        """Whether anything came since the last report."""
+        return self._session_bytes != self._reported_bytes
 
     def next_report(self, now_ns: int) -> bytes:
         """The report to send now."""
@@ -125,6 +133,7 @@ class LinkReceiver:
         if chunk.session > self._session:
             self.counts.broken += self._parts.broken
             self._session, self._session_bytes, self._parts = chunk.session, 0, Reassembler()
+            self.report_period_ns = ACKNOWLEDGE_PERIOD_NS
         self._session_bytes += size_bytes
         self.counts.received_bytes += size_bytes
         offset_ns = now_ns - chunk.sent_ns
@@ -142,6 +151,7 @@ class LinkReceiver:
         said = CONTROL.from_bytes(data)
         if not isinstance(said, Announcement):
             self._round_trip_ns = int(said.round_trip_ms * NS_PER_MS)
+            self.report_period_ns = min(int(said.report_period_ms * NS_PER_MS), KEEP_ALIVE_NS)
             return None
         known = self.streams.get(said.stream)
         if said.info is not None and self._receiver not in said.predicted_for:

@@ -15,10 +15,10 @@ from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.background import BackgroundAnswer, BackgroundAnswers
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
-from smarttestudo.link.protocol.messages import CONTROL, Announcement, Report, RoundTrip
+from smarttestudo.link.protocol.messages import CONTROL, Announcement, LinkTimes, Report
 from smarttestudo.link.protocol.outbox import Encode, Encoded, Outbox, plain
 from smarttestudo.link.protocol.receivers import Receivers
-from smarttestudo.link.protocol.window import Window
+from smarttestudo.link.protocol.window import ACKNOWLEDGE_PERIOD_NS, Window
 
 LOST_AFTER_NS = 3 * NS_PER_S
 """An operator's end that said nothing for so long is no longer there; it says something twice a second."""
@@ -72,7 +72,8 @@ class LinkSender(Generic[_Request]):
         self._idle_ns = 0
         """For how long nothing waited to be sent, since ``_budget_ns``."""
         self._idle_since_ns: int | None = None
-        self._trip_said_ns = 0
+        self._times_said_ns = 0
+        self._said_period_ns = ACKNOWLEDGE_PERIOD_NS
         self._payload_bytes = self._wire_bytes = 1.0
 
     def open(self, info: StreamInfo, now_ns: int) -> int | None:
@@ -161,7 +162,7 @@ class LinkSender(Generic[_Request]):
             info = self._infos.get(number)
             if info is not None:
                 self._ages_ms[info.topic] = age_ms
-        self._say_round_trip(now_ns)
+        self._say_times(now_ns)
         self._look_at_budget(now_ns)
 
     def next_chunk(self, now_ns: int) -> bytes | None:
@@ -175,8 +176,7 @@ class LinkSender(Generic[_Request]):
             return None
         chunk = self._outbox.next_chunk(self._session, chunk_bytes - HEADER_BYTES, now_ns)
         if chunk is None:
-            self._window.idle()
-            self._idle_since_ns = self._idle_since_ns or now_ns
+            self._note_idle(now_ns)
             return None
         if self._idle_since_ns is not None:
             self._idle_ns += now_ns - self._idle_since_ns
@@ -185,7 +185,18 @@ class LinkSender(Generic[_Request]):
         self._window.sent(len(data), now_ns)
         self._outbox.sent_until(chunk, self._window.sent_bytes)
         self.background.live_sent(len(data), now_ns, self._window)
+        if self._outbox.is_empty:
+            self._note_idle(now_ns)
         return data
+
+    def has_next(self, now_ns: int) -> bool:
+        """Whether ``next_chunk`` or ``next_answer`` may give something."""
+        if self._outbox.is_empty or not self.is_connected(now_ns) or self.is_stalled(now_ns):
+            return not self.background.is_empty
+        if self._window.chunk_bytes:
+            return True
+        self._window.limited()
+        return not self.background.is_empty
 
     def next_answer(self, now_ns: int) -> BackgroundAnswer[_Request] | None:
         """The request to answer now; to be asked for when ``next_chunk`` has nothing."""
@@ -262,6 +273,10 @@ class LinkSender(Generic[_Request]):
         """How old the last message of ``topic`` was when it arrived."""
         return self._ages_ms.get(topic)
 
+    def _note_idle(self, now_ns: int) -> None:
+        self._window.idle()
+        self._idle_since_ns = self._idle_since_ns or now_ns
+
     def _live(self, now_ns: int) -> Window | None:
         """The window of the topics, while anybody receives them."""
         return self._window if self.is_connected(now_ns) else None
@@ -287,6 +302,7 @@ class LinkSender(Generic[_Request]):
 
     def _restart(self, now_ns: int) -> None:
         self._session += 1
+        self._said_period_ns = ACKNOWLEDGE_PERIOD_NS
         before, self._window = self._window, Window(self._window.capacity_bytes_per_s)
         self._window.is_measured = before.is_measured
         self._outbox.close(CONTROL_STREAM)
@@ -334,9 +350,11 @@ class LinkSender(Generic[_Request]):
         grown = usable if growth is None else max(usable, before * growth)
         self._budget_bytes_per_s = min(grown, _MOST_BYTES_PER_S)
 
-    def _say_round_trip(self, now_ns: int) -> None:
-        trip_ns = self._window.round_trip_ns
-        if trip_ns is not None and now_ns - self._trip_said_ns >= NS_PER_S:
-            self._trip_said_ns = now_ns
-            said = RoundTrip(round_trip_ms=trip_ns / NS_PER_MS)
+    def _say_times(self, now_ns: int) -> None:
+        """Say once a second what the operator's end is to know, and at once how often it is to report."""
+        trip_ns, period_ns = self._window.round_trip_ns, self._window.acknowledge_period_ns
+        is_due = now_ns - self._times_said_ns >= NS_PER_S or period_ns != self._said_period_ns
+        if trip_ns is not None and is_due:
+            self._times_said_ns, self._said_period_ns = now_ns, period_ns
+            said = LinkTimes(round_trip_ms=trip_ns / NS_PER_MS, report_period_ms=period_ns / NS_PER_MS)
             self._outbox.put(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)

@@ -17,22 +17,34 @@ from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 
 ACKNOWLEDGE_PERIOD_NS = 20_000_000
 """How often the other end says what it has received, while something comes."""
+SELDOM_PERIOD_NS = 50_000_000
+"""How often on a link that ``is_fast``: saying it takes CPU of both ends."""
+ACKNOWLEDGE_BYTES = 500_000
+"""After so many bytes it is said at once."""
 START_BYTES_PER_S = 40_000.0
 """The capacity of a link of which nothing is known."""
 
 _SAMPLE_NS = 200 * NS_PER_MS
 """The length of time over which the delivered rate is measured; all samples are alike."""
+_LEAST_PAUSE_NS = ACKNOWLEDGE_PERIOD_NS
+"""A sample reaches over shorter pauses."""
+_LEAST_BURST_BYTES = 64_000
+"""What arrived of so many bytes in a shorter time counts as well, where it is more than was known."""
 _RATE_WINDOW_NS = 1_500 * NS_PER_MS
 _TRIP_WINDOW_NS = 10 * NS_PER_S
 _DRAIN_AFTER_NS = 5 * NS_PER_S
 """A least round trip that was not seen again for so long is looked for with a nearly empty link."""
 _DRAIN_NS = 200 * NS_PER_MS
-_ALLOWANCE_NS = ACKNOWLEDGE_PERIOD_NS + 10 * NS_PER_MS
-"""Bytes that have arrived are under way until the next acknowledgement."""
+_ALLOWANCE_NS = 10 * NS_PER_MS
+"""Bytes that have arrived are under way until the next acknowledgement, and so much longer."""
+_FAST_BYTES_PER_S = 5_000_000.0
+"""Links that carry less may soon carry much less, and are watched more closely: they are radios."""
 _LEAST_WINDOW_BYTES = 3_000
 _CHUNK_S = 0.02
 _LEAST_CHUNK_BYTES = 1_200
 _MOST_CHUNK_BYTES = 16_000
+_MOST_FREE_CHUNK_BYTES = 128_000
+"""The same where topics leave a part of the link unused: many small chunks take much CPU of both ends."""
 _FALL = 0.7
 """A link that delivers less than this share of its capacity, with a long round trip, has become slower."""
 _RISE = 1.15
@@ -67,10 +79,14 @@ class Window:
         self._last_trip_ns = _FIRST_TRIP_NS
         self._sample_ns: int | None = None
         self._sample_bytes = 0
+        self._acknowledged_ns = 0
+        """When the last bytes were acknowledged."""
         self._beside_bytes = 0
         """Bytes that arrived beside the session since the sample began."""
         self._was_full = False
         self._was_idle = False
+        self._is_limit = True
+        """Whether the link was the limit in the last sample."""
         self._limited_ns = 0
         """Time during which the link was the limit; it ages what was measured."""
         self._rates: deque[tuple[int, float]] = deque()
@@ -97,33 +113,49 @@ class Window:
         return self._flights[0].sent_ns if self._flights else None
 
     @property
+    def is_fast(self) -> bool:
+        """Whether it carries more than topics need, and so much that it need not be watched closely."""
+        return not self._is_limit and self.capacity_bytes_per_s >= _FAST_BYTES_PER_S
+
+    @property
+    def acknowledge_period_ns(self) -> int:
+        """How often the other end is to say what it has received."""
+        return SELDOM_PERIOD_NS if self.is_fast else ACKNOWLEDGE_PERIOD_NS
+
+    @property
     def size_bytes(self) -> int:
         """How many bytes may be under way now."""
         trip_ns = _FIRST_TRIP_NS if self.round_trip_ns is None else self.round_trip_ns
         if self._drain_until_ns is not None:
             return max(_LEAST_WINDOW_BYTES, int(self.capacity_bytes_per_s * trip_ns / NS_PER_S / 2))
         # On a short link most of a round trip is the wait for the acknowledgement.
-        has_room = self._last_trip_ns < trip_ns * 1.25 + _ALLOWANCE_NS
-        ahead_ns = _PROBE_GAIN * trip_ns + _ALLOWANCE_NS
+        period_ns = self.acknowledge_period_ns
+        has_room = self._last_trip_ns < trip_ns * 1.25 + period_ns + _ALLOWANCE_NS
+        ahead_ns = _PROBE_GAIN * trip_ns + period_ns + _ALLOWANCE_NS
         if has_room and self._is_growing:
-            ahead_ns = _GROW_GAIN * (trip_ns + ACKNOWLEDGE_PERIOD_NS)
+            ahead_ns = _GROW_GAIN * (trip_ns + period_ns)
         ahead_s = ahead_ns / NS_PER_S
         return max(_LEAST_WINDOW_BYTES, int(self.capacity_bytes_per_s * ahead_s))
 
     @property
     def chunk_bytes(self) -> int:
-        """How long the next chunk may be: 20 ms of the link within 1.2 to 16 KB; 0 while there is no room."""
+        """How long the next chunk may be; 0 while there is no room.
+
+        It is 20 ms of the link within 1.2 and 16 KB, or 128 KB where topics do not need all of the link.
+        """
         room_bytes = self.size_bytes - self.in_flight_bytes
         # A small rest is used too: else a window of little more than a chunk never shows that there is more.
         if room_bytes <= 0:
             return 0
-        most_bytes = int(self.capacity_bytes_per_s * _CHUNK_S)
-        return max(_LEAST_CHUNK_BYTES, min(_MOST_CHUNK_BYTES, most_bytes, room_bytes))
+        most_bytes = _MOST_CHUNK_BYTES if self._is_limit else _MOST_FREE_CHUNK_BYTES
+        of_link_bytes = int(self.capacity_bytes_per_s * _CHUNK_S)
+        return max(_LEAST_CHUNK_BYTES, min(most_bytes, of_link_bytes, room_bytes))
 
     @property
     def _has_queue(self) -> bool:
         """Whether the last round trip took so long that bytes of ours, or of others, wait on the link."""
-        return self._last_trip_ns > 2 * (self.round_trip_ns or _FIRST_TRIP_NS) + 40 * NS_PER_MS
+        most_ns = 2 * (self.round_trip_ns or _FIRST_TRIP_NS) + self.acknowledge_period_ns + 20 * NS_PER_MS
+        return self._last_trip_ns > most_ns
 
     def limited(self) -> None:
         """There is more to send than there is room for."""
@@ -135,7 +167,8 @@ class Window:
 
     def sent(self, size_bytes: int, now_ns: int) -> None:
         """Bytes were sent."""
-        if self._sample_ns is None or (self._was_idle and not self._flights):
+        is_after_pause = self._was_idle and not self._flights
+        if self._sample_ns is None or (is_after_pause and now_ns - self._acknowledged_ns > _LEAST_PAUSE_NS):
             # A sample does not reach over a pause.
             self._begin_sample(now_ns)
         self.sent_bytes += size_bytes
@@ -157,10 +190,15 @@ class Window:
         newest = None
         while self._flights and self._flights[0].total <= total_bytes:
             newest = self._flights.popleft()
+            self._acknowledged_ns = now_ns
         if newest is not None:
             self._take_trip(now_ns - newest.sent_ns, now_ns)
-        if self._sample_ns is not None and now_ns - self._sample_ns >= _SAMPLE_NS:
-            self._take_rate(now_ns)
+        if self._sample_ns is None:
+            return True
+        if now_ns - self._sample_ns >= _SAMPLE_NS:
+            self._take_rate(self._sample_ns, now_ns)
+        elif not self._flights and self._was_idle and self._drain_until_ns is None:
+            self._take_burst(self._sample_ns, now_ns)
         return True
 
     def _take_trip(self, trip_ns: int, now_ns: int) -> None:
@@ -180,7 +218,7 @@ class Window:
             self._trips.pop()
         self._trips.append((now_ns, trip_ns))
         is_due = now_ns - self._least_seen_ns > _DRAIN_AFTER_NS
-        if least_ns is not None and is_due and not self._has_queue:
+        if least_ns is not None and is_due and not self._has_queue and not self.is_fast:
             self._drain_until_ns = now_ns + _DRAIN_NS + least_ns
             self._drained_trip_ns = trip_ns
 
@@ -191,13 +229,14 @@ class Window:
         self._trips.append((now_ns, self._drained_trip_ns))
         self._begin_sample(now_ns)
 
-    def _take_rate(self, now_ns: int) -> None:
-        assert self._sample_ns is not None
-        span_ns = now_ns - self._sample_ns
+    def _take_rate(self, begin_ns: int, now_ns: int) -> None:
+        span_ns = now_ns - begin_ns
         delivered_bytes = self.acknowledged_bytes - self._sample_bytes + self._beside_bytes
         rate = delivered_bytes * NS_PER_S / span_ns
         was_limited = (self._was_full and not self._was_idle) or self._has_queue
         was_limited = was_limited and self._drain_until_ns is None
+        if self._drain_until_ns is None:
+            self._is_limit = was_limited
         self._begin_sample(now_ns)
         if was_limited:
             self._limited_ns += span_ns
@@ -207,6 +246,16 @@ class Window:
             self._learn(rate)
         else:
             self._is_growing = False
+
+    def _take_burst(self, begin_ns: int, now_ns: int) -> None:
+        """Learn from what arrived before there was more to send: the link carries no less."""
+        self._is_limit = False
+        arrived_bytes = self.acknowledged_bytes - self._sample_bytes
+        rate = arrived_bytes * NS_PER_S / max(now_ns - begin_ns, ACKNOWLEDGE_PERIOD_NS)
+        # The first bytes after a pause may be faster than the link: a shaper lets some pass at once.
+        if arrived_bytes >= _LEAST_BURST_BYTES and rate > self.capacity_bytes_per_s:
+            self._learn(rate)
+            self._begin_sample(now_ns)
 
     def _learn(self, rate: float) -> None:
         falls = self._has_queue and rate < _FALL * self.capacity_bytes_per_s

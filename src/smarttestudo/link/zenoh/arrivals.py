@@ -9,6 +9,7 @@ from collections import deque
 from dataclasses import dataclass
 
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
+from smarttestudo.link.worker import AutoResetEvent
 
 MAX_WAITING_BYTES = 64_000_000
 _EVENT_BYTES = 1_000
@@ -40,7 +41,8 @@ LinkEvent = RobotPresence | StreamSaid | ReceivedMessage
 class EventQueue:
     """Events in the order of their arrival, of at most ``most_bytes``. Any thread may ``put``.
 
-    Where nobody reads for long, the oldest messages that are not latched give way, then the oldest events.
+    One may ``wait``. Where nobody reads for long, the oldest messages that are not latched give way, then the
+    oldest events.
     """
 
     def __init__(self, most_bytes: int) -> None:
@@ -51,11 +53,12 @@ class EventQueue:
         self._next = 0
         self._events: dict[int, LinkEvent] = {}
         self._may_go: deque[int] = deque()
-        self._changed = threading.Condition()
+        self._lock = threading.Lock()
+        self._news = AutoResetEvent()
 
     def put(self, event: LinkEvent) -> None:
         """Have ``event`` read. Never waits for the reader."""
-        with self._changed:
+        with self._lock:
             self._events[self._next] = event
             self._bytes += _size_bytes(event)
             if isinstance(event, ReceivedMessage) and not event.stream.qos.transient_local:
@@ -65,12 +68,14 @@ class EventQueue:
                 oldest = self._may_go.popleft() if self._may_go else next(iter(self._events))
                 self._bytes -= _size_bytes(self._events.pop(oldest))
                 self.dropped += 1
-            self._changed.notify()
+            self._news.set()
 
     def wait(self, timeout_s: float) -> list[LinkEvent]:
         """All that waits, as soon as there is something; nothing after ``timeout_s``."""
-        with self._changed:
-            self._changed.wait_for(lambda: bool(self._events), timeout_s)
+        self._news.wait(timeout_s)
+        with self._lock:
+            # What came since then is read now.
+            self._news.wait(0)
             events = list(self._events.values())
             self._events.clear()
             self._may_go.clear()

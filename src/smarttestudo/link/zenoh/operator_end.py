@@ -20,6 +20,7 @@ from smarttestudo.link.protocol.keys import ALL_BOOTS, ALL_DATA, MAX_ROBOTS, Boo
 from smarttestudo.link.protocol.messages import Announcement
 from smarttestudo.link.protocol.receiver import KEEP_ALIVE_NS, LinkReceiver, ReceiverCounts
 from smarttestudo.link.protocol.status_stream import Record
+from smarttestudo.link.protocol.wire import other_version
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.arrivals import EventQueue, LinkEvent, RobotPresence, StreamSaid
 from smarttestudo.link.zenoh.command_outbox import CommandOutbox
@@ -115,7 +116,8 @@ class OperatorEnd:
             self.unknown += 1
             return
         data = sample.payload.to_bytes()
-        self._versions.check(robot_peer(robot.boot), data)
+        if other_version(data) is not None:
+            self._versions.check(robot_peer(robot.boot), data)
         with robot.lock:
             found = robot.receiver.receive(data, self._clock())
             wake_ns = robot.receiver.wake_ns
@@ -203,10 +205,14 @@ class OperatorEnd:
 
     def _report(self, robot: _Robot, now_ns: int) -> int:
         """Send the report of a robot where one is due; when the next is."""
+        receiver = robot.receiver
         with robot.lock:
-            is_due = robot.receiver.wake_ns <= now_ns
-            report = robot.receiver.next_report(now_ns) if is_due else None
-            wake_ns = robot.receiver.wake_ns
+            is_due, has_news = receiver.wake_ns <= now_ns, receiver.has_news
+            report = receiver.next_report(now_ns) if is_due else None
+            wake_ns = receiver.wake_ns
+            if is_due and has_news:
+                # Most likely more comes, which is due then and need not wake the thread first.
+                wake_ns = min(wake_ns, now_ns + receiver.report_period_ns)
         if report is not None:
             try:
                 # A report that does not get through is followed by another that says all that it said.

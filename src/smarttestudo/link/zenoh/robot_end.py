@@ -20,6 +20,7 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.incidents.catalog import IncidentCatalog
 from smarttestudo.incidents.transfer_messages import AskBytes
+from smarttestudo.link.protocol.background import BackgroundAnswer
 from smarttestudo.link.protocol.chunks import MAX_MESSAGE_BYTES
 from smarttestudo.link.protocol.keys import new_boot
 from smarttestudo.link.protocol.messages import REPORTS
@@ -200,10 +201,13 @@ class RobotEnd:
             worker.close()
 
     def _do(self, act: Callable[[], None]) -> None:
+        """Act on the sender, and have the thread send what may be sent then."""
         self._inbox.append(act)
         if self._lock.acquire(blocking=False):
             try:
                 self._empty_inbox()
+                if not self._sender.has_next(self._clock()):
+                    return
             finally:
                 self._lock.release()
         self._worker.wake()
@@ -253,16 +257,23 @@ class RobotEnd:
     def _have_got(self, ask: AskBytes) -> None:
         self._do(lambda: self._sender.background.acknowledge(ask.asker, ask.got_bytes, self._clock()))
 
-    def _answer(self) -> float:
-        """Answer a question for bytes, if the link has nothing better to do; how long to wait then."""
-        with self._lock:
-            now_ns = self._clock()
-            for waiting in self._sender.background.expired(now_ns):
-                waiting.query.drop()
-            answer = self._sender.next_answer(now_ns)
-            wake_ns = self._sender.background.wake_ns(now_ns)
+    def _send_next(self) -> float:
+        """Send all chunks that may be sent, or an answer; how long to wait then."""
+        has_more = True
+        while has_more and not self._worker.is_closed:
+            with self._lock:
+                self._empty_inbox()
+                now_ns = self._clock()
+                chunk = self._sender.next_chunk(now_ns)
+                if chunk is None:
+                    answer, wait_s = self._next_answer(now_ns)
+                    break
+                has_more = self._sender.has_next(now_ns)
+            self._data.put(chunk)
+        else:
+            return _LOOK_AGAIN_S
         if answer is None:
-            return _LOOK_AGAIN_S if wake_ns is None else min((wake_ns - now_ns) / NS_PER_S, _LOOK_AGAIN_S)
+            return wait_s
         assert self._incidents is not None
         size_bytes = self._incidents.answer(answer.request, answer.size_bytes, answer.waiting)
         if size_bytes:
@@ -270,15 +281,15 @@ class RobotEnd:
                 self._sender.background.sent(answer.asker, size_bytes, now_ns)
         return 0.0
 
-    def _send_next(self) -> float:
-        """Send a chunk or an answer; how long to wait then."""
-        with self._lock:
-            self._empty_inbox()
-            chunk = self._sender.next_chunk(self._clock())
-        if chunk is None:
-            return self._answer()
-        self._data.put(chunk)
-        return 0.0
+    def _next_answer(self, now_ns: int) -> tuple[BackgroundAnswer[WaitingAsk] | None, float]:
+        """The question for bytes to answer now, if the link has nothing better to do, or how long to wait."""
+        background = self._sender.background
+        for waiting in background.expired(now_ns):
+            waiting.query.drop()
+        answer = self._sender.next_answer(now_ns)
+        wake_ns = background.wake_ns(now_ns)
+        wait_s = _LOOK_AGAIN_S if wake_ns is None else min((wake_ns - now_ns) / NS_PER_S, _LOOK_AGAIN_S)
+        return answer, wait_s
 
 
 class RobotPublisher:
