@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { readdirSync, readFileSync } from "node:fs";
+import { fileURLToPath } from "node:url";
 import { defineConfig } from "vite";
 import { documentation } from "./documentation/plugin.mjs";
 
@@ -26,6 +27,8 @@ function blocklyMedia() {
 export default defineConfig({
   base: "./",
   plugins: [blocklyMedia(), documentation()],
+  // The module of the same name has a function for each message.
+  resolve: { alias: { "blockly/msg/en": fileURLToPath(new URL("./node_modules/blockly/msg/en.js", import.meta.url)) } },
   build: {
     outDir: "../src/smarttestudo/ruler/server/static",
     emptyOutDir: true,

@@ -48,8 +48,6 @@ const spotField = StateField.define<DecorationSet>({
 /** The text of a rule file, with marks where the checker found something. */
 export class TextEditor {
   private readonly view: EditorView;
-  /** What the view shows, as one string: making it anew takes long for a long text. */
-  private text = "";
   /** Whether a change comes from the page and not from a key. */
   private isOurs = false;
   private findings: readonly PlacedFinding[] = [];
@@ -57,10 +55,13 @@ export class TextEditor {
   constructor(
     host: HTMLElement,
     private readonly owner: TextOwner,
+    /** What the view shows, as one string: making it anew takes long for a long text. */
+    private text: string,
   ) {
     this.view = new EditorView({
       parent: host,
       state: EditorState.create({
+        doc: text,
         extensions: [
           // Split at \n alone, so that a carriage return is a letter like any other and no byte is lost.
           EditorState.lineSeparator.of("\n"),
@@ -140,6 +141,7 @@ export class TextEditor {
   reveal(offset: number, endOffset: number, focus: boolean): void {
     const end = this.view.state.doc.length;
     const [from, to] = [Math.min(offset, end), Math.min(endOffset, end)];
+    if (from === to && !focus && this.view.state.field(spotField) === Decoration.none) return;
     const effects: StateEffect<unknown>[] = [setSpot.of({ from, to })];
     if (focus || to > from) {
       effects.push(EditorView.scrollIntoView(EditorSelection.range(to, from), { y: "nearest", yMargin: 24 }));
