@@ -35,6 +35,10 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     reportCompressedSize: false,
     chunkSizeWarningLimit: 1500,
+    // Each file takes the browser and the server longer than the code in it.
+    rolldownOptions: {
+      output: { codeSplitting: { groups: [{ name: "shared", test: /src|preact/, minShareCount: 5 }] } },
+    },
   },
   // The documentation is read from beside this folder.
   server: {

@@ -5,21 +5,16 @@ import { defaultKeymap } from "@codemirror/commands";
 import { indentUnit } from "@codemirror/language";
 import { type Diagnostic, forEachDiagnostic, lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
 import { EditorSelection, EditorState, StateEffect, StateField } from "@codemirror/state";
-import {
-  Decoration,
-  type DecorationSet,
-  drawSelection,
-  EditorView,
-  highlightActiveLine,
-  keymap,
-  lineNumbers,
-} from "@codemirror/view";
+import { Decoration, type DecorationSet, EditorView, highlightActiveLine, keymap, lineNumbers } from "@codemirror/view";
 import type { PlacedFinding, Vocabulary } from "../api/types";
 import { difference } from "./difference";
-import { adirf, adirfColours, suggest } from "./language";
+import { adirfColours, suggest } from "./language";
 
 /** The list turns pages and does not scroll: the keyboard cannot reach a part that does. */
 const SUGGESTIONS_SHOWN = 10;
+
+/** After this pause a list opens: who goes on typing knows the word, and a list takes long to draw. */
+const SUGGESTED_AFTER_MS = 200;
 
 /** What the text tells and asks. */
 interface TextOwner {
@@ -67,16 +62,16 @@ export class TextEditor {
           EditorState.lineSeparator.of("\n"),
           lineNumbers(),
           lintGutter(),
-          drawSelection(),
           EditorView.lineWrapping,
           highlightActiveLine(),
           spotField,
-          adirf,
           adirfColours,
+          EditorState.languageData.of(() => [{ commentTokens: { line: "//" } }]),
           indentUnit.of("    "),
           autocompletion({
             override: [(context) => suggest(context, owner.vocabulary())],
             maxRenderedOptions: SUGGESTIONS_SHOWN,
+            activateOnTypingDelay: SUGGESTED_AFTER_MS,
           }),
           keymap.of([...completionKeymap, ...lintKeymap, ...defaultKeymap]),
           EditorView.contentAttributes.of({ "aria-label": "Rules as text", spellcheck: "false", tabindex: "0" }),
