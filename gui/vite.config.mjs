@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { readdirSync, readFileSync } from "node:fs";
+import { fileURLToPath } from "node:url";
 import { defineConfig } from "vite";
 import { documentation } from "./documentation/plugin.mjs";
 
@@ -26,12 +27,18 @@ function blocklyMedia() {
 export default defineConfig({
   base: "./",
   plugins: [blocklyMedia(), documentation()],
+  // The module of the same name has a function for each message.
+  resolve: { alias: { "blockly/msg/en": fileURLToPath(new URL("./node_modules/blockly/msg/en.js", import.meta.url)) } },
   build: {
     outDir: "../src/smarttestudo/ruler/server/static",
     emptyOutDir: true,
     modulePreload: { polyfill: false },
     reportCompressedSize: false,
     chunkSizeWarningLimit: 1500,
+    // Each file takes the browser and the server longer than the code in it.
+    rolldownOptions: {
+      output: { codeSplitting: { groups: [{ name: "shared", test: /src|preact/, minShareCount: 5 }] } },
+    },
   },
   // The documentation is read from beside this folder.
   server: {

@@ -24,7 +24,11 @@ import { ServerGone, useReturn, WatchNotice } from "./ui/server_gone";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
 const PAGES: Record<Exclude<Route["page"], "home">, Later<PageProps>> = {
-  rules: later(async () => (await import("./pages/editor")).EditorPage),
+  rules: later(async () => {
+    const page = import("./pages/editor");
+    void import("./blocks/rule_workspace");
+    return (await page).EditorPage;
+  }),
   topics: later(async () => (await import("./pages/topics")).TopicsPage),
   help: later(async () => (await import("./pages/help")).HelpPage),
   tour: later(async () => (await import("./tour/tour_page")).TourPage),

@@ -185,7 +185,7 @@ export class DrawnPart {
 
   private create(statement: Statement): Blockly.BlockSvg {
     const state = toBlock(statement, this.owner.folds.isFolded(statement));
-    const block = Blockly.serialization.blocks.append(state, this.workspace) as Blockly.BlockSvg;
+    const block = Blockly.serialization.blocks.appendInternal(state, this.workspace) as Blockly.BlockSvg;
     if (statement.kind === "raw") showRawText(block, statement.text);
     return block;
   }

@@ -37,29 +37,33 @@ export function newWorkspace(
   defineBlocks(suggestions, buttons);
   addAnotherOnShiftEnter(buttons, page.newRate);
   const isNarrow = matchMedia(NARROW).matches;
-  const workspace = Blockly.inject(host, {
-    // A question of the browser's own would have no list to pick from.
-    modalInputs: false,
-    renderer: "zelos",
-    theme: blocklyTheme(host),
-    toolbox: toolbox(),
-    // Beside the blocks it would leave them no room.
-    horizontalLayout: isNarrow,
-    media: "./media/",
-    trashcan: false,
-    // A rule is switched off in the text.
-    disable: false,
-    sounds: false,
-    zoom: {
-      controls: !isNarrow,
-      wheel: false,
-      pinch: true,
-      startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE,
-      minScale: 0.3,
-      maxScale: 2,
-    },
-    move: { scrollbars: true, drag: true, wheel: true },
-  });
+  // Else each block measures its texts anew, for which the browser computes styles each time.
+  Blockly.utils.dom.startTextWidthCache();
+  const workspace = silently(() =>
+    Blockly.inject(host, {
+      // A question of the browser's own would have no list to pick from.
+      modalInputs: false,
+      renderer: "zelos",
+      theme: blocklyTheme(host),
+      toolbox: toolbox(),
+      // Beside the blocks it would leave them no room.
+      horizontalLayout: isNarrow,
+      media: "./media/",
+      trashcan: false,
+      // A rule is switched off in the text.
+      disable: false,
+      sounds: false,
+      zoom: {
+        controls: !isNarrow,
+        wheel: false,
+        pinch: true,
+        startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE,
+        minScale: 0.3,
+        maxScale: 2,
+      },
+      move: { scrollbars: true, drag: true, wheel: true },
+    }),
+  );
   offerRecipes(workspace, recipes);
   useOwnMenus(workspace, buttons, page);
   useOwnKeys(host);
@@ -67,6 +71,17 @@ export function newWorkspace(
   workspace.MAX_UNDO = 0;
   keepFocus(host);
   return workspace;
+}
+
+/** Blockly opens an audio context for each workspace, even for one without sounds. */
+function silently<T>(work: () => T): T {
+  const { AudioContext } = window;
+  Object.assign(window, { AudioContext: undefined });
+  try {
+    return work();
+  } finally {
+    Object.assign(window, { AudioContext });
+  }
 }
 
 /**

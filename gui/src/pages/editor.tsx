@@ -3,7 +3,7 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { refusal } from "../api/client";
-import { BlocksPane, loadBlocks } from "../panels/blocks_pane";
+import { BlocksPane } from "../panels/blocks_pane";
 import { EditorBar } from "../panels/editor_bar";
 import { FindingsPanel } from "../panels/findings_panel";
 import { OptimizePanel } from "../panels/optimize_panel";
@@ -66,7 +66,6 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => {
     void open(editor, setState);
-    void loadBlocks();
   }, []);
   useUndoKeys(editor);
   useDiskLooks(editor, state === "open");

@@ -19,9 +19,6 @@ import { NARROW, watchSize, watchTheme } from "../ui/watch";
 import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
-/** Loads what draws blocks, which is large: it may come while the server reads the rules. */
-export const loadBlocks = () => import("../blocks/rule_workspace");
-
 /** The left half: the rules as blocks. */
 export function BlocksPane(props: Omit<Shown, "isServerGone">) {
   const { editor, api, robotRules, tried, drawValues } = props;
@@ -33,7 +30,7 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
     const here = host.current;
     if (!here) return;
     // The text can be read and changed before the blocks are there, which take longer.
-    return onceLoaded(loadBlocks(), ({ RuleWorkspace }) => {
+    return onceLoaded(import("../blocks/rule_workspace"), ({ RuleWorkspace }) => {
       const shown = { editor, api, robotRules, tried, drawValues, isServerGone };
       const opened = openWorkspace(RuleWorkspace, here, shown);
       workspace.current = opened.workspace;

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import { type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import { effect, type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import type { VNode } from "preact";
-import { useRef } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import type { Statement } from "../api/types";
 import type { RuleState } from "../blocks/live_states";
 import { ruleName, ruleSets, statementTitle } from "../blocks/rule_words";
@@ -40,12 +40,17 @@ export function RuleOutline({ editor, robotRules, onGo, onFoldAll }: Props) {
   const go = useRef(onGo);
   go.current = onGo;
   const sections = useComputed(() => inSections(editor.shownStatements.value, editor.shownSections.value));
-  useSignalEffect(() => {
-    const { spot } = editor;
-    const id = spot.value && editor.statementAt(spot.value.offset)?.id;
-    const index = id ? editor.shownStatements.peek().findIndex((each) => each.id === id) : -1;
-    if (index >= 0) active.value = index;
-  });
+  // At once: waiting for the next picture would draw one more for each key.
+  useEffect(
+    () =>
+      effect(() => {
+        const { spot } = editor;
+        const id = spot.value && editor.statementAt(spot.value.offset)?.id;
+        const index = id ? editor.shownStatements.peek().findIndex((each) => each.id === id) : -1;
+        if (index >= 0) active.value = index;
+      }),
+    [],
+  );
   useSignalEffect(() => {
     list.current?.querySelector(`#outline-${active.value}`)?.scrollIntoView({ block: "nearest" });
   });

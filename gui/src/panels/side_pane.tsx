@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { type Signal, useSignalEffect } from "@preact/signals";
+import { effect, type Signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Api } from "../api/client";
 import { MapFloor } from "../state/map_floor";
@@ -39,16 +39,21 @@ export function SidePane(props: {
   const zones = useMemo(() => new ZoneEditor(api, editor), []);
   const isMap = side.value === "map";
   useEffect(() => (isMap ? floor.follow() : undefined), [isMap]);
-  useSignalEffect(() => {
-    if (side.value !== "map" && full.part.peek() === "map") full.leave();
-  });
-  useSignalEffect(() => {
-    const spot = editor.spot.value;
-    if (spot?.from !== "findings" || side.peek() === "text") return;
-    side.value = "text";
-    // The text can only scroll to a place once it is to be seen.
-    requestAnimationFrame(() => (editor.spot.value = { ...spot }));
-  });
+  useEffect(() => {
+    if (!isMap && full.part.peek() === "map") full.leave();
+  }, [isMap]);
+  // At once: waiting for the next picture would draw one more for each key.
+  useEffect(
+    () =>
+      effect(() => {
+        const spot = editor.spot.value;
+        if (spot?.from !== "findings" || side.peek() === "text") return;
+        side.value = "text";
+        // The text can only scroll to a place once it is to be seen.
+        requestAnimationFrame(() => (editor.spot.value = { ...spot }));
+      }),
+    [],
+  );
   return (
     <div class="pane side">
       <div class="pane-bar">

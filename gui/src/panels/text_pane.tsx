@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import type { PlacedFinding } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { TextEditor } from "../text/text_editor";
 
@@ -17,14 +18,15 @@ export function TextPane({ editor, hidden }: { editor: RuleEditor; hidden: boole
 }
 
 function openText(host: HTMLElement, editor: RuleEditor): () => void {
-  const text = new TextEditor(host, {
-    typed: (value) => editor.type(value),
-    cursorAt: (offset) => {
+  const owner = {
+    typed: (value: string) => editor.type(value),
+    cursorAt: (offset: number) => {
       editor.spot.value = { offset, end_offset: offset, from: "text" };
     },
-    fix: (finding) => void editor.fix(finding),
+    fix: (finding: PlacedFinding) => void editor.fix(finding),
     vocabulary: () => editor.vocabulary.peek(),
-  });
+  };
+  const text = new TextEditor(host, owner, editor.text.peek());
   const stops = [
     effect(() => text.setText(editor.text.value)),
     effect(() => {

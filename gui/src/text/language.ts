@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Completion, CompletionContext, CompletionResult } from "@codemirror/autocomplete";
-import { HighlightStyle, StreamLanguage, syntaxHighlighting } from "@codemirror/language";
-import { tags } from "@lezer/highlight";
+import { Decoration, type DecorationSet, type EditorView, ViewPlugin, type ViewUpdate } from "@codemirror/view";
 import { TIERS, type Vocabulary } from "../api/types";
 import { ON_ROBOT } from "../blocks/suggestions";
 
@@ -25,57 +24,90 @@ const KEYWORDS = [
 ];
 const LOGIC = ["AND", "OR", "Not", "CheckValue", "For", "Within", "Until"];
 const RATES = [...TIERS, "Full", "Off", "Hz"];
-const UNITS_OF_TIME = ["ms", "s", "min"];
+const RATE_WORDS = [...RATES, "ms", "s", "min"];
 
 const RESERVED = [...KEYWORDS, ...LOGIC].join("|");
 /** A keyword, also where the next keyword or a topic follows without a blank. */
-const KEYWORD = new RegExp(`^(?:${RESERVED})(?=(?:${RESERVED})*(?:/|(?![\\p{L}\\p{N}_.~[\\]-])))`, "u");
-const WORD = /^[\p{L}_][\p{L}\p{N}_.[\]]*/u;
+const KEYWORD = `(?<keyword>(?:${RESERVED})(?=(?:${RESERVED})*(?:/|(?![\\p{L}\\p{N}_.~[\\]-]))))`;
+const BEFORE_WORDS = [
+  "(?<comment>//.*)",
+  '(?<string>"[^"\\n]*"?)',
+  "(?<topic>/[\\w/{}~]+)",
+  "(?<number>[+-]?(?:\\d+\\.?\\d*|\\.\\d+)(?:[eE][+-]?\\d+)?)",
+];
+const OTHERS = ["(?<word>[\\p{L}_][\\p{L}\\p{N}_.[\\]]*)", "\\S"];
+const PROPERTY = [...BEFORE_WORDS, ...OTHERS].join("|");
+const ANYTHING = [...BEFORE_WORDS, KEYWORD, ...OTHERS].join("|");
 
-/** Colours of the words; what they mean is the server's to say. `place` is how much of a check is read. */
-export const adirf = StreamLanguage.define<{ place: "topic" | "property" | null }>({
-  startState: () => ({ place: null }),
-  token(stream, state) {
-    if (stream.eatSpace()) return null;
-    if (stream.match(/\/\/.*/)) return "comment";
-    const { place } = state;
-    state.place = null;
-    if (stream.match(/"[^"]*"?/)) return "string";
-    if (stream.match(/\/[\w/{}~]+/)) {
-      if (place === "topic") state.place = "property";
-      return "variableName";
-    }
-    if (stream.match(/[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?/)) return "number";
-    if (stream.match(/[<>=!]+/)) return "operator";
-    if (place !== "property") {
-      const keyword = (stream.match(KEYWORD) as RegExpMatchArray | null)?.[0];
-      if (keyword === "CheckValue") state.place = "topic";
-      if (keyword !== undefined) return LOGIC.includes(keyword) ? "logic" : "keyword";
-    }
-    const word = stream.match(WORD) as RegExpMatchArray | null;
-    if (word === null) stream.next();
-    else if (place === "topic") state.place = "property";
-    return place === null && [...RATES, ...UNITS_OF_TIME].includes(word?.[0] ?? "") ? "atom" : null;
-  },
-  tokenTable: { logic: tags.logicOperator },
-  languageData: { commentTokens: { line: "//" } },
-});
+type Colour = "comment" | "keyword" | "logic" | "topic" | "rate" | "string";
 
-export const adirfColours = syntaxHighlighting(
-  HighlightStyle.define([
-    { tag: tags.comment, color: "var(--text-2)", fontStyle: "italic" },
-    { tag: tags.keyword, color: "var(--code-keyword)", fontWeight: "600" },
-    { tag: tags.logicOperator, color: "var(--code-check)", fontWeight: "600" },
-    { tag: tags.variableName, color: "var(--code-topic)" },
-    { tag: [tags.number, tags.atom], color: "var(--code-rate)" },
-    { tag: tags.string, color: "var(--code-string)" },
-  ]),
+/** What is coloured in a text, from its beginning; what words mean is the server's to say. */
+export function* colouredIn(text: string): Iterable<{ from: number; to: number; colour: Colour }> {
+  const [anything, property] = [new RegExp(ANYTHING, "gu"), new RegExp(PROPERTY, "gu")];
+  /** How much of a check is read: a property may be called as a keyword. */
+  let place: "topic" | "property" | null = null;
+  for (let to = 0; ; ) {
+    const pattern: RegExp = place === "property" ? property : anything;
+    pattern.lastIndex = to;
+    const match: RegExpExecArray | null = pattern.exec(text);
+    if (match === null) return;
+    to = pattern.lastIndex;
+    const colour = colourOf(match.groups ?? {}, place === null);
+    if (colour !== null) yield { from: match.index, to, colour };
+    if (colour === "comment") continue;
+    const isName = match.groups?.topic !== undefined || match.groups?.word !== undefined;
+    if (match[0] === "CheckValue") place = "topic";
+    else place = place === "topic" && isName ? "property" : null;
+  }
+}
+
+function colourOf(
+  { comment, string, topic, number, keyword, word }: Partial<Record<string, string>>,
+  mayBeRate: boolean,
+): Colour | null {
+  if (comment !== undefined) return "comment";
+  if (string !== undefined) return "string";
+  if (topic !== undefined) return "topic";
+  if (keyword !== undefined) return LOGIC.includes(keyword) ? "logic" : "keyword";
+  const isRate = word !== undefined && mayBeRate && RATE_WORDS.includes(word);
+  return number !== undefined || isRate ? "rate" : null;
+}
+
+/** Colours of the words in view. A tree of the whole text would be made anew at each key. */
+export const adirfColours = ViewPlugin.define(
+  (view) => ({
+    marks: marksIn(view),
+    update({ docChanged, viewportChanged, view }: ViewUpdate) {
+      if (docChanged || viewportChanged) this.marks = marksIn(view);
+    },
+  }),
+  { decorations: ({ marks }) => marks },
 );
+
+function marksIn({ state: { doc }, visibleRanges }: EditorView): DecorationSet {
+  const marks = visibleRanges.flatMap((range) => {
+    // A check may begin on the line above.
+    const start = doc.lineAt(Math.max(0, doc.lineAt(range.from).from - 1)).from;
+    const coloured = [...colouredIn(doc.sliceString(start, range.to))];
+    return coloured.map(({ from, to, colour }) => MARKS[colour].range(start + from, start + to));
+  });
+  return Decoration.set(marks, true);
+}
+
+const mark = (colour: Colour) => Decoration.mark({ class: `word-${colour}` });
+const MARKS: Readonly<Record<Colour, Decoration>> = {
+  comment: mark("comment"),
+  keyword: mark("keyword"),
+  logic: mark("logic"),
+  topic: mark("topic"),
+  rate: mark("rate"),
+  string: mark("string"),
+};
 
 /** Topics after a blank and `/`, properties after a topic of a check or bound, else keywords and levels. */
 export function suggest(context: CompletionContext, vocabulary: Vocabulary | null): CompletionResult | null {
   const word = context.matchBefore(/[\w/.]*/);
-  if (!word || (word.text === "" && !context.explicit)) return null;
+  if (!word || (word.text === "" && !context.explicit) || /^\d/.test(word.text)) return null;
   const line = context.state.doc.lineAt(context.pos);
   const before = line.text.slice(0, word.from - line.from);
   if (isInComment(before + word.text)) return null;

@@ -5,21 +5,16 @@ import { defaultKeymap } from "@codemirror/commands";
 import { indentUnit } from "@codemirror/language";
 import { type Diagnostic, forEachDiagnostic, lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
 import { EditorSelection, EditorState, StateEffect, StateField } from "@codemirror/state";
-import {
-  Decoration,
-  type DecorationSet,
-  drawSelection,
-  EditorView,
-  highlightActiveLine,
-  keymap,
-  lineNumbers,
-} from "@codemirror/view";
+import { Decoration, type DecorationSet, EditorView, highlightActiveLine, keymap, lineNumbers } from "@codemirror/view";
 import type { PlacedFinding, Vocabulary } from "../api/types";
 import { difference } from "./difference";
-import { adirf, adirfColours, suggest } from "./language";
+import { adirfColours, suggest } from "./language";
 
 /** The list turns pages and does not scroll: the keyboard cannot reach a part that does. */
 const SUGGESTIONS_SHOWN = 10;
+
+/** After this pause a list opens: who goes on typing knows the word, and a list takes long to draw. */
+const SUGGESTED_AFTER_MS = 200;
 
 /** What the text tells and asks. */
 interface TextOwner {
@@ -48,8 +43,6 @@ const spotField = StateField.define<DecorationSet>({
 /** The text of a rule file, with marks where the checker found something. */
 export class TextEditor {
   private readonly view: EditorView;
-  /** What the view shows, as one string: making it anew takes long for a long text. */
-  private text = "";
   /** Whether a change comes from the page and not from a key. */
   private isOurs = false;
   private findings: readonly PlacedFinding[] = [];
@@ -57,25 +50,28 @@ export class TextEditor {
   constructor(
     host: HTMLElement,
     private readonly owner: TextOwner,
+    /** What the view shows, as one string: making it anew takes long for a long text. */
+    private text: string,
   ) {
     this.view = new EditorView({
       parent: host,
       state: EditorState.create({
+        doc: text,
         extensions: [
           // Split at \n alone, so that a carriage return is a letter like any other and no byte is lost.
           EditorState.lineSeparator.of("\n"),
           lineNumbers(),
           lintGutter(),
-          drawSelection(),
           EditorView.lineWrapping,
           highlightActiveLine(),
           spotField,
-          adirf,
           adirfColours,
+          EditorState.languageData.of(() => [{ commentTokens: { line: "//" } }]),
           indentUnit.of("    "),
           autocompletion({
             override: [(context) => suggest(context, owner.vocabulary())],
             maxRenderedOptions: SUGGESTIONS_SHOWN,
+            activateOnTypingDelay: SUGGESTED_AFTER_MS,
           }),
           keymap.of([...completionKeymap, ...lintKeymap, ...defaultKeymap]),
           EditorView.contentAttributes.of({ "aria-label": "Rules as text", spellcheck: "false", tabindex: "0" }),
@@ -140,6 +136,7 @@ export class TextEditor {
   reveal(offset: number, endOffset: number, focus: boolean): void {
     const end = this.view.state.doc.length;
     const [from, to] = [Math.min(offset, end), Math.min(endOffset, end)];
+    if (from === to && !focus && this.view.state.field(spotField) === Decoration.none) return;
     const effects: StateEffect<unknown>[] = [setSpot.of({ from, to })];
     if (focus || to > from) {
       effects.push(EditorView.scrollIntoView(EditorSelection.range(to, from), { y: "nearest", yMargin: 24 }));

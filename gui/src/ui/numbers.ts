@@ -7,17 +7,17 @@ const COMMA_OF_TWO_MEANINGS = /^[+-]?[1-9]\d{0,2},\d{3}$/;
 /** The same of a point, where people write decimals with a comma. A number that the page shows never ends so. */
 const POINT_OF_TWO_MEANINGS = /^[+-]?[1-9]\d{0,2}\.\d{2}0$/;
 
-/** Whether the browser's language writes decimals with a comma. */
-const writesComma = new Intl.NumberFormat().format(0.5).includes(",");
+/** Whether the browser's language writes decimals with a comma. The first answer takes long. */
+const writesComma = () => new Intl.NumberFormat().format(0.5).includes(",");
 
 /** The number that somebody typed, with a point or a comma before its decimals; NaN where it is none, or could be two. */
-export function typedNumber(text: string, hasComma = writesComma): number {
+export function typedNumber(text: string, hasComma?: boolean): number {
   const plain = plainText(text);
   return plain === "" || hasTwoMeanings(plain, hasComma) ? Number.NaN : Number(plain.replace(",", "."));
 }
 
 /** Why a text is not one number, in words; empty where it is one. */
-export function numberProblem(text: string, hasComma = writesComma): string {
+export function numberProblem(text: string, hasComma?: boolean): string {
   if (!Number.isNaN(typedNumber(text, hasComma))) return "";
   const plain = plainText(text);
   if (plain === "") return "A number is needed here";
@@ -41,8 +41,8 @@ function plainText(text: string): string {
   return text.trim().replace("−", "-").replace(BLANK_BETWEEN_THOUSANDS, "");
 }
 
-function hasTwoMeanings(plain: string, hasComma: boolean): boolean {
-  return COMMA_OF_TWO_MEANINGS.test(plain) || (hasComma && POINT_OF_TWO_MEANINGS.test(plain));
+function hasTwoMeanings(plain: string, hasComma?: boolean): boolean {
+  return COMMA_OF_TWO_MEANINGS.test(plain) || (POINT_OF_TWO_MEANINGS.test(plain) && (hasComma ?? writesComma()));
 }
 
 /** A number for reading: three significant digits below 1000, none after the point above. */

@@ -4,7 +4,7 @@ import { CompletionContext } from "@codemirror/autocomplete";
 import { EditorState } from "@codemirror/state";
 import { expect, test } from "vitest";
 import type { Vocabulary } from "../../src/api/types";
-import { suggest } from "../../src/text/language";
+import { colouredIn, suggest } from "../../src/text/language";
 
 const property = (name: string) => ({ name, unit: "m", meaning: "", levels: null });
 const VOCABULARY: Vocabulary = {
@@ -44,4 +44,22 @@ test("a name with // in it begins no comment", () => {
   const text = 'Record "near // miss" ';
   const state = EditorState.create({ doc: text });
   expect(suggest(new CompletionContext(state, text.length, true), VOCABULARY)?.options).toHaveLength(1);
+});
+
+test("a number is not completed", () => {
+  const state = EditorState.create({ doc: "SetFrequency /odom 4" });
+  expect(suggest(new CompletionContext(state, state.doc.length, true), VOCABULARY)).toBeNull();
+});
+
+test.each([
+  ['Rule "Not // here" Priority 2', ["keyword Rule", 'string "Not // here"', "keyword Priority", "rate 2"]],
+  ["SetFrequency/odom Off // slow", ["keyword SetFrequency", "topic /odom", "rate Off", "comment // slow"]],
+  [
+    "CheckValue /odom\n// of it\nPriority > -1.5e3",
+    ["logic CheckValue", "topic /odom", "comment // of it", "rate -1.5e3"],
+  ],
+  ["CheckValue /odom Full < 3 For 5 s", ["logic CheckValue", "topic /odom", "rate 3", "logic For", "rate 5", "rate s"]],
+  ['"unfinished\nIfThen( Iffy Off', ['string "unfinished', "keyword If", "keyword Then", "rate Off"]],
+])("in %j is coloured %j", (text, coloured) => {
+  expect([...colouredIn(text)].map(({ from, to, colour }) => `${colour} ${text.slice(from, to)}`)).toEqual(coloured);
 });
