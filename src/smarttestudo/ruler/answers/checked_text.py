@@ -64,9 +64,12 @@ class RefusedTextError(RuleFileError):
         self.checked = checked
 
 
-def check_text(draft: Draft) -> CheckedText:
-    """Read and check ``draft``; ``ProfileError`` for a profile that cannot be read."""
-    document = read_document(draft.text, draft.name)
+def check_text(draft: Draft, before: CheckedText | None = None) -> CheckedText:
+    """Read and check ``draft``; ``ProfileError`` for a profile that cannot be read.
+
+    What it has in common with the text ``before`` is not read again.
+    """
+    document = read_document(draft.text, draft.name, None if before is None else before.document)
     context = CheckContext(profile=draft.profile(), way_to_profile=WAY_TO_PROFILE)
     return CheckedText(document=document, findings=tuple(check_rules([document.result], context)))
 
