@@ -7,6 +7,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
@@ -23,6 +24,7 @@ from smarttestudo.language.boxes import (
 )
 from smarttestudo.language.boxes.index import Interval
 from smarttestudo.language.normal_form import Every, Form, InRegion
+from smarttestudo.language.recall import Recall
 from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import Branch
 
@@ -86,7 +88,9 @@ class TopicBranches:
 class BranchIndex:
     """The boxes of all branches; topics that are set by the same branches share one index."""
 
-    def __init__(self, branches: Sequence[Branch], boxes_by_branch: Mapping[int, ConditionBoxes]) -> None:
+    def __init__(
+        self, branches: Sequence[Branch], boxes_by_branch: Mapping[int, ConditionBoxes], recall: Recall
+    ) -> None:
         self._branches = {branch.order: branch for branch in branches}
         self._boxes = boxes_by_branch
         setters: dict[str, list[int]] = {}
@@ -98,7 +102,9 @@ class BranchIndex:
             alike.setdefault(tuple(orders), []).append(topic)
         self._by_topic: dict[str, TopicBranches] = {}
         for setting, topics in alike.items():
-            near = self._topic_branches(setting, tuple(topics))
+            of_topics = partial(self._topic_branches, setting, tuple(topics))
+            made_of = (one[order] for order in setting for one in (self._branches, self._boxes))
+            near = recall.value("topic branches", of_topics, *made_of, key=tuple(topics))
             self._by_topic.update(dict.fromkeys(topics, near))
 
     def boxes(self, branch: Branch) -> ConditionBoxes:
@@ -109,6 +115,10 @@ class BranchIndex:
         """The branches that set the topics of ``branch``, once for topics that are set alike."""
         found = {id(one): one for one in (self._by_topic[topic] for topic in branch.settings)}
         return tuple(found.values())
+
+    def branches_of(self, topic: str) -> TopicBranches:
+        """The branches that set ``topic``."""
+        return self._by_topic[topic]
 
     def around(
         self, branch: Branch, hull: Hull, near: TopicBranches, effort: Effort
