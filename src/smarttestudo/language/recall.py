@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Any, TypeVar
 
 _T = TypeVar("_T")
 _Kept = tuple[tuple[object, ...], object]
@@ -30,11 +30,11 @@ class Recall:
         It depends on nothing else but ``key``.
         """
         known = self.get(name, *things, key=key)
-        value = make() if known is None else known
+        value: _T = make() if known is None else known
         self.keep(value, name, *things, key=key)
-        return value  # type: ignore[return-value]
+        return value
 
-    def get(self, name: str, *things: object, key: object = None) -> object | None:
+    def get(self, name: str, *things: object, key: object = None) -> Any:
         """The value of that name that was kept of ``things``, if any."""
         known = self._before.get((name, key, tuple(map(id, things))))
         return None if known is None else known[1]

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Generic, TypeVar
 
-from smarttestudo.checks.analysis.branch_index import BranchIndex, ConditionBoxes, boxes_of
+from smarttestudo.checks.analysis.branch_index import BranchIndex
+from smarttestudo.checks.analysis.condition_boxes import ConditionBoxes, boxes_of
 from smarttestudo.checks.analysis.conflict_finder import ConflictFinder
 from smarttestudo.checks.analysis.cover import Covers
 from smarttestudo.checks.analysis.redundant_rates import redundant_rates
@@ -112,35 +113,53 @@ class _Analyst:
         return self._asked("boxes", answer, form).found
 
     def conflicts(self, branch: Branch, index: BranchIndex) -> Sequence[Clash | SharedBorder]:
-        near = index.topic_branches(branch)
-        answer = self._asked("conflicts", lambda: self._conflicts(branch, index), branch, *near)
-        return self._noted(answer, branch.block)
+        def ask() -> _Answer[Sequence[Clash | SharedBorder]]:
+            return self._conflicts(branch, index)
+
+        return self._noted(self._asked_near("conflicts", ask, branch, index), branch.block)
 
     def shadows(self, branch: Branch, covers: Covers, index: BranchIndex) -> Sequence[Shadow]:
-        near = index.topic_branches(branch)
-        answer = self._asked(
-            "shadows", lambda: self._until_too_complex(self._shadows(branch, covers)), branch, *near
-        )
-        return self._noted(answer, branch.block)
+        def ask() -> _Answer[Sequence[Shadow]]:
+            return _until_too_complex(self._shadows(branch, covers))
+
+        return self._noted(self._asked_near("shadows", ask, branch, index), branch.block)
 
     def gap(self, topic: str, covers: Covers, index: BranchIndex) -> Gap | None:
-        return self._asked("gap", lambda: self._gap(topic, covers), index.branches_of(topic), key=topic).found
+        version = index.branches_of(topic).version
+        return self._asked("gap", lambda: self._gap(topic, covers), version, key=topic).found
 
     def _asked(
         self, name: str, ask: Callable[[], _Answer[_T]], *things: object, key: object = None
     ) -> _Answer[_T]:
-        """The answer to a question about ``things``; the same with as much effort as it cost before."""
-        left = self._effort.left
+        """The answer to a question about ``things``."""
         known = self._recall.get(name, *things, key=key)
-        if isinstance(known, _Answer) and known.looks <= left:
-            answer = known
-            self._effort.spend(known.looks)
-        else:
-            answer = ask()
-            answer = replace(answer, looks=left - self._effort.left)
-        if self._effort.left >= 0:
-            self._recall.keep(answer, name, *things, key=key)
+        answer = self._answer(known, ask)
+        self._recall.keep(answer, name, *things, key=key)
         return answer
+
+    def _asked_near(
+        self, name: str, ask: Callable[[], _Answer[_T]], branch: Branch, index: BranchIndex
+    ) -> _Answer[_T]:
+        """The answer to a question about ``branch`` and the branches near to it that set its topics."""
+        near = index.topic_branches(branch)
+        versions, known = self._recall.get(name, branch) or ((), None)
+        is_alike = len(versions) == len(near) and all(
+            one.is_as_in(version, branch) for one, version in zip(near, versions, strict=True)
+        )
+        answer = self._answer(known if is_alike else None, ask)
+        self._recall.keep((tuple(one.version for one in near), answer), name, branch)
+        return answer
+
+    def _answer(self, known: _Answer[_T] | None, ask: Callable[[], _Answer[_T]]) -> _Answer[_T]:
+        """A ``known`` answer where as much effort is left as it cost, else a new one."""
+        left = self._effort.left
+        if known is not None and known.looks <= left:
+            self._effort.spend(known.looks)
+            return known
+        answer = ask()
+        # One that was cut short by other questions is not known another time.
+        looks = left - self._effort.left if self._effort.left >= 0 else LOOKS_IN_ALL + 1
+        return replace(answer, looks=looks)
 
     def _noted(self, answer: _Answer[_T], block: ResolvedBlock) -> _T:
         if not answer.is_whole:
@@ -162,7 +181,7 @@ class _Analyst:
         conflicts = ConflictFinder(
             index, domain=self.domain, is_noisy=self._is_noisy, effort=self._question()
         )
-        return self._until_too_complex(_first_few(conflicts.of(branch)))
+        return _until_too_complex(_first_few(conflicts.of(branch)))
 
     def _gap(self, topic: str, covers: Covers) -> _Answer[Gap | None]:
         try:
@@ -192,14 +211,15 @@ class _Analyst:
     def _question(self) -> Effort:
         return Effort(LOOKS_AT_A_QUESTION, self._effort)
 
-    def _until_too_complex(self, asked: Iterator[_T]) -> _Answer[Sequence[_T]]:
-        found: list[_T] = []
-        try:
-            for one in asked:
-                found.append(one)  # noqa: PERF402 - what was found counts when the effort is spent
-        except TooComplexError:
-            return _Answer(found=found, is_whole=False)
-        return _Answer(found=found, is_whole=True)
+
+def _until_too_complex(asked: Iterator[_T]) -> _Answer[Sequence[_T]]:
+    found: list[_T] = []
+    try:
+        for one in asked:
+            found.append(one)  # noqa: PERF402 - what was found counts when the effort is spent
+    except TooComplexError:
+        return _Answer(found=found, is_whole=False)
+    return _Answer(found=found, is_whole=True)
 
 
 def _first_few(conflicts: Iterator[Clash | SharedBorder]) -> Iterator[Clash | SharedBorder]:
