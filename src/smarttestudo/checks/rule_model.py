@@ -197,8 +197,10 @@ def read_rule_model(
 
 
 def _block_over_states(block: ResolvedBlock, recall: Recall) -> ResolvedBlock:
-    form = recall.value("form over states", lambda: merged(over_states(block.form)), block.form)
-    return recall.value("block over states", lambda: replace(block, form=form), block, form)
+    def made() -> ResolvedBlock:
+        return replace(block, form=merged(over_states(block.form)))
+
+    return recall.value("block over states", made, block)
 
 
 def _over_states(branch: Branch, block: ResolvedBlock, recall: Recall) -> Branch:

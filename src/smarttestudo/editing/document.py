@@ -188,7 +188,8 @@ class _Reader:
             if not end:
                 at += 1
                 continue
-            yield from self._unparsed(words[loose:at])
+            if loose < at:
+                yield from self._unparsed(words[loose:at])
             loose = bisect_left(words.offsets, end, lo=at + 1)
             yield self._entry(statement, words[at:loose])
             at = loose

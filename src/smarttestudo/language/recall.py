@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 _T = TypeVar("_T")
-_Kept = tuple[tuple[object, ...], object]
+_Kept = tuple[tuple[object, ...], Any]
 """A value behind the things that it was made of, so that these live as long as it."""
 
 
@@ -29,9 +29,12 @@ class Recall:
 
         It depends on nothing else but ``key``.
         """
-        known = self.get(name, *things, key=key)
-        value: _T = make() if known is None else known
-        self.keep(value, name, *things, key=key)
+        place = name, key, tuple(map(id, things))
+        known = self._before.get(place)
+        if known is None:
+            known = things, make()
+        self.kept[place] = known
+        value: _T = known[1]
         return value
 
     def get(self, name: str, *things: object, key: object = None) -> Any:

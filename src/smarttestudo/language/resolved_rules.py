@@ -219,8 +219,7 @@ class _Reader:
         self.bounds += read.bounds
 
     def _read(self, statement: Block, file: int, path: str, order: int, first_branch: int) -> _ReadBlock:
-        condition = statement.condition
-        form = self._recall.value("form", lambda: normal_form(condition, self._full_name), condition)
+        form = normal_form(statement.condition, self._full_name)
         block = ResolvedBlock(order=order, file=file, path=path, block=statement, form=form)
         sides = [(statement.then, False), (statement.otherwise, True)]
         branches = tuple(
