@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of the types of recorded messages."""
+"""Facts about the types of recorded messages."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What was made of the same things before."""
+"""Memory of values that were made of the same things before."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Recall:
         self.kept: dict[object, _Kept] = {}
 
     def value(self, name: str, make: Callable[[], _T], *things: object, key: object = None) -> _T:
-        """What ``name`` says of ``things``, made if it was not before.
+        """The value called ``name`` of ``things``, made if it was not before.
 
         It depends on nothing else but ``key``.
         """

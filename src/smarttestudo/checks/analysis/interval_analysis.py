@@ -73,7 +73,7 @@ def analyse(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Answer(Generic[_T]):
-    """What was found of a question with so many looks; not all of it where it was given up."""
+    """Findings on a question after so many looks; not all of them where it was given up."""
 
     found: _T
     is_whole: bool
