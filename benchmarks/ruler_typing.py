@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import random
 import statistics
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -23,10 +22,8 @@ from pathlib import Path
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from live.ruler_server import chromium_path, served
+from live.zone_rules import rule_file
 
-TOPICS = ("/odom", "/scan", "/imu", "/camera/image_raw", "/cmd_vel", "/tf", "/joint_states", "/battery_state")
-ZONE_M = 3
-FLOOR_M = 300
 SMALL_FILE_RULES = 10
 GRIP_PX = 40
 """A field this far from the lower end of the blocks can be clicked."""
@@ -53,32 +50,6 @@ COLLECT = """() => {
     window.measured.tasks = [];
     return [keys, tasks];
 }"""
-
-
-def rule_file(rules: int) -> str:
-    """Defaults, and rules for zones strewn over a large floor."""
-    generator = random.Random(1)
-    lines = ["begin", *(f"    SetFrequency {topic} {generator.choice([5, 10, 20])}" for topic in TOPICS)]
-    for number in range(rules - len(TOPICS)):
-        x_m, y_m = generator.uniform(0, FLOOR_M), generator.uniform(0, FLOOR_M)
-        lines += [
-            "",
-            f"    // Zone {number}",
-            f'    Rule "Zone {number}"',
-            "    If (",
-            f"        CheckValue /odom pose_x > {x_m:.1f}",
-            f"        AND CheckValue /odom pose_x < {x_m + ZONE_M:.1f}",
-            f"        AND CheckValue /odom pose_y > {y_m:.1f}",
-            f"        AND CheckValue /odom pose_y < {y_m + ZONE_M:.1f}",
-            "    )",
-            "    Then",
-            *(
-                f"        SetFrequency {topic} {generator.choice([1, 2, 4, 8])}"
-                for topic in generator.sample(TOPICS, 2)
-            ),
-            "    EndIf",
-        ]
-    return "\n".join([*lines, "end", ""])
 
 
 def typed(page: Page, letters: str) -> None:

@@ -20,6 +20,7 @@ WITH_NOTHING: Mapping[str, str] = {
     "bag_rates": "--gigabytes 0.02",
     "border_crossing": "--side 4 --turns 1",
     "catch_up": "--delays-ms 2",
+    "checking_edits": "--blocks 30 --keys 2",
     "link_throughput": "--only ten --seconds 2.5 --rounds 1",
     "optimizer_speed": "--topics 20 --blocks 5",
     "replay_memory": "--gigabytes 0.02",

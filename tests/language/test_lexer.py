@@ -8,8 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.language.parser.lexer import tokenize
-from smarttestudo.language.parser.tokens import TokenKind
+from smarttestudo.language.parser import parse
+from smarttestudo.language.parser.tokens import Token, TokenKind
+
+
+def tokenize(text: str) -> tuple[Token, ...]:
+    return parse(text, "rules.adirf").tokens
 
 
 def words(text: str) -> list[str]:
@@ -39,6 +43,11 @@ def words(text: str) -> list[str]:
             ["CHECK_VALUE CheckValue", "WORD /a", "WORD IfNot", "OPERATOR >", "NUMBER 1"],
         ),
         ("CheckValue a end=1", ["CHECK_VALUE CheckValue", "WORD a", "WORD end", "OPERATOR =", "NUMBER 1"]),
+        (
+            "CheckValue a\nEndIf\n// b\n=1",
+            ["CHECK_VALUE CheckValue", "WORD a", "WORD EndIf", "OPERATOR =", "NUMBER 1"],
+        ),
+        ("5\nEndIf\nRule", ["NUMBER 5", "END_IF EndIf", "RULE Rule"]),
         ("Thenx x/endbegin", ["WORD Thenx", "WORD x/endbegin"]),
         ("SetFrequency\u00a0/odom\u20031", ["SET_FREQUENCY SetFrequency", "WORD /odom", "NUMBER 1"]),
     ],

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
 
+from smarttestudo.bags.definition_text import SEPARATOR, is_idl_definition
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel
 
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 _STORES_KEPT = 256
-_SEPARATOR = "=" * 80 + "\n"
-_IDL_HEADER = f"{_SEPARATOR}IDL: "
 # A bag without definitions was recorded by Humble or an older release, so Humble's come first.
 _STORES = (
     Stores.ROS2_HUMBLE,
@@ -31,20 +30,6 @@ _STORES = (
 )
 # Registering a definition runs rosbags' parser and code generator, which fail in these ways on a broken one.
 _BROKEN_DEFINITION = (TypesysError, ValueError, KeyError, SyntaxError, AssertionError, RecursionError)
-
-
-def normal_definition(text: str, *, type_name: str, is_idl: bool) -> str | None:
-    """``text`` as rosbag2 writes it, where IDL starts with a header line; ``None`` for an empty one."""
-    if not text:
-        return None
-    if is_idl and not is_idl_definition(text):
-        return f"{_IDL_HEADER}{type_name}\n{text}"
-    return text
-
-
-def is_idl_definition(definition: str) -> bool:
-    """Whether ``definition``, as rosbag2 writes it, is of IDL rather than of .msg files."""
-    return definition.startswith(_IDL_HEADER)
 
 
 class TypeLibrary:
@@ -97,7 +82,7 @@ def _parse(definition: str, type_name: str) -> Typesdict:
     if not is_idl_definition(definition):
         return get_types_from_msg(definition, type_name)
     types: Typesdict = {}
-    for part in definition.split(_SEPARATOR)[1:]:
+    for part in definition.split(SEPARATOR)[1:]:
         types.update(get_types_from_idl(part.partition("\n")[2]))
     return types
 
@@ -107,28 +92,6 @@ def _digest(store: Typestore, type_name: str) -> str:
         return store.hash_rihs01(type_name)
     except _BROKEN_DEFINITION:
         return ""
-
-
-_HEADER = "std_msgs/msg/Header"
-
-
-class MessageTypes:
-    """Types by the recording's own definitions, or else by those of ROS 2."""
-
-    def __init__(self) -> None:
-        self._types = TypeLibrary()
-
-    def is_defined(self, channel: Channel) -> bool:
-        """Whether the recording or ROS 2 defines the channel's type; the definition itself is not read."""
-        return channel.definition is not None or self._types.store_for(channel) is not None
-
-    def has_header(self, channel: Channel) -> bool:
-        """Whether messages begin with a std_msgs/Header; false if no definition says so."""
-        store = self._types.store_for(channel)
-        if store is None:
-            return False
-        fields = store.fielddefs[channel.type_name][1]
-        return bool(fields) and fields[0][1][1] == _HEADER
 
 
 _DECODED_FORMAT = "cdr"

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.bags.bag_summary import BagSummary, BagTopic
-from smarttestudo.bags.definitions import MessageTypes, RosbagDecoder
 from smarttestudo.bags.incident_mark import incident_notices
 from smarttestudo.bags.incident_record import record_beside
+from smarttestudo.bags.message_types import MessageTypes
 from smarttestudo.bags.qos import qos_in_words
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.statistics import (
@@ -145,7 +145,8 @@ class _Robot:
     """Is followed while its messages are counted; one that cannot be decoded costs a place."""
 
     def __init__(self, recording: RecordingReader, *, by_transforms: bool) -> None:
-        # It needs the language, which takes longer to import than many a recording to count.
+        # They need the language and rosbags, which take longer to import than many a recording to count.
+        from smarttestudo.bags.definitions import RosbagDecoder  # noqa: PLC0415
         from smarttestudo.bags.robot_path import places_in  # noqa: PLC0415
 
         self._recording = recording

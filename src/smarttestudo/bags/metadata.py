@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import sqlite3
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -12,11 +11,9 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 from urllib.parse import quote
 
-from mcap.reader import make_reader
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
-from smarttestudo.bags.mcap.records import BROKEN
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.domain.errors import RecordingError
@@ -67,10 +64,10 @@ def read_metadata(folder: Path) -> BagMetadata:
 
 def embedded_metadata(path: Path) -> BagMetadata | None:
     """The metadata that Iron and later also write into the storage file at ``path``, if they are there."""
+    text = _text_in_mcap(path) if path.suffix == ".mcap" else _text_in_sqlite(path)
     try:
-        text = _text_in_mcap(path) if path.suffix == ".mcap" else _text_in_sqlite(path)
         return None if text is None else _metadata(YAML(typ="safe").load(text))
-    except (*_WRONG_SHAPE, *BROKEN, sqlite3.Error, OSError):
+    except _WRONG_SHAPE:
         return None
 
 
@@ -87,18 +84,30 @@ def require_known_formats(metadata: BagMetadata, folder: Path) -> None:
 
 
 def _text_in_mcap(path: Path) -> str | None:
-    with path.open("rb") as file:
-        for record in make_reader(file).iter_metadata():
-            if record.name == "rosbag2":
-                return record.metadata.get("serialized_metadata")
+    from mcap.reader import make_reader  # noqa: PLC0415  slow to import
+
+    from smarttestudo.bags.mcap.records import BROKEN  # noqa: PLC0415
+
+    try:
+        with path.open("rb") as file:
+            for record in make_reader(file).iter_metadata():
+                if record.name == "rosbag2":
+                    return record.metadata.get("serialized_metadata")
+    except (*_WRONG_SHAPE, *BROKEN, OSError):
+        pass
     return None
 
 
 def _text_in_sqlite(path: Path) -> str | None:
+    import sqlite3  # noqa: PLC0415  slow to import
+
     address = f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1"
-    with closing(sqlite3.connect(address, uri=True)) as database:
-        database.execute("PRAGMA writable_schema=ON")
-        row = database.execute("SELECT metadata FROM metadata ORDER BY id DESC LIMIT 1").fetchone()
+    try:
+        with closing(sqlite3.connect(address, uri=True)) as database:
+            database.execute("PRAGMA writable_schema=ON")
+            row = database.execute("SELECT metadata FROM metadata ORDER BY id DESC LIMIT 1").fetchone()
+    except (sqlite3.Error, *_WRONG_SHAPE):
+        return None
     return None if row is None else str(row[0])
 
 

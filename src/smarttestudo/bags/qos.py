@@ -4,17 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from enum import Enum
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
-from rosbags.rosbag2.errors import ReaderError
-from rosbags.rosbag2.metadata import parse_qos
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
 
 from smarttestudo.domain import robot
 
+_Policy = TypeVar("_Policy", bound=Enum)
 _TEXTS_KEPT = 64
 _UNLIMITED = QosTime(9223372036, 854775807)
 
@@ -65,9 +66,37 @@ def _parsed_text(stored: str) -> tuple[Qos, ...]:
 
 def _parse(stored: Any) -> tuple[Qos, ...]:
     try:
-        return tuple(parse_qos(stored or []))
-    except (ReaderError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        entries = YAML(typ="safe").load(stored) if isinstance(stored, str) and stored else stored
+        return tuple(map(_profile, entries)) if stored else ()
+    except (YAMLError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError("these are no QoS profiles") from error
+
+
+def _profile(entry: Mapping[str, Any]) -> Qos:
+    """The profile in an entry; a policy of another name or number is unknown."""
+    return Qos(
+        history=_policy(QosHistory, entry, "history"),
+        depth=entry["depth"],
+        reliability=_policy(QosReliability, entry, "reliability"),
+        durability=_policy(QosDurability, entry, "durability"),
+        deadline=_time(entry["deadline"]),
+        lifespan=_time(entry["lifespan"]),
+        liveliness=_policy(QosLiveliness, entry, "liveliness"),
+        liveliness_lease_duration=_time(entry["liveliness_lease_duration"]),
+        avoid_ros_namespace_conventions=entry["avoid_ros_namespace_conventions"],
+    )
+
+
+def _policy(kind: type[_Policy], entry: Mapping[str, Any], name: str) -> _Policy:
+    try:
+        stored = entry[name]
+        return kind(stored) if isinstance(stored, int) else kind[stored.upper()]
+    except (KeyError, ValueError):
+        return kind["UNKNOWN"]
+
+
+def _time(entry: Mapping[str, Any]) -> QosTime:
+    return QosTime(entry["sec"], entry["nsec"])
 
 
 def is_transient_local(profiles: Iterable[object]) -> bool:

@@ -277,16 +277,44 @@ def _not_analysed(rules: RuleModel) -> Iterator[Found]:
 
 
 CHECKS = (
-    RuleCheck(code="check-never-holds", severity=Severity.WARNING, find=_check_never_holds),
-    RuleCheck(code="check-always-holds", severity=Severity.WARNING, find=_check_always_holds),
-    RuleCheck(code="condition-never-holds", severity=Severity.WARNING, find=_condition_never_holds),
-    RuleCheck(code="condition-always-holds", severity=Severity.WARNING, find=_condition_always_holds),
-    RuleCheck(code="and-or-mixed", severity=Severity.WARNING, find=_and_or_mixed),
-    RuleCheck(code="equals-measured", severity=Severity.WARNING, find=_equals_measured),
-    RuleCheck(code="duration-zero", severity=Severity.WARNING, find=_duration_zero),
-    RuleCheck(code="duration-too-short", severity=Severity.WARNING, find=_duration_too_short),
-    RuleCheck(code="until-overlaps", severity=Severity.WARNING, find=_until_overlaps),
-    RuleCheck(code="until-never-ends", severity=Severity.WARNING, find=_until_never_ends),
+    RuleCheck(
+        code="check-never-holds", severity=Severity.WARNING, find=_check_never_holds, is_about_one_block=True
+    ),
+    RuleCheck(
+        code="check-always-holds",
+        severity=Severity.WARNING,
+        find=_check_always_holds,
+        is_about_one_block=True,
+    ),
+    RuleCheck(
+        code="condition-never-holds",
+        severity=Severity.WARNING,
+        find=_condition_never_holds,
+        is_about_one_block=True,
+    ),
+    RuleCheck(
+        code="condition-always-holds",
+        severity=Severity.WARNING,
+        find=_condition_always_holds,
+        is_about_one_block=True,
+    ),
+    RuleCheck(code="and-or-mixed", severity=Severity.WARNING, find=_and_or_mixed, is_about_one_block=True),
+    RuleCheck(
+        code="equals-measured", severity=Severity.WARNING, find=_equals_measured, is_about_one_block=True
+    ),
+    RuleCheck(code="duration-zero", severity=Severity.WARNING, find=_duration_zero, is_about_one_block=True),
+    RuleCheck(
+        code="duration-too-short",
+        severity=Severity.WARNING,
+        find=_duration_too_short,
+        is_about_one_block=True,
+    ),
+    RuleCheck(
+        code="until-overlaps", severity=Severity.WARNING, find=_until_overlaps, is_about_one_block=True
+    ),
+    RuleCheck(
+        code="until-never-ends", severity=Severity.WARNING, find=_until_never_ends, is_about_one_block=True
+    ),
     RuleCheck(code="missing-blank", severity=Severity.INFO, find=_missing_blank),
     RuleCheck(code="not-analysed", severity=Severity.INFO, find=_not_analysed),
 )

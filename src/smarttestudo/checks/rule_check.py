@@ -30,13 +30,15 @@ class RuleCheck:
     """One thing that the checker looks for; the case file of its theme explains it.
 
     A check that ``needs_all_statements`` is left out while a file cannot be read or has errors of syntax,
-    because what it misses may stand there.
+    because what it misses may stand there. One that ``is_about_one_block`` says the same of a block whatever
+    stands beside it.
     """
 
     code: str
     severity: Severity
     find: Callable[[RuleModel], Iterable[Found]]
     needs_all_statements: bool = False
+    is_about_one_block: bool = False
 
     def findings(self, rules: RuleModel) -> Iterator[Finding]:
         """The findings of this check in ``rules``."""

@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from itertools import chain
 
 from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
@@ -23,6 +24,7 @@ from smarttestudo.language.normal_form import (
     over_states,
 )
 from smarttestudo.language.properties import PropertySpec
+from smarttestudo.language.recall import Recall
 from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import (
     Branch,
@@ -73,6 +75,42 @@ class CheckSite:
     latch: LastSeen | None = None
 
 
+class SiteReader:
+    """Reads the checks of blocks."""
+
+    def __init__(self, context: CheckContext, resolve: Resolve, recall: Recall) -> None:
+        self._resolve = resolve
+        self._recall = recall
+        self._spec_of = cache(context.spec_of)
+        self._values_of = cache(context.domain)
+
+    def of(self, block: ResolvedBlock) -> tuple[CheckSite, ...]:
+        """The checks of ``block`` in their order."""
+        return self._recall.value("sites", lambda: tuple(self._sites(block)), block.block)
+
+    def _sites(self, block: ResolvedBlock) -> Iterator[CheckSite]:
+        for check in checks_in(block.block.condition):
+            signal = Signal(self._resolve(check.topic.text), check.property)
+            form = check_form(check, signal)
+            yield CheckSite(
+                path=block.path,
+                signal=signal,
+                spec=self._spec_of(signal),
+                truth=_truth(form, self._values_of(signal)),
+                latch=form.signal if isinstance(form.signal, LastSeen) else None,
+                check=check,
+            )
+
+
+def _truth(check: InRegion, values: Region) -> Truth:
+    """The truth of ``check`` for every value; with an ``Until``, whatever was before."""
+    latch = check.signal
+    region = latch.on if isinstance(latch, LastSeen) else check.region
+    if region.intersection(values).is_empty:
+        return Truth.FALSE
+    return Truth.TRUE if values.is_within(region) else Truth.UNKNOWN
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleModel:
     """The rule files of one set with what is known beside them; everything in the order of the files.
@@ -83,7 +121,8 @@ class RuleModel:
     first mention of each topic at all; ``glued`` are, by file, the words that follow a keyword without a
     blank between. A branch that sets no rate is not among ``branches``, and ``recordings`` is every Record.
     Conditions are over states. Of disabled blocks, only ``mentions``, ``disabled`` and ``disabled_checks``
-    tell. ``default_places`` are by file.
+    tell. ``default_places`` are by file. ``recall`` has what is known of statements that stand where they
+    stood in the text before.
     """
 
     context: CheckContext
@@ -103,6 +142,12 @@ class RuleModel:
     disabled: ResolvedRules
     disabled_checks: tuple[CheckSite, ...]
     default_places: Mapping[str, DefaultPlace | None]
+    recall: Recall
+    sites: SiteReader
+
+    def of_block(self, block: ResolvedBlock, branches: Sequence[Branch]) -> RuleModel:
+        """The same of one block alone, as far as checks read it that are about one block."""
+        return replace(self, blocks=(block,), checks=self.sites.of(block), branches=tuple(branches))
 
     @property
     def bound_in_rules_only(self) -> Sequence[str]:
@@ -111,13 +156,20 @@ class RuleModel:
         return tuple(dict.fromkeys(one.topic for one in self.bounds if one.topic not in always))
 
 
-def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleModel:
-    """The statements of ``files``, with the interval analysis of their conditions."""
+def read_rule_model(
+    files: Sequence[RuleFile], context: CheckContext, recall: Recall | None = None
+) -> RuleModel:
+    """The statements of ``files``, with the interval analysis of their conditions.
+
+    ``recall`` is of a text of the same files in the same ``context``.
+    """
+    recall = recall or Recall()
     resolve = cache(context.resolve)
-    rules, disabled = resolve_rules(files, resolve), resolve_rules(files, resolve, disabled=True)
-    site_of = partial(_site, resolve=resolve, spec_of=cache(context.spec_of), values_of=cache(context.domain))
-    blocks = [replace(one, form=merged(over_states(one.form))) for one in rules.blocks]
-    branches = [_over_states(one, blocks[one.block.order]) for one in rules.branches if one.written]
+    rules = resolve_rules(files, resolve, recall=recall)
+    disabled = resolve_rules(files, resolve, disabled=True, recall=recall)
+    sites = SiteReader(context, resolve, recall)
+    blocks = [_block_over_states(one, recall) for one in rules.blocks]
+    branches = [_over_states(one, blocks[one.block.order], recall) for one in rules.branches if one.written]
     relayed: dict[str, ResolvedRate | ResolvedFloor] = {}
     for one in rules.rates:
         relayed.setdefault(one.topic, one)
@@ -128,35 +180,52 @@ def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleMod
         defaults=rules.defaults,
         floors=rules.floors,
         relayed={**{one.topic: one for one in reversed(rules.bounds)}, **relayed},
-        mentions=_mentions(files, resolve),
-        checks=tuple(site_of(*one) for one in _checks(rules)),
+        mentions=_mentions(files, resolve, recall),
+        checks=tuple(chain.from_iterable(map(sites.of, rules.blocks))),
         blocks=tuple(blocks),
         branches=tuple(branches),
-        analysis=analyse(blocks, branches, rules.defaults, rules.floors, context),
+        analysis=analyse(blocks, branches, rules.defaults, rules.floors, context, recall=recall),
         glued={file.path: file.glued for file in files if file.glued},
         bounds=rules.bounds,
         recordings=tuple(record for branch in rules.branches for record in branch.records),
         disabled=disabled,
-        disabled_checks=tuple(site_of(*one) for one in _checks(disabled)),
+        disabled_checks=tuple(chain.from_iterable(map(sites.of, disabled.blocks))),
         default_places={file.path: default_place(file) for file in files},
+        recall=recall,
+        sites=sites,
     )
 
 
-def _over_states(branch: Branch, block: ResolvedBlock) -> Branch:
-    return replace(branch, block=block, form=negation(block.form) if branch.is_else else block.form)
+def _block_over_states(block: ResolvedBlock, recall: Recall) -> ResolvedBlock:
+    def made() -> ResolvedBlock:
+        return replace(block, form=merged(over_states(block.form)))
+
+    return recall.value("block over states", made, block)
 
 
-def _checks(rules: ResolvedRules) -> Iterator[tuple[str, Check]]:
-    return ((block.path, check) for block in rules.blocks for check in checks_in(block.block.condition))
+def _over_states(branch: Branch, block: ResolvedBlock, recall: Recall) -> Branch:
+    def made() -> Branch:
+        return replace(branch, block=block, form=negation(block.form) if branch.is_else else block.form)
+
+    return recall.value("branch over states", made, branch, block)
 
 
-def _mentions(files: Sequence[RuleFile], resolve: Resolve) -> Mapping[str, Mention]:
+def _mentions(files: Sequence[RuleFile], resolve: Resolve, recall: Recall) -> Mapping[str, Mention]:
     mentions: dict[str, Mention] = {}
     for file in files:
-        for name in (name for statement in file.statements for name in _names_in(statement)):
-            topic = resolve(name.text)
-            if topic not in mentions:
-                mentions[topic] = Mention(path=file.path, name=name)
+        for statement in file.statements:
+            first = recall.value(
+                "mentions", partial(_first_mentions, file.path, statement, resolve), statement
+            )
+            for topic, mention in first.items():
+                mentions.setdefault(topic, mention)
+    return mentions
+
+
+def _first_mentions(path: str, statement: Statement, resolve: Resolve) -> Mapping[str, Mention]:
+    mentions: dict[str, Mention] = {}
+    for name in _names_in(statement):
+        mentions.setdefault(resolve(name.text), Mention(path=path, name=name))
     return mentions
 
 
@@ -169,32 +238,3 @@ def _names_in(statement: Statement) -> Iterator[TopicName]:
         by_kind: tuple[Action, ...] = (*sets_in(side), *bounds_in(side), *records_in(side))
         for one in side if statement.is_disabled else by_kind:
             yield from one.topics if isinstance(one, RecordIncident) else (one.topic,)
-
-
-def _site(
-    path: str,
-    check: Check,
-    *,
-    resolve: Resolve,
-    spec_of: Callable[[Signal], PropertySpec | None],
-    values_of: Callable[[Signal], Region],
-) -> CheckSite:
-    signal = Signal(resolve(check.topic.text), check.property)
-    form = check_form(check, signal)
-    return CheckSite(
-        path=path,
-        signal=signal,
-        spec=spec_of(signal),
-        truth=_truth(form, values_of(signal)),
-        latch=form.signal if isinstance(form.signal, LastSeen) else None,
-        check=check,
-    )
-
-
-def _truth(check: InRegion, values: Region) -> Truth:
-    """The truth of ``check`` for every value; with an ``Until``, whatever was before."""
-    latch = check.signal
-    region = latch.on if isinstance(latch, LastSeen) else check.region
-    if region.intersection(values).is_empty:
-        return Truth.FALSE
-    return Truth.TRUE if values.is_within(region) else Truth.UNKNOWN

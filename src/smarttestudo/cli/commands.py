@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+import argparse
+from typing import NoReturn
+
 from smarttestudo import __version__
 from smarttestudo.cli.command_parser import CommandParser, add_lazy
 
@@ -25,6 +28,14 @@ _PURPOSES = {
 }
 
 
+class _Version(argparse.Action):
+    """Prints the version and exits, without what argparse imports to fold a line."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        print(f"testudo {__version__}")  # noqa: T201
+        parser.exit()
+
+
 def command_parser() -> CommandParser:
     """The parser of ``testudo``, which sets ``run`` to the function that does what a command line asks."""
     parser = CommandParser(
@@ -32,7 +43,7 @@ def command_parser() -> CommandParser:
         description="Adaptive monitoring for ROS 2: relay each topic at the rate that your rules give it.",
         epilog="'testudo demo' needs no robot. 'testudo COMMAND --help' explains a command.",
     )
-    parser.add_argument("--version", action="version", version=f"testudo {__version__}")
+    parser.add_argument("--version", action=_Version, nargs=0, help="show program's version number and exit")
     commands = parser.add_commands("commands")
     for name, purpose in _PURPOSES.items():
         add_lazy(commands, name, f"smarttestudo.cli.{name}", purpose)

@@ -127,9 +127,12 @@ class Document:
         return next(part for part in self.parts if entry in part.entries)
 
 
-def read_document(text: str, path: str) -> Document:
-    """The statements of ``text``; every word of it is in one, but for ``begin`` and ``end``."""
-    result = parse(text, path)
+def read_document(text: str, path: str, before: Document | None = None) -> Document:
+    """The statements of ``text``; every word of it is in one, but for ``begin`` and ``end``.
+
+    What it has in common with ``before``, such as the same before an edit, is not read again.
+    """
+    result = parse(text, path, None if before is None else before.result)
     places = LineIndex(text)
     words = TokenRange.of(result.tokens[:-1], text, places)
     parts = tuple(_Reader(result, places).parts(words))
@@ -185,7 +188,8 @@ class _Reader:
             if not end:
                 at += 1
                 continue
-            yield from self._unparsed(words[loose:at])
+            if loose < at:
+                yield from self._unparsed(words[loose:at])
             loose = bisect_left(words.offsets, end, lo=at + 1)
             yield self._entry(statement, words[at:loose])
             at = loose

@@ -11,6 +11,7 @@ from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import Form, Resolve, negation, normal_form
+from smarttestudo.language.recall import Recall
 from smarttestudo.language.syntax import (
     Action,
     Block,
@@ -153,9 +154,14 @@ class ResolvedRules:
         return [one for one in self.bounds if one.branch is None]
 
 
-def resolve_rules(files: Sequence[RuleFile], resolve: Resolve, *, disabled: bool = False) -> ResolvedRules:
-    """The statements of ``files`` that count, or the ``disabled`` blocks, with full topic names."""
-    reader = _Reader(resolve)
+def resolve_rules(
+    files: Sequence[RuleFile], resolve: Resolve, *, disabled: bool = False, recall: Recall | None = None
+) -> ResolvedRules:
+    """The statements of ``files`` that count, or the ``disabled`` blocks, with full topic names.
+
+    ``recall`` has blocks of the same files that stand where they stood, with names resolved by ``resolve``.
+    """
+    reader = _Reader(resolve, recall or Recall())
     for number, file in enumerate(files):
         for one in file.statements:
             if (isinstance(one, Block) and one.is_disabled) is disabled:
@@ -170,9 +176,20 @@ def resolve_rules(files: Sequence[RuleFile], resolve: Resolve, *, disabled: bool
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _ReadBlock:
+    """A block with its branches, and all rates and bounds in them."""
+
+    block: ResolvedBlock
+    branches: tuple[Branch, ...]
+    rates: tuple[ResolvedRate, ...]
+    bounds: tuple[ResolvedBound, ...]
+
+
 class _Reader:
-    def __init__(self, resolve: Resolve) -> None:
+    def __init__(self, resolve: Resolve, recall: Recall) -> None:
         self._full_name = resolve
+        self._recall = recall
         self.rates: list[ResolvedRate | ResolvedFloor] = []
         self.bounds: list[ResolvedBound] = []
         self.defaults: list[ResolvedRate] = []
@@ -183,26 +200,45 @@ class _Reader:
     def add(self, file: int, path: str, statement: Statement) -> None:
         match statement:
             case SetFrequency():
-                self.defaults.append(self._rate(path, statement))
+                rate = self._rate(path, statement)
+                self.rates.append(rate)
+                self.defaults.append(rate)
             case KeepAtLeast():
                 self._add_floor(path, statement)
             case KeepWithin():
-                self._bound(path, statement, None)
+                self.bounds.append(self._bound(path, statement, None))
             case Block():
-                form = normal_form(statement.condition, self._full_name)
-                block = ResolvedBlock(
-                    order=len(self.blocks), file=file, path=path, block=statement, form=form
-                )
-                self.blocks.append(block)
-                self._add_branch(block, statement.then, is_else=False)
-                self._add_branch(block, statement.otherwise, is_else=True)
+                self._add_block(file, path, statement)
 
-    def _add_branch(self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool) -> None:
-        if not actions:
-            return
+    def _add_block(self, file: int, path: str, statement: Block) -> None:
+        place = file, path, len(self.blocks), len(self.branches)
+        read = self._recall.value("block", lambda: self._read(statement, *place), statement, key=place)
+        self.blocks.append(read.block)
+        self.branches += read.branches
+        self.rates += read.rates
+        self.bounds += read.bounds
+
+    def _read(self, statement: Block, file: int, path: str, order: int, first_branch: int) -> _ReadBlock:
+        form = normal_form(statement.condition, self._full_name)
+        block = ResolvedBlock(order=order, file=file, path=path, block=statement, form=form)
+        sides = [(statement.then, False), (statement.otherwise, True)]
+        branches = tuple(
+            self._branch(block, actions, is_else=is_else, order=number)
+            for number, (actions, is_else) in enumerate((one for one in sides if one[0]), start=first_branch)
+        )
+        return _ReadBlock(
+            block=block,
+            branches=branches,
+            rates=tuple(rate for branch in branches for rate in branch.written),
+            bounds=tuple(bound for branch in branches for bound in branch.bounds),
+        )
+
+    def _branch(
+        self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool, order: int
+    ) -> Branch:
         written = tuple(self._rate(block.path, one) for one in sets_in(actions))
-        branch = Branch(
-            order=len(self.branches),
+        return Branch(
+            order=order,
             block=block,
             is_else=is_else,
             form=negation(block.form) if is_else else block.form,
@@ -211,7 +247,6 @@ class _Reader:
             bounds=tuple(self._bound(block.path, one, (block.order, is_else)) for one in bounds_in(actions)),
             records=tuple(self._record(block.path, one) for one in records_in(actions)),
         )
-        self.branches.append(branch)
 
     def _add_floor(self, path: str, statement: KeepAtLeast) -> None:
         topic = self._full_name(statement.topic.text)
@@ -223,15 +258,11 @@ class _Reader:
 
     def _rate(self, path: str, statement: SetFrequency) -> ResolvedRate:
         topic = self._full_name(statement.topic.text)
-        rate = ResolvedRate(path=path, topic=topic, statement=statement, rate=statement.rate.rate)
-        self.rates.append(rate)
-        return rate
+        return ResolvedRate(path=path, topic=topic, statement=statement, rate=statement.rate.rate)
 
     def _bound(self, path: str, statement: KeepWithin, branch: tuple[int, bool] | None) -> ResolvedBound:
         topic = self._full_name(statement.topic.text)
-        bound = ResolvedBound(path=path, topic=topic, statement=statement, branch=branch)
-        self.bounds.append(bound)
-        return bound
+        return ResolvedBound(path=path, topic=topic, statement=statement, branch=branch)
 
     def _record(self, path: str, record: RecordIncident) -> ResolvedRecord:
         topics = tuple(self._full_name(name.text) for name in record.topics)

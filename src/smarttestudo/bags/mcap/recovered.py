@@ -15,7 +15,7 @@ from typing import TypeVar
 from mcap.records import Channel as ChannelRecord
 from mcap.records import McapRecord, Message, Schema
 
-from smarttestudo.bags.definitions import normal_definition
+from smarttestudo.bags.definition_text import normal_definition
 from smarttestudo.bags.mcap.records import MessageHeader, RecordReader
 from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.bags.stored_file import ChannelsByNumber, Outline, TimeIndex, read_so_far

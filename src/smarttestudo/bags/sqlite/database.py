@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 import apsw
 
-from smarttestudo.bags.definitions import normal_definition
+from smarttestudo.bags.definition_text import normal_definition
 from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.bags.sqlite.log import WriteAheadLog
 from smarttestudo.domain.recording import Channel

@@ -1,92 +1,26 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where each branch applies, and which branches are near a place."""
+"""Which branches are near a place."""
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
-from smarttestudo.domain.rate import Rate
+from smarttestudo.checks.analysis.condition_boxes import ConditionBoxes
+from smarttestudo.checks.analysis.topic_branches import TopicBranches, topic_branches
 from smarttestudo.domain.signal import Signal
-from smarttestudo.language.boxes import (
-    Box,
-    BoxIndex,
-    Domain,
-    Effort,
-    Hull,
-    IndexEntry,
-    TooComplexError,
-    boxes_where,
-    hull_of,
-)
+from smarttestudo.language.boxes import Box, Effort, Hull
 from smarttestudo.language.boxes.index import Interval
-from smarttestudo.language.normal_form import Every, Form, InRegion
-from smarttestudo.language.region import Region
+from smarttestudo.language.recall import Recall
 from smarttestudo.language.resolved_rules import Branch
-
-MAX_BOXES = 64
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ConditionBoxes:
-    """The boxes where a condition holds; around them only, where ``is_exact`` is false.
-
-    ``sure_box`` is the first box in all of which it holds, ``None`` where none was found; ``hulls`` are those
-    of ``boxes``.
-    """
-
-    boxes: tuple[Box, ...]
-    hulls: tuple[Hull, ...]
-    is_exact: bool
-    sure_box: Box | None
-
-
-def boxes_of(form: Form, domain: Domain, effort: Effort) -> ConditionBoxes:
-    """Where ``form`` holds, as at most ``MAX_BOXES`` boxes; one around them all where they are more."""
-    boxes: list[Box] = []
-    is_exact = False
-    try:
-        for box in itertools.islice(boxes_where([form], domain, effort), MAX_BOXES + 1):
-            boxes.append(box)  # noqa: PERF402 - what was found counts when the effort is spent
-        is_exact = len(boxes) <= MAX_BOXES
-    except TooComplexError:
-        pass
-    around = tuple(boxes) if is_exact else (_box_around(form, domain),)
-    return ConditionBoxes(
-        boxes=around,
-        hulls=tuple(map(hull_of, around)),
-        is_exact=is_exact,
-        sure_box=boxes[0] if boxes else None,
-    )
-
-
-def _box_around(form: Form, domain: Domain) -> Box:
-    parts = form.parts if isinstance(form, Every) else (form,)
-    around: dict[Signal, Region] = {}
-    for part in parts:
-        if isinstance(part, InRegion):
-            region = around.get(part.signal, domain(part.signal)).intersection(part.region)
-            around[part.signal] = region
-    return {signal: region for signal, region in around.items() if not region.is_empty}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TopicBranches:
-    """The branches that set all of some topics, by place.
-
-    ``kinds`` has equal numbers for branches, by order, that set equal rates; they are the kinds of entries.
-    """
-
-    kinds: Mapping[int, int]
-    index: BoxIndex
 
 
 class BranchIndex:
     """The boxes of all branches; topics that are set by the same branches share one index."""
 
-    def __init__(self, branches: Sequence[Branch], boxes_by_branch: Mapping[int, ConditionBoxes]) -> None:
+    def __init__(
+        self, branches: Sequence[Branch], boxes_by_branch: Mapping[int, ConditionBoxes], recall: Recall
+    ) -> None:
         self._branches = {branch.order: branch for branch in branches}
         self._boxes = boxes_by_branch
         setters: dict[str, list[int]] = {}
@@ -98,7 +32,7 @@ class BranchIndex:
             alike.setdefault(tuple(orders), []).append(topic)
         self._by_topic: dict[str, TopicBranches] = {}
         for setting, topics in alike.items():
-            near = self._topic_branches(setting, tuple(topics))
+            near = self._topic_branches(setting, tuple(topics), recall)
             self._by_topic.update(dict.fromkeys(topics, near))
 
     def boxes(self, branch: Branch) -> ConditionBoxes:
@@ -110,35 +44,34 @@ class BranchIndex:
         found = {id(one): one for one in (self._by_topic[topic] for topic in branch.settings)}
         return tuple(found.values())
 
+    def branches_of(self, topic: str) -> TopicBranches:
+        """The branches that set ``topic``."""
+        return self._by_topic[topic]
+
     def around(
         self, branch: Branch, hull: Hull, near: TopicBranches, effort: Effort
     ) -> Iterator[tuple[Branch, Box]]:
         """The branches near ``hull`` that set other rates than ``branch``, each with one of its boxes."""
-        kind = near.kinds[branch.order]
-        for entry in near.index.near(hull.get, effort, other_than=kind):
+        for entry in near.near(hull.get, effort, other_than=branch):
             yield self._branches[entry.owner], entry.box
+
+    def setters(self, topic: str) -> Iterator[Branch]:
+        """The branches that set ``topic``, in their order."""
+        return (branch for branch, _ in self._by_topic[topic].setters.values())
 
     def setters_near(
         self, topic: str, interval_of: Callable[[Signal], Interval], effort: Effort
     ) -> Iterator[Branch]:
         """The branches near a place that set ``topic``."""
-        for entry in self._by_topic[topic].index.near(interval_of, effort):
+        for entry in self._by_topic[topic].near(interval_of, effort):
             yield self._branches[entry.owner]
 
-    def _topic_branches(self, orders: Sequence[int], topics: tuple[str, ...]) -> TopicBranches:
-        numbers: dict[tuple[Rate | None, ...], int] = {}
-        kinds: dict[int, int] = {}
-        entries: list[IndexEntry] = []
-        for order in orders:
-            kind = kinds[order] = numbers.setdefault(rates_set(self._branches[order], topics), len(numbers))
-            boxes = self._boxes[order]
-            entries.extend(
-                IndexEntry(owner=order, kind=kind, box=box, hull=hull)
-                for box, hull in zip(boxes.boxes, boxes.hulls, strict=True)
-            )
-        return TopicBranches(kinds=kinds, index=BoxIndex(entries))
-
-
-def rates_set(branch: Branch, topics: Sequence[str]) -> tuple[Rate | None, ...]:
-    """The rates that ``branch`` sets ``topics`` to."""
-    return tuple(branch.rate(topic) for topic in topics)
+    def _topic_branches(
+        self, orders: Sequence[int], topics: tuple[str, ...], recall: Recall
+    ) -> TopicBranches:
+        setters = {order: (self._branches[order], self._boxes[order]) for order in orders}
+        before = recall.get("topic branches", key=topics)
+        known = before.with_setters(setters) if isinstance(before, TopicBranches) else None
+        found = topic_branches(topics, setters) if known is None else known
+        recall.keep(found, "topic branches", key=topics)
+        return found

@@ -62,7 +62,9 @@ class ConflictFinder:
         for near in self._index.topic_branches(branch):
             for box, hull in zip(boxes.boxes, boxes.hulls, strict=True):
                 for other, other_box in self._index.around(branch, hull, near, self._effort):
-                    if other.order < branch.order and other.block is not branch.block:
+                    if other.order >= branch.order:
+                        break
+                    if other.block is not branch.block:
                         self._effort.spend(len(box) + len(other_box))
                         yield other, other_box, box
 

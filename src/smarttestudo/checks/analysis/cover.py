@@ -12,7 +12,7 @@ from smarttestudo.checks.analysis.branch_index import BranchIndex
 from smarttestudo.checks.analysis.results import State
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes import Box, Domain, Effort, TooComplexError, find_box
-from smarttestudo.language.boxes.index import Interval
+from smarttestudo.language.boxes.index import Interval, meets
 from smarttestudo.language.normal_form import holds, negation
 from smarttestudo.language.resolved_rules import Branch
 
@@ -62,9 +62,21 @@ class Covers:
             counted = (branch for branch in nearby if is_counted(branch))
             applying = next((branch for branch in counted if holds(branch.form, state)), None)
             if applying is None:
-                return Coverage(gap=state, branches=())
+                gap = state if covered is not None else self._telling_state(box, topic, effort)
+                return Coverage(gap=gap, branches=())
             excluded.append(applying)
         raise TooComplexError
+
+    def _telling_state(self, box: Box, topic: str, effort: Effort) -> State:
+        """A state in ``box`` with only the signals that tell why no branch that sets ``topic`` applies."""
+        state = _FullState(box, self._usual_value)
+        points = _Points(state)
+        for branch in self._index.setters(topic):
+            hulls = self._index.boxes(branch).hulls
+            effort.spend(len(hulls))
+            if any(meets(hull, points.__getitem__) for hull in hulls):
+                holds(branch.form, state)
+        return state
 
     def _needed(
         self, covering: Sequence[Branch], covered: Branch | None, effort: Effort

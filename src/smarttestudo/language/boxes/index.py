@@ -9,6 +9,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from heapq import heappop, heappush
 from statistics import median_low
 
 from smarttestudo.domain.signal import Signal
@@ -45,6 +46,15 @@ def hull_of(box: Box) -> Hull:
     return hull
 
 
+def meets(hull: Hull, interval_of: Callable[[Signal], Interval | None]) -> bool:
+    """Whether ``hull`` and ``interval_of`` (``None``: any value) share a place, if only on their borders."""
+    for signal, (low, high) in hull.items():
+        interval = interval_of(signal)
+        if interval is not None and (interval[1] < low or high < interval[0]):
+            return False
+    return True
+
+
 class BoxIndex:
     """A bounding volume hierarchy over hulls.
 
@@ -57,35 +67,33 @@ class BoxIndex:
         leaves: list[_Leaf] = []
         for entry in entries:
             kind = self._kinds.setdefault(entry.kind, len(self._kinds))
-            leaves.append(_leaf(entry, kind))
+            leaves.append(_leaf(entry, kind, first=len(leaves)))
         self._root = _node(leaves) if leaves else None
 
     def near(
         self, interval_of: Callable[[Signal], Interval | None], effort: Effort, *, other_than: Hashable = None
     ) -> Iterator[IndexEntry]:
-        """The entries whose hulls meet ``interval_of`` (``None``: any value), in a fixed order.
+        """The entries whose hulls meet ``interval_of`` (``None``: any value), in their order.
 
         Entries of the kind ``other_than`` are left out.
         """
         left_out = self._kinds.get(other_than)
         looks = 0
-        nodes = [] if self._root is None else [self._root]
+        nodes = [] if self._root is None else [(0, self._root)]
         while nodes:
-            node = nodes.pop()
+            node = heappop(nodes)[1]
             looks += node.looks
             if node.kind == left_out:
                 continue
-            for signal, (low, high) in node.hull.items():
-                interval = interval_of(signal)
-                if interval is not None and (interval[1] < low or high < interval[0]):
-                    break
-            else:
-                if node.entry is None:
-                    nodes.extend(node.parts)
-                    continue
-                effort.spend(looks)
-                looks = 0
-                yield node.entry
+            if not meets(node.hull, interval_of):
+                continue
+            if node.entry is None:
+                for part in node.parts:
+                    heappush(nodes, (part.first, part))
+                continue
+            effort.spend(looks)
+            looks = 0
+            yield node.entry
         effort.spend(looks)
 
 
@@ -94,13 +102,15 @@ _SEVERAL_KINDS = -1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Node:
-    """An ``entry``, or what is around ``parts``, which has the last one first.
+    """An ``entry``, or what is around ``parts``.
 
-    ``kind`` is the number of the kind of all entries below, ``looks`` what a visit costs with its entries.
+    ``kind`` is the number of the kind of all entries below, ``first`` that of the first entry, ``looks`` what
+    a visit costs with its entries.
     """
 
     hull: Hull
     kind: int
+    first: int
     looks: int = 0
     parts: tuple[_Node, ...] = ()
     entry: IndexEntry | None = None
@@ -115,9 +125,9 @@ _Leaf = tuple["_Node", _Extents]
 _BEHIND_ALL = (math.inf, 0.0)
 
 
-def _leaf(entry: IndexEntry, kind: int) -> _Leaf:
+def _leaf(entry: IndexEntry, kind: int, *, first: int) -> _Leaf:
     extents = {signal: (_centre(ends), ends[1] - ends[0]) for signal, ends in entry.hull.items()}
-    return _Node(hull=entry.hull, kind=kind, entry=entry), extents
+    return _Node(hull=entry.hull, kind=kind, first=first, entry=entry), extents
 
 
 def _node(leaves: list[_Leaf]) -> _Node:
@@ -133,7 +143,11 @@ def _node(leaves: list[_Leaf]) -> _Node:
 def _parent(nodes: Sequence[_Node], *, looks: int) -> _Node:
     kind = nodes[0].kind if all(node.kind == nodes[0].kind for node in nodes) else _SEVERAL_KINDS
     return _Node(
-        hull=_around([node.hull for node in nodes]), kind=kind, looks=looks, parts=tuple(reversed(nodes))
+        hull=_around([node.hull for node in nodes]),
+        kind=kind,
+        first=min(node.first for node in nodes),
+        looks=looks,
+        parts=tuple(nodes),
     )
 
 

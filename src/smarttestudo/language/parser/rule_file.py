@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 from smarttestudo.domain.finding import Finding, Fix
 from smarttestudo.domain.source import Span
@@ -23,7 +24,7 @@ from smarttestudo.language.parser.cursor import (
     Cursor,
     FindingLog,
 )
-from smarttestudo.language.parser.lexer import tokenize
+from smarttestudo.language.parser.stretches import Stretch, stretches_of
 from smarttestudo.language.parser.tokens import Token, TokenKind
 from smarttestudo.language.parser.values import parse_hertz, parse_topic
 from smarttestudo.language.syntax import Collection, KeepAtLeast, RuleFile, Statement
@@ -34,13 +35,14 @@ class ParseResult:
     """The statements of ``file`` that are whole, and an error for each that is not, in the order of the file.
 
     ``tokens`` end with the one that stands for the file's end; their comments are all comments of the file.
-    ``steps`` is how often the parser looked at a token.
+    ``steps`` is how often the parser looked at a token. ``stretches`` are what the next text is read with.
     """
 
     file: RuleFile
     findings: tuple[Finding, ...]
     tokens: tuple[Token, ...]
     steps: int
+    stretches: tuple[Stretch, ...] = ()
 
     @property
     def is_valid(self) -> bool:
@@ -56,8 +58,12 @@ _EXPECTED_TEXT = "a statement ('SetFrequency', 'KeepAtLeast', 'KeepWithin', 'Rul
 def parse_statements(cursor: Cursor) -> tuple[Statement, ...]:
     """The whole statements up to ``end``, the next ``begin`` or the end of the file."""
     statements: list[Statement] = []
+    reading = _StretchReading(cursor, statements)
     cursor.is_block_open = False
-    while cursor.kind not in _ENDS:
+    while not reading.is_at_end():
+        if known := cursor.read_known():
+            statements.extend(known)
+            continue
         cursor.begin_statement()
         if cursor.is_block_open and cursor.kind is TokenKind.KEEP_AT_LEAST:
             _report_open_block(cursor)
@@ -69,6 +75,28 @@ def parse_statements(cursor: Cursor) -> tuple[Statement, ...]:
         else:
             statements.extend([statement] if statement is not None else [])
     return tuple(statements)
+
+
+class _StretchReading:
+    """Notes the ``statements`` of each stretch that is read from its start to its end without an error."""
+
+    def __init__(self, cursor: Cursor, statements: Sequence[Statement]) -> None:
+        self._cursor = cursor
+        self._statements = statements
+        self._begun: int | None = None
+        self._count = self._errors = self._steps = 0
+
+    def is_at_end(self) -> bool:
+        """Whether no statement follows; asked before each statement and behind the last."""
+        cursor = self._cursor
+        here = cursor.stretch_here
+        if here is not None:
+            if self._begun == here - 1 and self._errors == cursor.error_count:
+                statements = tuple(self._statements[self._count :])
+                cursor.note_stretch(here - 1, statements, cursor.steps - self._steps)
+            self._begun, self._count = here, len(self._statements)
+            self._errors, self._steps = cursor.error_count, cursor.steps
+        return cursor.kind in _ENDS
 
 
 def _report_open_block(cursor: Cursor) -> None:
@@ -149,8 +177,11 @@ _COLLECTION_STARTS = frozenset({*STATEMENT_STARTS, TokenKind.BEGIN, TokenKind.EN
 _START = Span(line=1, column=1, end_line=1, end_column=1)
 
 
-def parse(text: str, path: str) -> ParseResult:
-    """The rule file ``text``; ``path`` names it in findings. Raises nothing, whatever the text is."""
+def parse(text: str, path: str, before: ParseResult | None = None) -> ParseResult:
+    """The rule file ``text``; ``path`` names it in findings. Raises nothing, whatever the text is.
+
+    ``before`` is that of another text, such as the same before an edit: what both have is not read again.
+    """
     log = FindingLog(path)
     if len(text.encode("utf-8", "surrogatepass")) > MAX_FILE_BYTES:
         log.report(
@@ -159,21 +190,23 @@ def parse(text: str, path: str) -> ParseResult:
         return ParseResult(
             file=RuleFile(path=path, collections=()), findings=log.findings(), tokens=(), steps=0
         )
-    tokens = tokenize(text)
-    cursor = Cursor(tokens, log)
+    cursor = Cursor(stretches_of(text, before.stretches if before is not None else ()), log)
     collections = _collections(cursor)
-    if "#" in text or "/*" in text:
-        _report_foreign_comments(tokens, log)
+    stretches = cursor.stretches
+    for stretch in stretches:
+        if stretch.may_hold_foreign_comment:
+            _report_foreign_comments(stretch.tokens, log)
     return ParseResult(
         file=RuleFile(
             path=path,
             collections=tuple(collections),
             footer=cursor.token.above,
-            glued=tuple(token.span for token in tokens if token.is_glued),
+            glued=tuple(chain.from_iterable(stretch.glued for stretch in stretches)),
         ),
         findings=log.findings(),
-        tokens=tuple(tokens),
+        tokens=tuple(chain.from_iterable(stretch.tokens for stretch in stretches)),
         steps=cursor.steps,
+        stretches=stretches,
     )
 
 

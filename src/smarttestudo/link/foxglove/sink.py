@@ -14,7 +14,8 @@ from dataclasses import dataclass, field
 from foxglove import Channel, Context, Schema, start_server
 from foxglove.websocket import ChannelView, Client, ServerListener
 
-from smarttestudo.bags.definitions import TypeLibrary, is_idl_definition
+from smarttestudo.bags.definition_text import is_idl_definition
+from smarttestudo.bags.definitions import TypeLibrary
 from smarttestudo.domain import recording
 from smarttestudo.domain.errors import PortError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from smarttestudo.checks import CheckContext, check_rules
+from smarttestudo.checks import CheckContext, CheckedRules, check_again
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.profile import Profile
@@ -40,10 +40,15 @@ class Draft(Struct, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckedText:
-    """The statements of a text, and the checker's findings."""
+    """The statements of a text, and what the checker says of them."""
 
     document: Document
-    findings: tuple[Finding, ...]
+    rules: CheckedRules
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """The checker's findings."""
+        return self.rules.findings
 
     @property
     def has_errors(self) -> bool:
@@ -64,11 +69,15 @@ class RefusedTextError(RuleFileError):
         self.checked = checked
 
 
-def check_text(draft: Draft) -> CheckedText:
-    """Read and check ``draft``; ``ProfileError`` for a profile that cannot be read."""
-    document = read_document(draft.text, draft.name)
+def check_text(draft: Draft, before: CheckedText | None = None) -> CheckedText:
+    """Read and check ``draft``; ``ProfileError`` for a profile that cannot be read.
+
+    What it has in common with the text ``before`` is neither read nor thought about again.
+    """
+    document = read_document(draft.text, draft.name, None if before is None else before.document)
     context = CheckContext(profile=draft.profile(), way_to_profile=WAY_TO_PROFILE)
-    return CheckedText(document=document, findings=tuple(check_rules([document.result], context)))
+    checked = check_again([document.result], context, None if before is None else before.rules)
+    return CheckedText(document=document, rules=checked)
 
 
 def require_usable(draft: Draft) -> CheckedText:
@@ -79,8 +88,9 @@ def require_usable(draft: Draft) -> CheckedText:
 def check_sound(text: str, name: str) -> CheckedText:
     """Read and check rules that meet their profile elsewhere, so that levels need no rate here."""
     document = read_document(text, name)
-    findings = check_rules([document.result], CheckContext(profile=Profile()))
-    return CheckedText(document=document, findings=tuple(findings))
+    return CheckedText(
+        document=document, rules=check_again([document.result], CheckContext(profile=Profile()), None)
+    )
 
 
 def require_sound(text: str, name: str) -> CheckedText:

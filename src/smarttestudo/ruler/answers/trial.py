@@ -12,7 +12,7 @@ from smarttestudo.accuracy.reconstruction import TimeBins
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.trace import TraceAccumulator
-from smarttestudo.checks import CheckContext, check_rules
+from smarttestudo.checks import CheckContext, check_again
 from smarttestudo.domain.bound_texts import bound_texts
 from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.names import resolve_topic
@@ -173,8 +173,8 @@ def compiled_for(draft: Draft, recording: RecordingReader) -> RuleSet:
     profile = draft.profile()
     bag_topics = {channel.topic: channel.type_name for channel in recording.channels}
     document = read_document(draft.text, draft.name)
-    findings = check_rules([document.result], CheckContext(profile=profile, bag_topics=bag_topics))
-    checked = CheckedText(document=document, findings=tuple(findings))
+    rules = check_again([document.result], CheckContext(profile=profile, bag_topics=bag_topics), None)
+    checked = CheckedText(document=document, rules=rules)
     if checked.has_errors:
         raise RefusedTextError(checked)
     files = [document.result.file]
