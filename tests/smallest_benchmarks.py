@@ -20,6 +20,7 @@ WITH_NOTHING: Mapping[str, str] = {
     "bag_rates": "--gigabytes 0.02",
     "border_crossing": "--side 4 --turns 1",
     "catch_up": "--delays-ms 2",
+    "many_recordings": "--recordings 4 --seconds 2",
     "optimizer_speed": "--topics 20 --blocks 5",
     "replay_memory": "--gigabytes 0.02",
     "replay_speed": "--seconds 3 --turns 2",
