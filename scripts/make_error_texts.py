@@ -22,7 +22,7 @@ SECTIONS: Mapping[str, Sequence[str]] = {
     "On a robot": ("robot", "domain"),
     "Over a link": ("link",),
     "Incidents": ("incidents", "loop"),
-    "Recordings": ("bags", "replays", "accuracy", "report"),
+    "Recordings": ("bags", "replays", "accuracy", "report", "fleet"),
     "The demo": ("demo",),
     "The Ruler's page": ("ruler/answers", "ruler/server", "language", "checks", "editing"),
 }  # fmt: skip

@@ -22,6 +22,7 @@ WITH_NOTHING: Mapping[str, str] = {
     "catch_up": "--delays-ms 2",
     "checking_edits": "--blocks 30 --keys 2",
     "link_throughput": "--only ten --seconds 2.5 --rounds 1",
+    "many_recordings": "--recordings 4 --seconds 2",
     "optimizer_speed": "--topics 20 --blocks 5",
     "replay_memory": "--gigabytes 0.02",
     "replay_speed": "--seconds 3 --turns 2",

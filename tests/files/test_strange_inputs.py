@@ -52,7 +52,7 @@ CHECK_THE_PATH = "check the path and its permissions"
         (("bag", "report", "one"), f"one: error: cannot be read: {CIRCLE}; {CHECK_THE_PATH}"),
         (
             ("bag", "rates", "one", "one", "--figures", "f"),
-            f"one: error: cannot be read: {CIRCLE}; {CHECK_THE_PATH}",
+            "\n".join([f"one: error: cannot be read: {CIRCLE}; {CHECK_THE_PATH}"] * 2),
         ),
         (
             ("bag", "info", "piped"),

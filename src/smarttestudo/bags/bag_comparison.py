@@ -29,7 +29,7 @@ class BagComparison:
 
     @property
     def notices(self) -> tuple[str, ...]:
-        """What was lost or odd of either, a line each."""
+        """Losses and oddities of either, a line each."""
         return (*self.a.notices, *self.b.notices)
 
     def only(self, names: Collection[str]) -> BagComparison:

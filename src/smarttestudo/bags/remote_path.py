@@ -18,7 +18,7 @@ from smarttestudo.domain.errors import RecordingError
 
 DEFAULT_TIMEOUT_S = 60.0
 _LEAST_BYTES = 1 << 14
-"""What is fetched at once where records are hopped over."""
+"""Bytes fetched at once where records are hopped over."""
 _MOST_BYTES = 1 << 23
 """The same where a file is read from end to end."""
 
@@ -36,7 +36,7 @@ def remote_path(url: str, timeout_s: float) -> Path:
 
 
 def remote_matches(pattern: Path) -> list[Path]:
-    """What the URL ``pattern`` matches, by name. Raises ``OSError``."""
+    """Places that the URL ``pattern`` matches, by name. Raises ``OSError``."""
     return cast("list[Path]", cast("RemotePath", pattern).matches())
 
 
@@ -120,7 +120,7 @@ class RemotePath:
     lstat = stat
 
     def iterdir(self) -> Iterator[RemotePath]:
-        """What is in the folder."""
+        """The content of the folder."""
         # An object store may list the folder itself.
         for found in self._call(
             lambda fs, path: [
@@ -131,11 +131,11 @@ class RemotePath:
             yield self._at(f"{self._url.rstrip('/')}/{name}", found)
 
     def relative_to(self, folder: RemotePath) -> PurePosixPath:
-        """Where it is in ``folder``."""
+        """Its place in ``folder``."""
         return PurePosixPath(self._url.removeprefix(folder._url).lstrip("/"))
 
     def matches(self) -> list[RemotePath]:
-        """What the URL, which is a pattern, matches."""
+        """Places that the URL, a pattern, matches."""
         return self._call(
             lambda fs, path: [self._at(fs.unstrip_protocol(one)) for one in sorted(fs.glob(path))]
         )

@@ -104,7 +104,7 @@ def _run_summary(arguments: argparse.Namespace) -> int:
 
 
 class _Summaries(RecordingCommand[BagSummary]):
-    """What ``info``, ``rates`` and ``bandwidth`` say of recordings, and all of them together."""
+    """``info``, ``rates`` and ``bandwidth`` of recordings, and the sum of all."""
 
     table = RowTable.TOPICS
     is_named_by_text = True
@@ -176,7 +176,7 @@ def _run_compare(arguments: argparse.Namespace) -> int:
 
 
 class _Comparisons(RecordingCommand[BagComparison]):
-    """What ``compare`` says of pairs."""
+    """``compare`` of pairs of recordings."""
 
     table = RowTable.COMPARISONS
     is_named_by_text = True
@@ -195,7 +195,7 @@ class _Comparisons(RecordingCommand[BagComparison]):
         return compared.only(select_topics(arguments.topics, compared.names, place=place))
 
     def print_text(self, result: BagComparison) -> None:
-        """Which recordings they are, and a table of each quantity."""
+        """The recordings' names, and a table of each quantity."""
         for letter, bag in (("A", result.a), ("B", result.b)):
             print(f"{letter}: {bag.name}{incident_subtitle(bag.incident)}")  # noqa: T201
         print()  # noqa: T201

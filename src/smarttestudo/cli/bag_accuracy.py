@@ -88,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 class _Accuracies(RecordingCommand["AccuracyComparison"]):
-    """How far pictures of recordings are off, under rules and at fixed rates."""
+    """Errors of the operator's picture of recordings, under rules and at fixed rates."""
 
     table = RowTable.ACCURACIES
 

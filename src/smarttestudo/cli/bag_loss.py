@@ -121,7 +121,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 class _Losses(RecordingCommand["LossReport"]):
-    """What was lost between recordings and what was received of them."""
+    """Losses between recordings as sent and as received."""
 
     table = RowTable.LOSSES
     is_named_by_text = True
@@ -146,7 +146,7 @@ class _Losses(RecordingCommand["LossReport"]):
             return measure_loss(arguments.a, arguments.b, question, report)
 
     def print_text(self, result: LossReport) -> None:
-        """What is compared, and a table of each kind of loss."""
+        """The recordings' names, and a table of each kind of loss."""
         print(f"{arms_text(result)}\n")  # noqa: T201
         print_incident(Path(result.a))
         print_tables(loss_tables(result))
@@ -178,7 +178,7 @@ def _refuse_options_of_pairs(arguments: argparse.Namespace) -> None:
 
 
 class _Curves(RecordingCommand["LossCurves"]):
-    """What would be lost of recordings at each rate."""
+    """Losses of recordings at each rate."""
 
     table = RowTable.CURVES
 

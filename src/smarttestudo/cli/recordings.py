@@ -39,11 +39,11 @@ _PLACES = ("bag", "a", "b")
 
 
 class Measured(Protocol):
-    """What is known of one recording, or of a pair."""
+    """The result for one recording, or a pair."""
 
     @property
     def notices(self) -> Sequence[str]:
-        """What was lost or odd, a line each."""
+        """Losses and oddities, a line each."""
 
     def to_json(self) -> dict[str, object]:
         """The object that ``--json`` prints."""
@@ -56,24 +56,24 @@ Result = TypeVar("Result", bound=Measured)
 
 
 class RecordingCommand(ABC, Generic[Result]):
-    """What a command says of recordings, one after the other."""
+    """A command over recordings, one after the other."""
 
     table: RowTable
-    """Where ``--parquet`` adds what is known."""
+    """The table that ``--parquet`` adds to."""
     is_named_by_text = False
     """Whether ``print_text`` says which recording it is about."""
 
     @staticmethod
     @abstractmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> Result:
-        """What is known of the recording in ``arguments``; another process may be asked."""
+        """Measure the recording in ``arguments``, perhaps in another process."""
 
     @abstractmethod
     def print_text(self, result: Result) -> None:
         """Print it for people."""
 
     def notices(self, result: Result) -> Iterable[str]:
-        """What was lost or odd."""
+        """Losses and oddities, a line each."""
         return result.notices
 
     def shown(self, result: Result) -> Result:
@@ -81,14 +81,14 @@ class RecordingCommand(ABC, Generic[Result]):
         return result
 
     def rows(self, result: Result) -> Iterable[Mapping[str, object]]:
-        """What ``--parquet`` adds of it."""
+        """Rows that ``--parquet`` adds."""
         return result.rows()
 
     def finish(self, arguments: argparse.Namespace) -> None:
         """Do what follows once a recording was printed."""
 
     def sum(self) -> str:
-        """What all recordings are together."""
+        """The sum of all recordings in words."""
         return ""
 
 
@@ -173,7 +173,7 @@ def recordings_asked(arguments: argparse.Namespace) -> list[Mapping[str, Path | 
 
 
 def pairs_asked(arguments: argparse.Namespace) -> list[Asked]:
-    """Each recording that A names, with the one of B that belongs to it."""
+    """Pairs of the recordings that A and B name."""
     from smarttestudo.fleet.recordings import find_recordings, pair_recordings  # noqa: PLC0415  as above
 
     a, b, timeout_s = arguments.a, arguments.b, arguments.timeout
@@ -193,7 +193,7 @@ def recordings_in(one: Mapping[str, object]) -> dict[str, Path]:
 
 
 def folders_of_each(asked: Sequence[Asked], folder: Path) -> Iterator[Path]:
-    """Where what is written of each goes: ``folder`` itself of an only one, else a folder in it."""
+    """Output folders: ``folder`` itself of an only recording, else a folder in it of each."""
     if len(asked) == 1:
         yield folder
         return
@@ -242,7 +242,7 @@ def each_recording(
 
 
 def _parquet_folder(arguments: argparse.Namespace, asked: Sequence[Asked]) -> ParquetFolder | None:
-    """Where rows are added, which must not be in a recording."""
+    """The folder of ``--parquet``, which must not be in a recording."""
     if arguments.parquet is None:
         return None
     from smarttestudo.fleet.parquet import ParquetFolder  # noqa: PLC0415  most have no extra fleet
@@ -305,7 +305,7 @@ def _measure_one(
 
 @contextmanager
 def _executor(arguments: argparse.Namespace, there: Sequence[Mapping[str, object]]) -> Iterator[Executor]:
-    """Who works on the recordings that are there."""
+    """The executor that the options ask for."""
     local = _local_executor(min(arguments.workers or len(os.sched_getaffinity(0)), len(there)))
     if arguments.dask is None:
         yield local

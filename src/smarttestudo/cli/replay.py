@@ -153,7 +153,7 @@ def _with_outputs(
 
 
 class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
-    """What rules relay of recordings, or decide over recorded inputs."""
+    """Replays of recordings, or of recorded inputs."""
 
     table = RowTable.REPLAYS
 

@@ -66,7 +66,7 @@ class DaskCluster:
 
     @property
     def notices(self) -> Sequence[str]:
-        """Those of the executor that took over."""
+        """Notices of the executor that took over."""
         return self._otherwise.notices
 
     def map(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Generator[Result | TestudoError]:
@@ -164,7 +164,7 @@ def _version() -> str:
 
 
 def _silence() -> None:
-    """What happens to a cluster is said in one line, not by the loggers that it brings."""
+    """Silence the loggers of Dask: what happens to a cluster is said in one line."""
     for name in [*logging.root.manager.loggerDict]:
         if name.startswith(_LOGGERS):
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Who works on tasks: the port, and this process itself."""
+"""Executors of tasks: the port, and this process itself."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Executor(Protocol):
 
     @property
     def notices(self) -> Sequence[str]:
-        """What was lost and made good, a line each."""
+        """Losses that were made good, a line each."""
 
     @property
     def failure(self) -> TestudoError | None:

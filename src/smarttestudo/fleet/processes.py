@@ -54,7 +54,7 @@ class Processes:
 
     @property
     def notices(self) -> Sequence[str]:
-        """How many workers were lost."""
+        """The number of lost workers."""
         if not self._lost:
             return ()
         were = "was" if self._lost == 1 else "were"

@@ -54,7 +54,7 @@ def _is_pattern(text: str) -> bool:
 
 
 def _matching(text: str, top: Path) -> list[FoundRecording]:
-    """What the pattern ``text`` matches, and what is in folders that it matches."""
+    """Recordings that the pattern ``text`` matches, or that are in folders that it matches."""
     first, *_, last = _WILDCARD.split(text)
     matches = remote_matches(top) if is_url(text) else map(Path, sorted(glob(text, recursive=True)))  # noqa: PTH207  pathlib has no patterns with a root
     return [
@@ -74,7 +74,7 @@ def _below(top: Path) -> list[FoundRecording]:
 def pair_recordings(
     a: str, b: str, *, timeout_s: float = DEFAULT_TIMEOUT_S
 ) -> tuple[RecordingPair | RecordingError, ...]:
-    """Each recording that ``a`` names with the one of ``b`` of the same name in its folder or pattern.
+    """Pair each recording that ``a`` names with the one of ``b`` that has its name in the folder or pattern.
 
     One without a partner is an error in its place.
     """

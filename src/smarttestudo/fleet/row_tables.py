@@ -9,7 +9,7 @@ from enum import Enum
 
 
 class ColumnType(Enum):
-    """What a column holds; any cell may be missing."""
+    """The content of a column; any cell may be missing."""
 
     TEXT = "text"
     WHOLE = "whole number"
