@@ -16,6 +16,19 @@ from smarttestudo.robot.ros.rclpy_subscription import RclpyInlet
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 
+class SameTimeout(float):
+    """A timeout that counts as equal to every other.
+
+    With another timeout than before, rclpy's executor forgets what else was ready when it waited last, and
+    looks at all topics anew: then the first topics starve the others.
+    """
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, float)
+
+    __hash__ = float.__hash__
+
+
 class RclpyPath:
     """Raw subscriptions of a node, and publishers of the node ``operators``."""
 
@@ -66,7 +79,7 @@ class RclpyPath:
 
     def wait(self, timeout_s: float) -> None:
         """Deliver what comes next; return after it or after ``timeout_s``."""
-        self._executor.spin_once(timeout_sec=timeout_s)
+        self._executor.spin_once(timeout_sec=SameTimeout(timeout_s))
 
     def close(self) -> None:
         """Deliver nothing more."""
