@@ -17,11 +17,7 @@ from smarttestudo.robot.ros.ros_errors import ros_errors
 
 
 class SameTimeout(float):
-    """A timeout that counts as equal to every other.
-
-    With another timeout than before, rclpy's executor forgets what else was ready when it waited last, and
-    looks at all topics anew: then the first topics starve the others.
-    """
+    """A timeout that equals all others: for another one, rclpy's executor forgets what else is ready."""
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, float)
