@@ -114,6 +114,21 @@ def test_what_is_held_never_changes_while_other_messages_come(robot: Robot) -> N
     assert heard.copies == sent
 
 
+def test_a_topic_that_always_has_more_starves_no_other(robot: Robot) -> None:
+    path, heard = robot.data_path, [Heard(), Heard(), Heard()]
+    publishers = [path.advertise(f"/words{number}", TEXT, RELIABLE) for number in range(len(heard))]
+    for number, one in enumerate(heard):
+        path.subscribe(f"/words{number}", TEXT, RELIABLE, one)
+        publish_and_await(robot, publishers[number], one, "hello")
+    for _ in range(100):
+        publishers[0].publish(text("more"))
+    for publisher in publishers[1:]:
+        publisher.publish(text("to be heard"))
+    for number in range(20):
+        robot.wait(None, 0.1 + number / 1000)
+    assert [one.copies[1:] for one in heard[1:]] == [[text("to be heard")]] * 2
+
+
 def test_what_came_can_be_published_as_it_is(robot: Robot) -> None:
     path, relayed = robot.data_path, Heard()
     source = path.advertise("/words", TEXT, LATCHED)

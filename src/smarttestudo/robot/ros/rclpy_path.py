@@ -16,6 +16,15 @@ from smarttestudo.robot.ros.rclpy_subscription import RclpyInlet
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 
+class SameTimeout(float):
+    """A timeout that equals all others: for another one, rclpy's executor forgets what else is ready."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, float)
+
+    __hash__ = float.__hash__
+
+
 class RclpyPath:
     """Raw subscriptions of a node, and publishers of the node ``operators``."""
 
@@ -66,7 +75,7 @@ class RclpyPath:
 
     def wait(self, timeout_s: float) -> None:
         """Deliver what comes next; return after it or after ``timeout_s``."""
-        self._executor.spin_once(timeout_sec=timeout_s)
+        self._executor.spin_once(timeout_sec=SameTimeout(timeout_s))
 
     def close(self) -> None:
         """Deliver nothing more."""
