@@ -92,7 +92,9 @@ def measure(name: str, contender: str, seconds: float) -> Brought:
         arrived = [one for one in operator.ask("end") if one[2] >= warm_ns]
     warm_s = (warm_ns - start_ns) / 1e9
     # A message's time is when it was due.
-    published = sum(count - math.ceil(warm_s * one.hz) for count, one in zip(told["published"], topics, strict=True))
+    published = sum(
+        count - math.ceil(warm_s * one.hz) for count, one in zip(told["published"], topics, strict=True)
+    )
     arrived_mb = sum(size_bytes for *_, size_bytes in arrived) / 1e6
     robot_s, operator_s = (late - early for early, late in zip(before, after, strict=True))
     return Brought(
