@@ -18,12 +18,10 @@ from smarttestudo.cli import bag_figures
 from smarttestudo.cli.bag_options import add_map, add_topics_and_form, print_tables, topic_mapping
 from smarttestudo.cli.command_parser import CommandParser, add_lazy
 from smarttestudo.cli.progress import Progress
+from smarttestudo.cli.recording_options import add_pair, add_recordings, add_several
 from smarttestudo.cli.recordings import (
     Asked,
     RecordingCommand,
-    add_pair,
-    add_recordings,
-    add_several,
     each_recording,
     pairs_asked,
     recordings_asked,

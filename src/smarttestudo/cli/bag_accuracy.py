@@ -20,10 +20,9 @@ from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import Progress
+from smarttestudo.cli.recording_options import add_recordings, add_several
 from smarttestudo.cli.recordings import (
     RecordingCommand,
-    add_recordings,
-    add_several,
     each_recording,
     recordings_asked,
 )

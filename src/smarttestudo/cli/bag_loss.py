@@ -24,10 +24,9 @@ from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import Progress
+from smarttestudo.cli.recording_options import add_pair, add_several
 from smarttestudo.cli.recordings import (
     RecordingCommand,
-    add_pair,
-    add_several,
     each_recording,
     pairs_asked,
 )

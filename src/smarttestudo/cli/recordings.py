@@ -14,11 +14,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar, cast
 
-from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, RemotePath, is_remote
+from smarttestudo.bags.remote_path import RemotePath, is_remote
 from smarttestudo.cli.bag_options import CsvPrinter, print_json, print_notices
-from smarttestudo.cli.paths import file_path, own_name
+from smarttestudo.cli.paths import own_name
 from smarttestudo.cli.progress import Progress, progress, silent
-from smarttestudo.cli.terminal import duration_s
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import require_separate
@@ -28,10 +27,6 @@ if TYPE_CHECKING:
     from smarttestudo.fleet.executor import Executor
     from smarttestudo.fleet.parquet import ParquetFolder
 
-RECORDINGS_HELP = (
-    "a rosbag2 folder, a .db3 or an .mcap file, or its URL (s3://bucket/a.mcap); any other folder, or a "
-    "quoted pattern ('bags/*.mcap'), stands for all recordings in it"
-)
 EXIT_ERROR = 1
 _CLUSTER_TIMEOUT_S = 10.0
 _PLACES = ("bag", "a", "b")
@@ -90,71 +85,6 @@ class RecordingCommand(ABC, Generic[Result]):
     def sum(self) -> str:
         """The sum of all recordings in words."""
         return ""
-
-
-def recording_name(text: str) -> str:
-    """Recordings from the command line; ``ArgumentTypeError`` for an empty name."""
-    if not text:
-        raise argparse.ArgumentTypeError("the name of a file or folder is not empty")
-    return text
-
-
-def add_recordings(action: argparse.ArgumentParser, *, or_else: str = "") -> None:
-    """Add one recording or more; ``or_else`` is what may be named instead."""
-    action.add_argument(
-        "bags",
-        metavar="BAG",
-        nargs="+",
-        type=recording_name,
-        help="; ".join(filter(None, (RECORDINGS_HELP, or_else))),
-    )
-
-
-def add_pair(action: argparse.ArgumentParser, *, a: str, b: str, is_b_optional: bool = False) -> None:
-    """Add A and B, which are described by ``a`` and ``b``."""
-    pairs = "several are paired by their names in the folders, or by what the patterns leave open"
-    action.add_argument("a", metavar="A", type=recording_name, help=f"{a}: {RECORDINGS_HELP}")
-    action.add_argument(
-        "b", metavar="B", nargs="?" if is_b_optional else None, type=recording_name, help=f"{b}; {pairs}"
-    )
-
-
-def add_several(action: argparse.ArgumentParser) -> None:
-    """Add who works on several recordings, and where the rows of all are gathered."""
-    several = action.add_argument_group("several recordings")
-    several.add_argument(
-        "--workers",
-        metavar="N",
-        type=_positive,
-        help="work on so many at once, each in a process (default: one for each core; 1: in this process)",
-    )
-    several.add_argument(
-        "--dask",
-        metavar="ADDRESS",
-        help="work on them on the Dask cluster of this scheduler, as in tcp://10.0.0.2:8786 (needs the "
-        "extra fleet)",
-    )
-
-    several.add_argument(
-        "--timeout",
-        metavar="SECONDS",
-        type=duration_s,
-        default=DEFAULT_TIMEOUT_S,
-        help="how long a server of a URL may take for an answer (default: %(default)g)",
-    )
-    action.add_argument(
-        "--parquet",
-        metavar="DIR",
-        type=file_path,
-        help="also add the rows of --csv to the Parquet tables in this folder (needs the extra fleet)",
-    )
-
-
-def _positive(text: str) -> int:
-    number = int(text) if text.isascii() and text.isdigit() else 0
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of 1 or more")
-    return number
 
 
 Asked = Mapping[str, Path | None] | TestudoError
