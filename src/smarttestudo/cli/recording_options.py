@@ -50,7 +50,8 @@ def add_several(action: argparse.ArgumentParser) -> None:
         "--workers",
         metavar="N",
         type=_positive,
-        help="work on so many at once, each in a process (default: one for each core; 1: in this process)",
+        help="work on so many at once, each in a process (default: one for each core, and for every "
+        "two recordings at most; 1: in this process)",
     )
     several.add_argument(
         "--dask",

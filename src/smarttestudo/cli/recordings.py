@@ -236,7 +236,9 @@ def _measure_one(
 @contextmanager
 def _executor(arguments: argparse.Namespace, there: Sequence[Mapping[str, object]]) -> Iterator[Executor]:
     """The executor that the options ask for."""
-    local = _local_executor(min(arguments.workers or len(os.sched_getaffinity(0)), len(there)))
+    # A process takes longer to begin than a short recording.
+    usual = min(len(os.sched_getaffinity(0)), len(there) // 2)
+    local = _local_executor(min(arguments.workers or usual, len(there)))
     if arguments.dask is None:
         yield local
         return
