@@ -37,7 +37,7 @@ export default defineConfig({
     chunkSizeWarningLimit: 1500,
     // Each file takes the browser and the server longer than the code in it.
     rolldownOptions: {
-      output: { codeSplitting: { groups: [{ name: "shared", test: /src|preact/, minShareCount: 5 }] } },
+      output: { codeSplitting: { groups: [{ name: "shared", test: /gui.src|preact/, minShareCount: 5 }] } },
     },
   },
   // The documentation is read from beside this folder.
