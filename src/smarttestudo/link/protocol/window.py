@@ -19,7 +19,7 @@ ACKNOWLEDGE_PERIOD_NS = 20_000_000
 """How often the other end says what it has received, while something comes."""
 SELDOM_PERIOD_NS = 50_000_000
 """How often on a link that ``is_fast``: saying it takes CPU of both ends."""
-ACKNOWLEDGE_BYTES = 1_000_000
+ACKNOWLEDGE_BYTES = 500_000
 """After so many bytes it is said at once."""
 START_BYTES_PER_S = 40_000.0
 """The capacity of a link of which nothing is known."""
