@@ -13,7 +13,7 @@ from typing import Protocol
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.rate import Rate, Tier
-from smarttestudo.domain.rests import Rest, no_rest, resting
+from smarttestudo.domain.rests import Rest, resting
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (
@@ -170,7 +170,7 @@ class RuleSet:
             topic for block in self.blocks for recording in block.recordings for topic in recording.topics
         )
 
-    def blocks_by_topic(self, rest: Rest = no_rest) -> dict[str, list[RuleBlock]]:
+    def blocks_by_topic(self, rest: Rest) -> dict[str, list[RuleBlock]]:
         """The blocks that set each relayed topic, in order."""
         blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in self.relayed}
         for block in resting(self.blocks, rest):
