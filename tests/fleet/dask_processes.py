@@ -26,8 +26,8 @@ class DaskProcesses:
 
 
 @contextmanager
-def dask_processes(folder: Path, *, workers: int = 2) -> Iterator[DaskProcesses]:
-    """They end with the block, as far as they still are."""
+def dask_processes(folder: Path, *, workers: int = 2, nanny: bool = False) -> Iterator[DaskProcesses]:
+    """They end with the block, as far as they still are; with a ``nanny`` a worker that ends is replaced."""
     file = folder / "scheduler.json"
     started: list[subprocess.Popen[bytes]] = []
     try:
@@ -36,12 +36,14 @@ def dask_processes(folder: Path, *, workers: int = 2) -> Iterator[DaskProcesses]
         while not file.exists():
             assert time.monotonic() < end_s
             time.sleep(0.05)
-        started += [_start(folder, "worker", "--nthreads", "1", "--no-nanny") for _ in range(workers)]
+        begun = ("worker", "--nthreads", "1", "--nanny" if nanny else "--no-nanny")
+        started += [_start(folder, *begun) for _ in range(workers)]
         address = json.loads(file.read_text())["address"]
         yield DaskProcesses(address=address, scheduler=started[0], workers=tuple(started[1:]))
     finally:
         for process in started:
-            process.kill()
+            process.terminate() if nanny else process.kill()
+        for process in started:
             process.wait()
 
 

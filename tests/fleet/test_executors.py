@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import re
+import signal
 import subprocess
 import time
 from collections.abc import Iterator
@@ -117,7 +118,7 @@ def test_a_dask_worker_that_is_lost_costs_time(tmp_path: Path) -> None:
 
 
 def test_an_item_that_ends_dask_workers_is_named_and_alone(tmp_path: Path) -> None:
-    with dask_processes(tmp_path, workers=3) as started, on_dask(started) as executor:
+    with dask_processes(tmp_path, nanny=True) as started, on_dask(started) as executor:
         results = list(executor.map(tasks.always_dies, range(20)))
     assert [str(one) for one in results if isinstance(one, TestudoError)] == [
         "error: each worker that worked on it was ended; "
@@ -126,14 +127,17 @@ def test_an_item_that_ends_dask_workers_is_named_and_alone(tmp_path: Path) -> No
     assert [one for one in results if not isinstance(one, TestudoError)] == [n for n in range(20) if n != 5]
 
 
-@pytest.mark.parametrize("lost", ["scheduler", "workers"])
+@pytest.mark.parametrize("lost", ["scheduler", "workers", "scheduler that stands still"])
 def test_what_a_lost_cluster_leaves_is_worked_on_in_another_way(lost: str, tmp_path: Path) -> None:
     with dask_processes(tmp_path) as started, on_dask(started) as executor:
         with closing(executor.map(tasks.slow_first, range(200))) as results:
             assert [next(results), next(results)] == [0, 1]
-            for process in (started.scheduler,) if lost == "scheduler" else started.workers:
-                process.kill()
-                process.wait()
+            if lost == "scheduler that stands still":
+                started.scheduler.send_signal(signal.SIGSTOP)
+            else:
+                for process in (started.scheduler,) if lost == "scheduler" else started.workers:
+                    process.kill()
+                    process.wait()
             assert list(results) == list(range(2, 200))
         assert isinstance(executor.failure, ClusterError)
         assert re.fullmatch(

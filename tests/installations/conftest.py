@@ -21,10 +21,10 @@ from installations.environments import (
     with_python3,
 )
 from made_once import made_once
-from ros.conftest import domain, robot
+from ros.conftest import data_path, domain, robot
 from ros_package.conftest import installed
 
-__all__ = ["domain", "installed", "robot"]
+__all__ = ["data_path", "domain", "installed", "robot"]
 
 MakeEnvironment = Callable[..., Environment]
 

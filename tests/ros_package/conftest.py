@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from made_once import made_once
-from ros.conftest import domain, robot
+from ros.conftest import data_path, domain, robot
 from ros_package.workspace import INSTALLED, build
 
-__all__ = ["domain", "robot"]
+__all__ = ["data_path", "domain", "robot"]
 
 
 @pytest.fixture(scope="session")

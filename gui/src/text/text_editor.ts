@@ -64,8 +64,9 @@ export class TextEditor {
           lintGutter(),
           EditorView.lineWrapping,
           highlightActiveLine(),
-          spotField,
+          // The first is the inner one: a spot is one piece.
           adirfColours,
+          spotField,
           EditorState.languageData.of(() => [{ commentTokens: { line: "//" } }]),
           indentUnit.of("    "),
           autocompletion({

@@ -79,7 +79,10 @@ class DaskCluster:
         try:
             while done < len(items):
                 futures += (self._submit(work, item) for item in islice(waiting, ahead - len(futures)))
-                answer = self._answer(futures.popleft())
+                try:
+                    answer = self._answer(futures.popleft())
+                except KilledWorker:
+                    answer = self._again(work, items[done])
                 yield answer
                 done += 1
         except _LostError as error:
@@ -100,34 +103,40 @@ class DaskCluster:
         except Exception as error:  # a closed client raises all kinds
             raise _LostError("its scheduler is gone") from error
 
-    def _answer(self, future: Future[Any]) -> Result | TestudoError:
-        """The result that ``future`` stands for. Raises ``_LostError`` where nobody works on it any more."""
+    def _again(self, work: Callable[[Item], object], item: Item) -> Result | TestudoError:
+        """The result of another try: Dask blames all items of a worker that is ended, not only the one at work."""
         try:
-            self._await(future)
-            answer: Result | TestudoError = future.result()
-        except CancelledError as error:
-            raise _LostError("its scheduler is gone") from error
+            return self._answer(self._submit(work, item))
         except KilledWorker:
             return WorkerError(
                 "each worker that worked on it was ended",
                 remedy="read it alone, without --dask; if memory was short, use fewer workers a machine",
             )
-        return answer
 
-    def _await(self, future: Future[Any]) -> None:
-        """Wait until ``future`` is done. Raises ``_LostError`` where no worker is there for too long."""
+    def _answer(self, future: Future[Any]) -> Result | TestudoError:
+        """The result that ``future`` stands for.
+
+        Raises ``KilledWorker``, and ``_LostError`` where nobody works on it any more.
+        """
         seen_s = time.monotonic()
-        while not future.done():
-            with suppress(DaskTimeoutError):
+        while True:
+            try:
                 future.exception(timeout=_POLL_S)
-            if future.done() or self._has_workers():
-                seen_s = time.monotonic()
-            elif time.monotonic() - seen_s > _WITHOUT_WORKERS_S:
-                raise _LostError("it has no worker any more")
+                # A worker may be lost with a result that it had, so that this waits anew.
+                answer: Result | TestudoError = future.result(timeout=_WITHOUT_WORKERS_S)
+            except DaskTimeoutError:
+                if self._has_workers():
+                    seen_s = time.monotonic()
+                elif time.monotonic() - seen_s > _WITHOUT_WORKERS_S:
+                    raise _LostError("it has no worker any more") from None
+            except CancelledError as error:
+                raise _LostError("its scheduler is gone") from error
+            else:
+                return answer
 
     def _has_workers(self) -> bool:
         try:
-            return bool(self._client.nthreads())
+            return bool(self._client.sync(self._client.scheduler.ncores, callback_timeout=_POLL_S))
         except (OSError, DaskTimeoutError):
             return False
 
