@@ -104,7 +104,7 @@ class DaskCluster:
             raise _LostError("its scheduler is gone") from error
 
     def _again(self, work: Callable[[Item], object], item: Item) -> Result | TestudoError:
-        """The result of another try: Dask blames all items of a worker that is ended, not only the one at work."""
+        """The result of another try: Dask blames each item of a worker that is ended, at work or not."""
         try:
             return self._answer(self._submit(work, item))
         except KilledWorker:
@@ -119,24 +119,26 @@ class DaskCluster:
         Raises ``KilledWorker``, and ``_LostError`` where nobody works on it any more.
         """
         seen_s = time.monotonic()
-        while True:
-            try:
-                future.exception(timeout=_POLL_S)
+        try:
+            while True:
                 # A worker may be lost with a result that it had, so that this waits anew.
-                answer: Result | TestudoError = future.result(timeout=_WITHOUT_WORKERS_S)
-            except DaskTimeoutError:
+                with suppress(DaskTimeoutError):
+                    future.exception(timeout=_POLL_S)
+                    answer: Result | TestudoError = future.result(timeout=_WITHOUT_WORKERS_S)
+                    return answer
                 if self._has_workers():
                     seen_s = time.monotonic()
                 elif time.monotonic() - seen_s > _WITHOUT_WORKERS_S:
-                    raise _LostError("it has no worker any more") from None
-            except CancelledError as error:
-                raise _LostError("its scheduler is gone") from error
-            else:
-                return answer
+                    raise _LostError("it has no worker any more")
+        except CancelledError as error:
+            raise _LostError("its scheduler is gone") from error
 
     def _has_workers(self) -> bool:
+        scheduler = self._client.scheduler
         try:
-            return bool(self._client.sync(self._client.scheduler.ncores, callback_timeout=_POLL_S))
+            return scheduler is not None and bool(
+                self._client.sync(scheduler.ncores, callback_timeout=_POLL_S)
+            )
         except (OSError, DaskTimeoutError):
             return False
 
