@@ -22,6 +22,9 @@ import { StaleNotice } from "./stale_notice";
 const NAMES = Object.keys(COLUMNS) as Column[];
 const WORDS = [NAMES.indexOf("loss"), NAMES.indexOf("error")];
 
+/** More problems than these would push the table away. */
+const MAX_OPEN = 3;
+
 interface Props {
   trial: FolderTrial;
   isRunning: boolean;
@@ -39,12 +42,15 @@ export function FolderResult({ trial, isRunning, changed, opened, open }: Props)
   const result = useRef<HTMLDivElement>(null);
   // Who comes back from a try has no focus: its button is gone.
   useEffect(() => focusIn(result.current, `tbody button[title="${CSS.escape(opened ?? "")}"]`), []);
-  useEffect(() => showOnNarrow(() => result.current), [trial]);
+  // The progress and what ends it stand above.
+  useEffect(() => showOnNarrow(() => result.current?.parentElement ?? null), [trial, rows.length > 0]);
+  const failed = trial.problems.value.length;
   const isEnded = !isRunning && trial.done < count;
   return (
     <div class="try-result" ref={result}>
       <p role="status">
         {readable(trial.done)} of {counted(count, "recording")} of {folderWords(trial.folder)} tried
+        {failed > 0 && `, ${readable(failed)} without a result`}
         {isEnded && ". The others were not: it was ended before. What was tried stays"}.
       </p>
       <StaleNotice
@@ -66,8 +72,8 @@ function ProblemList({ trial }: { trial: FolderTrial }) {
   if (problems.length === 0) return null;
   const left = problems.length - MAX_ROWS;
   return (
-    <section class="notice error column not-tried" aria-label="Not tried">
-      <strong>{counted(problems.length, "recording")} could not be tried</strong>
+    <details class="notice error column not-tried" open={problems.length <= MAX_OPEN}>
+      <summary>{counted(problems.length, "recording")} could not be tried</summary>
       <ul>
         {problems.slice(0, MAX_ROWS).map(({ bag, why }) => (
           <li key={bag}>
@@ -76,7 +82,7 @@ function ProblemList({ trial }: { trial: FolderTrial }) {
         ))}
         {left > 0 && <li>and {readable(left)} more</li>}
       </ul>
-    </section>
+    </details>
   );
 }
 
