@@ -69,8 +69,8 @@ def test_a_headline_is_that_of_the_try(page: Page, bag: str) -> None:
     assert tried["worst_topic"]["received"] < tried["worst_topic"]["sent"]
     assert tried["crossings"] == sum(one["crossings"] for one in tried["loss"]["crossings"])
     field, hold = tried["worst_field"], [one["hold"] for one in tried["loss"]["fields"] if one["hold"]]
-    assert field["share"] == max(one["relative_max"] for one in hold if one["relative_max"] is not None)
-    assert field["error"] in [one["max"] for one in hold]
+    assert field["share"] == max(one["relative_rmse"] for one in hold if one["relative_rmse"] is not None)
+    assert field["rmse"] in [one["rmse"] for one in hold]
 
 
 @pytest.mark.parametrize("bag", ["runs/broken", "runs/empty.mcap", "runs/gone"])
@@ -125,7 +125,7 @@ def losses(draw: st.DrawFn) -> TryLoss:
 
     def field(name: str) -> TryFieldLoss:
         share = draw(st.none() | seconds)
-        hold = ErrorSize(rmse=0.0, maximum=1.0, relative_rmse=share, relative_maximum=share)
+        hold = ErrorSize(rmse=0.0, maximum=1.0, relative_rmse=share, relative_maximum=1.0)
         return TryFieldLoss(
             topic=name,
             field="x",
@@ -162,7 +162,7 @@ def test_no_topic_and_no_property_lost_more_than_the_worst(loss: TryLoss) -> Non
     if worst is not None:
         assert worst.more_s == more_s[worst.topic] == max(more_s.values())
         assert worst.is_image == (worst.topic in {one.topic for one in loss.images})
-    shares = [(one.hold.relative_maximum or 0, one.topic) for one in loss.fields if one.hold]
+    shares = [(one.hold.relative_rmse or 0, one.topic) for one in loss.fields if one.hold]
     field = worst_field(loss)
     assert (field.share if field else 0) == max((share for share, _ in shares), default=0)
     assert field is None or (field.share, field.topic) in shares

@@ -1825,7 +1825,7 @@ export interface TryFieldLoss {
 }
 
 /**
- * What a try on a bag says first; `percent` is how much less of the relayed topics was sent.
+ * Headline of a try on a bag; `percent` is how much less of the relayed topics was sent.
  *
  * The worst are null where nothing was lost. `missed_crossings` of the `crossings` of checks' thresholds
  * were not seen by the operator.
@@ -1947,12 +1947,12 @@ export interface WithinStatement {
   bound: Bound;
 }
 
-/** The property with the largest error when its last value is held, `share` of its range. */
+/** The property with the largest error when its last value is held: its RMSE, `share` of its range. */
 export interface WorstField {
   topic: string;
   field: string;
   unit: string;
-  error: number;
+  rmse: number;
   share: number;
 }
 

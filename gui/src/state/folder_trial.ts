@@ -95,7 +95,7 @@ export const COLUMNS = {
   sent: { title: "Sent (KB/s)", key: ({ headline }) => sentKbPerS(headline) ?? 0, isDown: true },
   less: { title: "Less sent (%)", key: ({ headline }) => headline.percent, isDown: false },
   loss: { title: "Largest loss", key: lossOf, isDown: true },
-  error: { title: "Largest error", key: errorOf, isDown: true },
+  error: { title: "Largest error (RMSE)", key: errorOf, isDown: true },
   missed: { title: "Thresholds missed", key: missedOf, isDown: true },
 } as const satisfies Record<string, { title: string; key: Key; isDown: boolean }>;
 

@@ -12,11 +12,11 @@ export function lossWords({ worst_topic: worst }: Pick<TryHeadline, "worst_topic
   return `${topic}: ${readable(received)} of ${readable(sent)}, ${age}`;
 }
 
-/** How far the worst property was off: `/odom pose_y: 0.4 m (5.1 %)`, of its range; empty where none was. */
+/** The RMSE of the worst property: `/odom pose_y: 0.4 m (5.1 %)`, of its range; empty where none was off. */
 export function errorWords({ worst_field: worst }: Pick<TryHeadline, "worst_field">): string {
   if (worst === null) return "";
-  const { topic, field, unit, error, share } = worst;
-  const size = [readable(error), unit].filter(Boolean).join(" ");
+  const { topic, field, unit, rmse, share } = worst;
+  const size = [readable(rmse), unit].filter(Boolean).join(" ");
   return `${topic} ${field}: ${size} (${readable(100 * share)} %)`;
 }
 

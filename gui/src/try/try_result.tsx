@@ -53,7 +53,7 @@ export function TryResult({ editor, api, trial, keepings, changed }: Props) {
       <p class="quiet">
         {sizeWords(answer.after_kb)} of {sizeWords(answer.before_kb)} in {durationWords(answer.duration_s)}
         {kbPerS !== null && `, ${readable(kbPerS)} KB/s`}. The rules decided {counted(answer.decision_count, "time")}
-        {answer.path.length > 1 && ", where the map has dots"}. {error && `Largest error: ${error}. `}
+        {answer.path.length > 1 && ", where the map has dots"}. {error && `Largest error (RMSE): ${error}. `}
         {missed && `Thresholds missed: ${missed}.`}
       </p>
       <StaleNotice changed={changed} advice="Run the rules again to see what they do now." />

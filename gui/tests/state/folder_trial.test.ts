@@ -13,7 +13,7 @@ const HEADLINE: TryHeadline = {
 };
 const found = (name: string): FoundFile => ({ name, kind: "bag", size_bytes: 1, changed_at_s: 1 });
 const lost = (more_s: number | null) => ({ worst_topic: { ...LOST, more_s } });
-const field = (share: number) => ({ topic: "/odom", field: "x", unit: "m", error: 1, share });
+const field = (share: number) => ({ topic: "/odom", field: "x", unit: "m", rmse: 1, share });
 
 function folder(headlines: Record<string, Partial<TryHeadline>>): FolderTrial {
   const trial = new FolderTrial("runs/", RULES, Object.keys(headlines).map(found));

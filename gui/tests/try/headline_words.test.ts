@@ -19,7 +19,7 @@ test.each([
 });
 
 test("an error has its unit and its share of the range, and missed thresholds are counted", () => {
-  const field = { topic: "/odom", field: "pose_y", unit: "m", error: 0.4, share: 0.05123 };
+  const field = { topic: "/odom", field: "pose_y", unit: "m", rmse: 0.4, share: 0.05123 };
   expect(errorWords({ worst_field: field })).toBe("/odom pose_y: 0.4 m (5.12 %)");
   expect(errorWords({ worst_field: { ...field, unit: "" } })).toBe("/odom pose_y: 0.4 (5.12 %)");
   expect(errorWords({ worst_field: null })).toBe("");

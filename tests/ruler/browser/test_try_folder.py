@@ -83,7 +83,7 @@ def test_a_folder_is_tried_worst_first_and_a_row_leads_to_its_try(ruler: RulerPa
     headline = page.get_by_role("status").filter(has_text="% less sent")
     expect(headline).to_contain_text(f"{percent} % less sent; {loss}")
     facts = page.get_by_text("The rules decided")
-    for words in (f"{sent} KB/s.", f"Largest error: {error}.", f"Thresholds missed: {missed}."):
+    for words in (f"{sent} KB/s.", f"Largest error (RMSE): {error}.", f"Thresholds missed: {missed}."):
         expect(facts).to_contain_text(words)
     expect(recording).to_have_value("runs/b_long")
 

@@ -34,18 +34,18 @@ class WorstTopic:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorstField:
-    """The property with the largest error when its last value is held, ``share`` of its range."""
+    """The property with the largest error when its last value is held: its RMSE, ``share`` of its range."""
 
     topic: str
     field: str
     unit: str
-    error: float
+    rmse: float
     share: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TryHeadline:
-    """What a try on a bag says first; ``percent`` is how much less of the relayed topics was sent.
+    """Headline of a try on a bag; ``percent`` is how much less of the relayed topics was sent.
 
     The worst are null where nothing was lost. ``missed_crossings`` of the ``crossings`` of checks' thresholds
     were not seen by the operator.
@@ -128,11 +128,11 @@ def _topic(loss: TryTopicLoss) -> WorstTopic:
 
 def _fields(loss: TryLoss) -> Iterator[WorstField]:
     for one in loss.fields:
-        if one.hold is not None and one.hold.relative_maximum:
+        if one.hold is not None and one.hold.relative_rmse:
             yield WorstField(
                 topic=one.topic,
                 field=one.field,
                 unit=one.unit,
-                error=one.hold.maximum,
-                share=one.hold.relative_maximum,
+                rmse=one.hold.rmse,
+                share=one.hold.relative_rmse,
             )
