@@ -66,6 +66,7 @@ def test_a_headline_is_that_of_the_try(page: Page, bag: str) -> None:
         "remedy": "",
     }
     assert answer.json["headline"].keys() == SHOWN_TWICE
+    assert bool(tried["notices"]) == (bag == "runs/cut")
     assert tried["worst_topic"]["received"] < tried["worst_topic"]["sent"]
     assert tried["crossings"] == sum(one["crossings"] for one in tried["loss"]["crossings"])
     field, hold = tried["worst_field"], [one["hold"] for one in tried["loss"]["fields"] if one["hold"]]
