@@ -57,7 +57,7 @@ export function TryPanel(props: Props) {
       </p>
     );
   }
-  const folders = foldersIn(project.files);
+  const folders = foldersIn(project.files, tries.folder.value?.folder);
   const chosen = tries.chosen.value;
   const folder = folders.find(([name]) => name === chosen)?.[0] ?? null;
   const bag = recordingOf(bags, tries, editor.rules, editor.map.value.bag);

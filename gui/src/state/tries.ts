@@ -91,10 +91,13 @@ export function recordingsIn(folder: string, files: readonly FoundFile[]): Found
   return files.filter(({ kind, name }) => kind === "bag" && (folder === ALL || name.startsWith(folder)));
 }
 
-/** The folders with at least two recordings, and how many they hold: all of them first, then by name. */
-export function foldersIn(files: readonly FoundFile[]): [string, number][] {
+/**
+ * The folders with at least two recordings, and how many they hold: all of them first, then by name. A folder that was
+ * `tried` is among them whatever it holds.
+ */
+export function foldersIn(files: readonly FoundFile[], tried?: string): [string, number][] {
   const all = recordingsIn(ALL, files);
-  const counts = new Map<string, number>();
+  const counts = new Map<string, number>(tried === undefined || tried === ALL ? [] : [[tried, 0]]);
   for (const { name } of all) {
     for (const { index } of name.matchAll(/\//g)) {
       const folder = name.slice(0, index + 1);
@@ -102,7 +105,7 @@ export function foldersIn(files: readonly FoundFile[]): [string, number][] {
     }
   }
   const folders = [...counts].sort(([a], [b]) => (a < b ? -1 : 1));
-  return ([[ALL, all.length], ...folders] as [string, number][]).filter(([, count]) => count > 1);
+  return ([[ALL, all.length], ...folders] as [string, number][]).filter(([name, count]) => count > 1 || name === tried);
 }
 
 export function folderWords(folder: string): string {

@@ -50,4 +50,7 @@ test("folders with two recordings below them are offered, all recordings first",
   expect(recordingsIn("runs/a/", files).map(({ name }) => name)).toEqual(["runs/a/1", "runs/a/2"]);
   expect(recordingsIn("/", [...files, rules])).toEqual(files);
   expect(foldersIn([named("alone"), rules])).toEqual([]);
+  expect(foldersIn([named("runs/alone"), rules], "runs/")).toEqual([["runs/", 1]]);
+  expect(foldersIn([named("alone")], "gone/")).toEqual([["gone/", 0]]);
+  expect(foldersIn([named("alone")], "/")).toEqual([["/", 1]]);
 });
