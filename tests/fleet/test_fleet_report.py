@@ -295,7 +295,7 @@ def test_two_hundred_recordings_are_one_page(testudo: Command, robots: Path) -> 
     assert ran.out.startswith("report.html: 200 recordings, 7 robots, ")
     shown = page(robots / "report.html")
     assert len(shown.rows["Recordings"]) == 1 + 100
-    assert "… and 100 more recordings; --csv and --parquet have them all." in (
+    assert "… and 100 more recordings; --json, --csv and --parquet have them all." in (
         robots / "report.html"
     ).read_text("utf-8")
 
@@ -340,3 +340,28 @@ def test_the_commands_of_the_page_do_what_it_says(testudo: Command, robots: Path
         rows = database.execute("SELECT count(*), sum(messages) FROM 'numbers/reports/*.parquet'").fetchone()
     total = sum(one["total"]["messages"] for one in documents(testudo("bag", "info", "fleet", "--json")))
     assert rows == (12 * 3, total)
+
+
+def test_the_json_of_a_pair_has_the_numbers_of_its_loss(testudo: Command, robots: Path) -> None:
+    losses = documents(testudo("bag", "loss", "fleet", "received", "--json"))
+    each = documents(testudo("bag", "report", "fleet", "received", "--json", "--workers", "2"))
+    for one, loss in zip(each, losses, strict=True):
+        assert (one["a"], one["b"]) == (loss["a"], loss["b"])
+        for topic, numbers in one["topics"].items():
+            received = loss["topics"][topic]["received"]
+            assert numbers["messages"] == loss["topics"][topic]["sent"]["messages"]
+            assert numbers["received"] == {
+                "messages": received["messages"],
+                "bytes": received["bytes"],
+                "age_mean_s": received["age"]["mean_s"],
+                "age_max_s": received["age"]["max_s"],
+            }
+
+
+def test_rows_of_one_recording_are_left_to_other_commands(testudo: Command, robots: Path) -> None:
+    ran = testudo("bag", "report", "fleet/r0/00", "--csv")
+    assert (ran.code, ran.out) == (2, "")
+    assert ran.err == (
+        "--csv: error: it needs several recordings; `testudo bag bandwidth` and `testudo bag loss` have the "
+        "numbers of one\n"
+    )

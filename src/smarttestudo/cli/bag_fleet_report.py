@@ -54,7 +54,7 @@ def write_fleet_report(
     with whole_file(arguments.output, "the report") as write:
         code = each_recording(arguments, asked, recordings)
         write(recordings.html())
-    if arguments.csv:
+    if arguments.csv or arguments.json:
         print_written([arguments.output])
     else:
         print(f"{arguments.output}: {recordings.sum()}")  # noqa: T201

@@ -18,6 +18,7 @@ from smarttestudo.cli.bag_figures import (
     print_written,
 )
 from smarttestudo.cli.bag_options import (
+    add_form,
     add_map,
     add_predict,
     add_topics,
@@ -95,9 +96,9 @@ def add_arguments(action: CommandParser) -> None:
         default=_DEFAULT_OUTPUT,
         help="the report (default: %(default)s)",
     )
-    several = add_several(action)
-    several.add_argument("--csv", action="store_true", help="also print the numbers of each topic of each")
-    action.set_defaults(run=run, json=False)
+    add_several(action)
+    add_form(action, instead_of="a line, for each of several recordings")
+    action.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -117,7 +118,7 @@ def run(arguments: argparse.Namespace) -> int:
     (only,) = asked
     if isinstance(only, TestudoError):
         raise only
-    for option in ("csv", "parquet"):
+    for option in ("json", "csv", "parquet"):
         if getattr(arguments, option):
             raise UsageError(
                 "it needs several recordings",

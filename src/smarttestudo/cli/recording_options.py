@@ -43,8 +43,8 @@ def add_pair(action: argparse.ArgumentParser, *, a: str, b: str, is_b_optional: 
     )
 
 
-def add_several(action: argparse.ArgumentParser) -> argparse._ArgumentGroup:
-    """Add who works on several recordings, and where the rows of all are gathered; gives their group."""
+def add_several(action: argparse.ArgumentParser) -> None:
+    """Add who works on several recordings, and where the rows of all are gathered."""
     several = action.add_argument_group("several recordings")
     several.add_argument(
         "--workers",
@@ -73,7 +73,6 @@ def add_several(action: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         type=file_path,
         help="also add the rows of --csv to the Parquet tables in this folder (needs the extra fleet)",
     )
-    return several
 
 
 def _positive(text: str) -> int:

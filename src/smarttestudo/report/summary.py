@@ -14,6 +14,7 @@ from smarttestudo.report.table import MISSING, format_number
 _KB_PER_MB = 1000
 _FEWER = 0.97
 _TIMES = ((3600.0, "h"), (60.0, "min"), (0.0, "s"))
+_WHOLE_FROM = 1000
 _VOLUMES = ((1000 * BYTES_PER_GB, "TB"), (BYTES_PER_GB, "GB"), (BYTES_PER_MB, "MB"))
 _LENGTHS = ((1.0, 1.0, "m"), (0.01, 100.0, "cm"), (0.0, 1000.0, "mm"))
 
@@ -121,7 +122,8 @@ def volume_unit(size_bytes: float) -> tuple[int, str]:
 def time_text(duration_s: float) -> str:
     """``duration_s`` in hours, minutes or seconds, whichever reads best."""
     factor, unit = next(one for one in _TIMES if duration_s >= one[0])
-    return f"{format_number(duration_s / (factor or 1.0), 1)} {unit}"
+    value = duration_s / (factor or 1.0)
+    return f"{format_number(value, 0 if value >= _WHOLE_FROM else 1)} {unit}"
 
 
 def bandwidth_text(kb_per_s: float | None) -> str:

@@ -71,7 +71,7 @@ def draw_chart(chart: TimeChart, frame: Frame, max_points: int) -> Markup:
         frame=frame,
         duration_s=chart.duration_s,
         meaning=chart.meaning,
-        times=_stretch_labels(chart, frame.times) if chart.stretches else None,
+        times=_stretch_labels(chart, frame.times - 1) if chart.stretches else None,
         data_unit=chart.unit,
         **gap,
     )

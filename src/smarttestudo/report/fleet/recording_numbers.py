@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from typing import Annotated
 
-from smarttestudo.domain.record import JsonEntry
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.record import JsonEntry, to_json
+from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.report.summary import PositionError
 
 
@@ -28,7 +28,7 @@ class Received:
 class TopicNumbers:
     """A topic of A; ``received`` is ``None`` where B lacks it, and where there is no B."""
 
-    topic: str
+    topic: Annotated[str, JsonEntry(is_absent=True)]
     messages: int
     size_bytes: Annotated[int, JsonEntry(name="bytes")]
     received: Received | None = None
@@ -76,8 +76,19 @@ class RecordingNumbers:
     notices: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, object]:
-        """One object for a list of them."""
-        return {"a": self.a, "topics": list(self.rows())}
+        """The object that ``--json`` prints."""
+        return {
+            "a": self.a,
+            "b": self.b,
+            "robot": self.robot,
+            "start": utc_time(self.start_ns),
+            "start_ns": self.start_ns,
+            "duration_s": self.duration_s,
+            "topics": {one.topic: to_json(one) for one in self.topics},
+            "rules": [to_json(one) for one in self.rules],
+            "position": None if self.position is None else to_json(self.position),
+            "notices": list(self.notices),
+        }
 
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each topic, for ``--csv``."""

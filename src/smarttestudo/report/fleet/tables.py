@@ -206,7 +206,11 @@ def _lost_cells(sums: Sums | RuleSums) -> tuple[Cell, ...]:
 
 
 def _more(count: int, noun: str) -> tuple[str, ...]:
-    return (f"… and {counted(count, f'more {noun}')}; --csv and --parquet have them all.",) if count else ()
+    return (
+        (f"… and {counted(count, f'more {noun}')}; --json, --csv and --parquet have them all.",)
+        if count
+        else ()
+    )
 
 
 def _notes(totals: FleetTotals) -> tuple[str, ...]:

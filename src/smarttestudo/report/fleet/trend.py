@@ -31,16 +31,21 @@ class Step(Enum):
 
 @dataclass(slots=True, kw_only=True)
 class Column:
-    """The sums of recordings of one time, from ``first`` to ``last``, over all and by topic and robot."""
+    """The sums of recordings of one time, from ``first`` to ``last``, over all and by topic and robot.
+
+    ``steps`` are the days on which there are some, by number; of a recording or an hour there is one.
+    """
 
     first: str
     last: str
+    steps: set[int] = field(default_factory=set)
     total: Sums = field(default_factory=Sums)
     topics: dict[str, Sums] = field(default_factory=lambda: defaultdict(Sums))
     robots: dict[str, Sums] = field(default_factory=lambda: defaultdict(Sums))
 
     def add(self, recording: RecordingNumbers) -> None:
         """Add a recording."""
+        self.steps.add(recording.start_ns // _DAY_NS)
         self.total.add(recording, recording.topics)
         self.robots[recording.robot].add(recording, recording.topics)
         for topic in recording.topics:
@@ -49,6 +54,7 @@ class Column:
     def merge(self, later: Column) -> None:
         """Add a column of a later time."""
         self.last = later.last
+        self.steps |= later.steps
         self.total.merge(later.total)
         for own, others in ((self.topics, later.topics), (self.robots, later.robots)):
             for name, sums in others.items():
@@ -96,17 +102,15 @@ class Trend:
             return Step.RECORDING
         return Step.DAY if self._hours is None else Step.HOUR
 
-    def columns(self) -> tuple[Sequence[Column], int]:
-        """The columns in the order of time, and how many steps each stands for at most."""
+    def columns(self) -> Sequence[Column]:
+        """The columns in the order of time, at most ``MOST_COLUMNS``."""
         if self._recordings is not None:
             in_order = sorted(self._recordings, key=lambda one: one[0])
-            return [column for _, column in in_order], 1
+            return [column for _, column in in_order]
         found = self._days if self._hours is None else self._hours
         columns = [found[key] for key in sorted(found)]
         each = -(-len(columns) // MOST_COLUMNS) or 1
-        return [_joined(columns[start : start + each]) for start in range(0, len(columns), each)], each * (
-            self._days_each if self._hours is None else 1
-        )
+        return [_joined(columns[start : start + each]) for start in range(0, len(columns), each)]
 
     def _add_day(self, day: int, recording: RecordingNumbers) -> None:
         key = day // self._days_each

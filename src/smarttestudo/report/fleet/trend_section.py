@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from calendar import month_abbr
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from datetime import date
+from datetime import date, timedelta
 
 from smarttestudo.domain.units import counted, grouped
 from smarttestudo.report.fleet.sums import Sums
@@ -26,6 +26,8 @@ _MOST_SMALL = 6
 _SIDES = (0.08, 0.92)
 """The sides of a column, of which each takes a stretch of 1."""
 _POINTS_OF_A_COLUMN = 4
+_EACH = {Step.RECORDING: "of each recording", Step.HOUR: "an hour", Step.DAY: "a day"}
+_YEAR = timedelta(days=300)
 _COUNTS = ((1_000_000, "million"), (10_000, "thousand"))
 
 SumsBy = Callable[[Column], Mapping[str, Sums]]
@@ -35,20 +37,21 @@ Amount = Callable[[Sums], float]
 
 def trend_section(totals: FleetTotals) -> Iterator[Markup]:
     """Bytes, messages and losses over time; nothing where there is but one column."""
-    columns, each = totals.trend.columns()
+    columns = totals.trend.columns()
     if len(columns) < 2:
         return
-    cost = "Received" if totals.are_pairs else "Recorded"
+    cost = "Received bytes" if totals.are_pairs else "Bytes"
+    each = _EACH[totals.trend.step]
     yield section(
         "Over time",
-        *_stacked(totals, columns, f"{cost} bytes by topic", _by_topic, _cost_of(totals)),
+        *_stacked(totals, columns, f"{cost} {each}, by topic", _by_topic, _cost_of(totals)),
         *(
-            _stacked(totals, columns, f"{cost} bytes by robot", _by_robot, _cost_of(totals))
+            _stacked(totals, columns, f"{cost} {each}, by robot", _by_robot, _cost_of(totals))
             if totals.robots
             else ()
         ),
-        *_stacked(totals, columns, "Messages of the robots by topic", _by_topic, _messages),
-        explanation=_explanation(totals, each),
+        *_stacked(totals, columns, f"Messages of the robots {each}, by topic", _by_topic, _messages),
+        explanation=_explanation(totals, columns),
     )
     if totals.all.lost:
         yield section(
@@ -59,14 +62,14 @@ def trend_section(totals: FleetTotals) -> Iterator[Markup]:
         )
 
 
-def _explanation(totals: FleetTotals, each: int) -> str:
+def _explanation(totals: FleetTotals, columns: Sequence[Column]) -> str:
     step = totals.trend.step
     if step is Step.DAY:
-        stands = f"{grouped(each)} days on which" if each > 1 else "a day on which"
-        return f"Each column is {stands} recordings began, in UTC. Days without one are left out."
+        most = max(len(column.steps) for column in columns)
+        stands = f"the mean of at most {grouped(most)} days" if most > 1 else "a day"
+        return f"Each column is {stands} on which recordings began, in UTC. Days without one are left out."
     if step is Step.HOUR:
-        stands = f"{grouped(each)} hours" if each > 1 else "an hour"
-        return f"Each column is {stands} of {totals.trend.day} in which recordings began, in UTC."
+        return f"Each column is an hour of {totals.trend.day} in which recordings began, in UTC."
     return f"Each column is a recording of {totals.trend.day}, by the time in UTC at which it began."
 
 
@@ -98,10 +101,12 @@ def _stacked(
     totals: FleetTotals, columns: Sequence[Column], name: str, sums_by: SumsBy, amount: Amount
 ) -> Iterator[Markup]:
     """The parts of the largest topics or robots in each column, and of all others together."""
-    of_columns = [{key: amount(sums) for key, sums in sums_by(column).items()} for column in columns]
     whole: dict[str, float] = {}
-    for one in of_columns:
-        for key, value in one.items():
+    of_columns: list[dict[str, float]] = []
+    for column in columns:
+        amounts = {key: amount(sums) for key, sums in sums_by(column).items()}
+        of_columns.append({key: value / len(column.steps) for key, value in amounts.items()})
+        for key, value in amounts.items():
             whole[key] = whole.get(key, 0.0) + value
     ranked = sorted((key for key in whole if whole[key]), key=lambda key: (-whole[key], key))
     if not ranked:
@@ -198,12 +203,13 @@ def _stretches(totals: FleetTotals, columns: Sequence[Column]) -> tuple[Stretch,
 
 
 def _label(totals: FleetTotals, columns: Sequence[Column], number: int) -> str:
-    """The time of a column; of a day without the year where all are of one."""
+    """The time of a column: of a day the month, too, and of more than a year of them the year."""
     first = columns[number].first
-    if totals.trend.step is not Step.DAY or columns[0].first[:4] != columns[-1].last[:4]:
+    if totals.trend.step is not Step.DAY:
         return first
-    day = date.fromisoformat(first)
-    return f"{day.day} {month_abbr[day.month]}"
+    day, begin, end = (date.fromisoformat(one) for one in (first, columns[0].first, columns[-1].last))
+    month = month_abbr[day.month]
+    return f"{day.day} {month}" if end - begin < _YEAR else f"{month} {day.year}"
 
 
 def _when(column: Column) -> str:
