@@ -24,7 +24,7 @@ from docs.code_blocks import blocks_of
 from fleet.commands import Command
 from fleet.dask_processes import DaskProcesses
 from fleet.fleet_factory import day_of, write_fleet
-from report.test_bag_command import thinned
+from report.test_bag_command import Ran, thinned
 
 PAGE = "docs/how-to/many-recordings.md"
 RULES = """begin
@@ -37,6 +37,8 @@ RULES = """begin
     EndIf
 end
 """
+ALONE = ("--workers", "1")
+"""Processes take longer to begin than these recordings."""
 Documents = list[dict[str, Any]]
 
 
@@ -90,7 +92,11 @@ def whole(cells: dict[str, str]) -> dict[str, int]:
     return {name: int(cell.replace(" ", "")) for name, cell in cells.items() if cell != "–"}
 
 
-def documents(ran: Any) -> Documents:
+def report(testudo: Command, *words: str) -> Ran:
+    return testudo("bag", "report", *words, *ALONE)
+
+
+def documents(ran: Ran) -> Documents:
     return [json.loads(line) for line in ran.out.splitlines()]
 
 
@@ -111,13 +117,13 @@ def robots(robots_made_once: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 
 def test_the_sizes_on_the_page_are_the_sums_of_each_recordings_json(testudo: Command, robots: Path) -> None:
-    each = documents(testudo("bag", "bandwidth", "fleet", "--json"))
+    each = documents(testudo("bag", "bandwidth", "fleet", "--json", *ALONE))
     topics, of_robots = Counter[str](), Counter[str]()
     for one in each:
         for topic, numbers in one["topics"].items():
             topics[topic] += numbers["messages"]
             of_robots[one["bag"].split("/")[1]] += numbers["messages"]
-    ran = testudo("bag", "report", "fleet")
+    ran = report(testudo, "fleet")
     size_mb = sum(one["total"]["bytes"] for one in each) / 1e6
     assert (ran.code, ran.err) == (0, "")
     assert ran.out == f"report.html: 12 recordings, 3 robots, 5.7 s, {size_mb * 1000:.1f} KB\n"
@@ -133,14 +139,14 @@ def test_the_sizes_on_the_page_are_the_sums_of_each_recordings_json(testudo: Com
 def test_the_losses_on_the_page_are_the_sums_of_each_pairs_json(testudo: Command, robots: Path) -> None:
     lost, of_robots, of_pairs = Counter[str](), Counter[str](), Counter[str]()
     oldest_s: dict[str, float] = {}
-    for one in documents(testudo("bag", "loss", "fleet", "received", "--json")):
+    for one in documents(testudo("bag", "loss", "fleet", "received", "--json", *ALONE)):
         for topic, numbers in one["topics"].items():
             missing = numbers["sent"]["messages"] - numbers["received"]["messages"]
             lost[topic] += missing
             of_robots[one["a"].split("/")[1]] += missing
             of_pairs[one["a"]] += missing
             oldest_s[topic] = max(oldest_s.get(topic, 0.0), numbers["received"]["age"]["max_s"])
-    assert testudo("bag", "report", "fleet", "received").code == 0
+    assert report(testudo, "fleet", "received").code == 0
     shown = page(robots / "report.html")
     assert whole(shown.column("Topics", 1)) == lost
     assert whole(shown.column("Robots", 1)) == of_robots
@@ -163,7 +169,7 @@ def test_rules_have_what_their_seconds_hold(testudo: Command, robots: Path) -> N
             type(one)(one.topic, one.stamp_ns - START_NS + start_ns, one.payload) for one in content.messages
         ]
         write_bag(robots / "fleet" / f"r{number}" / "one", BagContent(content.topics, tuple(moved)))
-    assert testudo("bag", "report", "fleet", "--rules", "rules.adirf").code == 0
+    assert report(testudo, "fleet", "--rules", "rules.adirf").code == 0
     rules = page(robots / "report.html").column("Rules", 2)
     # At 0.5 s, the middle of its second, each robot has driven half a metre.
     assert whole(rules) == {"Far": 4 * 20, "Defaults": 4 * 4}
@@ -190,7 +196,7 @@ def test_what_cannot_be_read_is_on_the_page_and_the_rest_is_complete(testudo: Co
     write_mcap_file(robots / "fleet" / "r2" / "cut.mcap", small_mission())
     with (robots / "fleet" / "r2" / "cut.mcap").open("r+b") as file:
         file.truncate(6_000)
-    ran = testudo("bag", "report", "fleet/*/*")
+    ran = report(testudo, "fleet/*/*")
     assert ran.code == 1
     errors = [line for line in ran.err.splitlines() if not line.startswith("note: ")]
     assert [line.partition(": error: ")[0] for line in errors] == [
@@ -210,7 +216,7 @@ def test_what_cannot_be_read_is_on_the_page_and_the_rest_is_complete(testudo: Co
 def test_a_page_of_nothing_but_failures_is_written_too(testudo: Command, robots: Path) -> None:
     for name in ("a.mcap", "b.mcap"):
         (robots / name).write_text("no recording")
-    ran = testudo("bag", "report", "*.mcap")
+    ran = report(testudo, "*.mcap")
     assert (ran.code, ran.out) == (1, "report.html: 0 recordings, 0.0 s, 0.0 KB, 2 unreadable\n")
     assert "Could not be read" in (robots / "report.html").read_text("utf-8")
 
@@ -219,7 +225,7 @@ def test_a_pair_without_a_partner_or_a_common_time_costs_that_pair(testudo: Comm
     shutil.rmtree(robots / "received" / "r0" / "00")
     shutil.rmtree(robots / "received" / "r1" / "01")
     write_bag(robots / "received" / "r1" / "01", day_of(1, 3, every=4))
-    ran = testudo("bag", "report", "fleet", "received")
+    ran = report(testudo, "fleet", "received")
     assert ran.code == 1
     assert "fleet/r0/00: error: received has no recording r0/00; " in ran.err
     assert "fleet/r1/01: what was lost is not known: it has no time in common" in ran.err.replace(
@@ -235,8 +241,8 @@ def test_commands_make_reports_that_the_page_then_links_to(testudo: Command, rob
     write_bag(folder / "r1" / "on monday", small_mission())
     write_bag(folder / "r1" / "-o", small_mission())
     (robots / "pages of 2026").mkdir()
-    words = ("bag", "report", folder.name, "--topics", "/odom", "--rules", "rules.adirf")
-    assert testudo(*words, "-o", "pages of 2026/all.html").code == 0
+    words = (folder.name, "--topics", "/odom", "--rules", "rules.adirf")
+    assert report(testudo, *words, "-o", "pages of 2026/all.html").code == 0
     made = page(robots / "pages of 2026" / "all.html")
     assert made.links == []
     shell = f'testudo() {{ "{sys.executable}" -m smarttestudo "$@"; }}\n'
@@ -245,7 +251,7 @@ def test_commands_make_reports_that_the_page_then_links_to(testudo: Command, rob
             ["bash", "-c", shell + command], cwd="/", capture_output=True, text=True, check=False
         )
         assert (ran.returncode, ran.stderr) == (0, "")
-    assert testudo(*words, "-o", "pages of 2026/all.html").code == 0
+    assert report(testudo, *words, "-o", "pages of 2026/all.html").code == 0
     again = page(robots / "pages of 2026" / "all.html")
     assert len(again.links) == 2
     assert {f"{link}" for link in again.links} == {
@@ -260,7 +266,7 @@ def test_names_of_strangers_are_text(testudo: Command, robots: Path) -> None:
         folder = robots / "odd" / "<script>alert(1)<|script>"
         folder.mkdir(parents=True, exist_ok=True)
         write_mcap_file(folder / f"{name}.mcap".replace("/", "|"), small_mission())
-    ran = testudo("bag", "report", "odd/*/*.mcap", "-o", "odd.html")
+    ran = report(testudo, "odd/*/*.mcap", "-o", "odd.html")
     assert ran.code == 0
     text = (robots / "odd.html").read_text("utf-8")
     assert "<b>x" not in text
@@ -277,7 +283,7 @@ def test_names_of_strangers_are_text(testudo: Command, robots: Path) -> None:
 
 
 def test_nothing_is_loaded_from_anywhere(testudo: Command, robots: Path) -> None:
-    assert testudo("bag", "report", "fleet", "received").code == 0
+    assert report(testudo, "fleet", "received").code == 0
     text = html.unescape((robots / "report.html").read_text("utf-8"))
     assert not re.search(r"(?:src|href|url)\s*[=(]\s*[\"']?(?!#)", text.replace('href="#unreadable"', ""))
     assert "default-src 'none'" in text
@@ -290,7 +296,7 @@ def test_two_hundred_recordings_are_one_page(testudo: Command, robots: Path) -> 
         write_mcap_file(
             recordings / f"r{number % 7}" / f"{number:03}.mcap", day_of(number % 7, 0).between(0, 12)
         )
-    ran = testudo("bag", "report", "many/*/*.mcap", "--workers", "1")
+    ran = report(testudo, "many/*/*.mcap")
     assert (ran.code, ran.err) == (0, "")
     assert ran.out.startswith("report.html: 200 recordings, 7 robots, ")
     shown = page(robots / "report.html")
@@ -302,15 +308,15 @@ def test_two_hundred_recordings_are_one_page(testudo: Command, robots: Path) -> 
 
 def test_topics_need_be_in_one_recording_only(testudo: Command, robots: Path) -> None:
     write_bag(robots / "fleet" / "r9" / "gripper", small_mission())
-    assert testudo("bag", "report", "fleet", "--topics", "/gripper").code == 0
+    assert report(testudo, "fleet", "--topics", "/gripper").code == 0
     assert list(page(robots / "report.html").column("Topics", 1)) == ["/gripper"]
     write_bag(robots / "sent" / "one", small_mission())
     write_bag(robots / "sent" / "two", small_mission())
     for name in ("one", "two"):
         write_bag(robots / "got" / name, thinned(5, "/testudo{}"))
-    assert testudo("bag", "report", "sent", "got", "--topics", "/testudo/odom").code == 0
+    assert report(testudo, "sent", "got", "--topics", "/testudo/odom").code == 0
     assert list(page(robots / "report.html").column("Topics", 1)) == ["/odom"]
-    ran = testudo("bag", "report", "fleet", "--topics", "/odmo", "-o", "other.html")
+    ran = report(testudo, "fleet", "--topics", "/odmo", "-o", "other.html")
     assert (ran.code, ran.err) == (1, "fleet: error: no topic /odmo; `testudo bag info` lists them\n")
     assert not (robots / "other.html").exists()
 
@@ -324,7 +330,7 @@ def test_topics_need_be_in_one_recording_only(testudo: Command, robots: Path) ->
     ],
 )
 def test_what_does_not_fit_is_refused(options: list[str], cause: str, testudo: Command, robots: Path) -> None:
-    ran = testudo("bag", "report", "fleet", *options)
+    ran = report(testudo, "fleet", *options)
     assert (ran.code, ran.out) == (2, "")
     assert ran.err.startswith(cause)
 
@@ -333,18 +339,20 @@ def test_what_does_not_fit_is_refused(options: list[str], cause: str, testudo: C
 def test_the_commands_of_the_page_do_what_it_says(testudo: Command, robots: Path) -> None:
     (commands,) = [block.commands for block in blocks_of(PAGE) if "bag report" in block.text]
     for command in commands:
-        assert testudo(*shlex.split(command)[1:]).code == 0
+        assert testudo(*shlex.split(command)[1:], *ALONE).code == 0
     assert "Rules" in page(robots / "fleet.html").rows
     assert "Rules" not in page(robots / "sizes.html").rows
     with duckdb.connect() as database:
         rows = database.execute("SELECT count(*), sum(messages) FROM 'numbers/reports/*.parquet'").fetchone()
-    total = sum(one["total"]["messages"] for one in documents(testudo("bag", "info", "fleet", "--json")))
+    total = sum(
+        one["total"]["messages"] for one in documents(testudo("bag", "info", "fleet", "--json", *ALONE))
+    )
     assert rows == (12 * 3, total)
 
 
 def test_the_json_of_a_pair_has_the_numbers_of_its_loss(testudo: Command, robots: Path) -> None:
-    losses = documents(testudo("bag", "loss", "fleet", "received", "--json"))
-    each = documents(testudo("bag", "report", "fleet", "received", "--json", "--workers", "2"))
+    losses = documents(testudo("bag", "loss", "fleet", "received", "--json", *ALONE))
+    each = documents(report(testudo, "fleet", "received", "--json"))
     for one, loss in zip(each, losses, strict=True):
         assert (one["a"], one["b"]) == (loss["a"], loss["b"])
         for topic, numbers in one["topics"].items():
@@ -359,7 +367,7 @@ def test_the_json_of_a_pair_has_the_numbers_of_its_loss(testudo: Command, robots
 
 
 def test_rows_of_one_recording_are_left_to_other_commands(testudo: Command, robots: Path) -> None:
-    ran = testudo("bag", "report", "fleet/r0/00", "--csv")
+    ran = report(testudo, "fleet/r0/00", "--csv")
     assert (ran.code, ran.out) == (2, "")
     assert ran.err == (
         "--csv: error: it needs several recordings; `testudo bag bandwidth` and `testudo bag loss` have the "
