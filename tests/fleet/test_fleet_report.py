@@ -175,6 +175,20 @@ def test_rules_have_what_their_seconds_hold(testudo: Command, robots: Path) -> N
     assert whole(rules) == {"Far": 4 * 20, "Defaults": 4 * 4}
 
 
+def test_bounds_are_judged_as_of_each_pair(testudo: Command, robots: Path) -> None:
+    bounded = RULES.replace("begin", "begin\n    KeepWithin /odom pose_y 0.05")
+    (robots / "bounds.adirf").write_text(bounded)
+    words = ("fleet", "received", "--rules", "bounds.adirf")
+    losses = documents(testudo("bag", "loss", *words, "--json", *ALONE))
+    judged = [one for loss in losses for one in loss["bounds"]]
+    assert report(testudo, *words).code == 0
+    (row,) = page(robots / "report.html").rows["Bounds of the rules"][1:]
+    broken, messages = (sum(one[key] for one in judged) for key in ("broken", "messages"))
+    assert 0 < broken < messages
+    assert [row[0], row[1], row[6]] == ["/odom pose_y", str(broken), str(messages)]
+    assert float(row[3]) == pytest.approx(max(one["worst"] for one in judged if one["worst"]), rel=0.01)
+
+
 def test_one_worker_two_and_a_cluster_write_the_same_bytes(
     testudo: Command, robots: Path, cluster: DaskProcesses
 ) -> None:

@@ -164,7 +164,7 @@ class Opened:
 
     def __init__(self, browser: Browser, folder: Path, *, scripts: bool = True, is_pair: bool = True) -> None:
         path = folder / "report.html"
-        path.write_text(render_fleet_report(fleet_report(is_pair=is_pair)), "utf-8")
+        path.write_text(render_fleet_report(fleet_report(60, is_pair=is_pair)), "utf-8")
         context = browser.new_context(offline=True, java_script_enabled=scripts)
         self.page: Page = context.new_page()
         self.complaints: list[str] = []

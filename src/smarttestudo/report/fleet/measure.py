@@ -9,6 +9,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from smarttestudo.accuracy.bounds import BoundLoss
 from smarttestudo.accuracy.loss_report import LossReport, TopicLoss
 from smarttestudo.accuracy.recorded_loss import LossMeasurement, LossQuestion
 from smarttestudo.accuracy.recorded_samples import read_samples
@@ -26,11 +27,13 @@ from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.replays.decisions import decisions_over
 from smarttestudo.report.bag_report import known_or_why
 from smarttestudo.report.fleet.recording_numbers import (
+    BoundNumbers,
     Received,
     RecordingNumbers,
     RuleNumbers,
     TopicNumbers,
 )
+from smarttestudo.report.loss_tables import bound_name
 from smarttestudo.report.rule_timeline import DecidingBlock, block_at, by_topic, deciding_spans
 from smarttestudo.report.summary import position_error
 
@@ -94,6 +97,7 @@ def measure_recording(question: RecordingQuestion) -> RecordingNumbers:
             for name in names
         ),
         rules=rule_numbers(decisions, a.summary.span, a.traces, _shared(b, partners) if loss else None),
+        bounds=() if loss is None else tuple(map(_bound, loss.bounds)),
         position=None if loss is None else position_error(loss),
         unmatched=frozenset(
             one for one in question.topics if not any(_selected(own, [one]) for own in called.values())
@@ -176,6 +180,17 @@ def _received(loss: TopicLoss | None) -> Received | None:
         size_bytes=arm.size_bytes,
         age_mean_s=arm.age.mean_s if arm.age else None,
         age_max_s=arm.age.max_s if arm.age else None,
+    )
+
+
+def _bound(loss: BoundLoss) -> BoundNumbers:
+    return BoundNumbers(
+        picture=bound_name(loss),
+        unit=loss.unit,
+        bound=loss.bound,
+        messages=loss.messages,
+        broken=loss.broken,
+        worst=loss.worst,
     )
 
 

@@ -12,6 +12,7 @@ from smarttestudo.report.document import html_document
 from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
 from smarttestudo.report.fleet.sums import Sums, of_recording
 from smarttestudo.report.fleet.tables import (
+    bound_table,
     cost_percent,
     recording_table,
     robot_table,
@@ -85,6 +86,8 @@ def _parts(report: FleetReport) -> Iterator[Markup]:
         yield section("Robots", html_table(robot_table(totals)))
     if totals.rules:
         yield section("Rules", html_table(rule_table(totals)))
+    if totals.bounds:
+        yield section("Bounds of the rules", html_table(bound_table(totals)))
     if totals.all.recordings:
         yield _recordings(report)
     if totals.failures.count:

@@ -56,12 +56,24 @@ class RuleNumbers:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class BoundNumbers:
+    """How a bound of the rules was kept, as of ``BoundLoss``; ``picture`` is its topic and property."""
+
+    picture: str
+    unit: str
+    bound: float
+    messages: int
+    broken: int
+    worst: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingNumbers:
     """The numbers of A, and of what B has of it; ``robot`` is "" where the names of folders do not tell.
 
     ``position`` is how far off the operator's picture of the robot's place was. ``rules`` are known where
-    rules decided over A. ``unmatched`` are patterns of topics that name none here. ``notices`` say what was
-    lost or odd, a line each.
+    rules decided over A, ``bounds`` where there is a B, too. ``unmatched`` are patterns of topics that name
+    none here. ``notices`` say what was lost or odd, a line each.
     """
 
     a: str
@@ -71,6 +83,7 @@ class RecordingNumbers:
     duration_s: float
     topics: tuple[TopicNumbers, ...]
     rules: tuple[RuleNumbers, ...] = ()
+    bounds: tuple[BoundNumbers, ...] = ()
     position: PositionError | None = None
     unmatched: frozenset[str] = frozenset()
     notices: tuple[str, ...] = ()
@@ -86,6 +99,7 @@ class RecordingNumbers:
             "duration_s": self.duration_s,
             "topics": {one.topic: to_json(one) for one in self.topics},
             "rules": [to_json(one) for one in self.rules],
+            "bounds": [to_json(one) for one in self.bounds],
             "position": None if self.position is None else to_json(self.position),
             "notices": list(self.notices),
         }

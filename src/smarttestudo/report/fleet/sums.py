@@ -7,7 +7,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from smarttestudo.report.fleet.recording_numbers import RecordingNumbers, RuleNumbers, TopicNumbers
+from smarttestudo.report.fleet.recording_numbers import (
+    BoundNumbers,
+    RecordingNumbers,
+    RuleNumbers,
+    TopicNumbers,
+)
 
 
 def percent(part: float, whole: float) -> float | None:
@@ -103,6 +108,23 @@ class RuleSums:
     def lost_percent(self) -> float | None:
         """As of ``Sums``."""
         return percent(self.lost, self.shared_messages)
+
+
+@dataclass(slots=True, kw_only=True)
+class BoundSums:
+    """Numbers of a bound over recordings, as in ``BoundNumbers``; the worst is the largest of all."""
+
+    recordings: int = 0
+    messages: int = 0
+    broken: int = 0
+    worst: float | None = None
+
+    def add(self, bound: BoundNumbers) -> None:
+        """Add the numbers of one recording."""
+        self.recordings += 1
+        self.messages += bound.messages
+        self.broken += bound.broken
+        self.worst = _larger(self.worst, bound.worst)
 
 
 def _larger(one: float | None, other: float | None) -> float | None:

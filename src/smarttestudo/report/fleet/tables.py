@@ -29,6 +29,10 @@ _RULE_NOTE = (
     "Decided: how long the rule decided the most topics. All else is of topics while the rule "
     "decided them, to the second. The rules decided over the recordings of the robots once more."
 )
+_BOUND_NOTE = (
+    "Messages of the robots while the bound was in force, broken where the operator's picture was more than "
+    "the bound off after them. Worst: the largest error."
+)
 _Summed = TypeVar("_Summed", Sums, RuleSums)
 
 
@@ -147,6 +151,40 @@ def rule_table(totals: FleetTotals) -> Table:
             for name, sums in shown
         ),
         footnotes=(*_more(more, "rule"), _RULE_NOTE),
+    )
+
+
+def bound_table(totals: FleetTotals) -> Table:
+    """The bounds of the rules, those that were broken most often first."""
+    ranked = sorted(totals.bounds.items(), key=lambda one: (-one[1].broken, one[0]))
+    return Table(
+        title="Bounds of the rules",
+        columns=(
+            Column(heading="Picture", align=Align.LEFT),
+            Column(heading="Broken", heads_group=True),
+            Column(heading="Broken", unit="%"),
+            Column(heading="Worst"),
+            Column(heading="Bound"),
+            Column(heading="Unit", align=Align.LEFT),
+            Column(heading="Messages", heads_group=True),
+            Column(heading="Recordings"),
+        ),
+        rows=tuple(
+            Row(
+                cells=(
+                    Text(picture),
+                    Number(sums.broken, decimals=0),
+                    Number(percent(sums.broken, sums.messages), decimals=1),
+                    measured(sums.worst),
+                    measured(bound),
+                    Text(unit),
+                    Number(sums.messages, decimals=0),
+                    Number(sums.recordings, decimals=0),
+                )
+            )
+            for (picture, bound, unit), sums in ranked[:MOST_ROWS]
+        ),
+        footnotes=(*_more(max(len(ranked) - MOST_ROWS, 0), "bound"), _BOUND_NOTE),
     )
 
 

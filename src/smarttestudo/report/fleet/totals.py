@@ -9,7 +9,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 
 from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
-from smarttestudo.report.fleet.sums import RuleSums, Sums, of_recording
+from smarttestudo.report.fleet.sums import BoundSums, RuleSums, Sums, of_recording
 from smarttestudo.report.fleet.trend import Trend
 
 MOST_ROWS = 100
@@ -39,6 +39,8 @@ class FleetTotals:
         self.topics: dict[str, Sums] = defaultdict(Sums)
         self.robots: dict[str, Sums] = defaultdict(Sums)
         self.rules: dict[str, RuleSums] = defaultdict(RuleSums)
+        self.bounds: dict[tuple[str, float, str], BoundSums] = defaultdict(BoundSums)
+        """By picture, bound and unit."""
         self.trend = Trend()
         self.unmatched: frozenset[str] = frozenset()
         self.failures = Lines()
@@ -58,6 +60,8 @@ class FleetTotals:
             self.topics[topic.topic].add(recording, [topic])
         for rule in recording.rules:
             self.rules[rule.rule].add(rule)
+        for bound in recording.bounds:
+            self.bounds[bound.picture, bound.bound, bound.unit].add(bound)
         self.trend.add(recording)
         keep = heapq.heappush if len(self._worst) < MOST_ROWS else heapq.heappushpop
         keep(self._worst, (self.rank(of_recording(recording)), -self.all.recordings, recording))
