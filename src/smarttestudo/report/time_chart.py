@@ -67,7 +67,7 @@ class Layer:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stretch:
+class ChartStretch:
     """A stretch of time that a chart labels: the text under it, and what it tells a pointer."""
 
     label: str
@@ -96,7 +96,7 @@ class TimeChart:
     usual: float | None = None
     budget: float | None = None
     incident: IncidentMark | None = None
-    stretches: tuple[Stretch, ...] = ()
+    stretches: tuple[ChartStretch, ...] = ()
 
     @property
     def top(self) -> float:

@@ -166,7 +166,7 @@ def _loss(
 
 
 def _shared(b: _Measured | None, partners: Mapping[str, str]) -> Traces:
-    """What both have over time in B, by the names in A."""
+    """Topics over time in B that both have, by the names in A."""
     traces = {} if b is None else b.traces
     return {name: traces[partner] for name, partner in partners.items() if partner in traces}
 

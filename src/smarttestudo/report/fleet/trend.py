@@ -30,7 +30,7 @@ class Step(Enum):
 
 
 @dataclass(slots=True, kw_only=True)
-class Column:
+class TrendColumn:
     """The sums of recordings of one time, from ``first`` to ``last``, over all and by topic and robot.
 
     ``steps`` are the days on which there are some, by number; of a recording or an hour there is one.
@@ -51,7 +51,7 @@ class Column:
         for topic in recording.topics:
             self.topics[topic.topic].add(recording, [topic])
 
-    def merge(self, later: Column) -> None:
+    def merge(self, later: TrendColumn) -> None:
         """Add a column of a later time."""
         self.last = later.last
         self.steps |= later.steps
@@ -66,10 +66,10 @@ class Trend:
 
     def __init__(self) -> None:
         self._day: int | None = None
-        self._days: dict[int, Column] = {}
+        self._days: dict[int, TrendColumn] = {}
         self._days_each = 1
-        self._hours: dict[int, Column] | None = {}
-        self._recordings: list[tuple[int, Column]] | None = []
+        self._hours: dict[int, TrendColumn] | None = {}
+        self._recordings: list[tuple[int, TrendColumn]] | None = []
 
     def add(self, recording: RecordingNumbers) -> None:
         """Add a recording."""
@@ -82,9 +82,9 @@ class Trend:
         if self._hours is not None:
             hour = recording.start_ns // _HOUR_NS
             text = _time(recording.start_ns // _HOUR_NS * _HOUR_NS, "%H:%M")
-            self._hours.setdefault(hour, Column(first=text, last=text)).add(recording)
+            self._hours.setdefault(hour, TrendColumn(first=text, last=text)).add(recording)
         if self._recordings is not None:
-            column = Column(first=_time(recording.start_ns, "%H:%M"), last=recording.a)
+            column = TrendColumn(first=_time(recording.start_ns, "%H:%M"), last=recording.a)
             column.add(recording)
             self._recordings.append((recording.start_ns, column))
             if len(self._recordings) > MOST_COLUMNS:
@@ -97,12 +97,12 @@ class Trend:
 
     @property
     def step(self) -> Step:
-        """What a column stands for, if it does not stand for several of them."""
+        """The meaning of a column that is not joined from several."""
         if self._recordings is not None:
             return Step.RECORDING
         return Step.DAY if self._hours is None else Step.HOUR
 
-    def columns(self) -> Sequence[Column]:
+    def columns(self) -> Sequence[TrendColumn]:
         """The columns in the order of time, at most ``MOST_COLUMNS``."""
         if self._recordings is not None:
             in_order = sorted(self._recordings, key=lambda one: one[0])
@@ -115,7 +115,7 @@ class Trend:
     def _add_day(self, day: int, recording: RecordingNumbers) -> None:
         key = day // self._days_each
         text = _date(day)
-        column = self._days.setdefault(key, Column(first=text, last=text))
+        column = self._days.setdefault(key, TrendColumn(first=text, last=text))
         column.first, column.last = min(column.first, text), max(column.last, text)
         column.add(recording)
         if len(self._days) > _MOST_DAYS:
@@ -123,7 +123,7 @@ class Trend:
 
     def _halve(self) -> None:
         self._days_each *= 2
-        coarse: dict[int, Column] = {}
+        coarse: dict[int, TrendColumn] = {}
         for key in sorted(self._days):
             if key // 2 in coarse:
                 coarse[key // 2].merge(self._days[key])
@@ -132,11 +132,11 @@ class Trend:
         self._days = coarse
 
 
-def _joined(columns: Sequence[Column]) -> Column:
+def _joined(columns: Sequence[TrendColumn]) -> TrendColumn:
     first, *others = columns
     if not others:
         return first
-    joined = Column(first=first.first, last=first.last)
+    joined = TrendColumn(first=first.first, last=first.last)
     for column in columns:
         joined.merge(column)
     return joined

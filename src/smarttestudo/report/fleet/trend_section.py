@@ -12,14 +12,14 @@ from smarttestudo.domain.units import counted, grouped
 from smarttestudo.report.fleet.sums import Sums
 from smarttestudo.report.fleet.tables import worst
 from smarttestudo.report.fleet.totals import FleetTotals
-from smarttestudo.report.fleet.trend import Column, Step
+from smarttestudo.report.fleet.trend import Step, TrendColumn
 from smarttestudo.report.legends import layer_legend
 from smarttestudo.report.markup import Markup, name_parts, tag
 from smarttestudo.report.sections import section
 from smarttestudo.report.series import Series, SeriesPoint
 from smarttestudo.report.summary import volume_text, volume_unit
 from smarttestudo.report.table import format_number
-from smarttestudo.report.time_chart import MOST_LAYERS, Layer, Stretch, TimeChart, value_heights
+from smarttestudo.report.time_chart import MOST_LAYERS, ChartStretch, Layer, TimeChart, value_heights
 from smarttestudo.report.time_drawing import SMALL, WIDE, Frame, draw_chart
 
 _MOST_SMALL = 6
@@ -30,7 +30,7 @@ _EACH = {Step.RECORDING: "of each recording", Step.HOUR: "an hour", Step.DAY: "a
 _YEAR = timedelta(days=300)
 _COUNTS = ((1_000_000, "million"), (10_000, "thousand"))
 
-SumsBy = Callable[[Column], Mapping[str, Sums]]
+SumsBy = Callable[[TrendColumn], Mapping[str, Sums]]
 """Sums of a column by topic or by robot."""
 Amount = Callable[[Sums], float]
 
@@ -62,7 +62,7 @@ def trend_section(totals: FleetTotals) -> Iterator[Markup]:
         )
 
 
-def _explanation(totals: FleetTotals, columns: Sequence[Column]) -> str:
+def _explanation(totals: FleetTotals, columns: Sequence[TrendColumn]) -> str:
     step = totals.trend.step
     if step is Step.DAY:
         most = max(len(column.steps) for column in columns)
@@ -73,11 +73,11 @@ def _explanation(totals: FleetTotals, columns: Sequence[Column]) -> str:
     return f"Each column is a recording of {totals.trend.day}, by the time in UTC at which it began."
 
 
-def _by_topic(column: Column) -> Mapping[str, Sums]:
+def _by_topic(column: TrendColumn) -> Mapping[str, Sums]:
     return column.topics
 
 
-def _by_robot(column: Column) -> Mapping[str, Sums]:
+def _by_robot(column: TrendColumn) -> Mapping[str, Sums]:
     return column.robots
 
 
@@ -98,7 +98,7 @@ def _cost_of(totals: FleetTotals) -> Amount:
 
 
 def _stacked(
-    totals: FleetTotals, columns: Sequence[Column], name: str, sums_by: SumsBy, amount: Amount
+    totals: FleetTotals, columns: Sequence[TrendColumn], name: str, sums_by: SumsBy, amount: Amount
 ) -> Iterator[Markup]:
     """The parts of the largest topics or robots in each column, and of all others together."""
     whole: dict[str, float] = {}
@@ -149,7 +149,7 @@ def _amount_text(value: float, *, is_bytes: bool) -> str:
 
 
 def _small(
-    totals: FleetTotals, columns: Sequence[Column], name: str, of: Mapping[str, Sums], sums_by: SumsBy
+    totals: FleetTotals, columns: Sequence[TrendColumn], name: str, of: Mapping[str, Sums], sums_by: SumsBy
 ) -> Iterator[Markup]:
     """A small chart of the lost share of each topic or robot that lost most, on one scale."""
     shown = [key for key, sums in worst(totals, of)[0] if sums.lost][:_MOST_SMALL]
@@ -167,7 +167,7 @@ def _small(
             heights=value_heights(highest, None),
             layers=(Layer(name=key, points=_steps([share or 0.0 for share in values])),),
             stretches=tuple(
-                Stretch(
+                ChartStretch(
                     label=_label(totals, columns, number), meaning=f"{_when(column)}: {_percent_text(share)}"
                 )
                 for number, (column, share) in enumerate(zip(columns, values, strict=True))
@@ -195,14 +195,14 @@ def _steps(values: Sequence[float]) -> Series:
     return tuple(points)
 
 
-def _stretches(totals: FleetTotals, columns: Sequence[Column]) -> tuple[Stretch, ...]:
+def _stretches(totals: FleetTotals, columns: Sequence[TrendColumn]) -> tuple[ChartStretch, ...]:
     return tuple(
-        Stretch(label=_label(totals, columns, number), meaning=_told(totals, column))
+        ChartStretch(label=_label(totals, columns, number), meaning=_told(totals, column))
         for number, column in enumerate(columns)
     )
 
 
-def _label(totals: FleetTotals, columns: Sequence[Column], number: int) -> str:
+def _label(totals: FleetTotals, columns: Sequence[TrendColumn], number: int) -> str:
     """The time of a column: of a day the month, too, and of more than a year of them the year."""
     first = columns[number].first
     if totals.trend.step is not Step.DAY:
@@ -212,11 +212,11 @@ def _label(totals: FleetTotals, columns: Sequence[Column], number: int) -> str:
     return f"{day.day} {month}" if end - begin < _YEAR else f"{month} {day.year}"
 
 
-def _when(column: Column) -> str:
+def _when(column: TrendColumn) -> str:
     return column.first if column.first == column.last else f"{column.first} to {column.last}"
 
 
-def _told(totals: FleetTotals, column: Column) -> str:
+def _told(totals: FleetTotals, column: TrendColumn) -> str:
     sums = column.total
     parts = [
         counted(sums.recordings, "recording"),
