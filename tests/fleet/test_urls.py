@@ -95,6 +95,25 @@ def test_folders_and_patterns_behind_urls_stand_for_what_is_in_them(
         ]
 
 
+def test_a_report_over_urls_is_that_over_the_files(store: ObjectStore, testudo: Command, fleet: Path) -> None:
+    store.put(fleet / "sent", "reported/r1")
+    url = f"s3://{BUCKET}/reported"
+    ran = testudo("bag", "report", url, "--json")
+    here = testudo("bag", "report", "sent", "--json")
+    assert (ran.code, ran.err) == (here.code, here.err) == (0, "wrote report.html\n")
+    there = without_names(ran.out)
+    assert [one.pop("robot") for one in there] == ["r1"] * 3
+    assert there == [
+        {key: value for key, value in one.items() if key != "robot"} for one in without_names(here.out)
+    ]
+    ran = testudo("bag", "report", url, "-o", "urls.html")
+    page = (fleet / "urls.html").read_text("utf-8")
+    assert f"testudo bag report {url}/r1/a -o {fleet}/r1-a-" in page
+    ran = testudo("bag", "report", f"{url}/r1/a", "-o", "one.html")
+    assert (ran.code, ran.err) == (0, "")
+    assert "Longest gap" in (fleet / "one.html").read_text("utf-8")
+
+
 def test_a_replay_of_a_recording_behind_a_url_is_written_here(
     store: ObjectStore, testudo: Command, fleet: Path
 ) -> None:
