@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,8 +45,9 @@ def dask_processes(
         yield DaskProcesses(address=address, scheduler=started[0], workers=tuple(started[1:]))
     finally:
         for process in started:
-            process.terminate() if nanny else process.kill()
-        for process in started:
+            # With the process that a nanny watches; a test may have ended it.
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
             process.wait()
 
 
@@ -62,4 +64,5 @@ def _start(python: str, folder: Path, *arguments: str) -> subprocess.Popen[bytes
         env=variables,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
+        start_new_session=True,
     )
