@@ -42,6 +42,13 @@ def on_page_markdown(markdown: str, page: Page, **_: object) -> str:
     return markdown
 
 
+def on_post_build(config: MkDocsConfig) -> None:
+    """Have the search take options and pasted errors as words."""
+    before = Path(__file__).with_name("site_search.js").read_text(encoding="utf-8")
+    for worker in Path(config.site_dir, "assets", "javascripts", "workers").glob("search.*.js"):
+        worker.write_text(before + worker.read_text(encoding="utf-8"), encoding="utf-8")
+
+
 def _link_on_site(link: re.Match[str]) -> str:
     """A link at the root of the repository as one of a page in the folder of contributors."""
     target = link[1].rstrip("/")

@@ -27,18 +27,20 @@ class DaskProcesses:
 
 
 @contextmanager
-def dask_processes(folder: Path, *, workers: int = 2, nanny: bool = False) -> Iterator[DaskProcesses]:
+def dask_processes(
+    folder: Path, *, workers: int = 2, nanny: bool = False, python: str = sys.executable
+) -> Iterator[DaskProcesses]:
     """They end with the block, as far as they still are; with a ``nanny`` a worker that ends is replaced."""
     file = folder / "scheduler.json"
     started: list[subprocess.Popen[bytes]] = []
     try:
-        started.append(_start(folder, "scheduler", "--port", "0", "--host", "127.0.0.1"))
+        started.append(_start(python, folder, "scheduler", "--port", "0", "--host", "127.0.0.1"))
         end_s = time.monotonic() + _WITHIN_S
         while not file.exists():
             assert time.monotonic() < end_s
             time.sleep(0.05)
         begun = ("worker", "--nthreads", "1", "--nanny" if nanny else "--no-nanny")
-        started += [_start(folder, *begun) for _ in range(workers)]
+        started += [_start(python, folder, *begun) for _ in range(workers)]
         address = json.loads(file.read_text())["address"]
         yield DaskProcesses(address=address, scheduler=started[0], workers=tuple(started[1:]))
     finally:
@@ -49,7 +51,7 @@ def dask_processes(folder: Path, *, workers: int = 2, nanny: bool = False) -> It
             process.wait()
 
 
-def _start(folder: Path, *arguments: str) -> subprocess.Popen[bytes]:
+def _start(python: str, folder: Path, *arguments: str) -> subprocess.Popen[bytes]:
     """``dask`` with ``arguments``; a task that ended two workers is not tried again."""
     variables = {
         **os.environ,
@@ -57,7 +59,7 @@ def _start(folder: Path, *arguments: str) -> subprocess.Popen[bytes]:
         "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1",
     }
     return subprocess.Popen(
-        [sys.executable, "-m", "dask", *arguments, "--no-dashboard", "--scheduler-file", "scheduler.json"],
+        [python, "-m", "dask", *arguments, "--no-dashboard", "--scheduler-file", "scheduler.json"],
         cwd=folder,
         env=variables,
         stdout=subprocess.DEVNULL,

@@ -54,6 +54,25 @@ def test_a_pattern_stands_for_what_matches_folders_of_recordings_included(fleet:
     assert named("files/*") == ["files/a.mcap", "files/b.mcap", "files/c.txt"]
 
 
+@pytest.mark.parametrize(
+    ("text", "robots"),
+    [
+        ("fleet", ["monday", "monday", "tuesday"]),
+        ("./fleet/", ["monday", "monday", "tuesday"]),
+        ("fleet/*/r1", ["monday", "tuesday"]),
+        ("./fleet/*/r1", ["monday", "tuesday"]),
+        ("fleet/mon*", ["monday", "monday"]),
+        ("fleet/monday/r?", ["", ""]),
+        ("fleet/**/*.mcap", ["monday"]),
+        ("fleet/monday", ["", ""]),
+        ("files/*.mcap", ["", ""]),
+        ("files/a.mcap", [""]),
+    ],
+)
+def test_the_robot_is_the_first_folder_that_is_left_open(text: str, robots: list[str], fleet: Path) -> None:
+    assert [found.robot for found in find_recordings(text)] == robots
+
+
 def test_a_name_with_the_characters_of_a_pattern_is_a_name(fleet: Path) -> None:
     (fleet / "run[1]").mkdir()
     assert named("run[1]") == ["run[1]"]
@@ -94,6 +113,11 @@ def test_recordings_are_paired_by_what_the_patterns_leave_open(fleet: Path) -> N
         ("monday/sent.mcap", "monday/received.mcap"),
         ("tuesday/sent.mcap", "tuesday/received.mcap"),
     ]
+
+
+def test_a_point_before_a_pattern_changes_no_pair(fleet: Path) -> None:
+    pairs = pair_recordings("./fleet/monday/*", "fleet/./tuesday/*")
+    assert pairs[0] == RecordingPair(a=Path("fleet/monday/r1"), b=Path("fleet/tuesday/r1"))
 
 
 def test_one_without_a_partner_on_either_side_is_an_error(fleet: Path) -> None:

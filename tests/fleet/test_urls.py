@@ -95,6 +95,25 @@ def test_folders_and_patterns_behind_urls_stand_for_what_is_in_them(
         ]
 
 
+def test_a_report_over_urls_is_that_over_the_files(store: ObjectStore, testudo: Command, fleet: Path) -> None:
+    store.put(fleet / "sent", "reported/r1")
+    url = f"s3://{BUCKET}/reported"
+    ran = testudo("bag", "report", url, "--json")
+    here = testudo("bag", "report", "sent", "--json")
+    assert (ran.code, ran.err) == (here.code, here.err) == (0, "wrote report.html\n")
+    there = without_names(ran.out)
+    assert [one.pop("robot") for one in there] == ["r1"] * 3
+    assert there == [
+        {key: value for key, value in one.items() if key != "robot"} for one in without_names(here.out)
+    ]
+    ran = testudo("bag", "report", url, "-o", "urls.html")
+    page = (fleet / "urls.html").read_text("utf-8")
+    assert f"testudo bag report {url}/r1/a -o {fleet}/r1-a-" in page
+    ran = testudo("bag", "report", f"{url}/r1/a", "-o", "one.html")
+    assert (ran.code, ran.err) == (0, "")
+    assert "Longest gap" in (fleet / "one.html").read_text("utf-8")
+
+
 def test_a_replay_of_a_recording_behind_a_url_is_written_here(
     store: ObjectStore, testudo: Command, fleet: Path
 ) -> None:
@@ -104,21 +123,38 @@ def test_a_replay_of_a_recording_behind_a_url_is_written_here(
     assert sorted(path.name for path in (fleet / "out").iterdir()) == ["1-a", "2-b", "3-c"]
 
 
+def write_images(folder: Path, *, size_bytes: int, count: int) -> Path:
+    """A recording of images with a pose after each."""
+    image, frame = Channel(topic="/image", type_name=IMAGE.type_name), bytes([0, 1, 0, 0]) + bytes(size_bytes)
+    with create_recording(folder, storage=Storage.MCAP) as writer:
+        for number in range(count):
+            writer.write(image, START_NS + number * 100_000_000, frame)
+            writer.write(Channel(topic="/odom", type_name=ODOM.type_name), START_NS + number, odometry(0, 0))
+    (file,) = folder.glob("*.mcap")
+    return file
+
+
 def test_the_rates_of_an_indexed_mcap_fetch_at_most_a_twentieth_of_it(
     store: ObjectStore, testudo: Command, tmp_path: Path
 ) -> None:
-    image, frame = Channel(topic="/image", type_name=IMAGE.type_name), bytes([0, 1, 0, 0]) + bytes(1_000_000)
-    with create_recording(tmp_path / "large", storage=Storage.MCAP) as writer:
-        for number in range(96):
-            writer.write(image, START_NS + number * 100_000_000, frame)
-            writer.write(Channel(topic="/odom", type_name=ODOM.type_name), START_NS + number, odometry(0, 0))
-    (file,) = (tmp_path / "large").glob("*.mcap")
+    file = write_images(tmp_path / "large", size_bytes=1_000_000, count=96)
     store.put(file, "large.mcap")
     before = store.sent_bytes
     there = testudo("bag", "rates", f"s3://{BUCKET}/large.mcap", "--json")
     fetched = store.sent_bytes - before
     assert without_names(there.out) == without_names(testudo("bag", "rates", str(file), "--json").out)
     assert fetched <= 0.05 * file.stat().st_size
+
+
+def test_images_that_arrive_sooner_than_an_answer_are_fetched_with_few_requests(
+    store: ObjectStore, testudo: Command, tmp_path: Path
+) -> None:
+    file = write_images(tmp_path / "small", size_bytes=100_000, count=200)
+    store.put(file, "small.mcap")
+    before = store.ranges
+    there = testudo("bag", "rates", f"s3://{BUCKET}/small.mcap", "--json")
+    assert store.ranges - before <= 40
+    assert without_names(there.out) == without_names(testudo("bag", "rates", str(file), "--json").out)
 
 
 def test_what_is_not_there_or_damaged_is_named_and_the_rest_complete(

@@ -90,6 +90,11 @@ def with_studio(checkout_with_studio: Path, desk: Path) -> Environment:
 
 
 @pytest.fixture
+def with_fleet(environment: MakeEnvironment, wheel: str) -> Environment:
+    return environment("fleet", f"{wheel}[fleet]")
+
+
+@pytest.fixture
 def with_metrics(environment: MakeEnvironment, wheel: str) -> Environment:
     """A robot that Prometheus asks."""
     return environment("metrics", f"{wheel}[metrics]", *ros_packages())

@@ -19,6 +19,7 @@ from pathlib import Path
 import pytest
 
 from cli.test_command_lines import COMMANDS
+from fleet.dask_processes import dask_processes
 from installations.environments import (
     LIMIT_S,
     ROOT,
@@ -186,6 +187,24 @@ def test_a_laptop_with_the_extra_studio_needs_no_ros(with_studio: Environment) -
         assert address is not None
         with urllib.request.urlopen(address[0]) as page:
             assert page.status == 200
+
+
+def test_many_recordings_on_a_cluster_and_in_tables_need_the_extra_fleet_alone(
+    with_fleet: Environment, with_studio: Environment, tmp_path: Path
+) -> None:
+    with_fleet.does("demo", "--seconds", "5", "--out", "demo-out")
+    measure = ("bag", "rates", with_fleet.desk / "demo-out", "--topics", "/odom", "--json")
+    here = with_fleet.does(*measure, "--parquet", "tables")
+    assert len(here.splitlines()) == 2
+    assert [*(with_fleet.desk / "tables").rglob("*.parquet")]
+    with dask_processes(tmp_path, workers=1, python=with_fleet.python) as cluster:
+        assert with_fleet.does(*measure, "--dask", cluster.address) == here
+    # Its S3 is not there, which is the store's fault and not that of a package.
+    lost = with_fleet.run("bag", "info", "s3://fleet/monday.mcap", "--timeout", "1")
+    assert (lost.returncode, "package" in lost.stderr) == (1, False)
+    for option in (("--dask", "tcp://127.0.0.1:1"), ("--parquet", "tables")):
+        line = with_studio.refuses(*measure, *option)
+        assert line.endswith(f"run: {with_studio.python} -m pip install '.[fleet]'")
 
 
 def test_a_robot_with_the_extra_metrics_serves_them(with_metrics: Environment, robot: SmallRobot) -> None:

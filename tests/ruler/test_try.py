@@ -179,8 +179,9 @@ def test_a_bag_that_cannot_be_tried_is_refused_with_a_sentence(page: Page, bag: 
     assert answer.error
 
 
-def test_rules_with_errors_are_not_tried(page: Page) -> None:
-    answer = page.post("/api/try", {"text": "begin SetFrequency /odom Desirable end", "bag": "monday"})
+@pytest.mark.parametrize("path", ["/api/try", "/api/try/headline"])
+def test_rules_with_errors_are_not_tried(page: Page, path: str) -> None:
+    answer = page.post(path, {"text": "begin SetFrequency /odom Desirable end", "bag": "monday"})
     assert answer.status == 409
     [finding, *_] = answer.json["error"]["findings"]
     assert finding["code"] == "tier-without-rate"
@@ -188,16 +189,17 @@ def test_rules_with_errors_are_not_tried(page: Page) -> None:
     assert "--" not in finding["hint"]
 
 
-def test_a_page_that_leaves_gives_its_turn_to_the_next(page: Page) -> None:
+@pytest.mark.parametrize("path", ["/api/try", "/api/try/headline"])
+def test_a_page_that_leaves_gives_its_turn_to_the_next(page: Page, path: str) -> None:
     body = json.dumps({"text": RULES, "bag": "monday"}).encode()
     head = (
-        f"POST /api/try HTTP/1.1\r\nHost: 127.0.0.1:{page.port}\r\nContent-Type: application/json\r\n"
+        f"POST {path} HTTP/1.1\r\nHost: 127.0.0.1:{page.port}\r\nContent-Type: application/json\r\n"
         f"Content-Length: {len(body)}\r\n\r\n"
     )
     for _ in range(3):
         with socket.create_connection(("127.0.0.1", page.port), timeout=TIMEOUT_S) as leaver:
             leaver.sendall(head.encode() + body)
-    assert page.post("/api/try", {"text": RULES, "bag": "monday"}).status == 200
+    assert page.post(path, {"text": RULES, "bag": "monday"}).status == 200
 
 
 def test_a_profile_measured_in_a_bag_fills_the_table(page: Page) -> None:

@@ -9,8 +9,13 @@ export class ApiError extends Error {
     readonly status: number,
     readonly problem: Problem,
   ) {
-    super([problem.message, problem.remedy].filter(Boolean).map(sentence).join(". "));
+    super(problemWords(problem));
   }
+}
+
+/** Cause and remedy as sentences. */
+export function problemWords({ message, remedy }: Pick<Problem, "message" | "remedy">): string {
+  return [message, remedy].filter(Boolean).map(sentence).join(". ");
 }
 
 const UNREACHABLE: Problem = {

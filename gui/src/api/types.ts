@@ -1743,11 +1743,18 @@ export interface TopicStatus {
   bound_reasons?: Record<string, BoundReason>;
 }
 
+/** `POST /api/try/headline`: the headline of a try, or why the recording cannot be tried. */
+export interface TriedRecording {
+  headline: TryHeadline | null;
+  problem: string;
+  remedy: string;
+}
+
 /** Kleene's three values, ordered false < unknown < true: AND is the least, OR the greatest. */
 export type Truth = "false" | "unknown" | "true";
 
 /**
- * Result of a try of rules on a bag; `percent` is how much less of the relayed topics was sent.
+ * Result of a try of rules on a bag.
  *
  * Times are seconds since the bag's start. `…_bins` have one value for each `bin_s` seconds; the first
  * begins at `first_bin_s`, 0 or less. `decisions` are the first 2000 of `decision_count`; `path` is
@@ -1756,11 +1763,16 @@ export type Truth = "false" | "unknown" | "true";
  */
 export interface TryAnswer {
   duration_s: number;
-  bin_s: number;
-  first_bin_s: number;
   before_kb: number;
   after_kb: number;
   percent: number;
+  worst_topic: WorstTopic | null;
+  worst_field: WorstField | null;
+  crossings: number;
+  missed_crossings: number;
+  notices: string[];
+  bin_s: number;
+  first_bin_s: number;
   decisions: TryDecision[];
   decision_count: number;
   topics: TryTopic[];
@@ -1768,7 +1780,6 @@ export interface TryAnswer {
   blocks: BlockTurns[];
   loss: TryLoss;
   incidents: TryIncident[] | null;
-  notices: string[];
 }
 
 /** How the operator saw a value cross the threshold of a check. */
@@ -1813,6 +1824,24 @@ export interface TryFieldLoss {
   error_bins: (number | null)[];
 }
 
+/**
+ * Headline of a try on a bag; `percent` is how much less of the relayed topics was sent.
+ *
+ * The worst are null where nothing was lost. `missed_crossings` of the `crossings` of checks' thresholds
+ * were not seen by the operator.
+ */
+export interface TryHeadline {
+  duration_s: number;
+  before_kb: number;
+  after_kb: number;
+  percent: number;
+  worst_topic: WorstTopic | null;
+  worst_field: WorstField | null;
+  crossings: number;
+  missed_crossings: number;
+  notices: string[];
+}
+
 /** A topic of images as sent and as received. */
 export interface TryImages {
   topic: string;
@@ -1835,7 +1864,11 @@ export interface TryLoss {
   images: TryImages[];
 }
 
-/** `POST /api/try` → `TryAnswer`; `run` names the try in `Progress` messages of `/ws`. */
+/**
+ * `POST /api/try` → `TryAnswer`; `/api/try/headline` → `TriedRecording`.
+ *
+ * `run` names the try in `Progress` messages of `/ws`.
+ */
 export interface TryRequest {
   text: string;
   name?: string;
@@ -1912,6 +1945,30 @@ export interface WithinStatement {
   topic: string;
   property: string;
   bound: Bound;
+}
+
+/** The property with the largest error when its last value is held: its RMSE, `share` of its range. */
+export interface WorstField {
+  topic: string;
+  field: string;
+  unit: string;
+  rmse: number;
+  share: number;
+}
+
+/**
+ * The topic that lost most: `received` of `sent` messages, or frames where it `is_image`.
+ *
+ * `longest_s` is the greatest age of its newest message at the operator, or the longest time without a
+ * frame; `more_s` is how much longer that is than at the robot, null where nothing arrived.
+ */
+export interface WorstTopic {
+  topic: string;
+  sent: number;
+  received: number;
+  longest_s: number;
+  more_s: number | null;
+  is_image: boolean;
 }
 
 /** The robot's `file` holds the rules; what it held is beside it, in `previous_file`. */
@@ -1993,6 +2050,7 @@ export interface Routes {
   "POST /api/push/write": { asked: PushedRequest; answered: WriteAnswer };
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
   "POST /api/try": { asked: TryRequest; answered: TryAnswer };
+  "POST /api/try/headline": { asked: TryRequest; answered: TriedRecording };
   "POST /api/check/course": { asked: CheckCourseRequest; answered: CheckCourse };
   "POST /api/profile/curve": { asked: CurveRequest; answered: Curve };
   "POST /api/profile/accuracy": { asked: CurveRequest; answered: AccuracyNeeds };

@@ -166,7 +166,7 @@ interface Room {
 /** How much of the page panes have: as somebody left them for what they show, else as much as that needs. */
 function useRoom(tool: Signal<Tool>, side: Signal<Side>, tries: FileTries): Room {
   const sizes = useMemo(() => new PaneSizes(browserStorage()), []);
-  const isTried = tool.value === "try" && tries.last.value !== null;
+  const isTried = tool.value === "try" && (tries.last.value ?? tries.folder.value) !== null;
   const usualDock = isTried ? 62 : side.value === "map" ? 18 : 34;
   const dock = isTried ? "a try" : side.value === "map" ? "results below the map" : "results";
   return {

@@ -1,17 +1,32 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
-import type { Project } from "../api/types";
+import type { FoundFile, Project } from "../api/types";
+import { FolderTrial } from "../state/folder_trial";
 import type { Keepings } from "../state/keepings";
 import type { RuleEditor } from "../state/rule_editor";
 import { Trial } from "../state/trial";
-import { bagsIn, changedSince, type FileTries, fileOf, recordingOf } from "../state/tries";
+import {
+  ALL,
+  bagsIn,
+  changedSince,
+  type FileTries,
+  fileOf,
+  foldersIn,
+  folderWords,
+  recordingOf,
+  recordingsIn,
+  type Tried,
+} from "../state/tries";
+import { FolderResult } from "../try/folder_result";
 import { TryResult } from "../try/try_result";
 import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
+import { counted } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
+import { focusIn } from "../ui/watch";
 import { WorkProgress } from "../ui/work_progress";
 
 interface Props {
@@ -23,8 +38,9 @@ interface Props {
   refresh: () => Promise<void>;
 }
 
-/** What the rules would have done to a recording. */
-export function TryPanel({ editor, api, project, tries, keepings, refresh }: Props) {
+/** What the rules would have done to a recording, or to each in a folder. */
+export function TryPanel(props: Props) {
+  const { editor, project, tries, refresh } = props;
   useEffect(() => {
     // A recording may have been changed, or come, while nobody looked.
     const look = () => void refresh();
@@ -41,41 +57,116 @@ export function TryPanel({ editor, api, project, tries, keepings, refresh }: Pro
       </p>
     );
   }
-  const { work, last } = tries;
-  const trial = last.value;
-  const { rules } = editor;
-  const bag = recordingOf(bags, tries, rules, editor.map.value.bag);
+  const folders = foldersIn(project.files, tries.folder.value?.folder);
+  const chosen = tries.chosen.value;
+  const folder = folders.find(([name]) => name === chosen)?.[0] ?? null;
+  const bag = recordingOf(bags, tries, editor.rules, editor.map.value.bag);
+  const work = folder === null ? tries.work : tries.folderWork;
   const isRunning = work.state.value.kind === "running";
-  const run = () =>
-    work.start(async (name, signal) => {
-      const { files } = await api.project();
-      const answer = await api.ask("POST /api/try", { ...rules, bag, run: name }, { signal });
-      return new Trial(answer, rules, bag, fileOf(bag, files));
-    });
   return (
     <div class="try">
       <div class="row">
         <Choice
           label="Recording"
-          value={bag}
-          choices={bags}
+          value={folder ?? bag}
+          choices={[...folders.map(([name, count]) => [name, choiceWords(name, count, project)] as const), ...bags]}
           disabled={isRunning}
-          choose={(name) => (tries.bag.value = name)}
+          choose={(name) => (tries.chosen.value = name)}
         />
         {!isRunning && (
           <NeedsServer>
-            <Button label="Run the rules on it" class="primary" onClick={() => void run()} />
+            <Button
+              label={folder === null ? "Run the rules on it" : "Run the rules on them"}
+              class="primary"
+              onClick={() => void (folder === null ? tryRecording(props, bag) : tryFolder(props, folder))}
+            />
           </NeedsServer>
         )}
-        <WorkProgress work={work} doing={`Replaying ${bag}`} />
+        <WorkProgress<unknown>
+          work={work}
+          doing={folder === null ? `Replaying ${bag}` : `Replaying the recordings of ${folderWords(folder)}`}
+        />
       </div>
+      {folder === null ? <LastTry {...props} /> : <LastFolder {...props} />}
+    </div>
+  );
+}
+
+function tryRecording({ editor: { rules }, api, tries }: Props, bag: string): Promise<void> {
+  return tries.work.start(async (run, signal) => {
+    const { files } = await api.project();
+    const answer = await api.ask("POST /api/try", { ...rules, bag, run }, { signal });
+    return new Trial(answer, rules, bag, [fileOf(bag, files)]);
+  });
+}
+
+/** Results show as they come. */
+function tryFolder({ editor: { rules }, api, tries }: Props, folder: string): Promise<void> {
+  let share = (_: number) => 0;
+  return tries.folderWork.start(
+    async (run, signal) => {
+      const { files } = await api.project();
+      signal.throwIfAborted();
+      const trial = new FolderTrial(folder, rules, recordingsIn(folder, files));
+      share = (ofOne) => trial.share(ofOne);
+      tries.folder.value = trial;
+      return trial.run(api, run, signal);
+    },
+    (ofOne) => share(ofOne),
+  );
+}
+
+function choiceWords(folder: string, count: number, { has_more, root_name }: Project): string {
+  // A project that holds more files than are listed may have recordings among those.
+  const which = has_more ? "the listed" : "all";
+  return `${folder === ALL ? root_name : folder}: ${which} ${counted(count, "recording")}`;
+}
+
+function LastTry({ editor, api, project, tries, keepings }: Props) {
+  const [trial, folder] = [tries.last.value, tries.folder.value?.folder];
+  const back = useRef<HTMLParagraphElement>(null);
+  // Who came from the table has no focus: its button is gone.
+  useEffect(() => focusIn(back.current, "button"), []);
+  return (
+    <>
+      {folder !== undefined && (
+        <p class="back-to-folder" ref={back}>
+          <Button
+            label={`Back to the recordings of ${folderWords(folder)}`}
+            class="small"
+            onClick={() => (tries.chosen.value = folder)}
+          />
+        </p>
+      )}
       {trial !== null && (
         <TryResult
           key={trial.bag}
           {...{ editor, api, trial, keepings }}
-          changed={editor.profileChoice.isKnown.value ? changedSince(trial, rules, project.files) : []}
+          changed={changed(editor, trial, [fileOf(trial.bag, project.files)])}
         />
       )}
-    </div>
+    </>
   );
+}
+
+function LastFolder(props: Props) {
+  const { editor, project, tries } = props;
+  const trial = tries.folder.value;
+  if (trial === null) return null;
+  return (
+    <FolderResult
+      trial={trial}
+      isRunning={tries.folderWork.state.value.kind === "running"}
+      changed={changed(editor, trial, recordingsIn(trial.folder, project.files))}
+      opened={tries.last.value?.bag}
+      open={(bag) => {
+        tries.chosen.value = bag;
+        void tryRecording(props, bag);
+      }}
+    />
+  );
+}
+
+function changed(editor: RuleEditor, tried: Tried, recordings: readonly (FoundFile | undefined)[]): string[] {
+  return editor.profileChoice.isKnown.value ? changedSince(tried, editor.rules, recordings) : [];
 }

@@ -15,7 +15,8 @@ export class BagWork<T> {
   readonly state = signal<WorkState<T>>({ kind: "idle", note: "" });
   private running: AbortController | null = null;
 
-  async start(ask: (run: string, signal: AbortSignal) => Promise<T>): Promise<void> {
+  /** `whole` is how far all of it is when the server is so far with what it does. */
+  async start(ask: (run: string, signal: AbortSignal) => Promise<T>, whole = (share: number) => share): Promise<void> {
     this.cancel();
     const control = new AbortController();
     this.running = control;
@@ -24,7 +25,7 @@ export class BagWork<T> {
       if (this.running === control) this.state.value = state;
     };
     tell({ kind: "running", share: 0 });
-    const stop = watchProgress(run, (share) => tell({ kind: "running", share }));
+    const stop = watchProgress(run, (share) => tell({ kind: "running", share: whole(share) }));
     try {
       tell({ kind: "done", answer: await ask(run, control.signal) });
     } catch (error) {

@@ -33,7 +33,7 @@ export class Trial extends Timeline {
     readonly tried: Rules,
     readonly bag: string,
     /** The recording as the project had it then. */
-    readonly recording: FoundFile | undefined,
+    readonly recordings: readonly [FoundFile | undefined],
   ) {
     super(answer, answer.topics[0]?.before_hz_bins.length ?? 0, 0, answer.incidents?.map(({ t }) => t) ?? []);
     for (const decision of answer.decisions) {

@@ -4,6 +4,7 @@ import { effect, signal } from "@preact/signals";
 import type { Rules } from "../api/client";
 import type { FoundFile } from "../api/types";
 import { BagWork } from "./bag_work";
+import type { FolderTrial } from "./folder_trial";
 import type { Trial } from "./trial";
 
 /** The tries of one rule file: they go on, and stay, while other pages are looked at. */
@@ -11,8 +12,11 @@ export class FileTries {
   readonly work = new BagWork<Trial>();
   /** The last result, also while the next try runs. */
   readonly last = signal<Trial | null>(null);
-  /** The recording that somebody chose; null before. */
-  readonly bag = signal<string | null>(null);
+  readonly folderWork = new BagWork<FolderTrial>();
+  /** The last tries on a folder, also while they run and where they were ended. */
+  readonly folder = signal<FolderTrial | null>(null);
+  /** The recording, or the folder with its `/`, that somebody chose; null before. */
+  readonly chosen = signal<string | null>(null);
 
   constructor() {
     effect(() => {
@@ -33,21 +37,28 @@ export class Tries {
   }
 }
 
-/** What a try was about; `recording` is the bag as it was then. */
-interface Subject {
-  tried: Rules;
-  bag: string;
-  recording: FoundFile | undefined;
+/** What was tried: the rules and the recordings as they were then. */
+export interface Tried {
+  readonly tried: Rules;
+  readonly recordings: readonly (FoundFile | undefined)[];
 }
 
-/** What of a try is another one by now: `rules`, `profile`, `recording`. `rules` are those of now. */
-export function changedSince({ tried, bag, recording }: Subject, rules: Rules, files: readonly FoundFile[]): string[] {
-  const now = fileOf(bag, files);
-  const isSame = now?.size_bytes === recording?.size_bytes && now?.changed_at_s === recording?.changed_at_s;
+/** What of a try is another one by now: `rules`, `profile`, `recording`. `rules` and `recordings` are those of now. */
+export function changedSince(then: Tried, rules: Rules, recordings: readonly (FoundFile | undefined)[]): string[] {
+  const isSame = (now: FoundFile | undefined, index: number) => {
+    const before = then.recordings[index];
+    return (
+      now !== undefined &&
+      now.name === before?.name &&
+      now.size_bytes === before.size_bytes &&
+      now.changed_at_s === before.changed_at_s
+    );
+  };
+  const areSame = recordings.length === then.recordings.length && recordings.every(isSame);
   return [
-    ...(tried.text === rules.text ? [] : ["rules"]),
-    ...(tried.profile_text === rules.profile_text ? [] : ["profile"]),
-    ...(now !== undefined && isSame ? [] : ["recording"]),
+    ...(then.tried.text === rules.text ? [] : ["rules"]),
+    ...(then.tried.profile_text === rules.profile_text ? [] : ["profile"]),
+    ...(areSame ? [] : ["recording"]),
   ];
 }
 
@@ -72,8 +83,37 @@ export function bagsIn(files: readonly FoundFile[]): string[] {
   return bags.map(({ name }) => name);
 }
 
+/** All recordings of the project, where a folder is asked for. */
+export const ALL = "/";
+
+/** The recordings below a folder, by name. */
+export function recordingsIn(folder: string, files: readonly FoundFile[]): FoundFile[] {
+  return files.filter(({ kind, name }) => kind === "bag" && (folder === ALL || name.startsWith(folder)));
+}
+
+/**
+ * The folders with at least two recordings, and how many they hold: all of them first, then by name. A folder that was
+ * `tried` is among them whatever it holds.
+ */
+export function foldersIn(files: readonly FoundFile[], tried?: string): [string, number][] {
+  const all = recordingsIn(ALL, files);
+  const counts = new Map<string, number>(tried === undefined || tried === ALL ? [] : [[tried, 0]]);
+  for (const { name } of all) {
+    for (const { index } of name.matchAll(/\//g)) {
+      const folder = name.slice(0, index + 1);
+      counts.set(folder, (counts.get(folder) ?? 0) + 1);
+    }
+  }
+  const folders = [...counts].sort(([a], [b]) => (a < b ? -1 : 1));
+  return ([[ALL, all.length], ...folders] as [string, number][]).filter(([name, count]) => count > 1 || name === tried);
+}
+
+export function folderWords(folder: string): string {
+  return folder === ALL ? "the project" : folder;
+}
+
 /** The recording that rules are compared with: the one that somebody chose, else that of `recordingFor`. */
 export function recordingOf(bags: readonly string[], tries: FileTries, rules: Rules, drawn: string | null): string {
-  const chosen = tries.bag.value;
+  const chosen = tries.chosen.value;
   return chosen !== null && bags.includes(chosen) ? chosen : recordingFor(bags, rules, drawn);
 }

@@ -5,6 +5,7 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { RuleZones, TryTopic } from "../api/types";
 import type { MapZone } from "../map/shapes";
+import { sentKbPerS } from "../state/folder_trial";
 import type { Keepings } from "../state/keepings";
 import { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
@@ -15,14 +16,15 @@ import { counted, durationWords, hz, readable, sizeWords } from "../ui/numbers";
 import { showOnNarrow } from "../ui/watch";
 import { CheckCourses } from "./check_courses";
 import { DecisionTable } from "./decision_table";
+import { errorWords, lossWords, missedWords } from "./headline_words";
 import { LossTables } from "./loss_tables";
 import { PathMap } from "./path_map";
 import { RuleStates } from "./rule_states";
 import { Scrubber } from "./scrubber";
 import { showInEditor } from "./show_in_editor";
+import { StaleNotice } from "./stale_notice";
 import { Strip } from "./strip";
 import { TriedIncidents } from "./tried_incidents";
-import { worstLoss } from "./worst_loss";
 
 interface Props {
   editor: RuleEditor;
@@ -36,7 +38,8 @@ interface Props {
 /** A try: what it saved, and below one scrubber the map, the rules, the rates, the loss and every decision. */
 export function TryResult({ editor, api, trial, keepings, changed }: Props) {
   const { answer } = trial;
-  const worst = worstLoss(answer.loss);
+  const [worst, error, missed] = [lossWords(answer), errorWords(answer), missedWords(answer)];
+  const kbPerS = sentKbPerS(answer);
   const isOld = editor.text.value !== trial.text;
   const result = useRef<HTMLDivElement>(null);
   useEffect(() => followInEditor(editor, trial), [trial]);
@@ -48,15 +51,12 @@ export function TryResult({ editor, api, trial, keepings, changed }: Props) {
         {worst && `; ${worst}`}
       </p>
       <p class="quiet">
-        {sizeWords(answer.after_kb)} of {sizeWords(answer.before_kb)} in {durationWords(answer.duration_s)}. The rules
-        decided {counted(answer.decision_count, "time")}
-        {answer.path.length > 1 && ", where the map has dots"}.
+        {sizeWords(answer.after_kb)} of {sizeWords(answer.before_kb)} in {durationWords(answer.duration_s)}
+        {kbPerS !== null && `, ${readable(kbPerS)} KB/s`}. The rules decided {counted(answer.decision_count, "time")}
+        {answer.path.length > 1 && ", where the map has dots"}. {error && `Largest error (RMSE): ${error}. `}
+        {missed && `Thresholds missed: ${missed}.`}
       </p>
-      {changed.length > 0 && (
-        <p class="notice warning" role="status">
-          Stale: {andWords(changed)} changed since. Run the rules again to see what they do now.
-        </p>
-      )}
+      <StaleNotice changed={changed} advice="Run the rules again to see what they do now." />
       {answer.notices.length > 0 && (
         <div class="quiet">
           {answer.notices.map((notice) => (
@@ -98,11 +98,6 @@ function followInEditor(editor: RuleEditor, trial: Trial): () => void {
     shown = line;
     showInEditor(editor, line);
   });
-}
-
-/** `rules and recording`. */
-function andWords(words: readonly string[]): string {
-  return [words.slice(0, -1).join(", "), ...words.slice(-1)].filter(Boolean).join(" and ");
 }
 
 /** Where the robot went and is at the time of the scrubber, with a dot wherever something was decided. */

@@ -22,3 +22,8 @@ export const NARROW = "(max-width: 900px)";
 export function showOnNarrow(shown: () => Element | null): void {
   if (matchMedia(NARROW).matches) requestAnimationFrame(() => shown()?.scrollIntoView());
 }
+
+/** Gives the focus to what `selector` finds first in `host`, where it was on something that is gone. */
+export function focusIn(host: Element | null, selector: string): void {
+  if (document.activeElement === document.body) host?.querySelector<HTMLElement>(selector)?.focus();
+}

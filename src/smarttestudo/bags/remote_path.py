@@ -21,6 +21,8 @@ _LEAST_BYTES = 1 << 14
 """Bytes fetched at once where records are hopped over."""
 _MOST_BYTES = 1 << 23
 """The same where a file is read from end to end."""
+_HOP_BYTES = 1 << 19
+"""Up to so many bytes take less time than another request, so they are fetched where they are hopped over."""
 
 _T = TypeVar("_T")
 
@@ -274,7 +276,8 @@ class _Ranges(io.RawIOBase):
         return len(piece)
 
     def _load(self, wanted: int) -> None:
-        goes_on = bool(self._block) and self._position == self._start + len(self._block)
+        ahead = self._position - self._start - len(self._block)
+        goes_on = bool(self._block) and 0 <= ahead <= _HOP_BYTES
         self._next_bytes = min(2 * self._next_bytes, _MOST_BYTES) if goes_on else _LEAST_BYTES
         end = min(self._position + max(wanted, self._next_bytes), self._size_bytes)
         block = self._fetch(self._position, end)

@@ -154,7 +154,7 @@ class _Summaries(RecordingCommand[BagSummary]):
         """Messages, volume and duration."""
         return (
             f"{grouped(self._messages)} messages, {grouped(self._size_bytes / BYTES_PER_MB, 1)} MB in "
-            f"{grouped(self._duration_s, 1)} s"
+            f"{grouped(self._duration_s, 1)} s of recording"
         )
 
     def require_topics(self) -> None:

@@ -41,11 +41,13 @@ def add_topics_and_form(action: argparse.ArgumentParser) -> None:
     add_form(action)
 
 
-def add_form(action: argparse.ArgumentParser) -> None:
+def add_form(action: argparse.ArgumentParser, *, instead_of: str = "tables") -> None:
     """Add ``--json`` or ``--csv``."""
     form = action.add_mutually_exclusive_group()
-    form.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
-    form.add_argument("--csv", action="store_true", help="print comma-separated values instead of tables")
+    form.add_argument("--json", action="store_true", help=f"print one JSON object instead of {instead_of}")
+    form.add_argument(
+        "--csv", action="store_true", help=f"print comma-separated values instead of {instead_of}"
+    )
 
 
 def add_map(action: argparse.ArgumentParser) -> None:

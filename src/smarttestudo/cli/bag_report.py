@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""``testudo bag report``: one recording, or two beside each other, as one HTML file."""
+"""``testudo bag report``: a recording, two beside each other, or many of either, as one HTML file."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from smarttestudo.cli.bag_figures import (
     print_written,
 )
 from smarttestudo.cli.bag_options import (
+    add_form,
     add_map,
     add_predict,
     add_topics,
@@ -27,8 +28,11 @@ from smarttestudo.cli.bag_options import (
 )
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.cli.paths import file_path, own_name
+from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
+from smarttestudo.cli.recording_options import add_pair, add_several
+from smarttestudo.cli.recordings import name_of, pairs_asked
+from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.files.whole_file import whole_file
@@ -48,11 +52,14 @@ def add_arguments(action: CommandParser) -> None:
     """Add the arguments of ``testudo bag report``."""
     action.description = (
         "Write one HTML file that shows a recording, or two of one run beside each other: A as "
-        "sent, B as received. It needs no network and no other file."
+        "sent, B as received. Of several it shows which robots, recordings, topics and rules lost and cost "
+        "most. It needs no network and no other file."
     )
-    action.add_argument("a", metavar="A", type=file_path, help="the recording, as the robot sent it")
-    action.add_argument(
-        "b", metavar="B", type=file_path, nargs="?", help="the same run as the operator received it"
+    add_pair(
+        action,
+        a="the recording, as the robot sent it",
+        b="the same run as the operator received it",
+        is_b_optional=True,
     )
     action.add_argument(
         "--rules",
@@ -61,7 +68,8 @@ def add_arguments(action: CommandParser) -> None:
         action="extend",
         type=file_path,
         default=[],
-        help="the rule files of B, or folders of them; shown, with their zones on the map",
+        help="the rule files of B, or folders of them; shown, with their zones on the map; of several "
+        "recordings they decide over each A once more",
     )
     action.add_argument(
         "--decisions", metavar="FILE", type=file_path, help="the file that --decisions wrote when B was made"
@@ -88,18 +96,40 @@ def add_arguments(action: CommandParser) -> None:
         default=_DEFAULT_OUTPUT,
         help="the report (default: %(default)s)",
     )
+    add_several(action)
+    add_form(action, instead_of="a line, for each of several recordings")
     action.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the report; 1 if the rules have an error."""
-    _require_separate(arguments)
+    """Write the report; 1 if the rules have an error, or one of several recordings could not be read."""
+    topic_mapping(arguments.map)
     profile = None if arguments.profile is None else load_profile(arguments.profile)
     rules = load_rules(arguments.rules, profile=profile) if arguments.rules else None
     if rules is not None and rules.errors:
         print_findings(rules.errors, rules.texts, sys.stderr)
         return EXIT_ERROR
     require_bounded(arguments.predict, rules)
+    asked = pairs_asked(arguments)
+    if len(asked) > 1:
+        from smarttestudo.cli.bag_fleet_report import write_fleet_report  # noqa: PLC0415  as below
+
+        return write_fleet_report(arguments, asked, profile or Profile(), rules)
+    (only,) = asked
+    if isinstance(only, TestudoError):
+        raise only
+    for option in ("json", "csv", "parquet"):
+        if getattr(arguments, option):
+            raise UsageError(
+                "it needs several recordings",
+                place=f"--{option}",
+                remedy="`testudo bag bandwidth` and `testudo bag loss` have the numbers of one",
+            )
+    return _write_one(argparse.Namespace(**{**vars(arguments), **only}), profile, rules)
+
+
+def _write_one(arguments: argparse.Namespace, profile: Profile | None, rules: LoadedRules | None) -> int:
+    _require_separate(arguments)
     with whole_file(arguments.output, "the report") as write:
         report = _report(arguments, profile or Profile(), rules)
         write(_html(report))
@@ -153,11 +183,11 @@ def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules 
         ReportRequest(
             a=a,
             b=b,
-            title=own_name(a) if b is None else f"{own_name(a)} beside {own_name(b)}",
+            title=name_of(a) if b is None else f"{name_of(a)} beside {name_of(b)}",
             explanation=""
             if b is None
             else f"A is what the robot sent ({a}), B what was received of it ({b}).",
-            names=RunNames(before="A" if b else own_name(a), after="B"),
+            names=RunNames(before="A" if b else name_of(a), after="B"),
             mapping=topic_mapping(arguments.map),
             topics=arguments.topics,
             rule_set=rules.rule_set if rules else None,

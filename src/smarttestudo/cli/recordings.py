@@ -57,6 +57,8 @@ class RecordingCommand(ABC, Generic[Result]):
     """The table that ``--parquet`` adds to."""
     is_named_by_text = False
     """Whether ``print_text`` says which recording it is about."""
+    prints_each = True
+    """Whether ``print_text`` prints something, so that an empty line parts it from the next."""
 
     @staticmethod
     @abstractmethod
@@ -82,12 +84,15 @@ class RecordingCommand(ABC, Generic[Result]):
     def finish(self, arguments: argparse.Namespace) -> None:
         """Do what follows once a recording was printed."""
 
+    def failed(self, line: str) -> None:
+        """Take the ``line`` that was printed of a recording that could not be read."""
+
     def sum(self) -> str:
         """The sum of all recordings in words."""
         return ""
 
 
-Asked = Mapping[str, Path | None] | TestudoError
+Asked = Mapping[str, Path | str | None] | TestudoError
 """Arguments that stand for one recording or a pair in those of the command, or why there are none."""
 
 
@@ -108,9 +113,10 @@ def pairs_asked(arguments: argparse.Namespace) -> list[Asked]:
 
     a, b, timeout_s = arguments.a, arguments.b, arguments.timeout
     if b is None:
-        return [{"a": found.path, "b": None} for found in find_recordings(a, timeout_s=timeout_s)]
+        found = find_recordings(a, timeout_s=timeout_s)
+        return [{"a": one.path, "b": None, "robot": one.robot} for one in found]
     return [
-        one if isinstance(one, TestudoError) else {"a": one.a, "b": one.b}
+        one if isinstance(one, TestudoError) else {"a": one.a, "b": one.b, "robot": one.robot}
         for one in pair_recordings(a, b, timeout_s=timeout_s)
     ]
 
@@ -130,10 +136,11 @@ def folders_of_each(asked: Sequence[Asked], folder: Path) -> Iterator[Path]:
     digits = len(str(len(asked)))
     for number, one in enumerate(asked, start=1):
         named = [] if isinstance(one, TestudoError) else [*recordings_in(one).values()]
-        yield folder / "-".join([f"{number:0{digits}}", *map(_own_name, named[:1])])
+        yield folder / "-".join([f"{number:0{digits}}", *map(name_of, named[:1])])
 
 
-def _own_name(recording: Path) -> str:
+def name_of(recording: Path) -> str:
+    """Own name of the recording at a path or a URL."""
     return recording.name if is_remote(recording) else own_name(recording)
 
 
@@ -160,11 +167,11 @@ def each_recording(
                 error = outcome if isinstance(outcome, TestudoError) else output.failure(one, outcome)
                 if error is not None:
                     failed += 1
-                    _print_error(one, error)
+                    command.failed(_print_error(one, error))
         print_notices(executor.notices)
         if executor.failure is not None:
             _print_error(arguments, executor.failure)
-    if _is_text(arguments):
+    if _is_text(arguments) and command.prints_each:
         failures = f", {failed} of which could not be read" if failed else ""
         sums = [f"{counted(len(asked), 'recording')}{failures}", command.sum()]
         print(f"\n{': '.join(filter(None, sums))}")  # noqa: T201
@@ -197,7 +204,7 @@ def _outcomes(
     """The arguments of each recording with what came of it, in order."""
     there = [one for one in asked if not isinstance(one, TestudoError)]
     label = f"Reading {counted(len(asked), 'recording')}"
-    task: Callable[[Mapping[str, Path | None]], Result] = partial(
+    task: Callable[[Mapping[str, Path | str | None]], Result] = partial(
         _measure_one, command.measure, _from_the_root(arguments)
     )
     with closing(executor.map(task, there)) as results:
@@ -228,7 +235,7 @@ def _absolute(value: object) -> object:
 def _measure_one(
     measure: Callable[[argparse.Namespace, Progress], Result],
     arguments: argparse.Namespace,
-    one: Mapping[str, Path | None],
+    one: Mapping[str, Path | str | None],
 ) -> Result:
     return measure(_with(arguments, one), silent)
 
@@ -263,10 +270,12 @@ def _local_executor(workers: int) -> Executor:
     return Processes(workers)
 
 
-def _print_error(one: argparse.Namespace, error: TestudoError) -> None:
-    """A line after what was printed."""
+def _print_error(one: argparse.Namespace, error: TestudoError) -> str:
+    """Print a line after what was printed, and give it."""
+    line = _with_name(one, str(error))
     sys.stdout.flush()
-    print(_with_name(one, str(error)), file=sys.stderr)  # noqa: T201
+    print(line, file=sys.stderr)  # noqa: T201
+    return line
 
 
 def _with_name(one: argparse.Namespace, line: str) -> str:
@@ -326,7 +335,7 @@ class _Output(Generic[Result]):
         return {**{name: str(path) for name, path in recordings_in(vars(one)).items()}, **value}
 
     def _print_heading(self, one: argparse.Namespace) -> None:
-        if self._is_only:
+        if self._is_only or not self._command.prints_each:
             return
         if not self._is_first:
             print()  # noqa: T201

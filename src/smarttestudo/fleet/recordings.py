@@ -20,10 +20,14 @@ _WILDCARD = re.compile(r"[*?]|\[[^]]*\]?")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FoundRecording:
-    """The place of a recording; ``key`` is what a folder or a pattern left open, "" where it names one."""
+    """The place of a recording; ``key`` is what a folder or a pattern left open, "" where it names one.
+
+    ``robot`` is the first folder that was left open, as ``r1`` in ``r1/monday``; "" where there is none.
+    """
 
     path: Path
     key: str = ""
+    robot: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +36,7 @@ class RecordingPair:
 
     a: Path
     b: Path
+    robot: str = ""
 
 
 def find_recordings(text: str, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> tuple[FoundRecording, ...]:
@@ -55,10 +60,14 @@ def _is_pattern(text: str) -> bool:
 
 def _matching(text: str, top: Path) -> list[FoundRecording]:
     """Recordings that the pattern ``text`` matches, or that are in folders that it matches."""
-    first, *_, last = _WILDCARD.split(text)
+    first, *_, last = _WILDCARD.split(str(top))
     matches = remote_matches(top) if is_url(text) else map(Path, sorted(glob(text, recursive=True)))  # noqa: PTH207  pathlib has no patterns with a root
     return [
-        FoundRecording(path=path, key=str(path).removeprefix(first).removesuffix(last))
+        FoundRecording(
+            path=path,
+            key=str(path).removeprefix(first).removesuffix(last),
+            robot=_robot(str(path), len(first)),
+        )
         for match in matches
         for path in _recordings_at(match)
     ]
@@ -66,9 +75,22 @@ def _matching(text: str, top: Path) -> list[FoundRecording]:
 
 def _below(top: Path) -> list[FoundRecording]:
     return [
-        FoundRecording(path=path, key="" if path == top else str(path.relative_to(top)))
+        FoundRecording(path=path)
+        if path == top
+        else FoundRecording(
+            path=path,
+            key=str(path.relative_to(top)),
+            robot=_robot(str(path), len(str(path)) - len(str(path.relative_to(top)))),
+        )
         for path in _recordings_at(top)
     ]
+
+
+def _robot(path: str, opened: int) -> str:
+    """The folder in ``path`` in whose name the place ``opened`` is; "" where that is the recording."""
+    start = path.rfind("/", 0, opened) + 1
+    end = path.find("/", opened)
+    return path[start:end] if end >= 0 else ""
 
 
 def pair_recordings(
@@ -85,7 +107,9 @@ def pair_recordings(
     pairs: list[RecordingPair | RecordingError] = []
     for one in first:
         partner = partners.pop(one.key, None)
-        pairs.append(_alone(one, b) if partner is None else RecordingPair(a=one.path, b=partner.path))
+        pairs.append(
+            _alone(one, b) if partner is None else RecordingPair(a=one.path, b=partner.path, robot=one.robot)
+        )
     return (*pairs, *(_alone(one, a) for one in partners.values()))
 
 

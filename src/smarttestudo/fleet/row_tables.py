@@ -47,6 +47,7 @@ class RowTable(Enum):
     CURVES = "curves"
     ACCURACIES = "accuracies"
     REPLAYS = "replays"
+    REPORTS = "reports"
 
     @property
     def columns(self) -> Mapping[str, ColumnType]:
@@ -103,5 +104,15 @@ _COLUMNS: Mapping[RowTable, Mapping[str, ColumnType]] = {
         **dict.fromkeys(("source_hz", "target_hz", "mean_hz", "error_percent", "in_kb", "out_kb"), _NUMBER),
         "declared": ColumnType.FLAG,
         "frames": _WHOLE,
+    },
+    RowTable.REPORTS: {
+        **_PAIR,
+        "robot": _TEXT,
+        "recorded_at": ColumnType.TIME,
+        "duration_s": _NUMBER,
+        "topic": _TEXT,
+        **dict.fromkeys(("messages", "bytes"), _WHOLE),
+        **dict.fromkeys(("received_messages", "received_bytes", "lost_messages"), _WHOLE),
+        **dict.fromkeys(("age_mean_s", "age_max_s"), _NUMBER),
     },
 }

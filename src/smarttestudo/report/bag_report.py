@@ -81,14 +81,14 @@ def bag_report(request: ReportRequest) -> RunReport:
     """
     runs = _measure(request, with_places=True)
     report = _report(request, runs)
-    measurement, notices = _known(lambda: _loss_measurement(request, runs))
+    measurement, notices = known_or_why(lambda: _loss_measurement(request, runs))
     wanted = position_wanted(runs.a.channels, {pair.topic for pair in runs.pairs})
     readings = joined(measurement.readings() if measurement else {}, readings_for(wanted, request.profile))
     sent, comparison = _read_sent(request, runs, readings)
     loss: LossReport | None = None
     if measurement is not None:
         with request.progress("Measuring what was lost") as told:
-            loss, notices = _known(lambda: measurement.report(sent, told))
+            loss, notices = known_or_why(lambda: measurement.report(sent, told))
         notices = loss.notices if loss else notices
     curves: tuple[AccuracyCurve, ...] = ()
     if wanted:
@@ -109,7 +109,7 @@ def bag_report(request: ReportRequest) -> RunReport:
 _Known = TypeVar("_Known")
 
 
-def _known(measure: Callable[[], _Known | None]) -> tuple[_Known | None, tuple[str, ...]]:
+def known_or_why(measure: Callable[[], _Known | None]) -> tuple[_Known | None, tuple[str, ...]]:
     """Measure a part of the loss, or say why it is not known."""
     try:
         return measure(), ()

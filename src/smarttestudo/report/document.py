@@ -17,7 +17,7 @@ from smarttestudo.report.markup import Markup, html_table, tag
 from smarttestudo.report.rule_styles import RuleStyles, styles_of
 from smarttestudo.report.rule_timeline import RuleSpan, deciding_spans
 from smarttestudo.report.run_report import RunReport
-from smarttestudo.report.scripts import content_policy, script_elements, style
+from smarttestudo.report.scripts import content_policy, run_script, script_elements, style
 from smarttestudo.report.sections import (
     accuracy_section,
     bandwidth_section,
@@ -49,8 +49,13 @@ def render_report(report: RunReport) -> str:
     """
     drawn = _draw(report)
     scripts = script_elements(report.duration_s, drawn.plan.places if drawn.plan else ())
-    body = tag("body", tag("main", *_parts(report, drawn)), *scripts)
-    return "<!DOCTYPE html>\n" + tag("html", _head(report.title), body, lang="en").html + "\n"
+    return html_document(report.title, tag("main", *_parts(report, drawn)), *scripts, script=run_script())
+
+
+def html_document(title: str, *content: Markup, script: str) -> str:
+    """``content`` as a document that runs ``script`` alone, which is part of it, and loads nothing."""
+    body = tag("body", *content)
+    return "<!DOCTYPE html>\n" + tag("html", _head(title, script), body, lang="en").html + "\n"
 
 
 def _draw(report: RunReport) -> _Drawn:
@@ -65,11 +70,11 @@ def _draw(report: RunReport) -> _Drawn:
     )
 
 
-def _head(title: str) -> Markup:
+def _head(title: str, script: str) -> Markup:
     return tag(
         "head",
         tag("meta", charset="utf-8"),
-        tag("meta", http_equiv="Content-Security-Policy", content=content_policy()),
+        tag("meta", http_equiv="Content-Security-Policy", content=content_policy(script)),
         tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
         tag("meta", name="color-scheme", content="light dark"),
         tag("title", title),

@@ -51,7 +51,7 @@ def opening(
     words = tag(
         "div",
         tag("h1", report.title, class_="words"),
-        tag("p", _kept_together(sentence), class_="lead"),
+        tag("p", kept_together(sentence), class_="lead"),
         *(tag("p", text, class_="explanation words") for text in _explanations(report)),
         _bars(report),
         tag("p", extent, class_="note"),
@@ -69,7 +69,7 @@ def _explanations(report: RunReport) -> Iterator[str]:
         yield f"Incident {report.incident.text}"
 
 
-def _kept_together(sentence: str) -> str:
+def kept_together(sentence: str) -> str:
     """``sentence`` with lines that break after commas only."""
     return ", ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in sentence.split(", "))
 

@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from smarttestudo.domain.units import grouped
 from smarttestudo.report.markup import Markup, tag
 from smarttestudo.report.rule_styles import RuleStyle, RuleStyles
 from smarttestudo.report.rule_timeline import RuleSpan
 from smarttestudo.report.run_report import RunReport
-from smarttestudo.report.summary import bandwidth_text
 from smarttestudo.report.time_chart import Layer
 
 
@@ -45,13 +44,13 @@ def chart_legend(lines: Sequence[tuple[str, str]], tints: Sequence[RuleStyle]) -
     return tag("ul", *(_line(style, name) for style, name in lines), *shaded, class_="legend")
 
 
-def layer_legend(stack: Sequence[Layer]) -> Markup:
-    """The layers of a stacked chart from top to bottom, each with its mean."""
+def layer_legend(stack: Sequence[Layer], amount: Callable[[Layer], str]) -> Markup:
+    """The layers of a stacked chart from top to bottom, each with its ``amount`` in words."""
     entries = [
         _entry(
             _sample(tag("rect", class_=f"layer share-{index}", x=1.0, y=1.0, width=32.0, height=10.0)),
             layer.name,
-            tag("span", bandwidth_text(layer.mean_kb_per_s), class_="quiet"),
+            tag("span", amount(layer), class_="quiet"),
         )
         for index, layer in enumerate(stack, start=1)
     ]

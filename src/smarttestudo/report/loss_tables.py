@@ -209,11 +209,16 @@ def _error_row(loss: FieldLoss) -> Row:
     )
 
 
+def bound_name(loss: BoundLoss) -> str:
+    """The picture that is bounded."""
+    return f"{loss.topic} {loss.property_name}{', reckoned' if loss.reckons else ''}"
+
+
 def _bound_row(loss: BoundLoss) -> Row:
     kept = "held" if loss.is_held else "broken"
     return Row(
         cells=(
-            Text(f"{loss.topic} {loss.property_name}{', reckoned' if loss.reckons else ''}"),
+            Text(bound_name(loss)),
             Text(loss.unit),
             measured(loss.bound),
             measured(loss.worst),

@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
+from itertools import zip_longest
 
 from smarttestudo.domain.units import grouped
 from smarttestudo.report.table import Column, Row, Table, Text, format_cell, printable
@@ -72,10 +73,11 @@ def _text(text: str) -> str:
 MAX_ROWS = 300
 
 
-def html_table(table: Table) -> Markup:
+def html_table(table: Table, names: Sequence[Markup] = ()) -> Markup:
     """``table`` as a figure with its footnotes; the report gives it a visible heading.
 
-    Scripts make its columns sortable. A very long table ends after ``MAX_ROWS`` rows and its sums.
+    Scripts make its columns sortable. A very long table ends after ``MAX_ROWS`` rows and its sums. ``names``
+    take the place of what is in the first column.
     """
     head = tag("tr", *(_heading(column) for column in table.columns))
     rows = [row for row in table.rows if not row.is_total]
@@ -83,7 +85,8 @@ def html_table(table: Table) -> Markup:
     left_out = len(rows) - MAX_ROWS
     more = (f"… and {grouped(left_out)} more rows; `testudo bag` prints them all.",) if left_out > 0 else ()
     notes = [tag("p", note, class_="note") for note in (*more, *table.footnotes)]
-    body = tag("tbody", *(_row(row, table.columns) for row in (*rows[:MAX_ROWS], *sums)))
+    shown = zip_longest((*rows[:MAX_ROWS], *sums), names[:MAX_ROWS])
+    body = tag("tbody", *(_row(row, table.columns, name) for row, name in shown))
     caption = tag("caption", table.title, class_="unseen")
     return tag(
         "figure", tag("table", caption, tag("thead", head), body, data_sortable="yes"), *notes, class_="wide"
@@ -95,13 +98,16 @@ def _heading(column: Column) -> Markup:
     return tag("th", column.heading, *unit, class_=column.align.value, scope="col")
 
 
-def _row(row: Row, columns: tuple[Column, ...]) -> Markup:
+def _row(row: Row, columns: tuple[Column, ...], name: Markup | None) -> Markup:
+    texts: list[Child] = [format_cell(cell) for cell in row.cells]
+    if name is not None:
+        texts[0] = name
     cells = (
         tag(
             "td",
-            format_cell(cell),
+            text,
             class_=f"{column.align.value}{' words' if isinstance(cell, Text) else ''}",
         )
-        for cell, column in zip(row.cells, columns, strict=True)
+        for text, cell, column in zip(texts, row.cells, columns, strict=True)
     )
     return tag("tr", *cells, class_="total") if row.is_total else tag("tr", *cells)

@@ -17,7 +17,7 @@ from smarttestudo.report.styles import colour_sheet
 DATA_ID = "chart-data"
 _FOLDER = files("smarttestudo.report")
 # In the order in which they build upon each other.
-_OWN = (
+_OF_A_RUN = (
     "time.js",
     "chart.js",
     "lanes.js",
@@ -26,6 +26,7 @@ _OWN = (
     "tables.js",
     "start.js",
 )
+_OF_MANY = ("tables.js", "many.js")
 
 
 def style() -> str:
@@ -33,9 +34,18 @@ def style() -> str:
     return "\n".join([colour_sheet(), row_sheet(), _read("report.css")])
 
 
-def script() -> str:
-    """The report's scripts as one."""
-    own = "\n".join(_without_head(_read(f"script/{name}")) for name in _OWN)
+def run_script() -> str:
+    """The scripts of the report of a run as one."""
+    return _script(_OF_A_RUN)
+
+
+def many_script() -> str:
+    """The scripts of the report over many recordings as one."""
+    return _script(_OF_MANY)
+
+
+def _script(names: Iterable[str]) -> str:
+    own = "\n".join(_without_head(_read(f"script/{name}")) for name in names)
     return f'(() => {{\n"use strict";\n{own}\n}})();\n'
 
 
@@ -43,12 +53,14 @@ def script_elements(duration_s: float, path: Iterable[tuple[float, float, float]
     """Data that no drawing tells, and its scripts: the duration, and when the robot was where on the map."""
     places = [[round(t_s, 2), round(x, 1), round(y, 1)] for t_s, x, y in path]
     data = json_text({"duration": max(duration_s, 1e-3), "path": places}, compact=True)
-    return tag("script", Markup(data), type="application/json", id=DATA_ID), tag("script", Markup(script()))
+    return tag("script", Markup(data), type="application/json", id=DATA_ID), tag(
+        "script", Markup(run_script())
+    )
 
 
-def content_policy() -> str:
-    """A content security policy under which nothing is loaded and only these scripts and styles count."""
-    allowed = f"script-src '{_digest(script())}'; style-src '{_digest(style())}'"
+def content_policy(script: str) -> str:
+    """A content security policy under which nothing is loaded and only ``script`` and the styles count."""
+    allowed = f"script-src '{_digest(script)}'; style-src '{_digest(style())}'"
     return f"default-src 'none'; {allowed}; base-uri 'none'; form-action 'none'"
 
 

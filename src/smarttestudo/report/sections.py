@@ -18,7 +18,7 @@ from smarttestudo.report.loss_tables import loss_tables
 from smarttestudo.report.markup import Markup, html_table, name_parts, tag
 from smarttestudo.report.rule_styles import RuleStyles
 from smarttestudo.report.run_report import Fact, RunReport
-from smarttestudo.report.summary import fixed_price, length_text, position_error
+from smarttestudo.report.summary import bandwidth_text, fixed_price, length_text, position_error
 from smarttestudo.report.table import format_number
 from smarttestudo.report.time_chart import Run, TimeChart, stacked_chart, total_chart
 from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart
@@ -58,7 +58,7 @@ def bandwidth_section(report: RunReport) -> Markup:
         "Bandwidth",
         run_legend(report),
         figure("total", [tag("span", total.name, class_="name")], draw_chart(total, WIDE, _WIDE_POINTS)),
-        layer_legend(stack.layers),
+        layer_legend(stack.layers, lambda layer: bandwidth_text(layer.mean_kb_per_s)),
         figure("stack", [tag("span", by_topic, class_="name")], draw_chart(stack, WIDE, _WIDE_POINTS)),
         explanation="What the topics shown here carry together in each second.",
     )

@@ -8,11 +8,14 @@ from dataclasses import dataclass
 
 from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.bags.comparison import Comparison
-from smarttestudo.domain.units import BYTES_PER_KB, counted, grouped
+from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_KB, BYTES_PER_MB, counted, grouped
 from smarttestudo.report.table import MISSING, format_number
 
 _KB_PER_MB = 1000
 _FEWER = 0.97
+_TIMES = ((3600.0, "h"), (60.0, "min"), (0.0, "s"))
+_WHOLE_FROM = 1000
+_VOLUMES = ((1000 * BYTES_PER_GB, "TB"), (BYTES_PER_GB, "GB"), (BYTES_PER_MB, "MB"))
 _LENGTHS = ((1.0, 1.0, "m"), (0.01, 100.0, "cm"), (0.0, 1000.0, "mm"))
 
 
@@ -103,6 +106,24 @@ def length_text(length_m: float, *, beside_m: float = 0.0) -> str:
     longest_m = max(length_m, beside_m)
     factor, unit = next((factor, unit) for least_m, factor, unit in _LENGTHS if longest_m >= least_m)
     return f"{format_number(length_m * factor, 1)} {unit}"
+
+
+def volume_text(size_bytes: float) -> str:
+    """``size_bytes`` in GB, MB or KB, whichever reads best."""
+    unit_bytes, unit = volume_unit(size_bytes)
+    return f"{format_number(size_bytes / unit_bytes, 1)} {unit}"
+
+
+def volume_unit(size_bytes: float) -> tuple[int, str]:
+    """The bytes of the unit in which ``size_bytes`` read best, and its name."""
+    return next((one for one in _VOLUMES if size_bytes >= one[0]), (BYTES_PER_KB, "KB"))
+
+
+def time_text(duration_s: float) -> str:
+    """``duration_s`` in hours, minutes or seconds, whichever reads best."""
+    factor, unit = next(one for one in _TIMES if duration_s >= one[0])
+    value = duration_s / (factor or 1.0)
+    return f"{format_number(value, 0 if value >= _WHOLE_FROM else 1)} {unit}"
 
 
 def bandwidth_text(kb_per_s: float | None) -> str:

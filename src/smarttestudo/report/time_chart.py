@@ -67,8 +67,16 @@ class Layer:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ChartStretch:
+    """A stretch of time that a chart labels: the text under it, and what it tells a pointer."""
+
+    label: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class TimeChart:
-    """A chart over the time from 0 to ``duration_s``.
+    """A chart over the time from 0 to ``duration_s``, or over ``stretches``, each of which is 1 wide then.
 
     ``name`` is what it is of, ``meaning`` what a reader who cannot see it is told. ``heights`` maps values in
     ``unit`` to heights above the foot, straight but for a gap that it may leave out; ``ticks`` are the values
@@ -88,6 +96,7 @@ class TimeChart:
     usual: float | None = None
     budget: float | None = None
     incident: IncidentMark | None = None
+    stretches: tuple[ChartStretch, ...] = ()
 
     @property
     def top(self) -> float:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from smarttestudo.bags.incident_mark import IncidentMark
@@ -54,6 +54,7 @@ def draw_chart(chart: TimeChart, frame: Frame, max_points: int) -> Markup:
         *_layers(chart, max_points),
         *_lines(chart, max_points),
         *incident_line(chart.incident, chart.duration_s, chart.top),
+        *_stretches(chart),
         transform="scale(1 -1)",
     )
     height = frame.height + _ABOVE + _BELOW
@@ -70,6 +71,7 @@ def draw_chart(chart: TimeChart, frame: Frame, max_points: int) -> Markup:
         frame=frame,
         duration_s=chart.duration_s,
         meaning=chart.meaning,
+        times=_stretch_labels(chart, frame.times - 1) if chart.stretches else None,
         data_unit=chart.unit,
         **gap,
     )
@@ -83,8 +85,18 @@ def incident_line(mark: IncidentMark | None, duration_s: float, height: float) -
             yield tag("line", *words, class_=style, x1=at, x2=at, y1=0.0, y2=number(height))
 
 
-def time_svg(*content: Markup, frame: Frame, duration_s: float, meaning: str, **attributes: str) -> Markup:
-    """A drawing over time that says what it shows, with the axis of times and the ground for a pointer."""
+def time_svg(
+    *content: Markup,
+    frame: Frame,
+    duration_s: float,
+    meaning: str,
+    times: Iterable[Markup] | None = None,
+    **attributes: str,
+) -> Markup:
+    """A drawing over time that says what it shows, with the axis of ``times`` and the ground for a pointer.
+
+    Without ``times`` they are seconds.
+    """
     ground = tag("rect", class_="ground", x=0.0, y=frame.top, width="100%", height=frame.height)
     return tag(
         "svg",
@@ -92,7 +104,7 @@ def time_svg(*content: Markup, frame: Frame, duration_s: float, meaning: str, **
         *content,
         tag(
             "g",
-            *_times(duration_s, frame.times),
+            *(_times(duration_s, frame.times) if times is None else times),
             class_="times",
             transform=f"translate(0 {frame.foot + 22:g})",
         ),
@@ -138,6 +150,24 @@ def _times(duration_s: float, most: int) -> Iterator[Markup]:
     for time_s in times_s:
         unit = " s" if time_s == times_s[-1] else ""
         yield tag("text", label(time_s) + unit, x=share(time_s, duration_s), text_anchor="middle")
+
+
+def _stretch_labels(chart: TimeChart, most: int) -> Iterator[Markup]:
+    """Labels in the middle of at most ``most`` stretches; a narrow screen leaves out every second one."""
+    every = -(-len(chart.stretches) // most)
+    for number_, stretch in enumerate(chart.stretches[::every]):
+        middle = share(number_ * every + 0.5, len(chart.stretches))
+        classes = {"class_": "between"} if number_ % 2 else {}
+        yield tag("text", stretch.label, x=middle, text_anchor="middle", **classes)
+
+
+def _stretches(chart: TimeChart) -> Iterator[Markup]:
+    """Areas that say what a stretch shows where a pointer rests on them."""
+    for start, stretch in enumerate(chart.stretches):
+        title = tag("title", stretch.meaning)
+        yield tag(
+            "rect", title, class_="stretch", x=number(start), y="0", width="1", height=number(chart.top)
+        )
 
 
 def _value_axis(chart: TimeChart, frame: Frame) -> Iterator[Markup]:

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Tables that sort by a click on a heading, and decisions that move the cursor to their time.
+// Tables that sort by a click on a heading.
 
 function sortable(table) {
   const headings = [...table.tHead.rows[0].cells];
@@ -36,10 +36,4 @@ function sortKey(cell) {
   if (text === "–") return null;
   if (!cell.classList.contains("right")) return text;
   return Number(text.replaceAll(" ", "").replace("−", "-"));
-}
-
-function movesCursor(row) {
-  const cell = row.cells[0];
-  const handle = button(cell.textContent, () => time.moveTo(Number(row.dataset.time)), `Show ${cell.textContent} s`);
-  cell.replaceChildren(handle);
 }

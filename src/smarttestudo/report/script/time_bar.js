@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The bar at the foot of the window: the time by keyboard, what holds then, and the zoom.
+// The time by keyboard: the bar at the foot of the window, what holds then and the zoom, and decisions.
 
 // `told` has the bars of the rule that decided most topics, and what says all topics' bandwidth.
 function timeBar(told) {
@@ -46,4 +46,11 @@ function button(text, act, label = text) {
   made.setAttribute("aria-label", label);
   made.addEventListener("click", act);
   return made;
+}
+
+// Decisions move the cursor to their time.
+function movesCursor(row) {
+  const cell = row.cells[0];
+  const handle = button(cell.textContent, () => time.moveTo(Number(row.dataset.time)), `Show ${cell.textContent} s`);
+  cell.replaceChildren(handle);
 }

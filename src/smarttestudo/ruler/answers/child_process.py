@@ -20,6 +20,7 @@ class ChildWork(Enum):
     """Kind of work: a request about a bag or an incident, which is a path, or an order of its own."""
 
     TRIAL = "trial"
+    HEADLINE = "headline"
     CURVE = "curve"
     ACCURACY = "accuracy"
     INCIDENT = "incident"
@@ -42,6 +43,12 @@ def _main(work: ChildWork) -> int:
             from smarttestudo.ruler.answers.trial import TryRequest, try_rules  # noqa: PLC0415
 
             return answer_order(TryRequest, lambda order, report: try_rules(order, Path(order.bag), report))
+        case ChildWork.HEADLINE:
+            from smarttestudo.ruler.answers.trial import TryRequest, tried_recording  # noqa: PLC0415
+
+            return answer_order(
+                TryRequest, lambda order, report: tried_recording(order, Path(order.bag), report)
+            )
         case ChildWork.CURVE:
             from smarttestudo.ruler.answers.curve import CurveRequest, measured_curve  # noqa: PLC0415
 

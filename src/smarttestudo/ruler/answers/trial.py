@@ -31,6 +31,12 @@ from smarttestudo.ruler.answers.replay_watch import (
     CountingWriter,
     TruthWatch,
 )
+from smarttestudo.ruler.answers.trial_headline import (
+    TriedRecording,
+    TryHeadline,
+    worst_field,
+    worst_topic,
+)
 from smarttestudo.ruler.answers.trial_incidents import IncidentTally, TryIncident
 from smarttestudo.ruler.answers.trial_loss import LossWatch, TryLoss
 from smarttestudo.rules.rule_sets import sha256_of_rules, tier_values_for
@@ -49,7 +55,10 @@ class TrialLimits:
 
 
 class TryRequest(Draft, frozen=True, kw_only=True):
-    """``POST /api/try`` → ``TryAnswer``; ``run`` names the try in ``Progress`` messages of ``/ws``."""
+    """``POST /api/try`` → ``TryAnswer``; ``/api/try/headline`` → ``TriedRecording``.
+
+    ``run`` names the try in ``Progress`` messages of ``/ws``.
+    """
 
     bag: str
     run: str = ""
@@ -86,8 +95,8 @@ class TryDecision:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TryAnswer:
-    """Result of a try of rules on a bag; ``percent`` is how much less of the relayed topics was sent.
+class TryAnswer(TryHeadline):
+    """Result of a try of rules on a bag.
 
     Times are seconds since the bag's start. ``…_bins`` have one value for each ``bin_s`` seconds; the first
     begins at ``first_bin_s``, 0 or less. ``decisions`` are the first 2000 of ``decision_count``; ``path`` is
@@ -95,12 +104,8 @@ class TryAnswer:
     would have recorded, null where no rule records anything.
     """
 
-    duration_s: float
     bin_s: float
     first_bin_s: float
-    before_kb: float
-    after_kb: float
-    percent: float
     decisions: tuple[TryDecision, ...]
     decision_count: int
     topics: tuple[TryTopic, ...]
@@ -108,7 +113,6 @@ class TryAnswer:
     blocks: tuple[BlockTurns, ...]
     loss: TryLoss
     incidents: tuple[TryIncident, ...] | None
-    notices: tuple[str, ...]
 
 
 def try_rules(
@@ -149,6 +153,11 @@ def try_rules(
         bins = _bins(recording.start_ns, recording.end_ns)
         cuts = _cuts(watches, outcome, decisions, limits)
         return _trial(watches, outcome, tuple(decisions), bins, cuts)
+
+
+def tried_recording(draft: Draft, bag: Path, report: Callable[[float], None]) -> TriedRecording:
+    """The headline of ``try_rules``."""
+    return TriedRecording(headline=try_rules(draft, bag, report).headline())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -210,6 +219,10 @@ def _trial(
         before_kb=before_kb,
         after_kb=after_kb,
         percent=100 * (1 - after_kb / before_kb) if before_kb else 0.0,
+        worst_topic=worst_topic(loss),
+        worst_field=worst_field(loss),
+        crossings=sum(one.crossings for one in loss.crossings),
+        missed_crossings=sum(one.received.missed for one in loss.crossings),
         decisions=tuple(map(_decision, decisions)),
         decision_count=outcome.decisions,
         topics=topics,

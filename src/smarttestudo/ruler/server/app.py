@@ -52,6 +52,7 @@ from smarttestudo.ruler.answers.robot_incidents import (
 from smarttestudo.ruler.answers.robot_link import OpenRobots, RobotLink
 from smarttestudo.ruler.answers.robots import WatchedRobots
 from smarttestudo.ruler.answers.trial import TryAnswer, TryRequest
+from smarttestudo.ruler.answers.trial_headline import TriedRecording
 from smarttestudo.ruler.answers.vocabulary import Vocabulary, VocabularyRequest, vocabulary
 from smarttestudo.ruler.project.project_folder import ProjectFolder
 from smarttestudo.ruler.project.project_settings import SettingsFile
@@ -140,7 +141,9 @@ def api_routes(
     yield long_work(
         "/api/profile/measure-live", profiles.MeasureLiveRequest, MeasureApi(listeners).answer, TextAnswer
     )
-    yield long_work("/api/try", TryRequest, TryApi(folder, listeners).answer, TryAnswer)
+    tries = TryApi(folder, listeners)
+    yield long_work("/api/try", TryRequest, tries.answer, TryAnswer)
+    yield long_work("/api/try/headline", TryRequest, tries.headline, TriedRecording)
     yield long_work("/api/check/course", CheckCourseRequest, CheckApi(folder, listeners).answer, CheckCourse)
     losses = CurveApi(folder, listeners, ChildWork.CURVE)
     yield long_work("/api/profile/curve", CurveRequest, losses.answer, Curve)

@@ -20,6 +20,7 @@ from starlette.responses import Response
 
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
+from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.answers.check_course import (
     CheckCourseOrder,
     CheckCourseRequest,
@@ -31,9 +32,11 @@ from smarttestudo.ruler.answers.child_process import ChildWork, MeasureOrder
 from smarttestudo.ruler.answers.curve import CurveRequest
 from smarttestudo.ruler.answers.incident_course import IncidentCourseRequest
 from smarttestudo.ruler.answers.incidents import KnownIncidents
+from smarttestudo.ruler.answers.page_words import in_page_words
 from smarttestudo.ruler.answers.profiles import MeasureLiveRequest
 from smarttestudo.ruler.answers.trial import TryRequest
-from smarttestudo.ruler.project.project_folder import ProjectFolder
+from smarttestudo.ruler.answers.trial_headline import TriedRecording
+from smarttestudo.ruler.project.project_folder import ForbiddenPathError, ProjectFolder
 from smarttestudo.ruler.server.encodings import json_answer
 from smarttestudo.ruler.server.errors import GONE, RequestError
 from smarttestudo.ruler.server.socket import Listeners, Progress
@@ -136,11 +139,25 @@ class TryApi:
 
     async def answer(self, request: Request, asked: TryRequest) -> Response:
         """Replay a bag; who leaves ends it."""
-        bag = await run_in_threadpool(self._folder.bag, asked.bag)
         await run_in_threadpool(require_usable, asked)
-        return await self._work.answer(
-            request, order_about_bag(ChildWork.TRIAL, replace(asked, bag=str(bag)), asked.bag)
-        )
+        return await self._answered(request, asked, ChildWork.TRIAL)
+
+    async def headline(self, request: Request, asked: TryRequest) -> Response:
+        """As ``answer``, in short; why a bag of the project cannot be tried is an answer, too."""
+        await run_in_threadpool(require_usable, asked)
+        try:
+            return await self._answered(request, asked, ChildWork.HEADLINE)
+        except ForbiddenPathError:
+            raise
+        except TestudoError as error:
+            said = in_page_words(error)
+            tried = TriedRecording(headline=None, problem=said.cause, remedy=said.remedy or "")
+            return json_answer(request, answer_json(tried))
+
+    async def _answered(self, request: Request, asked: TryRequest, work: ChildWork) -> Response:
+        bag = await run_in_threadpool(self._folder.bag, asked.bag)
+        order = order_about_bag(work, replace(asked, bag=str(bag)), asked.bag)
+        return await self._work.answer(request, order)
 
 
 class CurveApi:

@@ -42,6 +42,7 @@ _READING_POSTS = frozenset(
         "robot/history",
         "robot/start",
         "try",
+        "try/headline",
         "version",
         "vocabulary",
         "zones",

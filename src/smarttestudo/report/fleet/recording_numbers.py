@@ -1,0 +1,126 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The numbers of one recording, or of a pair, that the report over many adds up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from typing import Annotated
+
+from smarttestudo.domain.record import JsonEntry, to_json
+from smarttestudo.domain.units import NS_PER_S, utc_time
+from smarttestudo.report.summary import PositionError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Received:
+    """The part of a topic that the operator received in the time of A, and its ages as in ``TopicLoss``."""
+
+    messages: int
+    size_bytes: Annotated[int, JsonEntry(name="bytes")]
+    age_mean_s: float | None
+    age_max_s: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicNumbers:
+    """A topic of A; ``received`` is ``None`` where B lacks it, and where there is no B."""
+
+    topic: Annotated[str, JsonEntry(is_absent=True)]
+    messages: int
+    size_bytes: Annotated[int, JsonEntry(name="bytes")]
+    received: Received | None = None
+
+    @property
+    def lost(self) -> int:
+        """Messages that the operator did not get; 0 where nobody knows."""
+        return 0 if self.received is None else max(self.messages - self.received.messages, 0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleNumbers:
+    """Messages and bytes of topics, each while ``rule`` decided its rate, to the second; "" is the defaults.
+
+    ``decided_s`` is how long it decided the most topics, ``decisions`` how often it began to decide one.
+    """
+
+    rule: str
+    decided_s: float
+    decisions: int
+    messages: int
+    size_bytes: Annotated[int, JsonEntry(name="bytes")]
+    received_messages: int | None
+    received_bytes: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoundNumbers:
+    """How a bound of the rules was kept, as of ``BoundLoss``; ``picture`` is its topic and property."""
+
+    picture: str
+    unit: str
+    bound: float
+    messages: int
+    broken: int
+    worst: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordingNumbers:
+    """The numbers of A, and of what B has of it; ``robot`` is "" where the names of folders do not tell.
+
+    ``position`` is how far off the operator's picture of the robot's place was. ``rules`` are known where
+    rules decided over A, ``bounds`` where there is a B, too. ``unmatched`` are patterns of topics that name
+    none here. ``notices`` say what was lost or odd, a line each.
+    """
+
+    a: str
+    b: str | None
+    robot: str
+    start_ns: int
+    duration_s: float
+    topics: tuple[TopicNumbers, ...]
+    rules: tuple[RuleNumbers, ...] = ()
+    bounds: tuple[BoundNumbers, ...] = ()
+    position: PositionError | None = None
+    unmatched: frozenset[str] = frozenset()
+    notices: tuple[str, ...] = ()
+
+    def to_json(self) -> dict[str, object]:
+        """The object that ``--json`` prints."""
+        return {
+            "a": self.a,
+            "b": self.b,
+            "robot": self.robot,
+            "start": utc_time(self.start_ns),
+            "start_ns": self.start_ns,
+            "duration_s": self.duration_s,
+            "topics": {one.topic: to_json(one) for one in self.topics},
+            "rules": [to_json(one) for one in self.rules],
+            "bounds": [to_json(one) for one in self.bounds],
+            "position": None if self.position is None else to_json(self.position),
+            "notices": list(self.notices),
+        }
+
+    def rows(self) -> Iterator[dict[str, object]]:
+        """One row for each topic, for ``--csv``."""
+        recorded_at = datetime.fromtimestamp(self.start_ns // NS_PER_S, tz=timezone.utc)
+        for one in self.topics:
+            got = one.received
+            yield {
+                "a": self.a,
+                "b": self.b,
+                "robot": self.robot,
+                "recorded_at": recorded_at,
+                "duration_s": self.duration_s,
+                "topic": one.topic,
+                "messages": one.messages,
+                "bytes": one.size_bytes,
+                "received_messages": got.messages if got else None,
+                "received_bytes": got.size_bytes if got else None,
+                "lost_messages": one.lost if got else None,
+                "age_mean_s": got.age_mean_s if got else None,
+                "age_max_s": got.age_max_s if got else None,
+            }

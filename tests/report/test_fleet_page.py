@@ -1,0 +1,207 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page over many recordings: sums against naive ones, its size, and how it looks in a browser."""
+
+from __future__ import annotations
+
+import random
+import tracemalloc
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from playwright.sync_api import Browser, Page, expect
+
+from axe import WIDTHS_PX, violations
+from report.fleet_totals_factory import DAY_S, MONDAY_S, fleet_report, recording, recordings
+from report.test_report_in_browser import CUT_OFF, LETTERS_PX, SCROLLS_SIDEWAYS
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.report.fleet.page import render_fleet_report, sentence
+from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
+from smarttestudo.report.fleet.totals import MOST_ROWS, FleetTotals
+from smarttestudo.report.fleet.trend import MOST_COLUMNS, Step, Trend
+
+made = st.builds(
+    recording,
+    robot=st.integers(0, 3),
+    day=st.integers(0, 2000),
+    shift=st.integers(0, 100),
+    is_pair=st.just(True),
+    topics=st.integers(0, 6),
+)
+
+
+def lost(one: RecordingNumbers) -> int:
+    return sum(topic.messages - topic.received.messages for topic in one.topics if topic.received)
+
+
+def total_of(numbers: list[RecordingNumbers], *, are_pairs: bool = True) -> FleetTotals:
+    totals = FleetTotals(are_pairs=are_pairs)
+    for one in numbers:
+        totals.add(one)
+    return totals
+
+
+@given(st.lists(made, max_size=30))
+def test_the_columns_add_up_to_all_recordings_in_the_order_of_time(numbers: list[RecordingNumbers]) -> None:
+    totals = total_of(numbers)
+    columns = totals.trend.columns()
+    expected, of_topics = Counter[str](), Counter[str]()
+    for one in numbers:
+        for topic in one.topics:
+            expected[topic.topic] += topic.messages
+    for column in columns:
+        for name, sums in column.topics.items():
+            of_topics[name] += sums.messages
+        assert column.total.messages == sum(sums.messages for sums in column.robots.values())
+    assert of_topics == expected == Counter({name: one.messages for name, one in totals.topics.items()})
+    assert totals.all.lost == sum(map(lost, numbers))
+    assert sum(column.total.recordings for column in columns) == len(numbers)
+    if totals.trend.step is Step.DAY:
+        assert [column.first for column in columns] == sorted(column.first for column in columns)
+
+
+@given(st.integers(1, 400), st.integers(1, 300), st.randoms(use_true_random=False))
+def test_columns_are_bounded_whatever_the_days(days: int, each: int, order: random.Random) -> None:
+    numbers = [recording(0, day * each, topics=1) for day in range(days)]
+    order.shuffle(numbers)
+    trend = Trend()
+    for one in numbers:
+        trend.add(one)
+    columns = trend.columns()
+    assert len(columns) <= MOST_COLUMNS
+    assert sum(column.total.recordings for column in columns) == days
+    ends = [end for column in columns for end in (column.first, column.last)]
+    assert ends == sorted(ends)
+
+
+@pytest.mark.parametrize(
+    ("count", "step", "columns"),
+    [(1, Step.RECORDING, 1), (MOST_COLUMNS, Step.RECORDING, 60), (MOST_COLUMNS + 1, Step.HOUR, 11)],
+)
+def test_a_day_has_a_column_for_each_recording_or_hour(count: int, step: Step, columns: int) -> None:
+    trend = Trend()
+    for number in range(count):
+        trend.add(recording(0, 0, shift=number, topics=1))
+    assert (trend.step, len(trend.columns()), trend.day) == (step, columns, "2026-11-02")
+
+
+def test_three_years_of_days_are_joined_in_time() -> None:
+    trend = Trend()
+    for day in range(3000):
+        trend.add(recording(0, day, topics=1))
+    columns = trend.columns()
+    assert len(columns) <= MOST_COLUMNS
+    assert sum(len(column.steps) for column in columns) == 3000
+    assert sum(column.total.recordings for column in columns) == 3000
+
+
+def test_the_worst_recordings_are_those_that_a_sort_puts_first() -> None:
+    numbers = list(recordings(1500))
+    by_loss = sorted(
+        numbers, key=lambda one: (-lost(one), -sum(t.received.size_bytes for t in one.topics if t.received))
+    )
+    assert total_of(numbers).worst == by_loss[:MOST_ROWS]
+    alone = [replace(one, b=None) for one in recordings(300, is_pair=False)]
+    assert total_of(alone, are_pairs=False).worst == alone[:MOST_ROWS]
+
+
+def test_the_page_over_twice_as_many_recordings_is_as_large() -> None:
+    sizes = [len(render_fleet_report(fleet_report(count))) for count in (3_000, 6_000)]
+    assert sizes[1] < 1.1 * sizes[0]
+
+
+@pytest.mark.slow
+def test_the_page_over_20_000_recordings_has_less_than_400_kb() -> None:
+    assert len(render_fleet_report(fleet_report(20_000)).encode()) < 400_000
+
+
+def test_memory_does_not_grow_with_the_number_of_recordings() -> None:
+    totals = FleetTotals(are_pairs=True)
+    tracemalloc.start()
+    try:
+        kept = []
+        for number, one in enumerate(recordings(1_800)):
+            # The same ten days again and again.
+            totals.add(replace(one, start_ns=(MONDAY_S + number % 10 * DAY_S) * NS_PER_S))
+            if number in (599, 1_799):
+                kept.append(tracemalloc.get_traced_memory()[0])
+    finally:
+        tracemalloc.stop()
+    assert kept[1] < 1.2 * kept[0]
+
+
+def test_thousands_of_topics_robots_and_lines_are_cut_and_counted() -> None:
+    totals = FleetTotals(are_pairs=True)
+    for number in range(300):
+        one = recording(number, 0, topics=5)
+        own = replace(one.topics[0], topic=f"/topic_{number}")
+        totals.add(replace(one, topics=(own,), notices=("odd",)))
+        totals.failures.add(f"bag_{number}: error: the file is empty")
+    text = render_fleet_report(replace(fleet_report(1), totals=totals))
+    for more in ("200 more recordings", "200 more topics", "200 more robots", "200 more notes"):
+        assert f"… and {more}" in text
+    assert "bag_99: error" in text
+    assert "bag_100: error" not in text
+    assert len(text) < 400_000
+
+
+def test_the_headline_is_plain() -> None:
+    report = fleet_report(240)
+    assert sentence(report.totals) == "240 recordings, 12 robots, 240.0 h, 22.6 GB, 82.3 % lost, 2 unreadable"
+    text = render_fleet_report(report)
+    assert "Most messages were lost of " in text
+    assert ", on ada-11 (" in text
+    assert "/camera/image_raw cost most: 96 % of the bytes received." in text
+    assert "Of the rules, “Near people” lost most" in text
+
+
+class Opened:
+    """The page in a tab, and all that its browser complained of or asked for."""
+
+    def __init__(self, browser: Browser, folder: Path, *, scripts: bool = True, is_pair: bool = True) -> None:
+        path = folder / "report.html"
+        path.write_text(render_fleet_report(fleet_report(60, is_pair=is_pair)), "utf-8")
+        context = browser.new_context(offline=True, java_script_enabled=scripts)
+        self.page: Page = context.new_page()
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        self.page.on("console", lambda message: self.complaints.append(message.text))
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.goto(path.as_uri())
+
+
+def test_a_command_is_copied_and_tables_sort(browser: Browser, tmp_path: Path) -> None:
+    opened = Opened(browser, tmp_path)
+    table = opened.page.get_by_role("table", name="Robots")
+    table.get_by_role("button", name="Robot", exact=True).click()
+    expect(table.locator("tbody tr").first.locator("td").first).to_have_text("ada-00")
+    row = opened.page.get_by_role("table", name="Recordings").locator("tbody tr").first
+    row.get_by_text("Its report").click()
+    expect(row.locator("code")).to_contain_text("testudo bag report /data/fleet/ada-11/")
+    row.get_by_role("button", name="Copy").click()
+    expect(row.get_by_role("button")).to_have_text("Copied")
+    assert opened.complaints == []
+    assert len(opened.requests) == 1
+
+
+@pytest.mark.parametrize("width", WIDTHS_PX)
+@pytest.mark.parametrize("scripts", [True, False], ids=["scripts", "no-scripts"])
+def test_the_page_has_no_sideways_scroll_and_letters_to_read_at_each_width(
+    browser: Browser, tmp_path: Path, width: int, scripts: bool
+) -> None:
+    opened = Opened(browser, tmp_path, scripts=scripts, is_pair=scripts)
+    opened.page.set_viewport_size({"width": width, "height": 800})
+    texts = opened.page.locator("svg text:visible")
+    assert min(texts.evaluate_all(LETTERS_PX)) >= 11
+    assert texts.evaluate_all(CUT_OFF) == []
+    assert not opened.page.locator("html").evaluate(SCROLLS_SIDEWAYS)
+    assert not any(figure.evaluate(SCROLLS_SIDEWAYS) for figure in opened.page.locator("figure.chart").all())
+
+
+def test_axe_finds_nothing(browser: Browser, tmp_path: Path) -> None:
+    assert violations(Opened(browser, tmp_path).page) == []

@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The headline of a try, which stands for a recording among others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bags.bag_factory import small_mission, write_bag
+from ruler.ruler_server import Page, served
+from smarttestudo.accuracy.loss_report import Age, ErrorSize, Frames, TopicArm
+from smarttestudo.ruler.answers.answer_json import answer_json
+from smarttestudo.ruler.answers.checked_text import Draft
+from smarttestudo.ruler.answers.trial import try_rules
+from smarttestudo.ruler.answers.trial_headline import TriedRecording, worst_field, worst_topic
+from smarttestudo.ruler.answers.trial_loss import TryFieldLoss, TryImages, TryLoss, TryTopicLoss
+
+RULES = """\
+begin
+  SetFrequency /odom 2
+  SetFrequency /scan Off
+  SetFrequency /image 1
+  Rule "Far" If (CheckValue /odom pose_y > 2) Then SetFrequency /odom 5 SetFrequency /scan 2
+end
+"""
+SHOWN_TWICE = {
+    *("duration_s", "before_kb", "after_kb", "percent", "worst_topic", "worst_field"),
+    *("crossings", "missed_crossings", "notices"),
+}
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("project")
+    write_bag(folder / "runs" / "short", small_mission(3))
+    write_bag(folder / "runs" / "long", small_mission(9))
+    write_bag(folder / "runs" / "cut", small_mission(6))
+    database = next((folder / "runs" / "cut").glob("*.db3"))
+    database.write_bytes(database.read_bytes()[: database.stat().st_size * 2 // 3])
+    (folder / "runs" / "broken").mkdir()
+    (folder / "runs" / "broken" / "metadata.yaml").write_text("no bag")
+    (folder / "runs" / "empty.mcap").write_bytes(b"")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def page(project: Path) -> Iterator[Page]:
+    with served(project) as page:
+        yield page
+
+
+@pytest.mark.parametrize("bag", ["runs/short", "runs/long", "runs/cut"])
+def test_a_headline_is_that_of_the_try(page: Page, bag: str) -> None:
+    answer = page.post("/api/try/headline", {"text": RULES, "bag": bag})
+    tried = page.post("/api/try", {"text": RULES, "bag": bag}).json
+    assert answer.json == {
+        "headline": {key: value for key, value in tried.items() if key in SHOWN_TWICE},
+        "problem": "",
+        "remedy": "",
+    }
+    assert answer.json["headline"].keys() == SHOWN_TWICE
+    assert bool(tried["notices"]) == (bag == "runs/cut")
+    assert tried["worst_topic"]["received"] < tried["worst_topic"]["sent"]
+    assert tried["crossings"] == sum(one["crossings"] for one in tried["loss"]["crossings"])
+    field, hold = tried["worst_field"], [one["hold"] for one in tried["loss"]["fields"] if one["hold"]]
+    assert field["share"] == max(one["relative_rmse"] for one in hold if one["relative_rmse"] is not None)
+    assert field["rmse"] in [one["rmse"] for one in hold]
+
+
+@pytest.mark.parametrize("bag", ["runs/broken", "runs/empty.mcap", "runs/gone"])
+def test_a_recording_that_cannot_be_tried_says_why_and_costs_no_other(
+    page: Page, project: Path, bag: str
+) -> None:
+    answer = page.post("/api/try/headline", {"text": RULES, "bag": bag})
+    assert answer.status == 200
+    assert answer.json["headline"] is None
+    assert answer.json["problem"]
+    assert str(project).encode() not in answer.body
+    assert page.post("/api/try/headline", {"text": RULES, "bag": "runs/short"}).json["headline"]
+
+
+@pytest.mark.parametrize("bag", ["../project/runs/short", "/etc", "runs/../../x", ""])
+def test_nothing_outside_the_project_is_tried(page: Page, bag: str) -> None:
+    assert page.post("/api/try/headline", {"text": RULES, "bag": bag}).status == 403
+
+
+def test_a_headline_stays_small_whatever_the_recording_has_to_say(project: Path) -> None:
+    tried = try_rules(Draft(text=RULES), project / "runs" / "short", lambda _: None)
+    notices = tuple(f"notice {number}" for number in range(50))
+    headline = replace(tried, notices=notices).headline()
+    assert headline.notices == (*notices[:3], "47 more notices")
+    assert len(answer_json(TriedRecording(headline=headline))) < 1000
+
+
+seconds = st.integers(0, 20).map(float)
+counts = st.integers(0, 9)
+names = st.lists(st.sampled_from(["/a", "/b", "/c", "/d"]), unique=True)
+
+
+@st.composite
+def losses(draw: st.DrawFn) -> TryLoss:
+    """Topics of which at most as many messages arrive as were sent, at least one."""
+
+    def arm(messages: int) -> TopicArm:
+        known = Age(mean_s=0.0, p95_s=0.0, max_s=draw(seconds)) if messages else None
+        return TopicArm(messages=messages, size_bytes=0, age=known)
+
+    def topic(name: str) -> TryTopicLoss:
+        received = draw(counts)
+        sent = arm(received + draw(counts) or 1)
+        return TryTopicLoss(topic=name, sent=sent, received=arm(received), age_s_bins=())
+
+    def image(name: str) -> TryImages:
+        received = draw(counts)
+        sent = Frames(frames=received + draw(counts) or 1, longest_blind_s=draw(seconds))
+        return TryImages(
+            topic=name, sent=sent, received=Frames(frames=received, longest_blind_s=draw(seconds))
+        )
+
+    def field(name: str) -> TryFieldLoss:
+        share = draw(st.none() | seconds)
+        hold = ErrorSize(rmse=0.0, maximum=1.0, relative_rmse=share, relative_maximum=1.0)
+        return TryFieldLoss(
+            topic=name,
+            field="x",
+            unit="",
+            sent=None,
+            range=1.0,
+            error_bins=(),
+            hold=draw(st.sampled_from([None, hold])),
+        )
+
+    return TryLoss(
+        topics=tuple(map(topic, draw(names))),
+        fields=tuple(map(field, draw(names))),
+        crossings=(),
+        images=tuple(map(image, draw(names))),
+    )
+
+
+@given(losses())
+def test_no_topic_and_no_property_lost_more_than_the_worst(loss: TryLoss) -> None:
+    more_s = {
+        one.topic: (one.received.age.max_s if one.received.age else math.inf)
+        - (one.sent.age.max_s if one.sent.age else 0)
+        for one in loss.topics
+        if one.received.messages < one.sent.messages
+    }
+    for one in loss.images:
+        more_s.pop(one.topic, None)
+        if one.received.frames < one.sent.frames:
+            lost_s = one.received.longest_blind_s - one.sent.longest_blind_s
+            more_s[one.topic] = lost_s if one.received.frames else math.inf
+    worst = worst_topic(loss)
+    assert (worst is None) == (not more_s)
+    if worst is not None:
+        assert worst.more_s == more_s[worst.topic] == max(more_s.values())
+        assert worst.is_image == (worst.topic in {one.topic for one in loss.images})
+    shares = [(one.hold.relative_rmse or 0, one.topic) for one in loss.fields if one.hold]
+    field = worst_field(loss)
+    assert (field.share if field else 0) == max((share for share, _ in shares), default=0)
+    assert field is None or (field.share, field.topic) in shares
