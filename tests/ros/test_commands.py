@@ -80,14 +80,13 @@ def test_nothing_that_waited_while_the_operator_s_process_stood_still_is_deliver
     receiving.signal(signal.SIGCONT)
     going_s = time.monotonic()
     due_s: list[float] = []
-    while not due_s or due_s[-1] < going_s + 3:
+    # Then all of it arrives again, a second long. What a busy machine holds up for too long is dropped.
+    while len(due_s) < 20 or due_s[-20] < going_s or due_s[-1] - due_s[-20] > 19.5 / 20:
+        assert time.monotonic() < going_s + LINE_TIMEOUT_S, due_s
         station.line_with("heard")
         due_s = [due for _, _, due in station.result("go on")["joy"]]
     assert [due for due in due_s if stopped_s + LEFT_S < due < going_s - MAX_AGE_S] == []
     assert due_s == sorted(set(due_s))
-    # From half a second after the pause on, all of it arrives again.
-    later = [due for due in due_s if due > going_s + 1]
-    assert len(later) >= 0.9 * 20 * (later[-1] - going_s - 1)
 
 
 def test_another_type_at_the_operator_s_costs_that_topic_and_is_said(
