@@ -14,6 +14,7 @@ from smarttestudo.report.fleet.sums import Sums, of_recording
 from smarttestudo.report.fleet.tables import (
     bound_table,
     cost_percent,
+    percent_text,
     recording_table,
     robot_table,
     rule_table,
@@ -133,7 +134,7 @@ def _worst_sentences(totals: FleetTotals) -> Iterator[str]:
             names.append(f"on {_first(totals, totals.robots)}")
         if totals.all.recordings > 1:
             one = totals.worst[0]
-            names.append(f"in {one.a} ({_percent(of_recording(one).lost_percent)})")
+            names.append(f"in {one.a} ({percent_text(of_recording(one).lost_percent)})")
         yield f"Most messages were lost {_and(names)}."
     costly = max(
         totals.topics.items(), key=lambda one: (cost_percent(totals, one[1]) or 0.0, one[0]), default=None
@@ -145,18 +146,14 @@ def _worst_sentences(totals: FleetTotals) -> Iterator[str]:
     if named:
         name, rule = worst(totals, named)[0][0]
         if rule.lost:
-            yield f"Of the rules, “{name}” lost most ({_percent(rule.lost_percent)})."
+            yield f"Of the rules, “{name}” lost most ({percent_text(rule.lost_percent)})."
         elif not totals.are_pairs:
             yield f"Of the rules, “{name}” cost most ({volume_text(rule.size_bytes)})."
 
 
 def _first(totals: FleetTotals, of: dict[str, Sums]) -> str:
     name, sums = worst(totals, of)[0][0]
-    return f"{name} ({_percent(sums.lost_percent)})"
-
-
-def _percent(share: float | None) -> str:
-    return f"{format_number(share, 1)} %"
+    return f"{name} ({percent_text(sums.lost_percent)})"
 
 
 def _and(parts: Sequence[str]) -> str:

@@ -24,6 +24,11 @@ class Received:
     age_max_s: float | None
 
 
+def _lost(messages: int, received_messages: int | None) -> int:
+    """The ``messages`` that were not received; 0 where nobody knows."""
+    return 0 if received_messages is None else max(messages - received_messages, 0)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicNumbers:
     """A topic of A; ``received`` is ``None`` where B lacks it, and where there is no B."""
@@ -36,7 +41,7 @@ class TopicNumbers:
     @property
     def lost(self) -> int:
         """Messages that the operator did not get; 0 where nobody knows."""
-        return 0 if self.received is None else max(self.messages - self.received.messages, 0)
+        return _lost(self.messages, None if self.received is None else self.received.messages)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +58,11 @@ class RuleNumbers:
     size_bytes: Annotated[int, JsonEntry(name="bytes")]
     received_messages: int | None
     received_bytes: int | None
+
+    @property
+    def lost(self) -> int:
+        """As of ``TopicNumbers``."""
+        return _lost(self.messages, self.received_messages)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -21,21 +21,42 @@ def percent(part: float, whole: float) -> float | None:
 
 
 @dataclass(slots=True, kw_only=True)
-class Sums:
-    """Messages and bytes of topics of some recordings, and what of them the operator received.
+class Volume:
+    """Messages and bytes in some recordings, and what of them the operator received.
 
     ``shared_messages`` are those of the topics that the operator has, too; only of these some can be lost.
-    ``age_max_s`` is the longest time without a newer message, ``position_m`` the largest error of a robot's
-    place (RMSE of a recording).
     """
 
     recordings: int = 0
-    duration_s: float = 0.0
     messages: int = 0
     size_bytes: int = 0
     shared_messages: int = 0
     received_bytes: int = 0
     lost: int = 0
+
+    @property
+    def lost_percent(self) -> float | None:
+        """The share of the messages that the operator did not get; ``None`` where there is none to get."""
+        return percent(self.lost, self.shared_messages)
+
+    def _count(self, one: TopicNumbers | RuleNumbers, received_bytes: int | None) -> None:
+        self.messages += one.messages
+        self.size_bytes += one.size_bytes
+        self.lost += one.lost
+        if received_bytes is not None:
+            self.shared_messages += one.messages
+            self.received_bytes += received_bytes
+
+
+@dataclass(slots=True, kw_only=True)
+class Sums(Volume):
+    """The volume of topics of some recordings, and how the operator saw them.
+
+    ``age_max_s`` is the longest time without a newer message, ``position_m`` the largest error of a robot's
+    place (RMSE of a recording).
+    """
+
+    duration_s: float = 0.0
     age_max_s: float | None = None
     position_m: float | None = None
 
@@ -44,12 +65,8 @@ class Sums:
         self.recordings += 1
         self.duration_s += recording.duration_s
         for one in topics:
-            self.messages += one.messages
-            self.size_bytes += one.size_bytes
-            self.lost += one.lost
+            self._count(one, None if one.received is None else one.received.size_bytes)
             if one.received is not None:
-                self.shared_messages += one.messages
-                self.received_bytes += one.received.size_bytes
                 self.age_max_s = _larger(self.age_max_s, one.received.age_max_s)
             if recording.position is not None and recording.position.topic == one.topic:
                 self.position_m = _larger(self.position_m, recording.position.received_m)
@@ -66,11 +83,6 @@ class Sums:
         self.age_max_s = _larger(self.age_max_s, other.age_max_s)
         self.position_m = _larger(self.position_m, other.position_m)
 
-    @property
-    def lost_percent(self) -> float | None:
-        """The share of the messages that the operator did not get; ``None`` where there is none to get."""
-        return percent(self.lost, self.shared_messages)
-
 
 def of_recording(recording: RecordingNumbers) -> Sums:
     """The sums of one recording."""
@@ -80,34 +92,18 @@ def of_recording(recording: RecordingNumbers) -> Sums:
 
 
 @dataclass(slots=True, kw_only=True)
-class RuleSums:
+class RuleSums(Volume):
     """Numbers of a rule over recordings, as in ``RuleNumbers``."""
 
-    recordings: int = 0
     decided_s: float = 0.0
     decisions: int = 0
-    messages: int = 0
-    size_bytes: int = 0
-    shared_messages: int = 0
-    received_bytes: int = 0
-    lost: int = 0
 
     def add(self, rule: RuleNumbers) -> None:
         """Add the numbers of one recording."""
         self.recordings += 1
         self.decided_s += rule.decided_s
         self.decisions += rule.decisions
-        self.messages += rule.messages
-        self.size_bytes += rule.size_bytes
-        if rule.received_messages is not None:
-            self.shared_messages += rule.messages
-            self.lost += max(rule.messages - rule.received_messages, 0)
-        self.received_bytes += rule.received_bytes or 0
-
-    @property
-    def lost_percent(self) -> float | None:
-        """As of ``Sums``."""
-        return percent(self.lost, self.shared_messages)
+        self._count(rule, rule.received_bytes)
 
 
 @dataclass(slots=True, kw_only=True)

@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
 from smarttestudo.domain.units import counted, utc_time
-from smarttestudo.report.fleet.sums import RuleSums, Sums, of_recording, percent
+from smarttestudo.report.fleet.sums import Sums, Volume, of_recording, percent
 from smarttestudo.report.fleet.totals import MOST_ROWS, FleetTotals
 from smarttestudo.report.loss_tables import measured
 from smarttestudo.report.summary import volume_unit
-from smarttestudo.report.table import Align, Cell, Column, Number, Row, Table, Text
+from smarttestudo.report.table import Align, Cell, Column, Number, Row, Table, Text, format_number
 
 DEFAULTS = "Defaults"
 _S_PER_H = 3600
@@ -33,7 +33,7 @@ _BOUND_NOTE = (
     "Messages of the robots while the bound was in force, broken where the operator's picture was more than "
     "the bound off after them. Worst: the largest error."
 )
-_Summed = TypeVar("_Summed", Sums, RuleSums)
+_Summed = TypeVar("_Summed", bound=Volume)
 
 
 def recording_table(totals: FleetTotals) -> Table:
@@ -194,6 +194,11 @@ def worst(totals: FleetTotals, of: Mapping[str, _Summed]) -> tuple[Sequence[tupl
     return ranked[:MOST_ROWS], max(len(ranked) - MOST_ROWS, 0)
 
 
+def percent_text(share: float | None) -> str:
+    """A share in words."""
+    return "no messages" if share is None else f"{format_number(share, 1)} %"
+
+
 def cost_percent(totals: FleetTotals, sums: Sums) -> float | None:
     """The share of the bytes that the operator received, or, where nobody knows, of all."""
     if totals.are_pairs:
@@ -204,7 +209,7 @@ def cost_percent(totals: FleetTotals, sums: Sums) -> float | None:
 _Unit = tuple[int, str]
 
 
-def _unit(shown: Sequence[Sums | RuleSums]) -> _Unit:
+def _unit(shown: Sequence[Volume]) -> _Unit:
     """A unit of bytes in which the largest has three digits or more."""
     return volume_unit(max((sums.size_bytes for sums in shown), default=0) / 100)
 
@@ -218,7 +223,7 @@ def _volume_columns(totals: FleetTotals, unit: _Unit) -> tuple[Column, ...]:
     )
 
 
-def _volume_cells(totals: FleetTotals, sums: Sums | RuleSums, unit: _Unit) -> tuple[Cell, ...]:
+def _volume_cells(totals: FleetTotals, sums: Volume, unit: _Unit) -> tuple[Cell, ...]:
     received = (Number(sums.received_bytes / unit[0]),) if totals.are_pairs else ()
     return (*received, Number(sums.size_bytes / unit[0]), Number(sums.messages, decimals=0))
 
@@ -237,7 +242,7 @@ def _loss_cells(totals: FleetTotals, sums: Sums) -> tuple[Cell, ...]:
     return (*_lost_cells(sums), Number(sums.age_max_s, decimals=1), *off)
 
 
-def _lost_cells(sums: Sums | RuleSums) -> tuple[Cell, ...]:
+def _lost_cells(sums: Volume) -> tuple[Cell, ...]:
     return Number(sums.lost if sums.shared_messages else None, decimals=0), Number(
         sums.lost_percent, decimals=1
     )

@@ -9,7 +9,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 
 from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
-from smarttestudo.report.fleet.sums import BoundSums, RuleSums, Sums, of_recording
+from smarttestudo.report.fleet.sums import BoundSums, RuleSums, Sums, Volume, of_recording
 from smarttestudo.report.fleet.trend import Trend
 
 MOST_ROWS = 100
@@ -66,7 +66,7 @@ class FleetTotals:
         keep = heapq.heappush if len(self._worst) < MOST_ROWS else heapq.heappushpop
         keep(self._worst, (self.rank(of_recording(recording)), -self.all.recordings, recording))
 
-    def rank(self, sums: Sums | RuleSums) -> tuple[int, ...]:
+    def rank(self, sums: Volume) -> tuple[int, ...]:
         """How bad it is: first by what was lost, where that is known, then by what it cost."""
         return (sums.lost, sums.received_bytes) if self.are_pairs else (sums.size_bytes,)
 

@@ -10,7 +10,7 @@ from datetime import date, timedelta
 
 from smarttestudo.domain.units import counted, grouped
 from smarttestudo.report.fleet.sums import Sums
-from smarttestudo.report.fleet.tables import worst
+from smarttestudo.report.fleet.tables import percent_text, worst
 from smarttestudo.report.fleet.totals import FleetTotals
 from smarttestudo.report.fleet.trend import Step, TrendColumn
 from smarttestudo.report.legends import layer_legend
@@ -18,7 +18,6 @@ from smarttestudo.report.markup import Markup, name_parts, tag
 from smarttestudo.report.sections import section
 from smarttestudo.report.series import Series, SeriesPoint
 from smarttestudo.report.summary import volume_text, volume_unit
-from smarttestudo.report.table import format_number
 from smarttestudo.report.time_chart import MOST_LAYERS, ChartStretch, Layer, TimeChart, value_heights
 from smarttestudo.report.time_drawing import SMALL, WIDE, Frame, draw_chart
 
@@ -168,12 +167,12 @@ def _small(
             layers=(Layer(name=key, points=_steps([share or 0.0 for share in values])),),
             stretches=tuple(
                 ChartStretch(
-                    label=_label(totals, columns, number), meaning=f"{_when(column)}: {_percent_text(share)}"
+                    label=_label(totals, columns, number), meaning=f"{_when(column)}: {percent_text(share)}"
                 )
                 for number, (column, share) in enumerate(zip(columns, values, strict=True))
             ),
         )
-        number = _percent_text(of[key].lost_percent)
+        number = percent_text(of[key].lost_percent)
         caption = (tag("span", *name_parts(key), class_="words name"), tag("span", number, class_="quiet"))
         charts.append(_figure(chart, SMALL, *caption))
     yield tag("h3", name.capitalize())
@@ -224,9 +223,5 @@ def _told(totals: FleetTotals, column: TrendColumn) -> str:
         counted(sums.messages, "message"),
     ]
     if sums.lost_percent is not None:
-        parts.append(f"{_percent_text(sums.lost_percent)} lost")
+        parts.append(f"{percent_text(sums.lost_percent)} lost")
     return f"{_when(column)}: {', '.join(parts)}"
-
-
-def _percent_text(share: float | None) -> str:
-    return "no messages" if share is None else f"{format_number(share, 1)} %"
