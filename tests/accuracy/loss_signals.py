@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Callable, Sequence
+from functools import cache
 
 from hypothesis import strategies as st
 
@@ -57,6 +58,7 @@ def line_sine_rmse(step: float, count: int) -> float:
 NUMBERS = st.integers(-1000, 1000).map(float)
 
 
+@cache
 @st.composite
 def sent_series(draw: st.DrawFn, *, wraps: bool = False, known_only: bool = True) -> Series:
     """Up to 15 samples within 60 ns, so that a second opinion may look at every ns."""
@@ -66,6 +68,7 @@ def sent_series(draw: st.DrawFn, *, wraps: bool = False, known_only: bool = True
     return series(stamps_ns, [draw(values) for _ in stamps_ns], wraps=wraps)
 
 
+@cache
 @st.composite
 def sent_and_received(draw: st.DrawFn, *, wraps: bool = False) -> tuple[Series, Series]:
     """A series with samples of different stamps, and some of its samples, the first always."""

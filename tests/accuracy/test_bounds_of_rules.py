@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -66,6 +67,7 @@ STAMPS = st.lists(st.integers(0, 60), unique=True, min_size=1, max_size=25).map(
 BOUNDS = st.sampled_from([None, 0.0, 1.0, 2.0, 3.0])
 
 
+@cache
 @st.composite
 def runs(draw: st.DrawFn) -> tuple[list[Sample], list[Sample], list[BoundFrom]]:
     sent = [(at, float(draw(st.integers(-4, 4)))) for at in draw(STAMPS)]

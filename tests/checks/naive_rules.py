@@ -7,6 +7,7 @@ from __future__ import annotations
 import itertools
 import operator
 from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 
 from hypothesis import strategies as st
 
@@ -40,6 +41,7 @@ _COMPARE: Mapping[Operator, Callable[[float, float], bool]] = {
 }
 
 
+@cache
 @st.composite
 def checks(draw: st.DrawFn) -> str:
     signal = draw(st.sampled_from(list(THRESHOLDS)))
@@ -58,6 +60,7 @@ def _joined(parts: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
 conditions = st.recursive(checks(), _joined, max_leaves=4)
 
 
+@cache
 @st.composite
 def settings_of(draw: st.DrawFn) -> str:
     topics = draw(st.lists(st.sampled_from(["/a", "/b"]), min_size=1, max_size=2, unique=True))
@@ -66,6 +69,7 @@ def settings_of(draw: st.DrawFn) -> str:
     )
 
 
+@cache
 @st.composite
 def blocks(draw: st.DrawFn) -> str:
     heading = draw(st.sampled_from(["", 'Rule "n" Priority 1 ']))

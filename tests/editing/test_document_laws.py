@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -240,6 +241,7 @@ def test_a_moved_statement_goes_as_it_is_written(written: WrittenFile, data: st.
     assert words(entry) in text
 
 
+@cache
 @st.composite
 def damaged_texts(draw: st.DrawFn) -> str:
     """A rule file with a few of its words taken out, doubled or misspelt."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 import itertools
 import random
 from collections.abc import Sequence
+from functools import cache
 
 import pytest
 from hypothesis import given, settings
@@ -119,6 +120,7 @@ def test_after_a_tenth_of_the_bytes_the_path_is_nearly_right() -> None:
 rates = st.sampled_from([3_000.0, 60_000.0, 400_000.0, 3_000_000.0])
 
 
+@cache
 @st.composite
 def troubled_links(draw: st.DrawFn) -> Link:
     """Up to four changes of the rate in half a minute, outages among them; then it is a good one."""

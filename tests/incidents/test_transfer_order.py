@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from itertools import accumulate
 
 from hypothesis import given
@@ -15,6 +16,7 @@ from smarttestudo.incidents.transfer_order import ByteRange, MessageRange, Trans
 S = 1_000_000_000
 
 
+@cache
 @st.composite
 def contents(draw: st.DrawFn) -> tuple[list[ByteRange], list[MessageRange], list[ByteRange]]:
     """A file of a head, messages of up to three topics in any order of time, and a tail."""

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from hypothesis import strategies as st
 
 from language.written_rules import written_files
@@ -41,6 +43,7 @@ BLOCKS = (
 )
 
 
+@cache
 def pieces() -> st.SearchStrategy[str]:
     """A line or block of a rule file, whole or not."""
     return st.one_of(
@@ -51,6 +54,7 @@ def pieces() -> st.SearchStrategy[str]:
     )
 
 
+@cache
 @st.composite
 def edited_texts(draw: st.DrawFn, *, max_edits: int = 6) -> list[str]:
     """A text, and that text after each of some edits."""

@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Hypothesis strategies of rule files as syntax trees, of all that the language has.
 
-``bare`` strips a tree of all that is not meaning, for comparison.
+``bare`` strips a tree of all that is not meaning, for comparison. A strategy is made once for its arguments,
+since Hypothesis validates each new one, which takes most of an example's time.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Sequence
+from functools import cache
 from itertools import zip_longest
 
 from hypothesis import strategies as st
@@ -86,6 +88,7 @@ def bare(node: object) -> object:
     return tuple(bare(part) for part in node) if isinstance(node, tuple) else node
 
 
+@cache
 def rates() -> st.SearchStrategy[RateExpression]:
     named = st.sampled_from([*Tier, *RateWord]).map(
         lambda value: RateExpression(value=value, text="", span=NOWHERE)
@@ -93,6 +96,7 @@ def rates() -> st.SearchStrategy[RateExpression]:
     return st.one_of(hertz(), named)
 
 
+@cache
 def hertz() -> st.SearchStrategy[RateExpression]:
     return st.builds(
         lambda text, has_unit: RateExpression(value=float(text), text=text, span=NOWHERE, has_unit=has_unit),
@@ -101,10 +105,12 @@ def hertz() -> st.SearchStrategy[RateExpression]:
     )
 
 
+@cache
 def topic_names(topics: Sequence[str] = TOPICS) -> st.SearchStrategy[TopicName]:
     return st.sampled_from(topics).map(lambda text: TopicName(text=text, span=NOWHERE))
 
 
+@cache
 def checks(
     topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES
 ) -> st.SearchStrategy[Check]:
@@ -127,6 +133,7 @@ def checks(
     )
 
 
+@cache
 def _untils() -> st.SearchStrategy[Until]:
     return st.builds(
         lambda operator, text: Until(operator=operator, value=float(text), text=text, span=NOWHERE),
@@ -135,6 +142,7 @@ def _untils() -> st.SearchStrategy[Until]:
     )
 
 
+@cache
 def conditions(
     topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES, *, max_checks: int = 6
 ) -> st.SearchStrategy[Condition]:
@@ -165,14 +173,17 @@ def _expressions(factor: st.SearchStrategy[Condition]) -> st.SearchStrategy[Cond
     )
 
 
+@cache
 def set_frequencies(topics: Sequence[str] = TOPICS) -> st.SearchStrategy[SetFrequency]:
     return st.builds(SetFrequency, topic=topic_names(topics), rate=rates(), span=st.just(NOWHERE))
 
 
+@cache
 def keep_at_leasts(topics: Sequence[str] = TOPICS) -> st.SearchStrategy[KeepAtLeast]:
     return st.builds(KeepAtLeast, topic=topic_names(topics), rate=hertz(), span=st.just(NOWHERE))
 
 
+@cache
 def keep_withins(
     topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES
 ) -> st.SearchStrategy[KeepWithin]:
@@ -192,10 +203,12 @@ def keep_withins(
     )
 
 
+@cache
 def names() -> st.SearchStrategy[str]:
     return st.text("abc \"\\é'//", min_size=1, max_size=8).filter(str.strip)
 
 
+@cache
 def records(topics: Sequence[str] = TOPICS) -> st.SearchStrategy[RecordIncident]:
     return st.builds(
         RecordIncident,
@@ -213,37 +226,59 @@ def _spoken_of(action: SetFrequency | KeepWithin) -> tuple[str, ...]:
     return (action.topic.text, action.property) if isinstance(action, KeepWithin) else (action.topic.text,)
 
 
+@cache
 @st.composite
 def actions(
     draw: st.DrawFn, topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES
 ) -> tuple[Action, ...]:
     """The statements of a branch; no topic is set and no property bound twice."""
-    some = st.one_of(set_frequencies(topics), keep_withins(topics, properties))
-    found: list[Action] = [
-        *draw(st.lists(some, min_size=1, max_size=3, unique_by=_spoken_of)),
-        *draw(st.lists(records(topics), max_size=1)),
-    ]
+    found: list[Action] = [*draw(_bounds_and_rates(topics, properties)), *draw(_at_most_one_record(topics))]
     return tuple(draw(st.permutations(found)))
 
 
+@cache
+def _bounds_and_rates(
+    topics: Sequence[str], properties: Sequence[str]
+) -> st.SearchStrategy[list[SetFrequency | KeepWithin]]:
+    some = st.one_of(set_frequencies(topics), keep_withins(topics, properties))
+    return st.lists(some, min_size=1, max_size=3, unique_by=_spoken_of)
+
+
+@cache
+def _at_most_one_record(topics: Sequence[str]) -> st.SearchStrategy[list[RecordIncident]]:
+    return st.lists(records(topics), max_size=1)
+
+
+@cache
 @st.composite
 def blocks(draw: st.DrawFn, topics: Sequence[str] = TOPICS, properties: Sequence[str] = PROPERTIES) -> Block:
     """A block, with or without name, priority, ``Else`` and ``EndIf``; no topic twice in a branch."""
-    name = draw(st.none() | names())
-    some = actions(topics, properties)
+    name = draw(_MAYBE_NAMES)
     return Block(
         name=name,
-        priority=draw(st.none() | st.integers(-5, 100)) if name is not None else None,
+        priority=draw(_MAYBE_PRIORITIES) if name is not None else None,
         label=name or "",
         condition=draw(conditions(topics, properties)),
-        then=draw(some),
-        otherwise=draw(st.just(()) | some),
-        has_end_if=draw(st.booleans()),
+        then=draw(actions(topics, properties)),
+        otherwise=draw(_maybe_actions(topics, properties)),
+        has_end_if=draw(_BOOLEANS),
         span=NOWHERE,
-        is_disabled=draw(st.sampled_from([False, False, True])),
+        is_disabled=draw(_A_THIRD),
     )
 
 
+_MAYBE_NAMES = st.none() | names()
+_MAYBE_PRIORITIES = st.none() | st.integers(-5, 100)
+_BOOLEANS = st.booleans()
+_A_THIRD = st.sampled_from([False, False, True])
+
+
+@cache
+def _maybe_actions(topics: Sequence[str], properties: Sequence[str]) -> st.SearchStrategy[tuple[Action, ...]]:
+    return st.just(()) | actions(topics, properties)
+
+
+@cache
 @st.composite
 def rule_files(
     draw: st.DrawFn,
@@ -254,17 +289,24 @@ def rule_files(
     max_collections: int = 2,
 ) -> RuleFile:
     """A syntax tree that some text parses to."""
+    lists = draw(_lists_of_statements(topics, properties, max_statements, max_collections))
+    collections = tuple(
+        Collection(statements=tuple(_separable(statements)), span=NOWHERE) for statements in lists
+    )
+    return RuleFile(path="rules.adirf", collections=collections)
+
+
+@cache
+def _lists_of_statements(
+    topics: Sequence[str], properties: Sequence[str], max_statements: int, max_collections: int
+) -> st.SearchStrategy[list[list[Statement]]]:
     statement = st.one_of(
         set_frequencies(topics),
         keep_at_leasts(topics),
         keep_withins(topics, properties),
         blocks(topics, properties),
     )
-    lists = draw(st.lists(st.lists(statement, max_size=max_statements), min_size=1, max_size=max_collections))
-    collections = tuple(
-        Collection(statements=tuple(_separable(statements)), span=NOWHERE) for statements in lists
-    )
-    return RuleFile(path="rules.adirf", collections=collections)
+    return st.lists(st.lists(statement, max_size=max_statements), min_size=1, max_size=max_collections)
 
 
 def _separable(statements: Sequence[Statement]) -> Iterator[Statement]:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import cache
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -83,6 +84,7 @@ def test_a_tree_that_a_program_built_prints_to_what_it_means(file: RuleFile) -> 
     assert bare(parse(format_file(file), "rules.adirf").file) == bare(file)
 
 
+@cache
 def loose_conditions() -> st.SearchStrategy[Condition]:
     """``AND``, ``OR`` and ``Not`` in each other without any group, as only a program builds them."""
 

@@ -101,7 +101,7 @@ def test_any_bytes_give_findings_in_their_bounds(data: bytes) -> None:
     assert_bounded(data.decode("latin-1"))
 
 
-@given(rule_files(properties=[one for one in PROPERTIES if one not in TYPOS]), seeds(), st.data())
+@given(rule_files(properties=tuple(one for one in PROPERTIES if one not in TYPOS)), seeds(), st.data())
 @settings(max_examples=120)
 def test_typos_in_two_statements_give_two_findings(file: RuleFile, seed: int, data: st.DataObject) -> None:
     words = words_of(file)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import cache
 from random import Random
 
 import pytest
@@ -149,10 +150,12 @@ NUMBERS = ("10", "5.0", "3.", ".5", "1e3", "+7")
 WORDS = (*KEYWORDS, *TOPICS, *PROPERTIES, *NUMBERS, "(", ")", ">", "<", "=", "//x\n", "\n")
 
 
+@cache
 def settings_words() -> st.SearchStrategy[list[str]]:
     return st.tuples(st.just("SetFrequency"), st.sampled_from(TOPICS), st.sampled_from(NUMBERS)).map(list)
 
 
+@cache
 def conditions_words() -> st.SearchStrategy[list[str]]:
     check = st.tuples(
         st.just("CheckValue"),
@@ -170,6 +173,7 @@ def conditions_words() -> st.SearchStrategy[list[str]]:
     )
 
 
+@cache
 @st.composite
 def thesis_words(draw: st.DrawFn) -> list[str]:
     """The words of a file of the thesis."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import cache
 from random import Random
 
 from hypothesis import strategies as st
@@ -50,6 +51,7 @@ class WrittenFile:
     comment_owners: dict[str, int]
 
 
+@cache
 @st.composite
 def written_files(draw: st.DrawFn, *, max_statements: int = 5) -> WrittenFile:
     """A rule file in any layout, with comments anywhere."""
@@ -147,6 +149,7 @@ def _condition_words(condition: Condition) -> list[str]:
             return [word for part in parts for word in part][1:]
 
 
+@cache
 def seeds() -> st.SearchStrategy[int]:
     """Of layouts: a draw for each blank would take Hypothesis minutes to shrink."""
     return st.integers(0, 2**32)

@@ -12,6 +12,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from types import SimpleNamespace
 
 from hypothesis import given, settings
@@ -60,6 +61,7 @@ def spoken(within: Bounds) -> str:
     return " ".join(f"KeepWithin /odom {name} {bound}" for name, bound in within.items())
 
 
+@cache
 @st.composite
 def rules(draw: st.DrawFn) -> Rules:
     defaults = draw(some_bounds)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -100,6 +101,7 @@ def test_a_bound_is_brought_to_the_tightest_that_was_measured_whatever_floats_ma
 _WITHIN = {"position": st.sampled_from([0.01, 0.1]) | st.floats(1e-3, 10), "orientation": st.floats(1e-3, 10)}
 
 
+@cache
 @st.composite
 def bound_entries(draw: st.DrawFn) -> TopicProfile:
     return TopicProfile(

@@ -26,8 +26,8 @@ from smarttestudo.loop import Knowledge, step
 
 START = 1_795_230_365_474_043_001
 SOURCES = ("/p", "/q")
-SIGNALS = [Signal(topic, name) for topic in SOURCES for name in ("x", "y", "rate", "bandwidth", "age")]
-BORDERS = [-1.0, 0.0, 0.3, 0.5, 1.0, 1.5, 2.0, 2.7]
+SIGNALS = tuple(Signal(topic, name) for topic in SOURCES for name in ("x", "y", "rate", "bandwidth", "age"))
+BORDERS = (-1.0, 0.0, 0.3, 0.5, 1.0, 1.5, 2.0, 2.7)
 
 numbers = st.sampled_from([math.nan, -1.0, 0.0, 0.4, 1.0, 1.75, 3.0])
 messages = st.one_of(

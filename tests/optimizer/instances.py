@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
+from functools import cache
 
 from hypothesis import strategies as st
 
@@ -62,6 +63,7 @@ widths_hz = st.sampled_from([0.0, 0.1, 1.0, 5.0]) | st.floats(0, 100)
 gains = st.sampled_from([0.0, 0.5, 1.0]) | st.floats(0, 10)
 
 
+@cache
 @st.composite
 def demands(draw: st.DrawFn) -> list[Demand]:
     """A few demands with concave worths."""
@@ -79,6 +81,7 @@ def demands(draw: st.DrawFn) -> list[Demand]:
     ]
 
 
+@cache
 @st.composite
 def accuracy_tiers(draw: st.DrawFn, *, distinct: bool = False) -> AccuracyTiers:
     """Six accuracies with measured needs; equal needs are common, and equal bounds unless ``distinct``."""
@@ -88,6 +91,7 @@ def accuracy_tiers(draw: st.DrawFn, *, distinct: bool = False) -> AccuracyTiers:
     return AccuracyTiers(bounds=tuple(sorted(bounds, reverse=True)), needs_hz=tuple(sorted(needs_hz)))
 
 
+@cache
 @st.composite
 def entries(draw: st.DrawFn) -> TopicProfile:
     """A topic's profile with all that any model reads."""
@@ -104,6 +108,7 @@ def entries(draw: st.DrawFn) -> TopicProfile:
     )
 
 
+@cache
 @st.composite
 def instances(draw: st.DrawFn, model: Model, *, has_solution: bool = False) -> Instance:
     """A few asks, at least one for a level, and a budget around what they can take.

@@ -7,6 +7,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -174,6 +175,7 @@ def test_the_worst_situation_counts_what_bounds_need(
 _levels = st.sampled_from([Tier.MARGINAL, Tier.ACCEPTABLE, Tier.DESIRABLE, Tier.COMPETITIVE, *Tier])
 
 
+@cache
 @st.composite
 def bound_topics(draw: st.DrawFn) -> TopicProfile:
     """A topic with measured accuracies of its position."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cache
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -30,6 +31,7 @@ def subproblem(requirements: Mapping[str, Requirement], kept: Mapping[str, float
     )
 
 
+@cache
 @st.composite
 def needs(draw: st.DrawFn) -> dict[str, TopicNeeds | BoundNeeds]:
     """A few topics; the last of some counts by two bounds."""
@@ -49,6 +51,7 @@ def needs(draw: st.DrawFn) -> dict[str, TopicNeeds | BoundNeeds]:
     return found
 
 
+@cache
 @st.composite
 def rule_requirements(draw: st.DrawFn) -> RuleRequirements:
     """Defaults of all, and blocks of some; of bounds a block may keep one."""

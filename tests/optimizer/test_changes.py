@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import itertools
+from functools import cache
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -27,6 +28,7 @@ Size = tuple[int, int]
 """Topics and squared steps."""
 
 
+@cache
 @st.composite
 def reductions(draw: st.DrawFn) -> list[Reduction]:
     """Up to four topics with up to three rising reductions each."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -104,6 +105,7 @@ counts = st.integers(0, 9)
 names = st.lists(st.sampled_from(["/a", "/b", "/c", "/d"]), unique=True)
 
 
+@cache
 @st.composite
 def losses(draw: st.DrawFn) -> TryLoss:
     """Topics of which at most as many messages arrive as were sent, at least one."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from functools import cache
 from itertools import combinations, pairwise, product
 
 import pytest
@@ -120,6 +121,7 @@ def gaps(document: Document) -> list[str]:
     return [document.text[end:start] for end, start in zip([0, *ends], starts, strict=True)]
 
 
+@cache
 def rectangles() -> st.SearchStrategy[ZoneRectangle]:
     def side() -> st.SearchStrategy[tuple[float, float]]:
         cuts = st.lists(st.integers(-2000, 2000), min_size=2, max_size=2, unique=True)
@@ -148,6 +150,7 @@ def zones_of(document: Document) -> list[Zone]:
     return list(zones_in(block_of(document).condition, resolve_topic).zones)
 
 
+@cache
 @st.composite
 def polygons(draw: st.DrawFn) -> list[Corner]:
     """Corners around a centre, each farther round than the one before: no two sides cross."""
@@ -161,6 +164,7 @@ def polygons(draw: st.DrawFn) -> list[Corner]:
     ]
 
 
+@cache
 @st.composite
 def staircases(draw: st.DrawFn) -> list[Corner]:
     """Columns of different heights beside each other: only upright and level sides."""

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 from hypothesis import strategies as st
 
@@ -89,6 +90,7 @@ def rule_file(statements: Sequence[Statement], path: str = "rules.adirf") -> Rul
 rates = st.one_of(st.sampled_from([0.0, 1.0, 2.0, 3.0, 5.0]), st.sampled_from(RateWord))
 
 
+@cache
 def conditions(signals: Sequence[Signal], borders: Sequence[float]) -> st.SearchStrategy[Condition]:
     """Conditions over ``signals`` with borders among a few numbers, nested at random."""
     checks = st.builds(check, st.sampled_from(signals), st.sampled_from(Operator), st.sampled_from(borders))
@@ -105,29 +107,34 @@ def conditions(signals: Sequence[Signal], borders: Sequence[float]) -> st.Search
     return st.recursive(checks, nested, max_leaves=8)
 
 
-@st.composite
-def settings_of_topics(draw: st.DrawFn, *, at_least: int) -> tuple[SetFrequency, ...]:
-    names = draw(st.lists(st.sampled_from(RELAYED), min_size=at_least, max_size=3, unique=True))
-    return tuple(set_frequency(name, draw(rates)) for name in names)
+@cache
+def settings_of_topics(*, at_least: int) -> st.SearchStrategy[tuple[SetFrequency, ...]]:
+    return st.dictionaries(st.sampled_from(RELAYED), rates, min_size=at_least, max_size=3).map(
+        lambda chosen: tuple(set_frequency(name, value) for name, value in chosen.items())
+    )
 
 
+floors = st.dictionaries(st.sampled_from(RELAYED), st.sampled_from([0.0, 2.0, 4.0]), max_size=2)
+priorities = st.sampled_from([None, -1, 0, 1])
+
+
+@cache
 @st.composite
 def rule_files(
     draw: st.DrawFn, signals: Sequence[Signal], borders: Sequence[float], max_blocks: int = 8
 ) -> list[RuleFile]:
     """One or two files of defaults, floors and blocks with Else and priorities."""
     conditional = conditions(signals, borders)
-    floors = draw(st.lists(st.sampled_from(RELAYED), max_size=2, unique=True))
     statements: list[Statement] = [
         *draw(settings_of_topics(at_least=0)),
-        *(keep_at_least(name, draw(st.sampled_from([0.0, 2.0, 4.0]))) for name in floors),
+        *(keep_at_least(name, floor_hz) for name, floor_hz in draw(floors).items()),
         *(
             block(
                 draw(conditional),
                 draw(settings_of_topics(at_least=1)),
                 draw(settings_of_topics(at_least=0)),
                 label=f"block {number}",
-                priority=draw(st.sampled_from([None, -1, 0, 1])),
+                priority=draw(priorities),
                 line=number + 1,
             )
             for number in range(draw(st.integers(1, max_blocks)))

@@ -29,8 +29,8 @@ from smarttestudo.language.evaluator import Evaluator
 from smarttestudo.language.rule_set import compile_rules
 from smarttestudo.language.syntax import And, Operator, Or, RateWord, RuleFile
 
-SIGNALS = [Signal("/p", "x"), Signal("/p", "y"), Signal("/q", "x"), Signal("/q", "z")]
-BORDERS = [-1.0, 0.0, 1.0, 2.0, 2.5]
+SIGNALS = (Signal("/p", "x"), Signal("/p", "y"), Signal("/q", "x"), Signal("/q", "z"))
+BORDERS = (-1.0, 0.0, 1.0, 2.0, 2.5)
 TRUTHS = {False: Truth.FALSE, None: Truth.UNKNOWN, True: Truth.TRUE}
 
 values = st.one_of(

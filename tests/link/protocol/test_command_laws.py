@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import replace
+from functools import cache
 
 import pytest
 from hypothesis import given
@@ -33,6 +34,7 @@ HOUR_NS = 3_600 * S
 clocks = st.builds(Clock, from_ns=st.integers(0, HOUR_NS), drift_ppm=st.integers(-200, 200))
 
 
+@cache
 @st.composite
 def ways(draw: st.DrawFn) -> Way:
     """A direction with up to four changes of its rate, outages among them; at the end it is good."""
@@ -43,6 +45,7 @@ def ways(draw: st.DrawFn) -> Way:
     return Way(link, draw(st.floats(0, 0.4)), random.Random(draw(st.integers(0, 9))))
 
 
+@cache
 @st.composite
 def good_ways(draw: st.DrawFn) -> Way:
     """A direction over which nothing takes longer than 140 ms."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import pytest
@@ -25,6 +26,7 @@ from smarttestudo.link.protocol.wire import WIRE_VERSION, Kind
 rates = st.sampled_from([0.0, 5_000.0, 60_000.0, 400_000.0, 3_000_000.0])
 
 
+@cache
 @st.composite
 def links(draw: st.DrawFn) -> Link:
     """Up to four changes of the rate in ten seconds; at the end there is a link."""
@@ -33,6 +35,7 @@ def links(draw: st.DrawFn) -> Link:
     return Link(steps, draw(st.floats(0.001, 0.2)))
 
 
+@cache
 @st.composite
 def sources(draw: st.DrawFn) -> tuple[Source, ...]:
     return tuple(

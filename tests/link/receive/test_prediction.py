@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -90,6 +91,7 @@ events = st.lists(
 )
 
 
+@cache
 @st.composite
 def links(draw: st.DrawFn) -> Link:
     """Fast enough for the topic, with up to one outage."""

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import pytest
 from hypothesis import assume, given
@@ -26,6 +27,7 @@ numbers = st.floats(-3, 3)
 vectors = st.builds(Vector3, numbers, numbers, numbers)
 
 
+@cache
 @st.composite
 def poses(draw: st.DrawFn) -> SpatialPose:
     parts = [draw(st.floats(-1, 1)) for _ in range(4)]
