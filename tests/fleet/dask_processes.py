@@ -57,6 +57,9 @@ def _start(python: str, folder: Path, *arguments: str) -> subprocess.Popen[bytes
         **os.environ,
         "PYTHONPATH": os.pathsep.join((str(TESTS), os.environ.get("PYTHONPATH", ""))),
         "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1",
+        # A cluster that waits would take a tenth of a processor.
+        "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "500ms",
+        "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",
     }
     return subprocess.Popen(
         [python, "-m", "dask", *arguments, "--no-dashboard", "--scheduler-file", "scheduler.json"],
