@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -74,3 +75,53 @@ def test_only_the_command_that_is_named_is_imported() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     of_commands = {f"smarttestudo.cli.{command}" for command in COMMANDS}
     assert set(done.stdout.split()) & of_commands == {"smarttestudo.cli.fmt"}
+
+
+NOT_FOR_A_PLAIN_RUN = (
+    *(
+        "bags",
+        "incidents.live_incidents",
+        "incidents.live_outages",
+        "incidents.recorder",
+        "robot.rule_checking",
+    ),
+    *(
+        "domain.link",
+        "domain.questions",
+        "link.openmetrics.run_metrics",
+        "link.parts.live_link",
+        "link.protocol",
+    ),
+    *("link.parts.command_subscribers", "link.zenoh", "optimizer.model", "rules.profile_file"),
+)
+"""What only recording, large rules, a link, metrics, levels or a profile need."""
+HEAVY = (
+    "asyncio",
+    "decimal",
+    "fractions",
+    "multiprocessing",
+    "pickle",
+    "statistics",
+    "subprocess",
+    "tomllib",
+)
+
+
+def test_a_run_imports_only_what_it_was_asked_for(tmp_path: Path) -> None:
+    rules = tmp_path / "plain.adirf"
+    rules.write_text("begin SetFrequency /odom 10 end", encoding="utf-8")
+    program = (
+        "import sys; before = set(sys.modules)\n"
+        "from smarttestudo.cli.commands import command_parser\n"
+        "arguments = command_parser().parse_args(['run', '--rules', sys.argv[1]])\n"
+        "from smarttestudo.rules.rule_sets import load_rules\n"
+        "load_rules(arguments.rules).refuse_errors()\n"
+        "print(*sorted(set(sys.modules) - before))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(rules)], capture_output=True, text=True, check=True
+    )
+    imported = done.stdout.split()
+    assert "smarttestudo.robot.live_run" in imported
+    unasked = (*HEAVY, *(f"smarttestudo.{name}" for name in NOT_FOR_A_PLAIN_RUN))
+    assert [name for name in imported if any(f"{name}.".startswith(f"{one}.") for one in unasked)] == []

@@ -53,12 +53,16 @@ def test_a_quiet_graph_is_looked_at_once_a_second() -> None:
 
 def test_a_graph_that_nobody_tells_of_is_looked_at_five_times_a_second() -> None:
     looks = Looks(is_told=False)
-    assert looks.during(10.1) == [False] * 50
+    assert looks.during(10.1) == [False] * 51
+
+
+def test_a_graph_is_looked_at_at_once() -> None:
+    assert Looks(is_told=True).during(0.0) == [False]
 
 
 def test_when_changes_are_told_no_more_it_is_looked_at_five_times_a_second_again() -> None:
     looks = Looks(is_told=True)
-    looks.during(10.0)
+    looks.during(10.5)
     looks.is_told = False
     looks.looks.changed()
     assert looks.during(10.1) == [True] + [False] * 50

@@ -7,11 +7,18 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from smarttestudo.cli.loop_options import budget_kb_per_s
 from smarttestudo.cli.paths import file_path
+from smarttestudo.domain.command import command_topics
 from smarttestudo.domain.errors import UsageError
-from smarttestudo.link.zenoh.security import LinkOptions
+
+if TYPE_CHECKING:
+    from smarttestudo.link.zenoh.robot_end import RobotEnd
+    from smarttestudo.link.zenoh.security import LinkOptions
 
 _NEED_A_LINK = ("accept", "robot", "fetch_budget", "zenoh_config", "insecure")
 
@@ -70,9 +77,26 @@ def add_zenoh_config(parser: argparse._ActionsContainer) -> None:
     )
 
 
-def link_options(arguments: argparse.Namespace, accepted: tuple[str, ...]) -> LinkOptions | None:
-    """The link of a robot's end, if there is one. Raises ``UsageError`` for its options without it."""
+@contextmanager
+def open_link(arguments: argparse.Namespace, robot: str) -> Iterator[RobotEnd | None]:
+    """The link's end at the robot of that name, if there is to be one.
+
+    Raises ``LinkError`` as ``open_robot_end`` does, and ``UsageError`` for options of a link without one.
+    """
+    options = _robot_options(arguments, command_topics(arguments.accept, "--accept"))
+    if options is None:
+        yield None
+        return
+    from smarttestudo.link.zenoh import open_robot_end  # noqa: PLC0415  most runs have no link
+
+    with open_robot_end(robot, options, warn) as link:
+        yield link
+
+
+def _robot_options(arguments: argparse.Namespace, accepted: tuple[str, ...]) -> LinkOptions | None:
     if arguments.link or arguments.link_listen:
+        from smarttestudo.link.zenoh.security import LinkOptions  # noqa: PLC0415  most runs have no link
+
         return LinkOptions(
             listen=tuple(arguments.link_listen),
             connect=tuple(arguments.link),
@@ -106,6 +130,8 @@ def add_connect(parser: argparse.ArgumentParser) -> None:
 def connect_options(arguments: argparse.Namespace) -> LinkOptions | None:
     """Where to connect to, if anywhere. Raises ``UsageError`` for what only goes with it."""
     if arguments.connect:
+        from smarttestudo.link.zenoh.security import LinkOptions  # noqa: PLC0415  most commands ask over ROS
+
         return LinkOptions(
             connect=tuple(arguments.connect),
             config_file=arguments.zenoh_config,

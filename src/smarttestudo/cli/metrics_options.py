@@ -7,11 +7,15 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
+from typing import TYPE_CHECKING
 
 from smarttestudo.domain.metric import Metric
 from smarttestudo.link.openmetrics import open_metrics_server
+
+if TYPE_CHECKING:
+    from smarttestudo.robot.part import PartKind
 
 LOOPBACK = "127.0.0.1"
 _ADDRESS = re.compile(r"(?:(?P<host>[^\s\[\]:]+|\[[0-9A-Fa-f:.]+\]):)?(?P<port>[0-9]{1,5})", re.ASCII)
@@ -55,3 +59,17 @@ def served_metrics(
         sys.stdout.write(f"Metrics: http://{named}:{server.port}/metrics\n")
         sys.stdout.flush()
         yield
+
+
+@contextmanager
+def served_run(address: tuple[str, int] | None, robot: str) -> Iterator[Sequence[PartKind]]:
+    """The part of a run whose metrics are served, under the name ``robot``; none without an ``address``."""
+    if address is None:
+        yield ()
+        return
+    from smarttestudo.link.openmetrics.run_metrics import RunMetrics  # noqa: PLC0415  most runs serve none
+    from smarttestudo.robot.part import PartKind  # noqa: PLC0415  an operator's end has no parts
+
+    watched = RunMetrics(robot)
+    with served_metrics(address, watched.metrics):
+        yield (PartKind(make=lambda _context: watched),)

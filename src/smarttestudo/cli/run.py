@@ -12,7 +12,7 @@ from contextlib import ExitStack
 from functools import partial
 
 from smarttestudo.cli.command_parser import CommandParser
-from smarttestudo.cli.link_options import add_link, link_options, warn
+from smarttestudo.cli.link_options import add_link, open_link
 from smarttestudo.cli.loop_options import (
     add_option,
     add_output_domain,
@@ -20,20 +20,16 @@ from smarttestudo.cli.loop_options import (
     add_rules,
     output_domain,
 )
-from smarttestudo.cli.metrics_options import add_openmetrics, served_metrics
+from smarttestudo.cli.metrics_options import add_openmetrics, served_run
 from smarttestudo.cli.terminal import stop_signals
-from smarttestudo.domain.command import command_topics
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import DataPathKind
 from smarttestudo.files.outputs import require_separate
-from smarttestudo.incidents.live_incidents import INCIDENT_RING, INCIDENTS, INCIDENTS_PART
-from smarttestudo.incidents.live_outages import CATCH_UP, OUTAGES_PART
-from smarttestudo.link.openmetrics.run_metrics import RunMetrics
-from smarttestudo.link.parts.command_subscribers import COMMANDS_PART
-from smarttestudo.link.parts.live_link import LINK_PART
-from smarttestudo.link.zenoh import open_robot_end
+from smarttestudo.incidents.options import CATCH_UP, INCIDENT_RING, INCIDENTS
+from smarttestudo.incidents.part_kinds import INCIDENTS_PART, OUTAGES_PART
+from smarttestudo.link.parts import COMMANDS_PART, LINK_PART
 from smarttestudo.loop.decision_log import growing_decision_log
 from smarttestudo.loop.input_log import INPUTS_FILE, input_log
 from smarttestudo.robot.decisions import Decided
@@ -49,6 +45,7 @@ from smarttestudo.robot.run_options import (
     RULES,
     RunParameters,
 )
+from smarttestudo.robot.unnoticed import lasting
 from smarttestudo.rules.rule_files import rule_files_named
 
 PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, COMMANDS_PART)
@@ -84,21 +81,18 @@ def run(arguments: argparse.Namespace, kinds: Sequence[PartKind] = PART_KINDS) -
     """Relay until a signal comes."""
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
-        watched = RunMetrics(_robot_name(arguments.robot))
-        opened.enter_context(served_metrics(arguments.openmetrics, watched.metrics))
-        options = link_options(arguments, command_topics(arguments.accept, "--accept"))
-        link = None
-        if options is not None:
-            link = opened.enter_context(open_robot_end(_robot_name(arguments.robot), options, warn))
-        robot = opened.enter_context(
-            open_robot(
-                arguments.ros_args,
-                data_path=DataPathKind(arguments.data_path),
-                output_domain=output_domain(arguments),
-                link=link,
-                is_local=_is_local(arguments),
+        metrics = opened.enter_context(served_run(arguments.openmetrics, _robot_name(arguments.robot)))
+        link = opened.enter_context(open_link(arguments, _robot_name(arguments.robot)))
+        with lasting():
+            robot = opened.enter_context(
+                open_robot(
+                    arguments.ros_args,
+                    data_path=DataPathKind(arguments.data_path),
+                    output_domain=output_domain(arguments),
+                    link=link,
+                    is_local=_is_local(arguments),
+                )
             )
-        )
         parameters = RunParameters(robot, options_of(kinds), _all_given(arguments, kinds))
         settings = parameters.settings
         _require_catch_up(settings, has_link=link is not None)
@@ -113,7 +107,7 @@ def run(arguments: argparse.Namespace, kinds: Sequence[PartKind] = PART_KINDS) -
             parameters,
             robot,
             stopped,
-            (*kinds, PartKind(make=lambda _context: watched)),
+            (*kinds, *metrics),
             decided,
             note=note,
             link=link,

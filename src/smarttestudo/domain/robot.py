@@ -276,7 +276,7 @@ class Robot(Protocol):
         """
 
     def look_at_graph(self, look: LookAtGraph) -> None:
-        """Have ``look`` called soon after publishers or subscribers came or went, to be asked for once.
+        """Have ``look`` called now, and soon after publishers or subscribers came or went; to be asked once.
 
         That is five times a second at most. It is called once a second at least, changed or not, and as often
         as it may be where nobody tells of changes.

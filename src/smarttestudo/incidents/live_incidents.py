@@ -10,11 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.incident import (
-    DEFAULT_INCIDENT_MEMORY_MB,
-    DEFAULT_INCIDENT_RING_MAX_GB,
-    IncidentState,
-)
+from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot, Subscription
 from smarttestudo.domain.status import RuntimeStatus
@@ -23,126 +19,75 @@ from smarttestudo.incidents.background import BackgroundSink
 from smarttestudo.incidents.folder_lock import FolderLock
 from smarttestudo.incidents.folders import IncidentFolders
 from smarttestudo.incidents.heard_channels import HeardChannels
+from smarttestudo.incidents.options import (
+    INCIDENT_MEMORY,
+    INCIDENT_RING,
+    INCIDENT_RING_MAX,
+    INCIDENTS,
+    INCIDENTS_MAX,
+)
 from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
 from smarttestudo.incidents.recovery import complete_incidents
 from smarttestudo.incidents.ring_files import RingFiles
 from smarttestudo.incidents.space import make_room
 from smarttestudo.robot.live_rules import LiveRules
-from smarttestudo.robot.option import Option, Settings, number, optional, path
-from smarttestudo.robot.part import Part, PartContext, PartKind, RunView
+from smarttestudo.robot.option import Settings
+from smarttestudo.robot.part import Part, PartContext, RunView
 from smarttestudo.robot.topic import LiveSource
 
 WAITING_SHARE = 0.25
 """How much of the memory may wait for the disk beside what the ring holds."""
-_WITHOUT_FOLDER = "the rules have a Record, and no folder is named to record into: --incidents DIR does"
-
-
-MAX_MEMORY_MB = 1e6
-MAX_DISK_GB = 1e6
-LEAST_DISK_GB = 0.001
-
-INCIDENTS = Option(
-    name="incidents",
-    flag="--incidents",
-    metavar="DIR",
-    help="folder to write what the rules record (Record) into, a folder for each incident",
-    read=path,
-)
-INCIDENT_MEMORY = Option(
-    name="incident_memory_mb",
-    flag="--incident-memory",
-    metavar="MB",
-    help="memory in MB for what came before an incident",
-    is_number=True,
-    read=number("MB", 1, MAX_MEMORY_MB),
-    default=float(DEFAULT_INCIDENT_MEMORY_MB),
-    is_typed=False,
-)
-INCIDENT_RING = Option(
-    name="incident_ring",
-    flag="--incident-ring",
-    metavar="DIR",
-    help="folder on disk for what came before an incident and does not fit into memory",
-    read=path,
-)
-INCIDENT_RING_MAX = Option(
-    name="incident_ring_max_gb",
-    flag="--incident-ring-max-gb",
-    metavar="GB",
-    help="GB of disk that --incident-ring may take",
-    is_number=True,
-    read=number("GB", LEAST_DISK_GB, MAX_DISK_GB),
-    default=float(DEFAULT_INCIDENT_RING_MAX_GB),
-    is_typed=False,
-)
-INCIDENTS_MAX = Option(
-    name="incidents_max_gb",
-    flag="--incidents-max-gb",
-    metavar="GB",
-    help="GB of disk that all incidents may take: old ones are deleted, those that were read first",
-    is_number=True,
-    read=optional(number("GB", LEAST_DISK_GB, MAX_DISK_GB)),
-    default=None,
-    is_typed=False,
-)
 
 
 class LiveIncidents(Part):
-    """Keeps the topics that rules record, and writes the incidents.
+    """Keeps the topics that rules record, and writes the incidents below ``folder``.
 
     Raises ``OutputFileError`` where the folder cannot be made, or another run records into it.
     """
 
     hears_topics_only = True
 
-    def __init__(self, context: PartContext) -> None:
-        robot, settings, folder = context.robot, context.settings, context.settings[INCIDENTS]
+    def __init__(self, context: PartContext, folder: Path) -> None:
+        robot, settings = context.robot, context.settings
         self._robot = robot
         self._settings = settings
         self._memory_bytes = round(settings[INCIDENT_MEMORY] * BYTES_PER_MB)
         self._static_topic = context.resolve("/tf_static")
         self._channels = HeardChannels(robot)
         self._recorder: IncidentRecorder | None = None
-        self._background: BackgroundSink | None = None
         self._ring: RingFiles | None = None
         self._ring_max_bytes = round(settings[INCIDENT_RING_MAX] * BYTES_PER_GB)
-        self._locks: list[FolderLock] = []
+        self._locks = [FolderLock(folder, "--incidents")]
         # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
         self._taken: dict[str, tuple[Subscription, int, int]] = {}
         self._refused = 0
-        self._has_said = False
         # The thread that writes changes these.
         self._recorded = self._lost = 0
         self._problem: str | None = None
-        if folder is not None:
-            self._locks.append(FolderLock(folder, "--incidents"))
-            if (ring := settings[INCIDENT_RING]) is not None:
-                self._ring = self._opened_ring(ring)
-            for found in complete_incidents(folder):
-                robot.log.warning(f"incident {found}")
-            delete_for_room(robot, settings)
-            if context.link is not None:
-                context.link.offer_incidents(folder)
-            folders = IncidentFolders(
-                folder,
-                self._channels.by_topic,
-                ring=self._ring,
-                failed=self._failed,
-                ended=self._ended,
-            )
-            self._background = BackgroundSink(
-                folders,
-                round(WAITING_SHARE * self._memory_bytes),
-                failed=self._failed,
-                ring=self._ring,
-            )
+        if (ring := settings[INCIDENT_RING]) is not None:
+            self._ring = self._opened_ring(ring)
+        for found in complete_incidents(folder):
+            robot.log.warning(f"incident {found}")
+        delete_for_room(robot, settings)
+        if context.link is not None:
+            context.link.offer_incidents(folder)
+        folders = IncidentFolders(
+            folder,
+            self._channels.by_topic,
+            ring=self._ring,
+            failed=self._failed,
+            ended=self._ended,
+        )
+        self._background = BackgroundSink(
+            folders,
+            round(WAITING_SHARE * self._memory_bytes),
+            failed=self._failed,
+            ring=self._ring,
+        )
 
     @contextmanager
     def running(self) -> Iterator[None]:
         """Write during the block; at its end, windows that are open end, too."""
-        if self._background is None:
-            yield
-            return
         try:
             with self._background.running():
                 try:
@@ -159,11 +104,6 @@ class LiveIncidents(Part):
     def follow(self, rules: LiveRules, now_ns: int) -> None:
         """Keep what these rules record from now on."""
         rule_set = rules.rule_set
-        if self._background is None:
-            if rule_set.has_recordings and not self._has_said:
-                self._has_said = True
-                self._robot.log.warning(_WITHOUT_FOLDER)
-            return
         if self._recorder is None:
             self._recorder = IncidentRecorder(
                 rule_set,
@@ -277,9 +217,3 @@ def delete_for_room(robot: Robot, settings: Settings) -> None:
             robot.log.warning(f"incident {one.name}: deleted to make room, {read}")
     except TestudoError as error:
         robot.log.warning(str(error))
-
-
-INCIDENTS_PART = PartKind(
-    make=LiveIncidents,
-    options=(INCIDENTS, INCIDENT_MEMORY, INCIDENT_RING, INCIDENT_RING_MAX, INCIDENTS_MAX),
-)

@@ -14,27 +14,18 @@ from smarttestudo.domain.link import MessageOrigin, MissedMessage, OutgoingLink
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.heard_channels import HeardChannels
-from smarttestudo.incidents.live_incidents import INCIDENTS, delete_for_room
+from smarttestudo.incidents.live_incidents import delete_for_room
 from smarttestudo.incidents.outage_folder import OutageFolder
 from smarttestudo.incidents.task_thread import TaskThread
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.live_rules import LiveRules
-from smarttestudo.robot.option import Option, Settings, is_true
-from smarttestudo.robot.part import Part, PartContext, PartKind
+from smarttestudo.robot.option import Settings
+from smarttestudo.robot.part import Part
 from smarttestudo.robot.topic import LiveSource
 
 FOLDER_NS = 600 * NS_PER_S
 MAX_FOLDERS = 6
 """An outage of more than so many folders is kept no further."""
-
-
-CATCH_UP = Option(
-    flag="--catch-up",
-    help="with --link and --incidents: keep there, too, what operators miss in outages of the link, for "
-    "'testudo receive --catch-up'",
-    read=is_true,
-    default=False,
-)
 
 
 class LiveOutages(Part):
@@ -132,13 +123,3 @@ class LiveOutages(Part):
         # The next outage is tried.
         self._open = None
         self._robot.log.warning(f"an outage is not kept any further: {said(error)}")
-
-
-def _outages(context: PartContext) -> LiveOutages | None:
-    folder, link = context.settings[INCIDENTS], context.link
-    if not context.settings[CATCH_UP] or folder is None or link is None:
-        return None
-    return LiveOutages(context.robot, link, folder, context.settings)
-
-
-OUTAGES_PART = PartKind(make=_outages, options=(CATCH_UP,))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import Model, Requirement
-from smarttestudo.optimizer.problem import Allocation, Budget, Solver, fits, used_kb_per_s
+from smarttestudo.optimizer.problem import Allocation, Budget, Solver, fits, round_down, used_kb_per_s
 
 _LEVELS = 5
 
@@ -73,7 +73,6 @@ def _cost(ladders: Sequence[Ladder], quality: float) -> float:
     return math.fsum(ladder.size_kb * ladder.rate_hz(quality) for ladder in ladders)
 
 
-STEPS_PER_HZ = 1000
 _AMPLE = 1 - 1e-9
 """What takes no more than this share of a budget is far enough within it for any rounding of sums."""
 
@@ -103,14 +102,6 @@ def best_rates(
 def rounded_down(rates_hz: Mapping[str, float], least_hz: Mapping[str, float]) -> dict[str, float]:
     """The rates rounded down to 0.001 Hz, but never below the lowest rate of their topic."""
     return {topic: max(round_down(rate), least_hz[topic]) for topic, rate in rates_hz.items()}
-
-
-def round_down(rate_hz: float) -> float:
-    """``rate_hz`` in whole steps of 0.001 Hz; what misses a step by float noise only has reached it."""
-    steps = rate_hz * STEPS_PER_HZ
-    nearest = round(steps)
-    whole = nearest if math.isclose(steps, nearest, rel_tol=1e-12, abs_tol=1e-9) else math.floor(steps)
-    return whole / STEPS_PER_HZ
 
 
 def _ladder(requirement: Requirement, least_hz: float, most_hz: float) -> Ladder:

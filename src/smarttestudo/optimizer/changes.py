@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from smarttestudo.domain.rate import Tier
-from smarttestudo.optimizer.allocation import round_down
 from smarttestudo.optimizer.model import BoundNeeds, Model, Requirement
+from smarttestudo.optimizer.problem import round_down
 from smarttestudo.optimizer.rule_rates import SolvedSubproblem
 
 CHANGES_SHOWN = 3

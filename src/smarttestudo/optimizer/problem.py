@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 _RELATIVE_SLACK = 1e-9
+_STEPS_PER_HZ = 1000
 
 
 class Piece(NamedTuple):
@@ -88,3 +89,11 @@ def exact_sum(values: Collection[float]) -> list[float]:
 def fits(needed_kb_per_s: float, limit_kb_per_s: float) -> bool:
     """Whether ``needed`` is within ``limit``, where sums of decimal numbers may be off by float noise."""
     return needed_kb_per_s <= limit_kb_per_s + _RELATIVE_SLACK * max(1.0, abs(limit_kb_per_s))
+
+
+def round_down(rate_hz: float) -> float:
+    """``rate_hz`` in whole steps of 0.001 Hz; what misses a step by float noise only has reached it."""
+    steps = rate_hz * _STEPS_PER_HZ
+    nearest = round(steps)
+    whole = nearest if math.isclose(steps, nearest, rel_tol=1e-12, abs_tol=1e-9) else math.floor(steps)
+    return whole / _STEPS_PER_HZ

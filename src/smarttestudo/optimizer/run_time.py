@@ -8,9 +8,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.optimizer.allocation import round_down
 from smarttestudo.optimizer.greedy import fill
-from smarttestudo.optimizer.problem import fits, used_kb_per_s
+from smarttestudo.optimizer.problem import fits, round_down, used_kb_per_s
 
 REPLAN_AFTER_NS = NS_PER_S
 LOWEST_USE = 0.9

@@ -14,7 +14,6 @@ from smarttestudo.domain.status import RulesInForce
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.robot.output_topics import OutputTopic, output_topics
-from smarttestudo.rules.profile_file import parse_profile
 from smarttestudo.rules.rule_sets import check_texts
 
 LARGE_BYTES = 64_000
@@ -84,6 +83,8 @@ class UncheckedRules:
 
         profile = None
         if self.profile is not None and self.profile_text is not None:
+            from smarttestudo.rules.profile_file import parse_profile  # noqa: PLC0415  it reads TOML
+
             profile = parse_profile(self.profile_text, self.profile).resolved(named)
         loaded = check_texts(self.texts, profile=profile, resolve=named)
         loaded.refuse_errors()

@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Sequence
+from typing import TYPE_CHECKING
 
-from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot
@@ -26,6 +26,9 @@ from smarttestudo.robot.sampling import LiveSampling
 from smarttestudo.robot.status import LiveStatus
 from smarttestudo.robot.status_topics import StatusPublisher, StatusTelling, StatusTimer
 from smarttestudo.robot.topics import LiveTopics
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.link import OutgoingLink
 
 LOOK_PERIOD_S = 0.2
 """How often to check whether to stop, and whether rules changed."""

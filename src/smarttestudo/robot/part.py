@@ -7,11 +7,10 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Hashable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from smarttestudo.domain.command import IncomingCommands
 from smarttestudo.domain.decision import Decision
-from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot, Subscription
 from smarttestudo.domain.status import RuntimeStatus
@@ -21,6 +20,9 @@ from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import AnyOption, Settings
 from smarttestudo.robot.topic import LiveSource
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.link import OutgoingLink
 
 
 class RunView(Protocol):

@@ -14,18 +14,17 @@ import os
 import pickle
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from io import BytesIO
 from multiprocessing.connection import Connection, Pipe
 
 from smarttestudo.domain.errors import RuleFileError
-from smarttestudo.domain.rests import Rest
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleBlock, WrittenBlock
 from smarttestudo.robot.live_rules import LiveRules, UncheckedRules
+from smarttestudo.robot.unnoticed import unnoticed
 
 _POLL_S = 0.2
 _NICENESS = 10
@@ -175,38 +174,3 @@ def serve(descriptor: int) -> None:
             send(replace(rules, texts={}, profile_text=None))
         except Exception as error:  # noqa: BLE001 - the other side raises it
             send(error)
-
-
-_SWITCH_INTERVAL_S = 0.000_5
-_WORK_S, _REST_S = 0.000_5, 0.001
-
-
-@contextmanager
-def unnoticed() -> Iterator[Rest]:
-    """Let this thread make many objects while others go on; it is to rest between two pieces of work.
-
-    A thread that rests often is seldom interrupted while it has the interpreter, for which all others would
-    wait. Nothing looks for cycles meanwhile, nor later among what was made: to look through all rules would
-    hold up every message.
-    """
-    interval_s = sys.getswitchinterval()
-    gc.disable()
-    sys.setswitchinterval(_SWITCH_INTERVAL_S)
-    try:
-        yield _rests()
-    finally:
-        sys.setswitchinterval(interval_s)
-        gc.freeze()
-        gc.enable()
-
-
-def _rests() -> Rest:
-    due_s = time.monotonic() + _WORK_S
-
-    def rest() -> None:
-        nonlocal due_s
-        if time.monotonic() >= due_s:
-            time.sleep(_REST_S)
-            due_s = time.monotonic() + _WORK_S
-
-    return rest

@@ -15,13 +15,12 @@ from queue import Empty, SimpleQueue
 
 from smarttestudo.domain.errors import RuleFileError, TestudoError, said, testudo_error
 from smarttestudo.domain.rests import Rest
-from smarttestudo.files.toml_text import read_toml_text
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.robot.live_rules import LiveRules, UncheckedRules
 from smarttestudo.robot.output_topics import OutputTopic
-from smarttestudo.robot.rule_checking import check_elsewhere, unnoticed
+from smarttestudo.robot.unnoticed import unnoticed
 from smarttestudo.rules.rule_files import (
     FileStates,
     file_states,
@@ -112,7 +111,11 @@ class LiveRuleFiles:
         return texts, self._profile_text()
 
     def _profile_text(self) -> str | None:
-        return None if self._profile is None else read_toml_text(self._profile)
+        if self._profile is None:
+            return None
+        from smarttestudo.files.toml_text import read_toml_text  # noqa: PLC0415  it loads a parser of TOML
+
+        return read_toml_text(self._profile)
 
     def _checked(self, texts: Mapping[str, str], profile_text: str | None) -> LiveRules:
         rules = UncheckedRules(
@@ -122,6 +125,8 @@ class LiveRuleFiles:
             output_topic=self._output_topic,
         )
         if rules.is_large:
+            from smarttestudo.robot.rule_checking import check_elsewhere  # noqa: PLC0415  few rules are large
+
             return check_elsewhere(rules, self._resolve, self._ended.is_set)
         return rules.checked(self._resolve)
 

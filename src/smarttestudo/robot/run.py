@@ -8,9 +8,9 @@ import gc
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import partial
+from typing import TYPE_CHECKING
 
 from smarttestudo.domain.command import IncomingCommands
-from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import Robot
 from smarttestudo.robot.decisions import Decided, LiveDecisions
 from smarttestudo.robot.fallback import Fallback
@@ -33,6 +33,9 @@ from smarttestudo.robot.run_options import (
     TOPIC_PREFIX,
     RunParameters,
 )
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.link import OutgoingLink
 
 
 def options_of(kinds: Sequence[PartKind]) -> tuple[AnyOption, ...]:

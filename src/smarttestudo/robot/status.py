@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Mapping
-from statistics import fmean
 from typing import NamedTuple
 
 from smarttestudo.domain.decision import PlannedRate
@@ -114,7 +114,9 @@ class _FrameMeters:
             for frame, arrived in self._arrived.items()
             if arrived.rate_hz and (relayed := self._relayed.get(frame)) is not None and relayed.rate_hz
         ]
-        return _Rates(*(fmean(column) for column in zip(*known, strict=True))) if known else _NO_RATES
+        if not known:
+            return _NO_RATES
+        return _Rates(*(math.fsum(column) / len(column) for column in zip(*known, strict=True)))
 
 
 class _Meters:

@@ -7,17 +7,19 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from smarttestudo.domain.errors import RosError, said
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import Qos, Robot
 from smarttestudo.domain.status import MOST_BLOCKS, STATUS_HZ, BlockStatus, RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.diagnostics import diagnostics
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.link import OutgoingLink
 
 STATUS_QOS = Qos(reliable=True, transient_local=True, depth=1)
 DIAGNOSTICS_TOPIC = "/diagnostics"

@@ -35,7 +35,8 @@ from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.rule_rates import budget_of
 from smarttestudo.optimizer.wording import hz_text, kb_text
 from smarttestudo.rules.optimize import infeasible_subproblems, lowered_where_too_much
-from smarttestudo.rules.rule_sets import has_tiers, optimize_tiers
+from smarttestudo.rules.rule_sets import has_tiers
+from smarttestudo.rules.tier_rates import optimize_tiers
 
 _MISSING_NAMED = 3
 

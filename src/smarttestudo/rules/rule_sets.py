@@ -19,32 +19,12 @@ from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RefusedTiers, RuleSet, TierValues, compile_rules
 from smarttestudo.language.syntax import RuleFile, tiers_in
-from smarttestudo.optimizer.greedy import GreedySolver
-from smarttestudo.optimizer.infeasibility import infeasibility
-from smarttestudo.optimizer.model import Model
-from smarttestudo.optimizer.requirements import TopicsWithoutDefault
-from smarttestudo.optimizer.rule_rates import Optimization, optimize_rules
 from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
 
 
 def has_tiers(files: Sequence[RuleFile]) -> bool:
     """Whether any statement of ``files`` that counts names a quality level."""
     return any(True for file in files for statement in file.enabled_statements for _ in tiers_in(statement))
-
-
-def optimize_tiers(files: Sequence[RuleFile], profile: Profile, resolve: Resolve) -> Optimization:
-    """The rates of the levels in ``files``, the same that ``testudo optimize`` writes.
-
-    Topics of the profile that the files do not name count, too, as far as the profile has what that needs.
-    """
-    return optimize_rules(
-        files,
-        profile,
-        resolve,
-        model=Model.QUPER,
-        solver=GreedySolver(),
-        without_default=TopicsWithoutDefault.COUNTED,
-    )
 
 
 def tier_values_for(files: Sequence[RuleFile], profile: Profile | None, resolve: Resolve) -> TierValues:
@@ -54,16 +34,9 @@ def tier_values_for(files: Sequence[RuleFile], profile: Profile | None, resolve:
     """
     if profile is None or not has_tiers(files):
         return RefusedTiers()
-    done = optimize_tiers(files, profile, resolve)
-    for solved in done.subproblems:
-        if not solved.feasible:
-            refused = infeasibility(solved, done.budget_kb_per_s, None, model=done.model)
-            raise RuleFileError(
-                refused.message,
-                place=solved.subproblem.place,
-                remedy="testudo optimize says which changes would fit",
-            )
-    return done
+    from smarttestudo.rules.tier_rates import fitting_tiers  # noqa: PLC0415  most rules name rates, not levels
+
+    return fitting_tiers(files, profile, resolve)
 
 
 class FaultyRulesError(RuleFileError):

@@ -10,7 +10,6 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
-from statistics import median_low
 
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes.box import Box, Effort
@@ -171,7 +170,7 @@ def _most_selective_signal(hulls: Sequence[_Extents]) -> Signal | None:
 def _spread(signal: Signal, hulls: Sequence[_Extents]) -> float:
     extents = [hull[signal] for hull in hulls if signal in hull]
     centres, widths = zip(*extents, strict=True)
-    width = median_low(widths)
+    width = sorted(widths)[(len(widths) - 1) // 2]
     spread = (max(centres) - min(centres)) / width if width > 0 else math.inf
     return spread * len(extents)
 

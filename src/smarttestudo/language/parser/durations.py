@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from decimal import Decimal
 from types import MappingProxyType
 from typing import NamedTuple, NoReturn
 
@@ -116,6 +115,8 @@ def duration_ns(text: str, unit: DurationUnit) -> int:
     """The nanoseconds nearest to ``text`` of ``unit``; more than a duration may have where it is far more."""
     if abs(float(text)) > MAX_DURATION_NS:
         return -1
+    from decimal import Decimal  # noqa: PLC0415  few rules have durations
+
     return round(Decimal(text) * _NS_OF[unit])
 
 

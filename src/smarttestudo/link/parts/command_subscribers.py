@@ -15,7 +15,7 @@ from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.output_topics import OWN_TOPICS
-from smarttestudo.robot.part import Part, PartContext, PartKind
+from smarttestudo.robot.part import Part
 
 QOS = Qos(reliable=True, transient_local=False, depth=1)
 """It serves subscribers of any reliability; who comes late gets nothing old, and who is slow the newest."""
@@ -124,12 +124,3 @@ class CommandSubscribers(Part):
         if sentence not in self._said:
             self._said.add(sentence)
             self._robot.log.warning(sentence)
-
-
-def _command_subscribers(context: PartContext) -> CommandSubscribers | None:
-    if context.commands is None:
-        return None
-    return CommandSubscribers(context.robot, context.commands, context.link)
-
-
-COMMANDS_PART = PartKind(make=_command_subscribers)

@@ -15,11 +15,10 @@ from smarttestudo.domain.observation import LinkBudget, ListenersChanged, Receiv
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.link.parts.link_questions import LinkQuestions
 from smarttestudo.loop.inputs import ChangeInput, WakeInput
 from smarttestudo.loop.relay import ReckonedPicture
 from smarttestudo.robot.live_rules import LiveRules
-from smarttestudo.robot.part import Part, PartContext, PartKind, RunView
+from smarttestudo.robot.part import Part, RunView
 
 LINK_PERIOD_S = 0.25
 """How often to look what the link carries."""
@@ -191,13 +190,3 @@ class LinkPart(Part):
     def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
         """``status`` with the state of the link and of each topic on it."""
         return self._watch.added_to(status)
-
-
-def _link(context: PartContext) -> LinkPart | None:
-    if context.link is None:
-        return None
-    LinkQuestions(context.robot, context.link)
-    return LinkPart(context.robot, context.link)
-
-
-LINK_PART = PartKind(make=_link)

@@ -10,9 +10,8 @@ from dataclasses import dataclass, field
 from smarttestudo.domain.decision import Reason
 from smarttestudo.language.evaluator import Evaluator
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.optimizer.allocation import round_down
 from smarttestudo.optimizer.joint.check import Loads, Situation
-from smarttestudo.optimizer.problem import Budget, Demand, Piece, Solver
+from smarttestudo.optimizer.problem import Budget, Demand, Piece, Solver, round_down
 
 _NOISE_HZ = 1e-6
 

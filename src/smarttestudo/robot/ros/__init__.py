@@ -8,15 +8,16 @@ import os
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.packages import how_to_get_ros
-from smarttestudo.domain.remote_robots import RemoteRobots
 from smarttestudo.domain.robot import DataPathKind, OutputDomain, Robot
-from smarttestudo.robot.ros.graph_robots import GraphRobots
 from smarttestudo.robot.ros.loading import load_rclpy
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.link import OutgoingLink
+    from smarttestudo.domain.remote_robots import RemoteRobots
 
 NODE_NAME = "smarttestudo"
 
@@ -47,12 +48,13 @@ def open_robot(
             "this needs ROS 2 (rclpy)",
             remedy=f"source your ROS setup; {how_to_get_ros()}",
         ) from error
-    from smarttestudo.robot.ros.linked_node import LinkedNode  # noqa: PLC0415  needs rclpy
     from smarttestudo.robot.ros.node import RosNode, open_node  # noqa: PLC0415  needs rclpy
 
     def make(node: Any, executor: Any, operators: Any) -> RosNode:
         if link is None:
             return RosNode(node, executor, operators, data_path)
+        from smarttestudo.robot.ros.linked_node import LinkedNode  # noqa: PLC0415  most robots have no link
+
         return LinkedNode(node, executor, operators, data_path, link=link, is_local=is_local)
 
     with open_node(ros_arguments, name, output_domain, make) as node:
@@ -65,5 +67,7 @@ def open_graph_robots(name: str) -> Iterator[RemoteRobots]:
 
     A few messages a second go without librcl's path and its self-test. Raises ``RosError``.
     """
+    from smarttestudo.robot.ros.graph_robots import GraphRobots  # noqa: PLC0415  a run needs none
+
     with open_robot(name=f"{name}_{os.getpid()}", data_path=DataPathKind.RCLPY) as robot:
         yield GraphRobots(robot, time.monotonic)

@@ -16,7 +16,7 @@ NET_PERIOD_S = 1.0
 
 
 class GraphLooks:
-    """Has ``look`` called by ``timers``: soon after ``changed``, and now and then in any case.
+    """Has ``look`` called by ``timers``: at once, soon after ``changed``, and now and then in any case.
 
     ``is_told`` is whether ``changed`` is called. Times are those of the steady clock ``steady_s``.
     """
@@ -35,6 +35,7 @@ class GraphLooks:
         self._has_changed = False
         self._looked_s = steady_s()
         self._timer = timers.add(LEAST_PERIOD_S, self._act, self._looked_s)
+        timers.hasten(self._timer, self._looked_s)
 
     def changed(self) -> None:
         """The graph has changed."""

@@ -32,7 +32,6 @@ from smarttestudo.domain.robot import (
     OutputDomain,
     Publisher,
     Qos,
-    RobotLog,
 )
 from smarttestudo.domain.status import Diagnostic
 from smarttestudo.domain.units import NS_PER_S
@@ -41,6 +40,7 @@ from smarttestudo.robot.ros.definitions import message_definition
 from smarttestudo.robot.ros.diagnostics import diagnostics_publisher
 from smarttestudo.robot.ros.graph_looks import GraphLooks
 from smarttestudo.robot.ros.message_types import begins_with_header, message_type
+from smarttestudo.robot.ros.node_log import node_log
 from smarttestudo.robot.ros.output_domain import operators_node
 from smarttestudo.robot.ros.parameters import (
     REMOTE_LOOK_PERIOD_S,
@@ -107,6 +107,7 @@ class RosNode:
 
     def __init__(self, node: Any, executor: Any, operators: Any, data_path_kind: DataPathKind) -> None:
         self._node = node
+        self.log = node_log(node)
         self._operators = operators
         self._executor = executor
         self._clock = node.get_clock()
@@ -123,12 +124,6 @@ class RosNode:
         """The full name of the node."""
         name: str = self._node.get_fully_qualified_name()
         return name
-
-    @property
-    def log(self) -> RobotLog:
-        """The node's log, which also goes to /rosout."""
-        log: RobotLog = self._node.get_logger()
-        return log
 
     @property
     def data_path(self) -> DataPath:

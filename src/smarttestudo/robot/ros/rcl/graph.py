@@ -93,12 +93,14 @@ class WaitSet:
 class GraphWatch:
     """A thread that counts each change of a node's graph up on ``event_fd``; ``error`` is why it ended.
 
+    It waits ``settle_s`` for further changes before that, which are counted as one with the first.
     A guard condition has no callback, so a thread has to wait for it; librcl does so without Python's lock.
     Raises ``RosError`` where that does not work here.
     """
 
     def __init__(self, node: Any, library: RclLibrary, event_fd: int) -> None:
         self.error: RosError | None = None
+        self.settle_s = 0.0
         self._node = node
         self._event_fd = event_fd
         self._ended = threading.Event()
@@ -127,7 +129,7 @@ class GraphWatch:
         try:
             while not self._ended.is_set():
                 self._wait_set.wait(_FOREVER_NS)
-                if self._ended.wait(SETTLE_S):
+                if self._ended.wait(self.settle_s):
                     return
                 self._wait_set.wait(_NOT_AT_ALL_NS)
                 os.eventfd_write(self._event_fd, 1)
@@ -159,6 +161,7 @@ class GraphEvents:
                 self._opened.callback(watch.close)
                 self._watches.append(watch)
                 _require_event(node, event_fd)
+                watch.settle_s = SETTLE_S
         except (RosError, AttributeError, TypeError, ctypes.ArgumentError) as error:
             # Also where the interface of rclpy is another one.
             self.problem = said(error)

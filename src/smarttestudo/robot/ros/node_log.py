@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The log of a node, as ROS has it: on the terminal, in its file and on /rosout."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.logging import LoggingSeverity
+
+from smarttestudo.domain.robot import RobotLog
+
+
+def node_log(node: Any) -> RobotLog:
+    """The log of ``node``, by the cheaper way if this version of rclpy has it."""
+    logger: RobotLog = node.get_logger()
+    return NodeLog(logger) if hasattr(rclpy_implementation, "rclpy_logging_rcutils_log") else logger
+
+
+class NodeLog:
+    """Logs what ``logger`` would, with the line of code that logs.
+
+    rclpy looks for that line in the sources of all that is imported: 40 ms at the start, 1 ms each time.
+    """
+
+    def __init__(self, logger: Any) -> None:
+        self._logger = logger
+
+    def info(self, message: str) -> None:
+        """Log what happened."""
+        self._log(LoggingSeverity.INFO, message)
+
+    def warning(self, message: str) -> None:
+        """Log a warning."""
+        self._log(LoggingSeverity.WARN, message)
+
+    def _log(self, severity: LoggingSeverity, message: str) -> None:
+        if not self._logger.is_enabled_for(severity):
+            return
+        # A method called this function, and that was called by who logs.
+        frame = sys._getframe(2)  # noqa: SLF001 - as Python's own log does
+        code = frame.f_code
+        rclpy_implementation.rclpy_logging_rcutils_log(
+            severity, self._logger.name, message, code.co_name, code.co_filename, frame.f_lineno
+        )
