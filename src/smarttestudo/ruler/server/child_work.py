@@ -74,6 +74,7 @@ class _Spare:
         self._idle_s = idle_s
         self._process: Process | None = None
         self._expiry: asyncio.TimerHandle | None = None
+        self._expired: asyncio.Future[None] | None = None
 
     async def taken(self, work: ChildWork) -> Process:
         """A process that waits for its order, this one where it is there."""
@@ -88,19 +89,21 @@ class _Spare:
     def expire_later(self) -> None:
         """End where it is not taken in time."""
         if self._process is not None and self._expiry is None:
-            self._expiry = asyncio.get_running_loop().call_later(self._idle_s, self._kill)
+            self._expiry = asyncio.get_running_loop().call_later(self._idle_s, self._expire)
 
     async def close(self) -> None:
         """End."""
-        process = self._kill()
-        if process is not None:
-            await process.wait()
+        await self._end()
+        if self._expired is not None:
+            await self._expired
 
-    def _kill(self) -> Process | None:
+    def _expire(self) -> None:
+        self._expired = asyncio.ensure_future(self._end())
+
+    async def _end(self) -> None:
         process = self._pop()
-        if process is not None and process.returncode is None:
-            process.kill()
-        return process
+        if process is not None:
+            await _ended(process)
 
     def _pop(self) -> Process | None:
         if self._expiry is not None:
@@ -117,6 +120,13 @@ async def _started(work: ChildWork) -> Process:
         stderr=DEVNULL,
         limit=_MAX_LINE_BYTES,
     )
+
+
+async def _ended(process: Process) -> None:
+    """End ``process``, so that nothing of it is left to a loop that may close next."""
+    if process.returncode is None:
+        process.kill()
+    await process.communicate(b"")
 
 
 class ChildProcesses:
@@ -169,9 +179,7 @@ class ChildProcesses:
             return await self._followed(process, order)
         finally:
             self._spare.expire_later()
-            if process.returncode is None:
-                process.kill()
-                await process.wait()
+            await _ended(process)
 
     async def _followed(self, process: Process, order: Order) -> bytes:
         if process.stdin is None or process.stdout is None:
