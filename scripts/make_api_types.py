@@ -23,7 +23,8 @@ from smarttestudo.ruler.answers.robot_incidents import RobotIncidents
 from smarttestudo.ruler.answers.robot_link import RobotLink
 from smarttestudo.ruler.project.project_folder import ProjectFolder
 from smarttestudo.ruler.server import socket
-from smarttestudo.ruler.server.app import api_routes, keeping_routes, robot_incident_routes
+from smarttestudo.ruler.server.app import api_routes, robot_incident_routes, trial_routes
+from smarttestudo.ruler.server.child_work import TryApi
 from smarttestudo.ruler.server.errors import ErrorAnswer
 from smarttestudo.ruler.server.keeping import Keepings
 from smarttestudo.ruler.server.routes import ApiRoute
@@ -51,7 +52,7 @@ def types_text() -> str:
     project = ProjectFolder(Path())
     routes = [
         *api_routes(project, RobotLink(partial(open_graph_robots, "")), socket.Listeners()),
-        *keeping_routes(Keepings(project)),
+        *trial_routes(TryApi(project, socket.Listeners()), Keepings(project)),
         *robot_incident_routes(RobotIncidents(project, None)),
     ]
     asked = [socket.Watch, *(route.asked for route in routes if route.asked is not None)]

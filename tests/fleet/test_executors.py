@@ -76,6 +76,15 @@ def test_no_more_than_a_bounded_number_is_begun_behind_a_slow_item(
     assert begun <= 20
 
 
+def test_no_worker_waits_until_the_caller_is_done_with_a_result(tmp_path: Path) -> None:
+    with closing(Processes(1).map(partial(tasks.noted, tmp_path), range(200))) as results:
+        assert next(results) == 0
+        end_s = time.monotonic() + 30
+        while not (tmp_path / "1").exists():
+            assert time.monotonic() < end_s
+            time.sleep(0.01)
+
+
 def test_it_can_be_closed_before_the_end_and_used_again(executor: Executor) -> None:
     with closing(executor.map(tasks.square, range(100))) as results:
         assert next(results) == 0

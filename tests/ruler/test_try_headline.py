@@ -4,8 +4,15 @@
 
 from __future__ import annotations
 
+import asyncio
+import json
 import math
-from collections.abc import Iterator
+import os
+import signal
+import socket
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -15,13 +22,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bags.bag_factory import small_mission, write_bag
-from ruler.ruler_server import Page, served
+from ruler.ruler_server import TIMEOUT_S, Page, served
 from smarttestudo.accuracy.loss_report import Age, ErrorSize, Frames, TopicArm
 from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.answers.checked_text import Draft
-from smarttestudo.ruler.answers.trial import try_rules
+from smarttestudo.ruler.answers.child_process import ChildWork
+from smarttestudo.ruler.answers.trial import TryRequest, try_rules
 from smarttestudo.ruler.answers.trial_headline import TriedRecording, worst_field, worst_topic
 from smarttestudo.ruler.answers.trial_loss import TryFieldLoss, TryImages, TryLoss, TryTopicLoss
+from smarttestudo.ruler.server.child_work import ChildProcesses, order_about_bag
 
 RULES = """\
 begin
@@ -90,6 +99,87 @@ def test_a_recording_that_cannot_be_tried_says_why_and_costs_no_other(
 @pytest.mark.parametrize("bag", ["../project/runs/short", "/etc", "runs/../../x", ""])
 def test_nothing_outside_the_project_is_tried(page: Page, bag: str) -> None:
     assert page.post("/api/try/headline", {"text": RULES, "bag": bag}).status == 403
+
+
+CHILD = f"{ChildWork.__module__}\0{ChildWork.HEADLINE.value}\0"
+
+
+def processes() -> set[int]:
+    """The processes for headlines that servers of this process have."""
+    return {int(entry.name) for entry in Path("/proc").iterdir() if entry.name.isdecimal() and is_ours(entry)}
+
+
+def is_ours(entry: Path) -> bool:
+    try:
+        parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
+        return parent == os.getpid() and CHILD in (entry / "cmdline").read_text()
+    except OSError:
+        return False
+
+
+def eventually(holds: Callable[[], bool]) -> None:
+    end_s = time.monotonic() + TIMEOUT_S
+    while not holds():
+        assert time.monotonic() < end_s
+        time.sleep(0.01)
+
+
+def test_the_next_recording_is_tried_in_a_process_that_was_there_before_it_was_asked_for(
+    project: Path,
+) -> None:
+    asked = {"text": RULES, "bag": "runs/short"}
+    others = processes()
+    with served(project) as page, ThreadPoolExecutor() as pool:
+        assert page.post("/api/try/headline", asked).json["headline"]
+        (ready,) = processes() - others
+        # As long as it stands still there is no answer.
+        os.kill(ready, signal.SIGSTOP)
+        answer = pool.submit(page.post, "/api/try/headline", asked)
+        eventually(lambda: len(processes() - others) == 2)
+        os.kill(ready, signal.SIGCONT)
+        assert answer.result(TIMEOUT_S).json["headline"]
+        eventually(lambda: len(processes() - others) == 1)
+        assert ready not in processes()
+        # A process that was lost is no reason to fail.
+        (ready,) = processes() - others
+        os.kill(ready, signal.SIGKILL)
+        eventually(lambda: processes() <= others)
+        assert page.post("/api/try/headline", asked).json["headline"]
+        assert len(processes() - others) == 1
+    assert processes() <= others
+
+
+def test_a_page_that_leaves_ends_the_process_at_work_only(project: Path) -> None:
+    others = processes()
+    with served(project) as page:
+        page.post("/api/try/headline", {"text": RULES, "bag": "runs/short"})
+        (ready,) = processes() - others
+        os.kill(ready, signal.SIGSTOP)
+        with socket.create_connection(("127.0.0.1", page.port), timeout=TIMEOUT_S) as leaver:
+            body = json.dumps({"text": RULES, "bag": "runs/long"}).encode()
+            head = (
+                f"POST /api/try/headline HTTP/1.1\r\nHost: 127.0.0.1:{page.port}\r\n"
+                f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
+            )
+            leaver.sendall(head.encode() + body)
+            eventually(lambda: len(processes() - others) == 2)
+        eventually(lambda: ready not in processes())
+        assert len(processes() - others) == 1
+
+
+def test_a_process_that_is_ready_ends_where_nothing_more_is_tried(project: Path) -> None:
+    async def tried() -> None:
+        work = ChildProcesses(lambda _: None, repeated=ChildWork.HEADLINE, idle_s=0)
+        asked = TryRequest(text=RULES, bag=str(project / "runs" / "short"))
+        assert await work.result(order_about_bag(ChildWork.HEADLINE, asked, "runs/short"))
+        while processes() - others:
+            await asyncio.sleep(0.01)
+        assert await work.result(order_about_bag(ChildWork.HEADLINE, asked, "runs/short"))
+        await work.close()
+
+    others = processes()
+    asyncio.run(asyncio.wait_for(tried(), TIMEOUT_S))
+    assert processes() <= others
 
 
 def test_a_headline_stays_small_whatever_the_recording_has_to_say(project: Path) -> None:

@@ -19,7 +19,8 @@ from smarttestudo.robot.ros import open_graph_robots
 from smarttestudo.ruler.answers.robot_incidents import RobotIncidents
 from smarttestudo.ruler.answers.robot_link import RobotLink
 from smarttestudo.ruler.project.project_folder import ProjectFolder
-from smarttestudo.ruler.server.app import api_routes, keeping_routes, robot_incident_routes
+from smarttestudo.ruler.server.app import api_routes, robot_incident_routes, trial_routes
+from smarttestudo.ruler.server.child_work import TryApi
 from smarttestudo.ruler.server.keeping import Keepings
 from smarttestudo.ruler.server.socket import Listeners
 
@@ -63,7 +64,7 @@ def test_all_that_changes_something_is_refused_and_all_else_is_answered(page: Pa
     folder = ProjectFolder(project)
     routes = [
         *api_routes(folder, RobotLink(partial(open_graph_robots, "")), Listeners()),
-        *keeping_routes(Keepings(folder)),
+        *trial_routes(TryApi(folder, Listeners()), Keepings(folder)),
         *robot_incident_routes(RobotIncidents(folder, None)),
     ]
     refused = set()

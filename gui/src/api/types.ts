@@ -2049,11 +2049,11 @@ export interface Routes {
   "POST /api/push/lasting": { asked: RobotRequest; answered: LastingAnswer };
   "POST /api/push/write": { asked: PushedRequest; answered: WriteAnswer };
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
-  "POST /api/try": { asked: TryRequest; answered: TryAnswer };
-  "POST /api/try/headline": { asked: TryRequest; answered: TriedRecording };
   "POST /api/check/course": { asked: CheckCourseRequest; answered: CheckCourse };
   "POST /api/profile/curve": { asked: CurveRequest; answered: Curve };
   "POST /api/profile/accuracy": { asked: CurveRequest; answered: AccuracyNeeds };
+  "POST /api/try": { asked: TryRequest; answered: TryAnswer };
+  "POST /api/try/headline": { asked: TryRequest; answered: TriedRecording };
   "GET /api/try/keeps": { asked: null; answered: KeepsAnswer };
   "POST /api/try/keep": { asked: KeepRequest; answered: KeepsAnswer };
   "POST /api/try/keep/cancel": { asked: KeepEndRequest; answered: KeepsAnswer };

@@ -20,17 +20,16 @@ export class RuleProfile {
     try {
       const { name, gone } = await this.api.profileFor(rules);
       if (this.wanted !== wanted) return;
-      await this.use(name);
-      this.gone.value = gone;
+      await this.use(name, gone);
     } finally {
       if (this.wanted === wanted) this.isKnown.value = true;
     }
   }
 
-  async use(name: string | null): Promise<void> {
+  async use(name: string | null, gone: string | null = null): Promise<void> {
     const wanted = { name };
     this.wanted = wanted;
-    this.gone.value = null;
+    this.gone.value = gone;
     this.isKnown.value = false;
     try {
       const profile = name === null ? null : await this.api.read(name);

@@ -86,12 +86,16 @@ class _Run(Generic[Item, Result]):
 
     def results(self) -> Generator[Result | TestudoError]:
         for due in range(len(self._items)):
+            self._hand_out(due)
             while due not in self._finished:
-                self._hand_out(due)
                 self._await_answer()
+                # Nobody is idle while the caller works on what it is given.
+                self._hand_out(due)
             yield self._finished.pop(due)
 
     def end(self) -> None:
+        for worker in self._workers:
+            worker.process.terminate()
         while self._workers:
             self._workers.pop().end()
 

@@ -87,6 +87,7 @@ def ruler_app(
 ) -> ASGIApp:
     """The server of the project in ``folder``, for whom ``access`` lets in, with these robots."""
     listeners = Listeners()
+    tries = TryApi(folder, listeners)
     keepings = Keepings(folder)
     robot_incidents = RobotIncidents(folder, open_incidents)
     link = RobotLink(open_robots)
@@ -97,11 +98,12 @@ def ruler_app(
         yield
         await feed.close()
         await keepings.close()
+        await tries.close()
         await run_in_threadpool(robot_incidents.close)
 
     routes: list[BaseRoute] = [
         *api_routes(folder, link, listeners, opened=opened),
-        *keeping_routes(keepings),
+        *trial_routes(tries, keepings),
         *robot_incident_routes(robot_incidents),
         Route("/api/background/picture", _picture(Backgrounds(folder)), methods=["GET"]),
         Route("/api/incident/zip", sending_zip(KnownIncidents(folder)), methods=["GET"]),
@@ -141,9 +143,6 @@ def api_routes(
     yield long_work(
         "/api/profile/measure-live", profiles.MeasureLiveRequest, MeasureApi(listeners).answer, TextAnswer
     )
-    tries = TryApi(folder, listeners)
-    yield long_work("/api/try", TryRequest, tries.answer, TryAnswer)
-    yield long_work("/api/try/headline", TryRequest, tries.headline, TriedRecording)
     yield long_work("/api/check/course", CheckCourseRequest, CheckApi(folder, listeners).answer, CheckCourse)
     losses = CurveApi(folder, listeners, ChildWork.CURVE)
     yield long_work("/api/profile/curve", CurveRequest, losses.answer, Curve)
@@ -172,8 +171,10 @@ def _incident_routes(known: KnownIncidents) -> Iterator[ApiRoute]:
     yield answering("/api/incident/delete", OneIncidentRequest, known.delete)
 
 
-def keeping_routes(keepings: Keepings) -> Iterator[ApiRoute]:
-    """Routes about incidents of tries that are being kept."""
+def trial_routes(tries: TryApi, keepings: Keepings) -> Iterator[ApiRoute]:
+    """Routes about tries, and incidents of them that are being kept."""
+    yield long_work("/api/try", TryRequest, tries.answer, TryAnswer)
+    yield long_work("/api/try/headline", TryRequest, tries.headline, TriedRecording)
     yield ApiRoute("GET", "/api/try/keeps", keepings.told, asked=None, answered=KeepsAnswer)
     yield long_work("/api/try/keep", KeepRequest, keepings.start, KeepsAnswer)
     yield long_work("/api/try/keep/cancel", KeepEndRequest, keepings.end, KeepsAnswer)

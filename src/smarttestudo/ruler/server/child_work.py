@@ -43,6 +43,7 @@ from smarttestudo.ruler.server.socket import Listeners, Progress
 
 _MODULE = ChildWork.__module__
 _MAX_LINE_BYTES = 50_000_000
+_IDLE_S = 60.0
 _TIMED_OUT = 504
 
 
@@ -62,12 +63,92 @@ class Order:
     broken: TestudoError
 
 
-class ChildProcesses:
-    """Does one order at a time; ``tell`` gets its progress."""
+class _Spare:
+    """A process that loads what ``work`` needs before it is asked for; it ends ``idle_s`` after the last.
 
-    def __init__(self, tell: Callable[[Progress], None]) -> None:
+    With ``work`` None there is none.
+    """
+
+    def __init__(self, work: ChildWork | None, idle_s: float) -> None:
+        self._work = work
+        self._idle_s = idle_s
+        self._process: Process | None = None
+        self._expiry: asyncio.TimerHandle | None = None
+        self._expired: asyncio.Future[None] | None = None
+
+    async def taken(self, work: ChildWork) -> Process:
+        """A process that waits for its order, this one where it is there."""
+        process = self._pop() if work is self._work else None
+        return await _started(work) if process is None or process.returncode is not None else process
+
+    async def prepare(self, work: ChildWork) -> None:
+        """Be there for the next, where it is of this ``work``."""
+        if work is self._work:
+            self._process = await _started(work)
+
+    def expire_later(self) -> None:
+        """End where it is not taken in time."""
+        if self._process is not None and self._expiry is None:
+            self._expiry = asyncio.get_running_loop().call_later(self._idle_s, self._expire)
+
+    async def close(self) -> None:
+        """End."""
+        await self._end()
+        if self._expired is not None:
+            await self._expired
+
+    def _expire(self) -> None:
+        self._expired = asyncio.ensure_future(self._end())
+
+    async def _end(self) -> None:
+        process = self._pop()
+        if process is not None:
+            await _ended(process)
+
+    def _pop(self) -> Process | None:
+        if self._expiry is not None:
+            self._expiry.cancel()
+        process, self._process, self._expiry = self._process, None, None
+        return process
+
+
+async def _started(work: ChildWork) -> Process:
+    return await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", _MODULE, work.value),
+        stdin=PIPE,
+        stdout=PIPE,
+        stderr=DEVNULL,
+        limit=_MAX_LINE_BYTES,
+    )
+
+
+async def _ended(process: Process) -> None:
+    """End ``process``, so that nothing of it is left to a loop that may close next."""
+    if process.returncode is None:
+        process.kill()
+    await process.communicate(b"")
+
+
+class ChildProcesses:
+    """Does one order at a time; ``tell`` gets its progress.
+
+    While it does ``repeated`` work, and for ``idle_s`` after it, a second process is ready for the next.
+    """
+
+    def __init__(
+        self,
+        tell: Callable[[Progress], None],
+        *,
+        repeated: ChildWork | None = None,
+        idle_s: float = _IDLE_S,
+    ) -> None:
         self._tell = tell
         self._turn = asyncio.Semaphore(1)
+        self._spare = _Spare(repeated, idle_s)
+
+    async def close(self) -> None:
+        """End the process that is ready."""
+        await self._spare.close()
 
     async def answer(self, request: Request, order: Order) -> Response:
         """The result; ``TestudoError`` where there is none. Who leaves ends the work."""
@@ -93,22 +174,19 @@ class ChildProcesses:
                 raise RequestError(order.too_long.cause, _TIMED_OUT, remedy=remedy) from error
 
     async def _done(self, order: Order) -> bytes:
-        command = (sys.executable, "-m", _MODULE, order.work.value)
-        process = await asyncio.create_subprocess_exec(
-            *command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL, limit=_MAX_LINE_BYTES
-        )
+        process = await self._spare.taken(order.work)
         try:
             return await self._followed(process, order)
         finally:
-            if process.returncode is None:
-                process.kill()
-                await process.wait()
+            self._spare.expire_later()
+            await _ended(process)
 
     async def _followed(self, process: Process, order: Order) -> bytes:
         if process.stdin is None or process.stdout is None:
             raise TestudoError("the work has no pipes")
         process.stdin.write(msgspec.json.encode(order.asked))
         process.stdin.write_eof()
+        await self._spare.prepare(order.work)
         async for line in process.stdout:
             match msgspec.json.decode(line, type=Share | Done | Failure):
                 case Share(share=share):
@@ -135,7 +213,12 @@ class TryApi:
 
     def __init__(self, folder: ProjectFolder, listeners: Listeners) -> None:
         self._folder = folder
-        self._work = ChildProcesses(listeners.tell)
+        # A folder is tried one recording after the other.
+        self._work = ChildProcesses(listeners.tell, repeated=ChildWork.HEADLINE)
+
+    async def close(self) -> None:
+        """End the process that is ready for the next recording of a folder."""
+        await self._work.close()
 
     async def answer(self, request: Request, asked: TryRequest) -> Response:
         """Replay a bag; who leaves ends it."""
