@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import shutil
 import subprocess
 from pathlib import Path
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from bags.bag_factory import small_mission, write_mcap_file
+from docs.code_blocks import blocks_of
 from fleet.commands import COMMANDS, Command
 from fleet.dask_processes import DaskProcesses
 from report.test_bag_command import Ran
@@ -19,6 +21,7 @@ from report.test_bag_command import Ran
 # Marks this module as one that starts processes.
 assert subprocess
 
+PAGE = "docs/how-to/many-recordings.md"
 WITHOUT_TIMES = {"wall_seconds"}
 
 
@@ -159,20 +162,43 @@ def test_each_replay_has_its_place_in_the_folders_that_are_named(testudo: Comman
     ran = testudo("replay", "sent", "--rules", "rules.adirf", *outputs)
     assert ran.code == 0
     assert ran.out.endswith("\n3 recordings\n")
-    names = ["1-a", "2-b", "3-c"]
+    names = ["a", "b", "c"]
     assert sorted(path.name for path in (fleet / "out").iterdir()) == names
     assert sorted(path.name for path in (fleet / "decisions").iterdir()) == [
         f"{name}.jsonl" for name in names
     ]
     assert sorted(path.name for path in (fleet / "reports").iterdir()) == [f"{name}.html" for name in names]
     testudo("replay", "sent/b", "--rules", "rules.adirf", "--output", "alone", "--decisions", "alone.jsonl")
-    assert (fleet / "decisions" / "2-b.jsonl").read_text() == (fleet / "alone.jsonl").read_text()
+    assert (fleet / "decisions" / "b.jsonl").read_text() == (fleet / "alone.jsonl").read_text()
+
+
+def test_the_replays_of_a_folder_are_paired_with_their_recordings(testudo: Command, fleet: Path) -> None:
+    (fleet / "sent" / "c").rename(fleet / "c")
+    (fleet / "sent" / "r1").mkdir()
+    (fleet / "c").rename(fleet / "sent" / "r1" / "c")
+    (lines,) = [block.commands for block in blocks_of(PAGE) if "replayed" in block.text]
+    for line in lines:
+        ran = testudo(*shlex.split(line)[1:])
+        assert (ran.code, ran.err) == (0, "")
+    assert "sent/r1/c" in ran.out
+    assert "replayed/r1/c" in ran.out
+    assert ran.out.endswith("\n3 recordings\n")
+
+
+def test_replays_of_one_name_are_refused_before_one_is_written(testudo: Command, fleet: Path) -> None:
+    ran = testudo("replay", "sent", "received", "--rules", "rules.adirf", "--output", "out")
+    assert ran.code == 2
+    assert ran.err == (
+        "error: the output of received/a would be out/a, as that of another recording; "
+        "name the recordings of one folder, then those of the next\n"
+    )
+    assert not (fleet / "out").exists()
 
 
 def test_figures_of_each_are_in_a_folder_of_its_own(testudo: Command, fleet: Path) -> None:
     ran = testudo("bag", "rates", "sent/a", "sent/b", "--topics", "/odom", "--figures", "figures")
     assert ran.code == 0
-    assert sorted(path.name for path in (fleet / "figures").iterdir()) == ["1-a", "2-b"]
+    assert sorted(path.name for path in (fleet / "figures").iterdir()) == ["a", "b"]
 
 
 @pytest.mark.parametrize("workers", ["0", "-1", "two", "1.5"])

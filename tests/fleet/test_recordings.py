@@ -117,7 +117,7 @@ def test_recordings_are_paired_by_what_the_patterns_leave_open(fleet: Path) -> N
 
 def test_a_point_before_a_pattern_changes_no_pair(fleet: Path) -> None:
     pairs = pair_recordings("./fleet/monday/*", "fleet/./tuesday/*")
-    assert pairs[0] == RecordingPair(a=Path("fleet/monday/r1"), b=Path("fleet/tuesday/r1"))
+    assert pairs[0] == RecordingPair(a=Path("fleet/monday/r1"), b=Path("fleet/tuesday/r1"), key="r1")
 
 
 def test_one_without_a_partner_on_either_side_is_an_error(fleet: Path) -> None:

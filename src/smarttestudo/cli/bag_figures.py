@@ -13,7 +13,7 @@ from pathlib import Path
 from smarttestudo.cli.loop_options import budget_kb_per_s
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
-from smarttestudo.cli.recordings import Asked, folders_of_each, recordings_in
+from smarttestudo.cli.recordings import Asked, outputs_of_each, recordings_in
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.files.outputs import require_separate
 
@@ -53,18 +53,14 @@ def add_budget(action: argparse.ArgumentParser) -> None:
 
 def with_figures(asked: Sequence[Asked], figures: Path) -> list[Asked]:
     """``asked`` with the folder for the figures of each, which must not harm a recording."""
-    numbered: list[Asked] = []
-    files: list[Path] = []
-    bags: list[Path] = []
-    for one, folder in zip(asked, folders_of_each(asked, figures), strict=True):
-        if isinstance(one, TestudoError):
-            numbered.append(one)
-            continue
-        numbered.append({**one, "figures": folder})
-        files += figure_files(folder)
-        bags += recordings_in(one).values()
-    require_separate({"--figures": files}, bags)
-    return numbered
+    there = [one for one in asked if not isinstance(one, TestudoError)]
+    folders = [figures] if len(asked) == 1 else [*outputs_of_each(there, figures)]
+    require_separate(
+        {"--figures": [file for folder in folders for file in figure_files(folder)]},
+        [path for one in there for path in recordings_in(one).values()],
+    )
+    left = iter(folders)
+    return [one if isinstance(one, TestudoError) else {**one, "figures": next(left)} for one in asked]
 
 
 def figure_files(folder: Path) -> Sequence[Path]:

@@ -92,16 +92,18 @@ class RecordingCommand(ABC, Generic[Result]):
         return ""
 
 
-Asked = Mapping[str, Path | str | None] | TestudoError
-"""Arguments that stand for one recording or a pair in those of the command, or why there are none."""
+AskedOne = Mapping[str, Path | str | None]
+"""Arguments that stand for one recording or a pair in those of the command; ``key`` is as of one found."""
+Asked = AskedOne | TestudoError
+"""The same, or why there are none."""
 
 
-def recordings_asked(arguments: argparse.Namespace) -> list[Mapping[str, Path | None]]:
+def recordings_asked(arguments: argparse.Namespace) -> list[AskedOne]:
     """The recordings that the command line names, in their order."""
     from smarttestudo.fleet.recordings import find_recordings  # noqa: PLC0415  needs packages a robot lacks
 
     return [
-        {"bag": found.path}
+        {"bag": found.path, "key": found.key}
         for text in arguments.bags
         for found in find_recordings(text, timeout_s=arguments.timeout)
     ]
@@ -114,9 +116,9 @@ def pairs_asked(arguments: argparse.Namespace) -> list[Asked]:
     a, b, timeout_s = arguments.a, arguments.b, arguments.timeout
     if b is None:
         found = find_recordings(a, timeout_s=timeout_s)
-        return [{"a": one.path, "b": None, "robot": one.robot} for one in found]
+        return [{"a": one.path, "b": None, "key": one.key, "robot": one.robot} for one in found]
     return [
-        one if isinstance(one, TestudoError) else {"a": one.a, "b": one.b, "robot": one.robot}
+        one if isinstance(one, TestudoError) else {"a": one.a, "b": one.b, "key": one.key, "robot": one.robot}
         for one in pair_recordings(a, b, timeout_s=timeout_s)
     ]
 
@@ -128,15 +130,20 @@ def recordings_in(one: Mapping[str, object]) -> dict[str, Path]:
     }
 
 
-def folders_of_each(asked: Sequence[Asked], folder: Path) -> Iterator[Path]:
-    """Output folders: ``folder`` itself of an only recording, else a folder in it of each."""
-    if len(asked) == 1:
-        yield folder
-        return
-    digits = len(str(len(asked)))
-    for number, one in enumerate(asked, start=1):
-        named = [] if isinstance(one, TestudoError) else [*recordings_in(one).values()]
-        yield folder / "-".join([f"{number:0{digits}}", *map(name_of, named[:1])])
+def outputs_of_each(there: Sequence[AskedOne], folder: Path) -> Iterator[Path]:
+    """Outputs in ``folder``: each is called as its recording, so that they can be paired.
+
+    Raises ``UsageError`` for two of one name, and for one that would be elsewhere.
+    """
+    found: set[str] = set()
+    for one in there:
+        (first, *_) = recordings_in(one).values()
+        name = str(one["key"] or name_of(first))
+        if name in found or ".." in Path(name).parts:
+            cause = f"the output of {first} would be {folder / name}, as that of another recording"
+            raise UsageError(cause, remedy="name the recordings of one folder, then those of the next")
+        found.add(name)
+        yield folder / name
 
 
 def name_of(recording: Path) -> str:

@@ -6,10 +6,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.cli.command_parser import CommandParser
@@ -19,9 +18,10 @@ from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import Progress
 from smarttestudo.cli.recording_options import add_recordings, add_several
 from smarttestudo.cli.recordings import (
+    AskedOne,
     RecordingCommand,
     each_recording,
-    folders_of_each,
+    outputs_of_each,
     recordings_asked,
 )
 from smarttestudo.cli.tables import print_table
@@ -136,17 +136,16 @@ def run(arguments: argparse.Namespace) -> int:
         return EXIT_ERROR
 
 
-def _with_outputs(
-    arguments: argparse.Namespace, asked: Sequence[Mapping[str, Path | None]]
-) -> list[Mapping[str, Path | None]]:
+def _with_outputs(arguments: argparse.Namespace, asked: Sequence[AskedOne]) -> list[AskedOne]:
     """``asked`` with what is to be written of each, in the folders that the options name."""
     with_outputs = [*asked]
     for option, suffix in _OUTPUTS.items():
         folder = getattr(arguments, option)
         if folder is None:
             continue
-        make_folder(folder)
-        for number, path in enumerate(folders_of_each(asked, folder)):
+        for number, path in enumerate([*outputs_of_each(asked, folder)]):
+            for parent in reversed(path.relative_to(folder).parents):
+                make_folder(folder / parent)
             with_outputs[number] = {**with_outputs[number], option: path.with_name(path.name + suffix)}
     return with_outputs
 

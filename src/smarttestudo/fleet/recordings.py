@@ -32,10 +32,11 @@ class FoundRecording:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingPair:
-    """A recording with what the operator received of it."""
+    """A recording with what the operator received of it; ``key`` is what both are called, as of one found."""
 
     a: Path
     b: Path
+    key: str = ""
     robot: str = ""
 
 
@@ -108,7 +109,9 @@ def pair_recordings(
     for one in first:
         partner = partners.pop(one.key, None)
         pairs.append(
-            _alone(one, b) if partner is None else RecordingPair(a=one.path, b=partner.path, robot=one.robot)
+            _alone(one, b)
+            if partner is None
+            else RecordingPair(a=one.path, b=partner.path, key=one.key, robot=one.robot)
         )
     return (*pairs, *(_alone(one, a) for one in partners.values()))
 
