@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator, Sequence
+from itertools import islice
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from smarttestudo.domain import finding as checker
 from smarttestudo.domain.source import Span
@@ -84,20 +86,31 @@ def rule_document(checked: CheckedText) -> RuleDocument:
     """The statements of a text, and all findings of the checker."""
     document = checked.document
     writer = StatementWriter(document)
+    written = [entry.written for entry in document.entries]
+    unplaced = document.recall.each("statements for the page", writer.statement, written, document.names)
+    starts = [writer.offset(start) for start in document.places.offsets(document.starts)]
+    placed = iter(list(map(_at, unplaced, starts)))
     return RuleDocument(
-        collections=tuple(_collection(part, writer) for part in document.parts),
+        collections=tuple(_collection(part, writer, placed) for part in document.parts),
         findings=placed_findings(document, checked.findings),
         parses=document.result.is_valid,
     )
 
 
-def placed_findings(document: Document, findings: Iterable[checker.Finding]) -> tuple[PlacedFinding, ...]:
+def _at(statement: Statement, start: int) -> Statement:
+    """A statement that starts at an offset."""
+    return replace(statement, offset=start, end_offset=start + statement.end_offset)
+
+
+def placed_findings(document: Document, findings: Sequence[checker.Finding]) -> tuple[PlacedFinding, ...]:
     """``findings`` of the one file ``document`` in their order."""
     writer = StatementWriter(document)
     return tuple(_finding(one, document, writer) for one in findings)
 
 
-def _collection(part: CollectionPart, writer: StatementWriter) -> PlacedCollection:
+def _collection(
+    part: CollectionPart, writer: StatementWriter, placed: Iterator[Statement]
+) -> PlacedCollection:
     begin = part.begin
     comments = begin.comments if begin is not None else ()
     return PlacedCollection(
@@ -107,7 +120,7 @@ def _collection(part: CollectionPart, writer: StatementWriter) -> PlacedCollecti
         end_offset=writer.offset(part.end),
         line=part.line,
         comments=tuple(comment_texts(comments)),
-        statements=tuple(writer.entry(entry) for entry in part.entries),
+        statements=tuple(islice(placed, len(part.entries))),
     )
 
 
@@ -135,7 +148,7 @@ def _finding(finding: checker.Finding, document: Document, writer: StatementWrit
 
 
 def _statement(document: Document, span: Span) -> str | None:
-    entry = document.entry_at(document.places.range(span)[0])
+    entry = document.entry_at(span)
     return None if entry is None else entry.id
 
 
