@@ -4,10 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from itertools import chain, count
+from operator import attrgetter
 
 from smarttestudo.checks import blocks, bounds, conditions, rates, recordings, topics
 from smarttestudo.checks.context import CheckContext
@@ -16,7 +17,7 @@ from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.parser.rule_file import ParseResult
 from smarttestudo.language.recall import Recall
-from smarttestudo.language.resolved_rules import Branch, ResolvedBlock
+from smarttestudo.language.resolved_rules import ResolvedBlock
 
 CHECKS = (
     *blocks.CHECKS,
@@ -78,15 +79,10 @@ def _place(finding: Finding) -> tuple[str, int, int, int]:
 
 
 def _about_blocks(rules: RuleModel) -> Iterator[Finding]:
-    @cache
-    def branches_by_block() -> Mapping[int, Sequence[Branch]]:
-        branches: dict[int, list[Branch]] = {}
-        for branch in rules.branches:
-            branches.setdefault(branch.block.order, []).append(branch)
-        return branches
-
     def about_block(block: ResolvedBlock, _: Truth) -> Sequence[Finding]:
-        alone = rules.of_block(block, branches_by_block().get(block.order, ()))
+        orders = attrgetter("block.order")
+        first, last = (side(rules.branches, block.order, key=orders) for side in (bisect_left, bisect_right))
+        alone = rules.of_block(block, rules.branches[first:last])
         return [check.finding(found) for check in _ABOUT_BLOCKS for found in check.find(alone)]
 
     found = rules.recall.each("findings", about_block, rules.blocks, rules.analysis.truths)

@@ -118,8 +118,8 @@ def _truth(check: InRegion, values: Region) -> Truth:
 class RuleModel:
     """The rule files of one set with what is known beside them; everything in the order of the files.
 
-    ``settings`` is every SetFrequency, ``written_defaults`` the unconditional ones and ``defaults`` those of
-    them that count; ``floors`` are the KeepAtLeast that count, ``bounds`` every KeepWithin; ``relayed`` has
+    ``settings`` is every SetFrequency by topic, ``written_defaults`` the unconditional ones and ``defaults``
+    those of them that count; ``floors`` are the KeepAtLeast that count, ``bounds`` every KeepWithin; ``relayed`` has
     the first SetFrequency or KeepAtLeast of each relayed topic, else the first KeepWithin, ``mentions`` the
     first mention of each topic at all; ``glued`` are, by file, the words that follow a keyword without a
     blank between. A branch that sets no rate is not among ``branches``, and ``recordings`` is every Record.
@@ -129,7 +129,7 @@ class RuleModel:
     """
 
     context: CheckContext
-    settings: tuple[ResolvedRate, ...]
+    settings: Mapping[str, Sequence[ResolvedRate]]
     written_defaults: tuple[ResolvedRate, ...]
     defaults: Mapping[str, ResolvedRate]
     floors: Mapping[str, ResolvedFloor]
@@ -177,14 +177,19 @@ def read_rule_model(
     branches = recall.each("branches over states", _over_states, written, of_blocks)
     checks = recall.each("checks", sites.of, rules.blocks)
     disabled_checks = recall.each("disabled checks", sites.of, disabled.blocks)
-    firsts = recall.runs("first rates", _first_rates, rules.rates)
+    settings: dict[str, list[ResolvedRate]] = {}
+    relayed: dict[str, _Relayed] = {}
+    for by_topic in recall.runs("rates by topic", _by_topic, rules.rates):
+        for topic, rates in by_topic.items():
+            relayed.setdefault(topic, rates[0])
+            settings.setdefault(topic, []).extend(one for one in rates if isinstance(one, ResolvedRate))
     return RuleModel(
         context=context,
-        settings=tuple(one for one in rules.rates if isinstance(one, ResolvedRate)),
+        settings=settings,
         written_defaults=rules.written_defaults,
         defaults=rules.defaults,
         floors=rules.floors,
-        relayed={**{one.topic: one for one in reversed(rules.bounds)}, **_firsts(firsts)},
+        relayed={**{one.topic: one for one in reversed(rules.bounds)}, **relayed},
         mentions=_mentions(files, resolve, recall),
         checks=tuple(chain.from_iterable(checks)),
         blocks=tuple(blocks),
@@ -218,8 +223,11 @@ def _firsts(parts: Iterable[Mapping[str, _T]]) -> Mapping[str, _T]:
     return firsts
 
 
-def _first_rates(rates: Iterable[_Relayed]) -> Mapping[str, _Relayed]:
-    return _firsts({one.topic: one} for one in rates)
+def _by_topic(rates: Iterable[_Relayed]) -> Mapping[str, Sequence[_Relayed]]:
+    by_topic: dict[str, list[_Relayed]] = {}
+    for one in rates:
+        by_topic.setdefault(one.topic, []).append(one)
+    return by_topic
 
 
 def _mentions(files: Sequence[RuleFile], resolve: Resolve, recall: Recall) -> Mapping[str, Mention]:

@@ -81,6 +81,12 @@ class WrittenStatement:
         return self.tokens[0].line, self.tokens[0].column
 
     @property
+    def end(self) -> Place:
+        """Where the last word ends."""
+        last = self.tokens[-1]
+        return last.line, last.column + len(last.text)
+
+    @property
     def span(self) -> Span:
         """Where its words stand."""
         return self.tokens[0].span.to(self.tokens[-1].span)
@@ -137,7 +143,8 @@ class CollectionPart:
 class Document:
     """A text with its parse and its statements; ``entries`` are those of all ``parts``.
 
-    ``places`` are its lines and columns as offsets, ``starts`` those where the entries start, ``names`` their
+    ``places`` are its lines and columns as offsets, ``starts`` those where the entries start (the same
+    object for texts where all start alike), ``names`` their
     ids and keys. ``recall`` has what is known of statements that stand where they stood in the text before.
     """
 
@@ -155,12 +162,15 @@ class Document:
         """All words."""
         return TokenRange.of(self.result.tokens[:-1], self.places)
 
+    def number_at(self, place: Span) -> int | None:
+        """The number of the statement whose words hold the start of ``place``."""
+        at = bisect_right(self.starts, place[:2]) - 1
+        return at if at >= 0 and place[:2] <= self.entries[at].written.end else None
+
     def entry_at(self, place: Span) -> Entry | None:
         """The statement whose words hold the start of ``place``."""
-        at = bisect_right(self.starts, place[:2]) - 1
-        if at < 0:
-            return None
-        return self.entries[at] if place[:2] <= self.entries[at].written.span[2:] else None
+        at = self.number_at(place)
+        return None if at is None else self.entries[at]
 
     def entry(self, name: str) -> Entry | None:
         """The statement with the id ``name``."""
@@ -190,6 +200,8 @@ def read_document(text: str, path: str, before: Document | None = None) -> Docum
     names = recall.each("names", _named, written, range(1, len(written) + 1), _repeats(written))
     entries = [Entry(*name, one, places) for name, one in zip(names, written, strict=True)]
     unplaced = iter(entries)
+    starts = [one.start for one in written]
+    before_starts = recall.before("starts")
     return Document(
         text=text,
         result=result,
@@ -199,7 +211,7 @@ def read_document(text: str, path: str, before: Document | None = None) -> Docum
             for number, body in enumerate(bodies, start=1)
         ),
         entries=tuple(entries),
-        starts=[one.start for one in written],
+        starts=recall.keep("starts", before_starts if before_starts == starts else starts),
         names=names,
         recall=recall,
     )
@@ -251,7 +263,9 @@ class _Reader:
         self._collections = {one.span[:2]: one for one in reversed(result.file.collections)}
         self._statements = result.file.statements
         self._broken = broken_places(result)
-        known = [one for one in result.stretches if self._is_whole(one)]
+        known = [one for one in result.stretches if one.statements]
+        if self._broken:
+            known = [one for one in known if self._is_whole(one)]
         self._known = dict(zip(map(id, known), recall.each("statements", _split, known), strict=True))
         self._pieces: list[_Piece] = []
         for stretch in result.stretches:
@@ -262,8 +276,6 @@ class _Reader:
         del self._pieces[-1:]
 
     def _is_whole(self, stretch: Stretch) -> bool:
-        if not stretch.statements:
-            return False
         last = stretch.tokens[-1]
         return not self._is_broken((stretch.line, 0), (last.line, last.column + len(last.text)))
 

@@ -83,4 +83,10 @@ def _ids(things: Sequence[Any]) -> list[int]:
 
 def _differing(old: Sequence[int], new: Sequence[int]) -> Sequence[int]:
     """Where ``old`` and ``new`` differ, as far as both go."""
-    return [at for at, is_other in enumerate(map(ne, old, new)) if is_other]
+    return [
+        at
+        for start in range(0, min(len(old), len(new)), _RUN)
+        if old[start : start + _RUN] != new[start : start + _RUN]
+        for at, is_other in enumerate(map(ne, old[start : start + _RUN], new[start : start + _RUN]), start)
+        if is_other
+    ]

@@ -59,7 +59,8 @@ def analyse(
     covers = Covers(index, analyst.domain)
     shadows = analyst.near("shadows", lambda one: analyst.shadows(one, covers), possible, index)
     shadowed = {shadow.branch.order for shadow in shadows}
-    redundant = redundant_rates(possible, defaults, floors, Effort(LOOKS_AT_REDUNDANT_RATES))
+    effort = Effort(LOOKS_AT_REDUNDANT_RATES)
+    redundant = redundant_rates(possible, defaults, floors, effort, recall)
     conflicts = analyst.near("conflicts", lambda one: analyst.conflicts(one, index), possible, index)
     gaps = [analyst.gap(topic, covers, index) for topic in sorted(index.topics - defaults.keys())]
     return Analysis(

@@ -88,8 +88,7 @@ def rule_document(checked: CheckedText) -> RuleDocument:
     writer = StatementWriter(document)
     written = [entry.written for entry in document.entries]
     unplaced = document.recall.each("statements for the page", writer.statement, written, document.names)
-    starts = [writer.offset(start) for start in document.places.offsets(document.starts)]
-    placed = iter(list(map(_at, unplaced, starts)))
+    placed = map(_at, unplaced, writer.starts(document.starts))
     return RuleDocument(
         collections=tuple(_collection(part, writer, placed) for part in document.parts),
         findings=placed_findings(document, checked.findings),
@@ -105,7 +104,24 @@ def _at(statement: Statement, start: int) -> Statement:
 def placed_findings(document: Document, findings: Sequence[checker.Finding]) -> tuple[PlacedFinding, ...]:
     """``findings`` of the one file ``document`` in their order."""
     writer = StatementWriter(document)
-    return tuple(_finding(one, document, writer) for one in findings)
+    starts = writer.starts(document.starts)
+
+    def unplaced(finding: checker.Finding, _: object) -> tuple[PlacedFinding, int | None]:
+        at = document.number_at(finding.span)
+        return _finding(finding, document, writer, 0 if at is None else starts[at]), at
+
+    alike = [document.starts] * len(findings)
+    found = document.recall.each("findings for the page", unplaced, findings, alike)
+    placed: list[PlacedFinding] = []
+    for finding, (one, at) in zip(findings, found, strict=True):
+        start, end = (
+            (starts[at] + one.offset, starts[at] + one.end_offset)
+            if at is not None
+            else writer.range(finding.span)
+        )
+        fix = None if finding.fix is None else _fix(finding.fix, writer)
+        placed.append(replace(one, offset=start, end_offset=end, fix=fix))
+    return tuple(placed)
 
 
 def _collection(
@@ -124,7 +140,10 @@ def _collection(
     )
 
 
-def _finding(finding: checker.Finding, document: Document, writer: StatementWriter) -> PlacedFinding:
+def _finding(
+    finding: checker.Finding, document: Document, writer: StatementWriter, base: int
+) -> PlacedFinding:
+    """A finding without its fix, with offsets from ``base`` on."""
     span = finding.span
     start, end = writer.range(span)
     statement = _statement(document, span)
@@ -138,9 +157,9 @@ def _finding(finding: checker.Finding, document: Document, writer: StatementWrit
         column=span.column,
         end_line=span.end_line,
         end_column=span.end_column,
-        offset=start,
-        end_offset=end,
-        fix=None if finding.fix is None else _fix(finding.fix, writer),
+        offset=start - base,
+        end_offset=end - base,
+        fix=None,
         profile_fix=finding.profile_fix,
         statement=statement,
         related=tuple(one for one in related if one is not None and one != statement),

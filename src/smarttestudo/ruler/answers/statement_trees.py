@@ -60,6 +60,10 @@ class StatementWriter:
         """An offset as JavaScript counts it."""
         return self._utf16.offset(characters)
 
+    def starts(self, places: Sequence[tuple[int, int]]) -> Sequence[int]:
+        """Where ``places``, lines and columns, are as JavaScript counts it."""
+        return self._utf16.offsets(self._places.offsets(places))
+
     def range(self, span: Span) -> tuple[int, int]:
         """Where ``span`` starts and ends, as JavaScript counts it."""
         start, end = self._places.range(span)
