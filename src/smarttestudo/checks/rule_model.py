@@ -119,13 +119,13 @@ class RuleModel:
     """The rule files of one set with what is known beside them; everything in the order of the files.
 
     ``settings`` is every SetFrequency by topic, ``written_defaults`` the unconditional ones and ``defaults``
-    those of them that count; ``floors`` are the KeepAtLeast that count, ``bounds`` every KeepWithin; ``relayed`` has
-    the first SetFrequency or KeepAtLeast of each relayed topic, else the first KeepWithin, ``mentions`` the
-    first mention of each topic at all; ``glued`` are, by file, the words that follow a keyword without a
-    blank between. A branch that sets no rate is not among ``branches``, and ``recordings`` is every Record.
-    Conditions are over states. Of disabled blocks, only ``mentions``, ``disabled`` and ``disabled_checks``
-    tell. ``default_places`` are by file. ``recall`` has what is known of statements that stand where they
-    stood in the text before.
+    those of them that count; ``floors`` are the KeepAtLeast that count, ``bounds`` every KeepWithin;
+    ``relayed`` has the first SetFrequency or KeepAtLeast of each relayed topic, else the first KeepWithin,
+    ``mentions`` the first mention of each topic at all; ``glued`` are, by file, the words that follow a
+    keyword without a blank between. A branch that sets no rate is not among ``branches``, and ``recordings``
+    is every Record. Conditions are over states. Of disabled blocks, only ``mentions``, ``disabled`` and
+    ``disabled_checks`` tell. ``default_places`` are by file. ``recall`` has what is known of statements that
+    stand where they stood in the text before.
     """
 
     context: CheckContext
