@@ -211,7 +211,7 @@ def meanings_of(text: str) -> list[object]:
 
 
 def said(actions: tuple[Action, ...]) -> list[Action]:
-    return [replace(one, comments=(), offset=0, end_offset=0, line=0, text="") for one in actions]
+    return [replace(one, comments=(), offset=0, end_offset=0, line=0) for one in actions]
 
 
 def test_a_bound_may_be_a_level() -> None:

@@ -660,7 +660,6 @@ export interface KeepStatement {
   offset?: number;
   end_offset?: number;
   line?: number;
-  text?: string;
   topic: string;
   hz: number;
 }
@@ -1149,11 +1148,7 @@ export interface PushedRequest {
 
 export type Rate = Hz | TierRate | FullRate | OffRate;
 
-/**
- * Text that does not parse, as it stands in the file.
- *
- * In a request `text` is what to write.
- */
+/** Text that does not parse, as it stands in the file; in a request, what to write. */
 export interface RawStatement {
   kind: "raw";
   comments?: string[] | null;
@@ -1182,7 +1177,6 @@ export interface RecordStatement {
   offset?: number;
   end_offset?: number;
   line?: number;
-  text?: string;
   name: string;
   topics: string[];
   before: DurationValue;
@@ -1428,7 +1422,6 @@ export interface RuleStatement {
   offset?: number;
   end_offset?: number;
   line?: number;
-  text?: string;
   condition: Condition;
   then: Action[];
   else: Action[];
@@ -1542,7 +1535,6 @@ export interface SetStatement {
   offset?: number;
   end_offset?: number;
   line?: number;
-  text?: string;
   topic: string;
   rate: Rate;
 }
@@ -1941,7 +1933,6 @@ export interface WithinStatement {
   offset?: number;
   end_offset?: number;
   line?: number;
-  text?: string;
   topic: string;
   property: string;
   bound: Bound;

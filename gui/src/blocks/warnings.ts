@@ -58,8 +58,11 @@ function take(block: Blockly.BlockSvg): void {
 /** The check, rate, bound or recording that a finding stands in, else the whole statement. */
 function blockAt(block: Blockly.BlockSvg, statement: Statement, finding: PlacedFinding): Blockly.BlockSvg {
   if (statement.kind !== "rule") return block;
-  const holds = (part: CheckCondition | Action) =>
-    (part.offset ?? 0) <= finding.offset && finding.end_offset <= (part.end_offset ?? -1);
+  const [from, to] = [finding.offset, finding.end_offset].map((each) => each - (statement.offset ?? 0)) as [
+    number,
+    number,
+  ];
+  const holds = (part: CheckCondition | Action) => (part.offset ?? 0) <= from && to <= (part.end_offset ?? -1);
   const inner = block.getDescendants(true) as Blockly.BlockSvg[];
   const check = checksOf(statement.condition).findIndex(holds);
   if (check >= 0) return inner.filter(({ type }) => type === "adirf_check")[check] ?? block;

@@ -59,7 +59,7 @@ function proposeIn(editor: RuleEditor): Propose {
         ({ check }) => check.topic === topic && check.property === property && check.op === op && check.value === limit,
       );
       const same = written.find((each) => each.rule === rule) ?? written[0];
-      return same ? thresholdEdits(statements, same.check, threshold) : [];
+      return same ? thresholdEdits(statements, same, threshold) : [];
     });
 }
 

@@ -5,6 +5,8 @@ import type { CheckCondition, Condition, Edit, Statement } from "../api/types";
 /** A check where a rule says it. */
 export interface RobotCheck {
   rule: string;
+  /** The key of the rule. */
+  key: string;
   check: CheckCondition;
   /** The check with the `For` and `Within` around it alone. */
   condition: Condition;
@@ -15,11 +17,13 @@ export interface RobotCheck {
 /** The checks of rules, in their order. */
 export function checksIn(statements: readonly Statement[]): RobotCheck[] {
   return statements.flatMap((one) =>
-    one.kind === "rule" ? found(one.condition).map((each) => ({ ...each, rule: one.name ?? one.label ?? "" })) : [],
+    one.kind === "rule"
+      ? found(one.condition).map((each) => ({ ...each, rule: one.name ?? one.label ?? "", key: one.key ?? "" }))
+      : [],
   );
 }
 
-function found(condition: Condition): Omit<RobotCheck, "rule">[] {
+function found(condition: Condition): Omit<RobotCheck, "rule" | "key">[] {
   switch (condition.kind) {
     case "check": {
       const { topic, property, op, value, until } = condition;
@@ -65,11 +69,10 @@ export function withValue(condition: Condition, check: CheckCondition, value: nu
   }
 }
 
-/** What writes another threshold of `check` into the rules. */
-export function thresholdEdits(statements: readonly Statement[], check: CheckCondition, value: number): Edit[] {
-  const { offset = 0 } = check;
-  const holder = statements.find((one) => (one.offset ?? 0) <= offset && offset < (one.end_offset ?? 0));
+/** What writes another threshold of a check into the rules. */
+export function thresholdEdits(statements: readonly Statement[], one: RobotCheck, value: number): Edit[] {
+  const holder = statements.find(({ key }) => key === one.key);
   if (holder?.kind !== "rule") return [];
-  const statement = { ...holder, condition: withValue(holder.condition, check, value) };
+  const statement = { ...holder, condition: withValue(holder.condition, one.check, value) };
   return [{ kind: "replace", id: holder.id ?? "", statement }];
 }

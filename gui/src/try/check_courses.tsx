@@ -61,7 +61,7 @@ function CourseOfCheck({ editor, api, trial, one }: Props & { one: RobotCheck })
       <OtherThreshold
         threshold={threshold}
         written={check.value}
-        write={(value) => void editor.edit(() => thresholdEdits(editor.statements.peek(), check, value))}
+        write={(value) => void editor.edit(() => thresholdEdits(editor.statements.peek(), one, value))}
       />
     </>
   );

@@ -15,6 +15,7 @@ const check = (value: number, offset: number): CheckCondition => ({
 const RULE: RuleStatement = {
   kind: "rule",
   id: "7",
+  key: "a1-1",
   name: "Far",
   offset: 10,
   end_offset: 90,
@@ -51,8 +52,9 @@ test("each check is told as it is written, with the time on it alone", () => {
 
 test("another threshold is written where the check is, and nowhere else", () => {
   const [, second] = checksIn([RULE]);
-  const [edit] = thresholdEdits([RULE], second?.check ?? check(0, 0), 8.5);
+  if (!second) throw new Error("the rule has checks");
+  const [edit] = thresholdEdits([RULE], second, 8.5);
   const written = edit?.kind === "replace" ? checksIn([edit.statement]).map(({ words }) => words) : [];
   expect(written).toEqual(["/odom pose_y > 5", "/odom pose_y > 8.5 Until < 7 For 2 s", "/odom pose_y > 9"]);
-  expect(thresholdEdits([RULE], check(5, 95), 1)).toEqual([]);
+  expect(thresholdEdits([{ ...RULE, key: "b2-1" }], second, 1)).toEqual([]);
 });

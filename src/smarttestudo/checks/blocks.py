@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Clash, RedundantRate, Shadow, SharedBorder, wins_over
@@ -42,7 +43,7 @@ def _repeated(one: ResolvedRate, earlier: ResolvedRate, side: str) -> Found:
 
 def _blocks_clash(rules: RuleModel) -> Iterator[Found]:
     """Blocks that can hold together at one priority and set different rates."""
-    return map(_clash, rules.analysis.clashes)
+    return iter(rules.recall.each("clashes", _clash, rules.analysis.clashes))
 
 
 def _clash(clash: Clash) -> Found:
@@ -64,7 +65,7 @@ def _clash(clash: Clash) -> Found:
 
 def _block_shadowed(rules: RuleModel) -> Iterator[Found]:
     """Blocks that can never decide anything."""
-    return map(_shadow, rules.analysis.shadows)
+    return iter(rules.recall.each("shadows found", _shadow, rules.analysis.shadows))
 
 
 def _shadow(shadow: Shadow) -> Found:
@@ -105,10 +106,11 @@ def _no_margin(rules: RuleModel) -> Iterator[Found]:
     borders: dict[Border, SharedBorder] = {}
     for shared in rules.analysis.shared_borders:
         borders.setdefault(shared.border, shared)
-    return (_border(shared, settle_s) for shared in borders.values())
+    of_border = partial(_border, settle_s)
+    return iter(rules.recall.each("borders", of_border, tuple(borders.values())))
 
 
-def _border(shared: SharedBorder, settle_s: float) -> Found:
+def _border(settle_s: float, shared: SharedBorder) -> Found:
     topic = shared.topics[0]
     here = shared.second.settings[topic]
     path = shared.second.block.path

@@ -64,9 +64,9 @@ def _not_bound_in_doubt(bound: ResolvedBound, rules: RuleModel) -> Found:
 def _bound_despite_off(rules: RuleModel) -> Iterator[Found]:
     """Bounds of topics that are Off."""
     bounds = {one.topic: one for one in reversed(rules.bounds)}
-    for setting in rules.settings:
-        bound = bounds.get(setting.topic)
-        if bound is not None and setting.rate is not None and setting.rate.is_off:
+    settings = ((bound, one) for topic, bound in bounds.items() for one in rules.settings.get(topic, ()))
+    for bound, setting in settings:
+        if setting.rate is not None and setting.rate.is_off:
             where = wording.place(bound.path, bound.statement.span, seen_from=setting.path)
             rate_span = setting.statement.rate.span
             yield Found(

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Gap
@@ -13,6 +14,7 @@ from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.rate import Tier
+from smarttestudo.language.resolved_rules import ResolvedFloor, ResolvedRate
 from smarttestudo.language.syntax import bound_span
 
 
@@ -20,7 +22,7 @@ def _tier_without_rate(rules: RuleModel) -> Iterator[Found]:
     """A tier without a profile that gives it a rate or an accuracy."""
     if rules.context.profile is not None:
         return
-    for one in rules.settings:
+    for one in chain.from_iterable(rules.settings.values()):
         tier = one.statement.rate.value
         if isinstance(tier, Tier):
             yield Found(
@@ -58,11 +60,10 @@ def _two_defaults(rules: RuleModel) -> Iterator[Found]:
 def _missing_default(rules: RuleModel) -> Iterator[Found]:
     """Topics of blocks without a default."""
     yield from (_not_set_by_a_block(gap, rules) for gap in rules.analysis.gaps)
-    rated = {topic for branch in rules.branches for topic in branch.settings}.union(rules.defaults)
     yield from (
         _no_default(topic, "no block bounds it", rules)
         for topic in rules.bound_in_rules_only
-        if topic not in rated
+        if not rules.settings.get(topic)
     )
 
 
@@ -91,13 +92,15 @@ def _cost_of_full(topic: str, rules: RuleModel) -> str:
     return f" ({kb_per_s:.{0 if kb_per_s >= 100 else 1}f} KB/s)"
 
 
+def _floored(rules: RuleModel) -> Iterator[tuple[ResolvedFloor, ResolvedRate]]:
+    """Every SetFrequency of a topic with a floor."""
+    return ((floor, one) for topic, floor in rules.floors.items() for one in rules.settings.get(topic, ()))
+
+
 def _rate_below_floor(rules: RuleModel) -> Iterator[Found]:
     """Rates below a floor."""
-    for one in rules.settings:
-        floor = rules.floors.get(one.topic)
-        if floor is None or one.rate is None or not one.rate.yields_to_floor:
-            continue
-        if one.rate.hz < floor.rate.hz:
+    for floor, one in _floored(rules):
+        if one.rate is not None and one.rate.yields_to_floor and one.rate.hz < floor.rate.hz:
             where = wording.place(floor.path, floor.span, seen_from=one.path)
             yield Found(
                 path=one.path,
@@ -115,9 +118,8 @@ def _rate_below_floor(rules: RuleModel) -> Iterator[Found]:
 
 def _off_despite_floor(rules: RuleModel) -> Iterator[Found]:
     """Off where a floor exists."""
-    for one in rules.settings:
-        floor = rules.floors.get(one.topic)
-        if floor is not None and one.rate is not None and not one.rate.yields_to_floor:
+    for floor, one in _floored(rules):
+        if one.rate is not None and not one.rate.yields_to_floor:
             where = wording.place(floor.path, floor.span, seen_from=one.path)
             yield Found(
                 path=one.path,

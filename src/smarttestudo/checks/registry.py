@@ -4,17 +4,20 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from itertools import chain, count
+from operator import attrgetter
 
 from smarttestudo.checks import blocks, bounds, conditions, rates, recordings, topics
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.rule_model import RuleModel, read_rule_model
 from smarttestudo.domain.finding import Finding
+from smarttestudo.domain.signal import Truth
 from smarttestudo.language.parser.rule_file import ParseResult
 from smarttestudo.language.recall import Recall
-from smarttestudo.language.resolved_rules import Branch, ResolvedBlock
+from smarttestudo.language.resolved_rules import ResolvedBlock
 
 CHECKS = (
     *blocks.CHECKS,
@@ -64,22 +67,23 @@ def check_again(
     findings.extend(_about_blocks(rules))
     for check in _ABOUT_ALL:
         if is_whole or not check.needs_all_statements:
-            findings.extend(check.findings(rules))
+            findings += recall.each(("findings", check.code), check.finding, tuple(check.find(rules)))
+    places = recall.each("places", _place, findings)
+    by_place = [finding for _, _, finding in sorted(zip(places, count(), findings, strict=False))]
     recall.forget_before()
-    findings.sort(key=lambda one: (one.path, one.span.line, one.span.column, _RANKS.get(one.code, -1)))
-    return CheckedRules(findings=tuple(findings), paths=paths, context=context, recall=recall)
+    return CheckedRules(findings=tuple(by_place), paths=paths, context=context, recall=recall)
+
+
+def _place(finding: Finding) -> tuple[str, int, int, int]:
+    return finding.path, finding.span.line, finding.span.column, _RANKS.get(finding.code, -1)
 
 
 def _about_blocks(rules: RuleModel) -> Iterator[Finding]:
-    branches: dict[int, list[Branch]] = {}
-    for branch in rules.branches:
-        branches.setdefault(branch.block.order, []).append(branch)
-    for block in rules.blocks:
-        of_block = partial(_about_block, block, branches.get(block.order, ()), rules)
-        truth = rules.analysis.truths[block.order]
-        yield from rules.recall.value("findings", of_block, block, key=truth)
+    def about_block(block: ResolvedBlock, _: Truth) -> Sequence[Finding]:
+        orders = attrgetter("block.order")
+        first, last = (side(rules.branches, block.order, key=orders) for side in (bisect_left, bisect_right))
+        alone = rules.of_block(block, rules.branches[first:last])
+        return [check.finding(found) for check in _ABOUT_BLOCKS for found in check.find(alone)]
 
-
-def _about_block(block: ResolvedBlock, branches: Sequence[Branch], rules: RuleModel) -> Sequence[Finding]:
-    alone = rules.of_block(block, branches)
-    return [finding for check in _ABOUT_BLOCKS for finding in check.findings(alone)]
+    found = rules.recall.each("findings", about_block, rules.blocks, rules.analysis.truths)
+    return chain.from_iterable(found)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from smarttestudo.checks.rule_model import RuleModel
@@ -40,17 +40,16 @@ class RuleCheck:
     needs_all_statements: bool = False
     is_about_one_block: bool = False
 
-    def findings(self, rules: RuleModel) -> Iterator[Finding]:
-        """The findings of this check in ``rules``."""
-        for found in self.find(rules):
-            yield Finding(
-                code=self.code,
-                severity=self.severity,
-                message=found.message,
-                path=found.path,
-                span=found.span,
-                hint=found.hint,
-                fix=found.fix,
-                related=found.related,
-                profile_fix=found.profile_fix,
-            )
+    def finding(self, found: Found) -> Finding:
+        """The finding that this check makes of what it found."""
+        return Finding(
+            code=self.code,
+            severity=self.severity,
+            message=found.message,
+            path=found.path,
+            span=found.span,
+            hint=found.hint,
+            fix=found.fix,
+            related=found.related,
+            profile_fix=found.profile_fix,
+        )

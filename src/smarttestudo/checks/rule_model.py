@@ -4,10 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import chain
+from typing import TypeVar
 
 from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
@@ -50,6 +51,9 @@ from smarttestudo.language.syntax import (
     sets_in,
 )
 
+_T = TypeVar("_T")
+_Relayed = ResolvedRate | ResolvedFloor
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mention:
@@ -78,15 +82,14 @@ class CheckSite:
 class SiteReader:
     """Reads the checks of blocks."""
 
-    def __init__(self, context: CheckContext, resolve: Resolve, recall: Recall) -> None:
+    def __init__(self, context: CheckContext, resolve: Resolve) -> None:
         self._resolve = resolve
-        self._recall = recall
         self._spec_of = cache(context.spec_of)
         self._values_of = cache(context.domain)
 
     def of(self, block: ResolvedBlock) -> tuple[CheckSite, ...]:
         """The checks of ``block`` in their order."""
-        return self._recall.value("sites", lambda: tuple(self._sites(block)), block.block)
+        return tuple(self._sites(block))
 
     def _sites(self, block: ResolvedBlock) -> Iterator[CheckSite]:
         for check in checks_in(block.block.condition):
@@ -115,18 +118,18 @@ def _truth(check: InRegion, values: Region) -> Truth:
 class RuleModel:
     """The rule files of one set with what is known beside them; everything in the order of the files.
 
-    ``settings`` is every SetFrequency, ``written_defaults`` the unconditional ones and ``defaults`` those of
-    them that count; ``floors`` are the KeepAtLeast that count, ``bounds`` every KeepWithin; ``relayed`` has
-    the first SetFrequency or KeepAtLeast of each relayed topic, else the first KeepWithin, ``mentions`` the
-    first mention of each topic at all; ``glued`` are, by file, the words that follow a keyword without a
-    blank between. A branch that sets no rate is not among ``branches``, and ``recordings`` is every Record.
-    Conditions are over states. Of disabled blocks, only ``mentions``, ``disabled`` and ``disabled_checks``
-    tell. ``default_places`` are by file. ``recall`` has what is known of statements that stand where they
-    stood in the text before.
+    ``settings`` is every SetFrequency by topic, ``written_defaults`` the unconditional ones and ``defaults``
+    those of them that count; ``floors`` are the KeepAtLeast that count, ``bounds`` every KeepWithin;
+    ``relayed`` has the first SetFrequency or KeepAtLeast of each relayed topic, else the first KeepWithin,
+    ``mentions`` the first mention of each topic at all; ``glued`` are, by file, the words that follow a
+    keyword without a blank between. A branch that sets no rate is not among ``branches``, and ``recordings``
+    is every Record. Conditions are over states. Of disabled blocks, only ``mentions``, ``disabled`` and
+    ``disabled_checks`` tell. ``default_places`` are by file. ``recall`` has what is known of statements that
+    stand where they stood in the text before.
     """
 
     context: CheckContext
-    settings: tuple[ResolvedRate, ...]
+    settings: Mapping[str, Sequence[ResolvedRate]]
     written_defaults: tuple[ResolvedRate, ...]
     defaults: Mapping[str, ResolvedRate]
     floors: Mapping[str, ResolvedFloor]
@@ -167,21 +170,28 @@ def read_rule_model(
     resolve = cache(context.resolve)
     rules = resolve_rules(files, resolve, recall=recall)
     disabled = resolve_rules(files, resolve, disabled=True, recall=recall)
-    sites = SiteReader(context, resolve, recall)
-    blocks = [_block_over_states(one, recall) for one in rules.blocks]
-    branches = [_over_states(one, blocks[one.block.order], recall) for one in rules.branches if one.written]
-    relayed: dict[str, ResolvedRate | ResolvedFloor] = {}
-    for one in rules.rates:
-        relayed.setdefault(one.topic, one)
+    sites = SiteReader(context, resolve)
+    blocks = recall.each("blocks over states", _block_over_states, rules.blocks)
+    written = [one for one in rules.branches if one.written]
+    of_blocks = [blocks[one.block.order] for one in written]
+    branches = recall.each("branches over states", _over_states, written, of_blocks)
+    checks = recall.each("checks", sites.of, rules.blocks)
+    disabled_checks = recall.each("disabled checks", sites.of, disabled.blocks)
+    settings: dict[str, list[ResolvedRate]] = {}
+    relayed: dict[str, _Relayed] = {}
+    for by_topic in recall.runs("rates by topic", _by_topic, rules.rates):
+        for topic, rates in by_topic.items():
+            relayed.setdefault(topic, rates[0])
+            settings.setdefault(topic, []).extend(one for one in rates if isinstance(one, ResolvedRate))
     return RuleModel(
         context=context,
-        settings=tuple(one for one in rules.rates if isinstance(one, ResolvedRate)),
+        settings=settings,
         written_defaults=rules.written_defaults,
         defaults=rules.defaults,
         floors=rules.floors,
         relayed={**{one.topic: one for one in reversed(rules.bounds)}, **relayed},
         mentions=_mentions(files, resolve, recall),
-        checks=tuple(chain.from_iterable(map(sites.of, rules.blocks))),
+        checks=tuple(chain.from_iterable(checks)),
         blocks=tuple(blocks),
         branches=tuple(branches),
         analysis=analyse(blocks, branches, rules.defaults, rules.floors, context, recall=recall),
@@ -189,44 +199,47 @@ def read_rule_model(
         bounds=rules.bounds,
         recordings=tuple(record for branch in rules.branches for record in branch.records),
         disabled=disabled,
-        disabled_checks=tuple(chain.from_iterable(map(sites.of, disabled.blocks))),
+        disabled_checks=tuple(chain.from_iterable(disabled_checks)),
         default_places={file.path: default_place(file) for file in files},
         recall=recall,
         sites=sites,
     )
 
 
-def _block_over_states(block: ResolvedBlock, recall: Recall) -> ResolvedBlock:
-    def made() -> ResolvedBlock:
-        return replace(block, form=merged(over_states(block.form)))
-
-    return recall.value("block over states", made, block)
+def _block_over_states(block: ResolvedBlock) -> ResolvedBlock:
+    return replace(block, form=merged(over_states(block.form)))
 
 
-def _over_states(branch: Branch, block: ResolvedBlock, recall: Recall) -> Branch:
-    def made() -> Branch:
-        return replace(branch, block=block, form=negation(block.form) if branch.is_else else block.form)
+def _over_states(branch: Branch, block: ResolvedBlock) -> Branch:
+    return replace(branch, block=block, form=negation(block.form) if branch.is_else else block.form)
 
-    return recall.value("branch over states", made, branch, block)
+
+def _firsts(parts: Iterable[Mapping[str, _T]]) -> Mapping[str, _T]:
+    """The first value of each topic."""
+    firsts: dict[str, _T] = {}
+    for part in parts:
+        for topic, one in part.items():
+            firsts.setdefault(topic, one)
+    return firsts
+
+
+def _by_topic(rates: Iterable[_Relayed]) -> Mapping[str, Sequence[_Relayed]]:
+    by_topic: dict[str, list[_Relayed]] = {}
+    for one in rates:
+        by_topic.setdefault(one.topic, []).append(one)
+    return by_topic
 
 
 def _mentions(files: Sequence[RuleFile], resolve: Resolve, recall: Recall) -> Mapping[str, Mention]:
-    mentions: dict[str, Mention] = {}
-    for file in files:
-        for statement in file.statements:
-            first = recall.value(
-                "mentions", partial(_first_mentions, file.path, statement, resolve), statement
-            )
-            for topic, mention in first.items():
-                mentions.setdefault(topic, mention)
-    return mentions
+    def first_mentions(path: str, statements: Sequence[Statement]) -> Mapping[str, Mention]:
+        names = chain.from_iterable(map(_names_in, statements))
+        return _firsts({resolve(name.text): Mention(path=path, name=name)} for name in names)
 
-
-def _first_mentions(path: str, statement: Statement, resolve: Resolve) -> Mapping[str, Mention]:
-    mentions: dict[str, Mention] = {}
-    for name in _names_in(statement):
-        mentions.setdefault(resolve(name.text), Mention(path=path, name=name))
-    return mentions
+    return _firsts(
+        part
+        for number, file in enumerate(files)
+        for part in recall.runs(("mentions", number), partial(first_mentions, file.path), file.statements)
+    )
 
 
 def _names_in(statement: Statement) -> Iterator[TopicName]:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A rule file as statements with their places, and edits that touch one statement and nothing else."""
 
-from smarttestudo.editing.document import CollectionPart, Document, Entry, read_document
+from smarttestudo.editing.document import CollectionPart, Document, Entry, WrittenStatement, read_document
 from smarttestudo.editing.edits import (
     EditError,
     NewStatement,
@@ -27,6 +27,7 @@ __all__ = [
     "LineIndex",
     "NewStatement",
     "TextEdit",
+    "WrittenStatement",
     "apply",
     "comment_texts",
     "deleted",

@@ -4,49 +4,58 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
+from bisect import bisect_right
+from collections.abc import Iterable, Sequence
 from itertools import accumulate
 
 from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.lexer import BYTE_ORDER_MARK
-from smarttestudo.language.parser.tokens import Token
-
-_LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n|\Z)")
+from smarttestudo.language.parser.stretches import Stretch
 
 
 class LineIndex:
-    """Where the lines of ``text`` start; a byte order mark counts as an offset, but as no column."""
+    """Where the lines of ``text`` start, which the parser read in ``stretches``.
 
-    def __init__(self, text: str) -> None:
-        self._text = text
-        lengths = (len(line) for line in _LINE.findall(text))
-        self._starts = list(accumulate(lengths, initial=0))
-        if text.startswith(BYTE_ORDER_MARK):
-            self._starts[0] = len(BYTE_ORDER_MARK)
+    A byte order mark counts as an offset, but as no column.
+    """
+
+    def __init__(self, text: str, stretches: Sequence[Stretch]) -> None:
+        self.text = text
+        self._stretches = stretches
+        self._lines = [stretch.line for stretch in stretches]
+        start = len(BYTE_ORDER_MARK) if text.startswith(BYTE_ORDER_MARK) else 0
+        self._starts = list(accumulate((len(stretch.text) for stretch in stretches), initial=start))
 
     def offset(self, line: int, column: int) -> int:
         """The offset of a place that counts from 1; one beyond the text is its end."""
-        start = self._starts[min(line, len(self._starts)) - 1]
-        return min(start + column - 1, len(self._text))
+        at = bisect_right(self._lines, line) - 1
+        starts = self._stretches[at].line_starts if at >= 0 else (0,)
+        within = line - (self._lines[at] if at >= 0 else 1)
+        if within >= len(starts):
+            return len(self.text)
+        return min(self._starts[max(at, 0)] + starts[within] + column - 1, len(self.text))
 
-    def offsets(self, tokens: Iterable[Token]) -> list[int]:
-        """The offset of each of ``tokens`` of the text."""
-        starts = self._starts
-        return [starts[token.line - 1] + token.column - 1 for token in tokens]
+    def offsets(self, places: Iterable[tuple[int, int]]) -> list[int]:
+        """The offset of each of ``places``, lines and columns."""
+        return [self.offset(line, column) for line, column in places]
 
     def range(self, span: Span) -> tuple[int, int]:
         """The offsets at which ``span`` starts and ends."""
         return self.offset(span.line, span.column), self.offset(span.end_line, span.end_column)
 
+    def text_of(self, span: Span) -> str:
+        """What ``span`` covers."""
+        start, end = self.range(span)
+        return self.text[start:end]
+
     def line_range(self, offset: int) -> tuple[int, int]:
         """The start of the line that holds ``offset``, and its end before the line break."""
-        start = max(self._text.rfind("\n", 0, offset), self._text.rfind("\r", 0, offset)) + 1
-        ends = [end for end in (self._text.find("\n", offset), self._text.find("\r", offset)) if end >= 0]
-        return start, min(ends, default=len(self._text))
+        start = max(self.text.rfind("\n", 0, offset), self.text.rfind("\r", 0, offset)) + 1
+        ends = [end for end in (self.text.find("\n", offset), self.text.find("\r", offset)) if end >= 0]
+        return start, min(ends, default=len(self.text))
 
     def after_break(self, line_end: int) -> int:
         """The offset behind the line break at ``line_end``."""
-        if self._text.startswith("\r\n", line_end):
+        if self.text.startswith("\r\n", line_end):
             return line_end + 2
-        return min(line_end + 1, len(self._text))
+        return min(line_end + 1, len(self.text))

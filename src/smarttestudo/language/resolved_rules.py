@@ -6,6 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate, chain
+from operator import attrgetter, itemgetter
+from typing import Any
 
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
@@ -161,73 +164,85 @@ def resolve_rules(
 
     ``recall`` has blocks of the same files that stand where they stood, with names resolved by ``resolve``.
     """
-    reader = _Reader(resolve, recall or Recall())
+    recall = recall or Recall()
+    read: list[_ReadStatement] = []
+    order = branch_order = 0
     for number, file in enumerate(files):
-        for one in file.statements:
-            if (isinstance(one, Block) and one.is_disabled) is disabled:
-                reader.add(number, file.path, one)
+        counted = [one for one in file.statements if (isinstance(one, Block) and one.is_disabled) is disabled]
+        sizes = recall.each(("sizes", number, disabled), _size, counted)
+        *orders, order = accumulate(map(itemgetter(0), sizes), initial=order)
+        *branch_orders, branch_order = accumulate(map(itemgetter(1), sizes), initial=branch_order)
+        reader = _Reader(resolve, number, file.path)
+        read += recall.each(("read", number, disabled), reader.read, counted, orders, branch_orders)
+    outside = _all(read, "outside")
+    floors: dict[str, ResolvedFloor] = {}
+    for one in outside:
+        if isinstance(one, ResolvedFloor) and floors.setdefault(one.topic, one).rate < one.rate:
+            floors[one.topic] = one
     return ResolvedRules(
-        rates=tuple(reader.rates),
-        bounds=tuple(reader.bounds),
-        written_defaults=tuple(reader.defaults),
-        floors=reader.floors,
-        blocks=tuple(reader.blocks),
-        branches=tuple(reader.branches),
+        rates=_all(read, "rates"),
+        bounds=_all(read, "bounds"),
+        written_defaults=tuple(one for one in outside if isinstance(one, ResolvedRate)),
+        floors=floors,
+        blocks=_all(read, "blocks"),
+        branches=_all(read, "branches"),
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _ReadBlock:
-    """A block with its branches, and all rates and bounds in them."""
+def _size(statement: Statement) -> tuple[int, int]:
+    """How many blocks and branches a statement is."""
+    if not isinstance(statement, Block):
+        return 0, 0
+    return 1, bool(statement.then) + bool(statement.otherwise)
 
-    block: ResolvedBlock
-    branches: tuple[Branch, ...]
-    rates: tuple[ResolvedRate, ...]
-    bounds: tuple[ResolvedBound, ...]
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _ReadStatement:
+    """The blocks and branches of a statement, all rates and bounds in it, and its rate outside blocks."""
+
+    blocks: tuple[ResolvedBlock, ...] = ()
+    branches: tuple[Branch, ...] = ()
+    rates: tuple[ResolvedRate | ResolvedFloor, ...] = ()
+    bounds: tuple[ResolvedBound, ...] = ()
+    outside: tuple[ResolvedRate | ResolvedFloor, ...] = ()
+
+
+def _all(read: Sequence[_ReadStatement], kind: str) -> tuple[Any, ...]:
+    return tuple(chain.from_iterable(map(attrgetter(kind), read)))
 
 
 class _Reader:
-    def __init__(self, resolve: Resolve, recall: Recall) -> None:
-        self._full_name = resolve
-        self._recall = recall
-        self.rates: list[ResolvedRate | ResolvedFloor] = []
-        self.bounds: list[ResolvedBound] = []
-        self.defaults: list[ResolvedRate] = []
-        self.floors: dict[str, ResolvedFloor] = {}
-        self.blocks: list[ResolvedBlock] = []
-        self.branches: list[Branch] = []
+    """Reads the statements of one file."""
 
-    def add(self, file: int, path: str, statement: Statement) -> None:
+    def __init__(self, resolve: Resolve, file: int, path: str) -> None:
+        self._full_name = resolve
+        self._file = file
+        self._path = path
+
+    def read(self, statement: Statement, order: int, first_branch: int) -> _ReadStatement:
+        """A statement before which there are so many blocks and branches."""
         match statement:
             case SetFrequency():
-                rate = self._rate(path, statement)
-                self.rates.append(rate)
-                self.defaults.append(rate)
+                rate = self._rate(statement)
+                return _ReadStatement(rates=(rate,), outside=(rate,))
             case KeepAtLeast():
-                self._add_floor(path, statement)
+                floor = self._floor(statement)
+                return _ReadStatement(rates=(floor,), outside=(floor,))
             case KeepWithin():
-                self.bounds.append(self._bound(path, statement, None))
+                return _ReadStatement(bounds=(self._bound(statement, None),))
             case Block():
-                self._add_block(file, path, statement)
+                return self._block(statement, order, first_branch)
 
-    def _add_block(self, file: int, path: str, statement: Block) -> None:
-        place = file, path, len(self.blocks), len(self.branches)
-        read = self._recall.value("block", lambda: self._read(statement, *place), statement, key=place)
-        self.blocks.append(read.block)
-        self.branches += read.branches
-        self.rates += read.rates
-        self.bounds += read.bounds
-
-    def _read(self, statement: Block, file: int, path: str, order: int, first_branch: int) -> _ReadBlock:
+    def _block(self, statement: Block, order: int, first_branch: int) -> _ReadStatement:
         form = normal_form(statement.condition, self._full_name)
-        block = ResolvedBlock(order=order, file=file, path=path, block=statement, form=form)
+        block = ResolvedBlock(order=order, file=self._file, path=self._path, block=statement, form=form)
         sides = [(statement.then, False), (statement.otherwise, True)]
         branches = tuple(
             self._branch(block, actions, is_else=is_else, order=number)
             for number, (actions, is_else) in enumerate((one for one in sides if one[0]), start=first_branch)
         )
-        return _ReadBlock(
-            block=block,
+        return _ReadStatement(
+            blocks=(block,),
             branches=branches,
             rates=tuple(rate for branch in branches for rate in branch.written),
             bounds=tuple(bound for branch in branches for bound in branch.bounds),
@@ -236,7 +251,7 @@ class _Reader:
     def _branch(
         self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool, order: int
     ) -> Branch:
-        written = tuple(self._rate(block.path, one) for one in sets_in(actions))
+        written = tuple(self._rate(one) for one in sets_in(actions))
         return Branch(
             order=order,
             block=block,
@@ -244,26 +259,23 @@ class _Reader:
             form=negation(block.form) if is_else else block.form,
             written=written,
             settings={one.topic: one for one in written},
-            bounds=tuple(self._bound(block.path, one, (block.order, is_else)) for one in bounds_in(actions)),
-            records=tuple(self._record(block.path, one) for one in records_in(actions)),
+            bounds=tuple(self._bound(one, (block.order, is_else)) for one in bounds_in(actions)),
+            records=tuple(self._record(one) for one in records_in(actions)),
         )
 
-    def _add_floor(self, path: str, statement: KeepAtLeast) -> None:
+    def _floor(self, statement: KeepAtLeast) -> ResolvedFloor:
         topic = self._full_name(statement.topic.text)
         rate = statement.rate.rate or Rate(0.0)
-        floor = ResolvedFloor(path=path, topic=topic, statement=statement, rate=rate)
-        self.rates.append(floor)
-        if self.floors.setdefault(topic, floor).rate < rate:
-            self.floors[topic] = floor
+        return ResolvedFloor(path=self._path, topic=topic, statement=statement, rate=rate)
 
-    def _rate(self, path: str, statement: SetFrequency) -> ResolvedRate:
+    def _rate(self, statement: SetFrequency) -> ResolvedRate:
         topic = self._full_name(statement.topic.text)
-        return ResolvedRate(path=path, topic=topic, statement=statement, rate=statement.rate.rate)
+        return ResolvedRate(path=self._path, topic=topic, statement=statement, rate=statement.rate.rate)
 
-    def _bound(self, path: str, statement: KeepWithin, branch: tuple[int, bool] | None) -> ResolvedBound:
+    def _bound(self, statement: KeepWithin, branch: tuple[int, bool] | None) -> ResolvedBound:
         topic = self._full_name(statement.topic.text)
-        return ResolvedBound(path=path, topic=topic, statement=statement, branch=branch)
+        return ResolvedBound(path=self._path, topic=topic, statement=statement, branch=branch)
 
-    def _record(self, path: str, record: RecordIncident) -> ResolvedRecord:
+    def _record(self, record: RecordIncident) -> ResolvedRecord:
         topics = tuple(self._full_name(name.text) for name in record.topics)
-        return ResolvedRecord(path=path, topics=topics, statement=record)
+        return ResolvedRecord(path=self._path, topics=topics, statement=record)

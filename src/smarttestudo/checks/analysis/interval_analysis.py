@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import Generic, TypeVar
+from itertools import islice
+from operator import attrgetter
+from typing import Any, Generic, TypeVar
 
 from smarttestudo.checks.analysis.branch_index import BranchIndex
 from smarttestudo.checks.analysis.condition_boxes import ConditionBoxes, boxes_of
@@ -15,6 +17,7 @@ from smarttestudo.checks.analysis.conflict_finder import ConflictFinder
 from smarttestudo.checks.analysis.cover import Covers
 from smarttestudo.checks.analysis.redundant_rates import redundant_rates
 from smarttestudo.checks.analysis.results import Analysis, Clash, Gap, Shadow, SharedBorder
+from smarttestudo.checks.analysis.topic_branches import Setter
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.boxes import Domain, Effort, TooComplexError, find_box
@@ -44,22 +47,22 @@ def analyse(
     Of each branch the first clashes with branches before it are found, or else the first shared border.
     A question about blocks that ``recall`` has met costs the effort that it cost then, but no time.
     """
-    analyst = _Analyst(blocks, recall, domain=cache(context.domain), is_noisy=cache(context.is_noisy))
-    where_true = {block.order: analyst.boxes(block.form) for block in blocks}
-    truths = {block.order: analyst.truth(block, where_true[block.order]) for block in blocks}
-    boxes_by_branch = {
-        branch.order: analyst.boxes(branch.form) if branch.is_else else where_true[branch.block.order]
-        for branch in branches
-    }
-    possible = [branch for branch in branches if boxes_by_branch[branch.order].boxes]
-    index = BranchIndex(branches, boxes_by_branch, recall)
+    analyst = _Analyst(recall, domain=cache(context.domain), is_noisy=cache(context.is_noisy))
+    where_true = analyst.boxes("boxes", blocks)
+    truths = analyst.truths(blocks, where_true)
+    elses = [branch for branch in branches if branch.is_else]
+    of_elses = iter(analyst.boxes("boxes of Else", elses))
+    boxes = [next(of_elses) if one.is_else else where_true[one.block.order] for one in branches]
+    setters = recall.each("setters", Setter, branches, boxes)
+    possible = [one.branch for one in setters if one.boxes.boxes]
+    index = BranchIndex(setters, recall)
     covers = Covers(index, analyst.domain)
-    without_default = {topic for branch in branches for topic in branch.settings}.difference(defaults)
-    gaps = (analyst.gap(topic, covers, index) for topic in sorted(without_default))
-    shadows = [shadow for branch in possible for shadow in analyst.shadows(branch, covers, index)]
+    shadows = analyst.near("shadows", lambda one: analyst.shadows(one, covers), possible, index)
     shadowed = {shadow.branch.order for shadow in shadows}
-    redundant = redundant_rates(possible, defaults, floors, Effort(LOOKS_AT_REDUNDANT_RATES))
-    conflicts = [found for branch in possible for found in analyst.conflicts(branch, index)]
+    effort = Effort(LOOKS_AT_REDUNDANT_RATES)
+    redundant = redundant_rates(possible, defaults, floors, effort, recall)
+    conflicts = analyst.near("conflicts", lambda one: analyst.conflicts(one, index), possible, index)
+    gaps = [analyst.gap(topic, covers, index) for topic in sorted(index.topics - defaults.keys())]
     return Analysis(
         truths=truths,
         clashes=tuple(found for found in conflicts if isinstance(found, Clash)),
@@ -67,7 +70,7 @@ def analyse(
         shadows=tuple(shadows),
         gaps=tuple(gap for gap in gaps if gap is not None),
         redundant_rates=tuple(one for one in redundant if one.branch.order not in shadowed),
-        unfinished=analyst.unfinished,
+        unfinished=tuple(blocks[order] for order in sorted(analyst.unfinished)),
     )
 
 
@@ -81,90 +84,90 @@ class _Answer(Generic[_T]):
 
 
 class _Analyst:
-    """Asks one question at a time, and notes the blocks about which one was given up."""
+    """Asks one question at a time; ``unfinished`` are the orders of blocks about which one was given up."""
 
-    def __init__(
-        self,
-        blocks: Sequence[ResolvedBlock],
-        recall: Recall,
-        *,
-        domain: Domain,
-        is_noisy: Callable[[Signal], bool],
-    ) -> None:
-        self._blocks = blocks
+    def __init__(self, recall: Recall, *, domain: Domain, is_noisy: Callable[[Signal], bool]) -> None:
         self._recall = recall
         self.domain = domain
         self._is_noisy = is_noisy
         self._effort = Effort(LOOKS_IN_ALL)
-        self._unfinished: set[int] = set()
+        self.unfinished: set[int] = set()
 
-    @property
-    def unfinished(self) -> tuple[ResolvedBlock, ...]:
-        return tuple(self._blocks[order] for order in sorted(self._unfinished))
+    def boxes(
+        self, name: str, wherever: Sequence[ResolvedBlock] | Sequence[Branch]
+    ) -> Sequence[ConditionBoxes]:
+        """Where the forms of ``wherever`` hold."""
 
-    def truth(self, block: ResolvedBlock, where_true: ConditionBoxes) -> Truth:
-        answer = self._asked("truth", lambda: self._truth(block, where_true), block, where_true)
-        return self._noted(answer, block)
-
-    def boxes(self, form: Form) -> ConditionBoxes:
-        def answer() -> _Answer[ConditionBoxes]:
+        def ask(form: Form) -> _Answer[ConditionBoxes]:
             return _Answer(found=boxes_of(form, self.domain, self._question()), is_whole=True)
 
-        return self._asked("boxes", answer, form).found
+        return [answer.found for answer in self._asked(name, ask, [one.form for one in wherever])]
 
-    def conflicts(self, branch: Branch, index: BranchIndex) -> Sequence[Clash | SharedBorder]:
-        def ask() -> _Answer[Sequence[Clash | SharedBorder]]:
-            return self._conflicts(branch, index)
+    def truths(
+        self, blocks: Sequence[ResolvedBlock], where_true: Sequence[ConditionBoxes]
+    ) -> Sequence[Truth]:
+        """Whether each of ``blocks`` holds never, always or sometimes."""
+        answers = self._asked("truths", self._truth, blocks, where_true)
+        self._note(answers, blocks)
+        return [answer.found for answer in answers]
 
-        return self._noted(self._asked_near("conflicts", ask, branch, index), branch.block)
-
-    def shadows(self, branch: Branch, covers: Covers, index: BranchIndex) -> Sequence[Shadow]:
-        def ask() -> _Answer[Sequence[Shadow]]:
-            return _until_too_complex(self._shadows(branch, covers))
-
-        return self._noted(self._asked_near("shadows", ask, branch, index), branch.block)
+    def near(
+        self,
+        name: str,
+        ask: Callable[[Branch], _Answer[Sequence[_T]]],
+        branches: Sequence[Branch],
+        index: BranchIndex,
+    ) -> Sequence[_T]:
+        """The answers to a question about each branch and the branches near to it that set its topics."""
+        touched = index.touched
+        again = [at for at, branch in enumerate(branches) if branch.order in touched] if touched else ()
+        answers = self._asked(name, ask, branches, again=again)
+        self._note(answers, [branch.block for branch in branches])
+        return [found for answer in answers for found in answer.found]
 
     def gap(self, topic: str, covers: Covers, index: BranchIndex) -> Gap | None:
-        version = index.branches_of(topic).version
-        return self._asked("gap", lambda: self._gap(topic, covers), version, key=topic).found
+        """Where no branch sets ``topic``."""
+        setters = index.branches_of(topic).setters
+        return self._asked(("gap", topic), lambda _: self._gap(topic, covers), [setters])[0].found
 
     def _asked(
-        self, name: str, ask: Callable[[], _Answer[_T]], *things: object, key: object = None
-    ) -> _Answer[_T]:
-        """The answer to a question about ``things``."""
-        known = self._recall.get(name, *things, key=key)
-        answer = self._answer(known, ask)
-        self._recall.keep(answer, name, *things, key=key)
-        return answer
+        self,
+        name: Hashable,
+        ask: Callable[..., _Answer[_T]],
+        *columns: Sequence[Any],
+        again: Iterable[int] = (),
+    ) -> Sequence[_Answer[_T]]:
+        """The answers to a question about each row of ``columns``; the rows ``again`` are not recalled.
 
-    def _asked_near(
-        self, name: str, ask: Callable[[], _Answer[_T]], branch: Branch, index: BranchIndex
-    ) -> _Answer[_T]:
-        """The answer to a question about ``branch`` and the branches near to it that set its topics."""
-        near = index.topic_branches(branch)
-        versions, known = self._recall.get(name, branch) or ((), None)
-        is_alike = len(versions) == len(near) and all(
-            one.is_as_in(version, branch) for one, version in zip(near, versions, strict=True)
-        )
-        answer = self._answer(known if is_alike else None, ask)
-        self._recall.keep((tuple(one.version for one in near), answer), name, branch)
-        return answer
+        Known ones count where as much effort is left as they cost.
+        """
+        answers: list[_Answer[_T]]
+        answers, others = self._recall.known(name, *columns)
+        behind = 0
+        for at in (*sorted({*others, *again}), len(answers)):
+            looks = sum(map(attrgetter("looks"), islice(answers, behind, at)))
+            is_enough = looks <= self._effort.left
+            if is_enough:
+                self._effort.spend(looks)
+            for row in range(at if is_enough else behind, min(at + 1, len(answers))):
+                known = answers[row].looks if row < at else None
+                if known is not None and known <= self._effort.left:
+                    self._effort.spend(known)
+                else:
+                    answers[row] = self._new(ask, *(column[row] for column in columns))
+            behind = at + 1
+        return answers
 
-    def _answer(self, known: _Answer[_T] | None, ask: Callable[[], _Answer[_T]]) -> _Answer[_T]:
-        """A ``known`` answer where as much effort is left as it cost, else a new one."""
+    def _new(self, ask: Callable[..., _Answer[_T]], *things: Any) -> _Answer[_T]:
         left = self._effort.left
-        if known is not None and known.looks <= left:
-            self._effort.spend(known.looks)
-            return known
-        answer = ask()
+        answer = ask(*things)
         # One that was cut short by other questions is not known another time.
         looks = left - self._effort.left if self._effort.left >= 0 else LOOKS_IN_ALL + 1
         return replace(answer, looks=looks)
 
-    def _noted(self, answer: _Answer[_T], block: ResolvedBlock) -> _T:
-        if not answer.is_whole:
-            self._unfinished.add(block.order)
-        return answer.found
+    def _note(self, answers: Iterable[_Answer[Any]], blocks: Iterable[ResolvedBlock]) -> None:
+        pairs = zip(answers, blocks, strict=True)
+        self.unfinished.update(block.order for answer, block in pairs if not answer.is_whole)
 
     def _truth(self, block: ResolvedBlock, where_true: ConditionBoxes) -> _Answer[Truth]:
         if where_true.is_exact and not where_true.boxes:
@@ -177,7 +180,8 @@ class _Analyst:
             pass
         return _Answer(found=Truth.UNKNOWN, is_whole=False)
 
-    def _conflicts(self, branch: Branch, index: BranchIndex) -> _Answer[Sequence[Clash | SharedBorder]]:
+    def conflicts(self, branch: Branch, index: BranchIndex) -> _Answer[Sequence[Clash | SharedBorder]]:
+        """The first clashes of ``branch`` with branches before it, else the first shared border."""
         conflicts = ConflictFinder(
             index, domain=self.domain, is_noisy=self._is_noisy, effort=self._question()
         )
@@ -197,6 +201,10 @@ class _Analyst:
                 self.domain(signal).is_within(region) for signal, region in where_true.boxes[0].items()
             )
         return find_box([negation(block.form)], self.domain, self._question()) is None
+
+    def shadows(self, branch: Branch, covers: Covers) -> _Answer[Sequence[Shadow]]:
+        """The shadow of ``branch``, if it never decides a topic."""
+        return _until_too_complex(self._shadows(branch, covers))
 
     def _shadows(self, branch: Branch, covers: Covers) -> Iterator[Shadow]:
         rivals: dict[int, Branch] = {}

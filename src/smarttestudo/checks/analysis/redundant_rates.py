@@ -5,11 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from functools import partial
 
 from smarttestudo.checks.analysis.results import RedundantRate
 from smarttestudo.domain.rate import Rate
 from smarttestudo.language.boxes import Effort, TooComplexError
 from smarttestudo.language.normal_form import Every, Form, InRegion, Some
+from smarttestudo.language.recall import Recall
 from smarttestudo.language.resolved_rules import Branch, ResolvedFloor, ResolvedRate
 
 
@@ -18,31 +21,48 @@ def redundant_rates(
     defaults: Mapping[str, ResolvedRate],
     floors: Mapping[str, ResolvedFloor],
     effort: Effort,
+    recall: Recall,
 ) -> Iterator[RedundantRate]:
     """The rates of ``branches`` that equal their topic's default where no other block can be overruled.
 
     They can be removed all at once: what is asked of a rate is asked of others that differ from the default.
     Ends when ``effort`` is spent.
     """
-    rivals = _rivals(branches, floors)
+    rates = {topic: default.rate for topic, default in defaults.items()}
+    alike = [
+        one
+        for run in recall.runs(("as default", *rates.items()), partial(_alike, rates), branches)
+        for one in run
+    ]
+    rivals = _rivals(branches, {setting.topic for _, setting in alike}, floors) if alike else {}
     try:
-        for branch in branches:
-            for topic, setting in branch.settings.items():
-                default = defaults.get(topic)
-                if default is None or setting.rate is None or setting.rate != default.rate:
-                    continue
-                if not setting.rate.yields_to_floor or setting.rate.hz >= _floor_hz(floors.get(topic)):
-                    others = (
-                        other
-                        for (priority, raised), alike in rivals[topic].items()
-                        if _may_matter(setting.rate, branch.block.priority, raised, priority)
-                        for other in alike
-                        if other is not branch
-                    )
-                    if all(excludes(other.form, branch.form, effort) for other in others):
-                        yield RedundantRate(branch=branch, setting=setting, default=default)
+        for branch, setting in alike:
+            topic, rate = setting.topic, setting.rate
+            if rate is None or (rate.yields_to_floor and rate.hz < _floor_hz(floors.get(topic))):
+                continue
+            others = (
+                other
+                for (priority, raised), asking in rivals[topic].items()
+                if _may_matter(rate, branch.block.priority, raised, priority)
+                for other in asking
+                if other is not branch
+            )
+            if all(excludes(other.form, branch.form, effort) for other in others):
+                yield RedundantRate(branch=branch, setting=setting, default=defaults[topic])
     except TooComplexError:
         return
+
+
+def _alike(
+    rates: Mapping[str, Rate | None], branches: Sequence[Branch]
+) -> Sequence[tuple[Branch, ResolvedRate]]:
+    """The settings of ``branches`` to known ``rates``."""
+    return [
+        (branch, setting)
+        for branch in branches
+        for topic, setting in branch.settings.items()
+        if setting.rate is not None and setting.rate == rates.get(topic)
+    ]
 
 
 _Stance = tuple[int, Rate | None]
@@ -50,13 +70,13 @@ _Stance = tuple[int, Rate | None]
 
 
 def _rivals(
-    branches: Sequence[Branch], floors: Mapping[str, ResolvedFloor]
+    branches: Sequence[Branch], topics: AbstractSet[str], floors: Mapping[str, ResolvedFloor]
 ) -> dict[str, dict[_Stance, list[Branch]]]:
-    """The branches that set each topic, by what they ask for: few ask for different things."""
+    """The branches that set each of ``topics``, by what they ask for: few ask for different things."""
     rivals: dict[str, dict[_Stance, list[Branch]]] = {}
     for branch in branches:
-        for topic, setting in branch.settings.items():
-            rate = setting.rate
+        for topic in branch.settings.keys() & topics:
+            rate = branch.rate(topic)
             raised = None if rate is None else rate.at_least(_floor_hz(floors.get(topic)))
             alike = rivals.setdefault(topic, {}).setdefault((branch.block.priority, raised), [])
             alike.append(branch)

@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from heapq import merge
 
 from smarttestudo.checks.analysis.condition_boxes import ConditionBoxes
@@ -19,8 +19,13 @@ from smarttestudo.language.resolved_rules import Branch
 
 _MOST_CHANGED = 32
 
-Setters = Mapping[int, tuple[Branch, ConditionBoxes]]
-"""Branches with the boxes where they apply, by order."""
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Setter:
+    """A branch with the boxes where it applies."""
+
+    branch: Branch
+    boxes: ConditionBoxes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,17 +33,15 @@ class TopicBranches:
     """The branches that set all of ``topics``.
 
     ``index`` has all entries but those ``added`` since, and some that are ``left_out``. ``touched`` are the
-    orders of branches near to what changed since the ones ``before``.
+    orders of branches near to what changed since the text before, ``setters`` are in their order.
     """
 
     topics: tuple[str, ...]
-    setters: Setters
+    setters: tuple[Setter, ...]
     index: BoxIndex
-    version: object = field(default_factory=object)
-    before: object = None
+    touched: AbstractSet[int]
     left_out: frozenset[int] = frozenset()
     added: tuple[IndexEntry, ...] = ()
-    touched: AbstractSet[int] = frozenset()
 
     def near(
         self,
@@ -60,52 +63,44 @@ class TopicBranches:
         added = [one for one in self.added if one.kind != kind and meets(one.hull, interval_of)]
         return merge(kept, added, key=lambda entry: entry.owner)
 
-    def is_as_in(self, version: object, branch: Branch) -> bool:
-        """Whether near to ``branch`` nothing changed since ``version``."""
-        return version is self.version or (version is self.before and branch.order not in self.touched)
-
-    def with_setters(self, setters: Setters) -> TopicBranches | None:
-        """The same topics with other branches; ``None`` where too many are others."""
-        mine = self.setters
-        gone = [order for order, one in mine.items() if not _is_same(one, setters.get(order))]
-        come = [order for order, one in setters.items() if not _is_same(one, mine.get(order))]
-        if not gone and not come:
-            return self
-        added = [one for one in self.added if one.owner not in gone]
-        for order in come:
-            added += entries_of(*setters[order], self.topics)
-        if len(gone) + len(come) > _MOST_CHANGED or len(added) > _MOST_CHANGED:
+    def with_setters(self, setters: tuple[Setter, ...]) -> TopicBranches | None:
+        """The same topics with the branches of the next text; ``None`` where too many are others."""
+        if setters == self.setters:
+            return replace(self, touched=frozenset()) if self.touched else self
+        mine, others = set(self.setters), set(setters)
+        gone, come = mine - others, others - mine
+        if len(gone) + len(come) > _MOST_CHANGED:
             return None
-        hulls = [hull for order in gone for hull in mine[order][1].hulls]
-        hulls += [hull for order in come for hull in setters[order][1].hulls]
+        left_out = {one.branch.order for one in gone}
+        added = [one for one in self.added if one.owner not in left_out]
+        added += entries_of(come, self.topics)
+        if len(added) > _MOST_CHANGED:
+            return None
         changed = replace(
             self,
             setters=setters,
-            version=object(),
-            before=self.version,
-            left_out=self.left_out.union(gone),
+            left_out=self.left_out.union(left_out),
             added=tuple(sorted(added, key=lambda one: one.owner)),
         )
         endless = Effort(sys.maxsize)
-        touched = {entry.owner for hull in hulls for entry in changed.near(hull.get, endless)}
-        return replace(changed, touched=touched.union(come))
+        hulls = [hull for one in (*gone, *come) for hull in one.boxes.hulls]
+        near = {entry.owner for hull in hulls for entry in changed.near(hull.get, endless)}
+        return replace(changed, touched=near.union(one.branch.order for one in come))
 
 
-def _is_same(one: tuple[Branch, ConditionBoxes], other: tuple[Branch, ConditionBoxes] | None) -> bool:
-    return other is not None and one[0] is other[0] and one[1] is other[1]
-
-
-def topic_branches(topics: tuple[str, ...], setters: Setters) -> TopicBranches:
+def topic_branches(topics: tuple[str, ...], setters: tuple[Setter, ...]) -> TopicBranches:
     """The branches ``setters`` of all of ``topics``."""
-    entries = [entry for one in setters.values() for entry in entries_of(*one, topics)]
-    return TopicBranches(topics=topics, setters=setters, index=BoxIndex(entries))
+    entries = tuple(entries_of(setters, topics))
+    touched = {one.branch.order for one in setters}
+    return TopicBranches(topics=topics, setters=setters, index=BoxIndex(entries), touched=touched)
 
 
-def entries_of(branch: Branch, boxes: ConditionBoxes, topics: Sequence[str]) -> Iterator[IndexEntry]:
-    """The boxes of a branch as entries of an index."""
-    kind = rates_set(branch, topics)
-    for box, hull in zip(boxes.boxes, boxes.hulls, strict=True):
-        yield IndexEntry(owner=branch.order, kind=kind, box=box, hull=hull)
+def entries_of(setters: Iterable[Setter], topics: Sequence[str]) -> Iterator[IndexEntry]:
+    """The boxes of branches as entries of an index."""
+    for one in setters:
+        kind = rates_set(one.branch, topics)
+        for box, hull in zip(one.boxes.boxes, one.boxes.hulls, strict=True):
+            yield IndexEntry(owner=one.branch.order, kind=kind, box=box, hull=hull)
 
 
 def rates_set(branch: Branch, topics: Sequence[str]) -> tuple[Rate | None, ...]:

@@ -34,13 +34,11 @@ from smarttestudo.language.syntax import Collection, KeepAtLeast, RuleFile, Stat
 class ParseResult:
     """The statements of ``file`` that are whole, and an error for each that is not, in the order of the file.
 
-    ``tokens`` end with the one that stands for the file's end; their comments are all comments of the file.
     ``steps`` is how often the parser looked at a token. ``stretches`` are what the next text is read with.
     """
 
     file: RuleFile
     findings: tuple[Finding, ...]
-    tokens: tuple[Token, ...]
     steps: int
     stretches: tuple[Stretch, ...] = ()
 
@@ -48,6 +46,11 @@ class ParseResult:
     def is_valid(self) -> bool:
         """Whether the file has no error of syntax."""
         return not self.findings
+
+    @property
+    def tokens(self) -> tuple[Token, ...]:
+        """All tokens, and one that stands for the file's end; their comments are all comments of the file."""
+        return tuple(chain.from_iterable(stretch.tokens for stretch in self.stretches))
 
 
 _ENDS = frozenset({TokenKind.END, TokenKind.BEGIN, TokenKind.END_OF_FILE})
@@ -187,9 +190,7 @@ def parse(text: str, path: str, before: ParseResult | None = None) -> ParseResul
         log.report(
             "file-too-large", "a rule file holds at most 4 MB", span=_START, hint="split it into several"
         )
-        return ParseResult(
-            file=RuleFile(path=path, collections=()), findings=log.findings(), tokens=(), steps=0
-        )
+        return ParseResult(file=RuleFile(path=path, collections=()), findings=log.findings(), steps=0)
     cursor = Cursor(stretches_of(text, before.stretches if before is not None else ()), log)
     collections = _collections(cursor)
     stretches = cursor.stretches
@@ -204,7 +205,6 @@ def parse(text: str, path: str, before: ParseResult | None = None) -> ParseResul
             glued=tuple(chain.from_iterable(stretch.glued for stretch in stretches)),
         ),
         findings=log.findings(),
-        tokens=tuple(chain.from_iterable(stretch.tokens for stretch in stretches)),
         steps=cursor.steps,
         stretches=stretches,
     )

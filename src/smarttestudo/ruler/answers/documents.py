@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator, Sequence
+from itertools import islice
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from smarttestudo.domain import finding as checker
 from smarttestudo.domain.source import Span
@@ -84,20 +86,47 @@ def rule_document(checked: CheckedText) -> RuleDocument:
     """The statements of a text, and all findings of the checker."""
     document = checked.document
     writer = StatementWriter(document)
+    written = [entry.written for entry in document.entries]
+    unplaced = document.recall.each("statements for the page", writer.statement, written, document.names)
+    placed = map(_at, unplaced, writer.starts(document.starts))
     return RuleDocument(
-        collections=tuple(_collection(part, writer) for part in document.parts),
+        collections=tuple(_collection(part, writer, placed) for part in document.parts),
         findings=placed_findings(document, checked.findings),
         parses=document.result.is_valid,
     )
 
 
-def placed_findings(document: Document, findings: Iterable[checker.Finding]) -> tuple[PlacedFinding, ...]:
+def _at(statement: Statement, start: int) -> Statement:
+    """A statement that starts at an offset."""
+    return replace(statement, offset=start, end_offset=start + statement.end_offset)
+
+
+def placed_findings(document: Document, findings: Sequence[checker.Finding]) -> tuple[PlacedFinding, ...]:
     """``findings`` of the one file ``document`` in their order."""
     writer = StatementWriter(document)
-    return tuple(_finding(one, document, writer) for one in findings)
+    starts = writer.starts(document.starts)
+
+    def unplaced(finding: checker.Finding, _: object) -> tuple[PlacedFinding, int | None]:
+        at = document.number_at(finding.span)
+        return _finding(finding, document, writer, 0 if at is None else starts[at]), at
+
+    alike = [document.starts] * len(findings)
+    found = document.recall.each("findings for the page", unplaced, findings, alike)
+    placed: list[PlacedFinding] = []
+    for finding, (one, at) in zip(findings, found, strict=True):
+        start, end = (
+            (starts[at] + one.offset, starts[at] + one.end_offset)
+            if at is not None
+            else writer.range(finding.span)
+        )
+        fix = None if finding.fix is None else _fix(finding.fix, writer)
+        placed.append(replace(one, offset=start, end_offset=end, fix=fix))
+    return tuple(placed)
 
 
-def _collection(part: CollectionPart, writer: StatementWriter) -> PlacedCollection:
+def _collection(
+    part: CollectionPart, writer: StatementWriter, placed: Iterator[Statement]
+) -> PlacedCollection:
     begin = part.begin
     comments = begin.comments if begin is not None else ()
     return PlacedCollection(
@@ -107,11 +136,14 @@ def _collection(part: CollectionPart, writer: StatementWriter) -> PlacedCollecti
         end_offset=writer.offset(part.end),
         line=part.line,
         comments=tuple(comment_texts(comments)),
-        statements=tuple(writer.entry(entry) for entry in part.entries),
+        statements=tuple(islice(placed, len(part.entries))),
     )
 
 
-def _finding(finding: checker.Finding, document: Document, writer: StatementWriter) -> PlacedFinding:
+def _finding(
+    finding: checker.Finding, document: Document, writer: StatementWriter, base: int
+) -> PlacedFinding:
+    """A finding without its fix, with offsets from ``base`` on."""
     span = finding.span
     start, end = writer.range(span)
     statement = _statement(document, span)
@@ -125,9 +157,9 @@ def _finding(finding: checker.Finding, document: Document, writer: StatementWrit
         column=span.column,
         end_line=span.end_line,
         end_column=span.end_column,
-        offset=start,
-        end_offset=end,
-        fix=None if finding.fix is None else _fix(finding.fix, writer),
+        offset=start - base,
+        end_offset=end - base,
+        fix=None,
         profile_fix=finding.profile_fix,
         statement=statement,
         related=tuple(one for one in related if one is not None and one != statement),
@@ -135,7 +167,7 @@ def _finding(finding: checker.Finding, document: Document, writer: StatementWrit
 
 
 def _statement(document: Document, span: Span) -> str | None:
-    entry = document.entry_at(document.places.range(span)[0])
+    entry = document.entry_at(span)
     return None if entry is None else entry.id
 
 

@@ -9,7 +9,7 @@ from typing import TypedDict
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.editing import Document, EditError, Entry, NewStatement, comment_texts
+from smarttestudo.editing import Document, EditError, NewStatement, WrittenStatement, comment_texts
 from smarttestudo.language.formatter.text import number_text
 from smarttestudo.language.parser.durations import duration_ns
 from smarttestudo.language.syntax import (
@@ -47,40 +47,42 @@ class _Place(TypedDict):
     offset: int
     end_offset: int
     line: int
-    text: str
 
 
 class StatementWriter:
     """Puts the statements of one document into the words of the page."""
 
     def __init__(self, document: Document) -> None:
-        self._document = document
+        self._places = document.places
         self._utf16 = Utf16(document.text)
 
     def offset(self, characters: int) -> int:
         """An offset as JavaScript counts it."""
         return self._utf16.offset(characters)
 
+    def starts(self, places: Sequence[tuple[int, int]]) -> Sequence[int]:
+        """Where ``places``, lines and columns, are as JavaScript counts it."""
+        return self._utf16.offsets(self._places.offsets(places))
+
     def range(self, span: Span) -> tuple[int, int]:
         """Where ``span`` starts and ends, as JavaScript counts it."""
-        start, end = self._document.places.range(span)
+        start, end = self._places.range(span)
         return self.offset(start), self.offset(end)
 
-    def entry(self, entry: Entry) -> page.Statement:
-        """One statement with its id and key."""
-        words = entry.token_range
+    def statement(self, written: WrittenStatement, name: tuple[str, str]) -> page.Statement:
+        """One statement with its id and key, at the start of the text, wherever it stands."""
+        start, end = self.range(written.span)
         place = _Place(
-            id=entry.id,
-            key=entry.key,
-            comments=tuple(comment_texts(entry.comments)),
-            offset=self.offset(words.start),
-            end_offset=self.offset(words.end),
-            line=words.tokens[0].line,
-            text=words.text[words.start : words.end],
+            id=name[0],
+            key=name[1],
+            comments=tuple(comment_texts(written.comments)),
+            offset=0,
+            end_offset=end - start,
+            line=written.span.line,
         )
-        match entry.statement:
+        match written.statement:
             case None:
-                return page.RawStatement(**place)
+                return page.RawStatement(text=self._places.text_of(written.span), **place)
             case SetFrequency() as one:
                 return _set_frequency(one, place)
             case KeepWithin() as one:
@@ -93,30 +95,29 @@ class StatementWriter:
                     priority=block.priority or 0,
                     is_disabled=block.is_disabled,
                     label=block.label,
-                    condition=self._condition(block.condition),
-                    then=tuple(map(self._inner, block.then)),
-                    otherwise=tuple(map(self._inner, block.otherwise)),
+                    condition=self._condition(block.condition, start),
+                    then=tuple(self._inner(one, start) for one in block.then),
+                    otherwise=tuple(self._inner(one, start) for one in block.otherwise),
                     **place,
                 )
 
-    def _inner(self, one: Action) -> page.Action:
-        start, end = self._document.places.range(one.span)
+    def _inner(self, one: Action, base: int) -> page.Action:
+        start, end = self.range(one.span)
         place = _Place(
             id="",
             key="",
             comments=tuple(comment_texts(one.trivia.above)),
-            offset=self.offset(start),
-            end_offset=self.offset(end),
+            offset=start - base,
+            end_offset=end - base,
             line=one.span.line,
-            text=self._document.text[start:end],
         )
         return _action(one, place)
 
-    def _condition(self, condition: Condition) -> page.Condition:
+    def _condition(self, condition: Condition, base: int) -> page.Condition:
         match condition:
             case Timed():
                 return page.TimedCondition(
-                    term=self._condition(condition.operand),
+                    term=self._condition(condition.operand, base),
                     word=condition.word,
                     duration=_duration(condition.duration),
                 )
@@ -128,17 +129,20 @@ class StatementWriter:
                     op=condition.operator,
                     value=condition.value,
                     until=_until(condition.until),
-                    offset=start,
-                    end_offset=end,
+                    offset=start - base,
+                    end_offset=end - base,
                 )
             case Group():
-                return self._condition(condition.operand)
+                return self._condition(condition.operand, base)
             case Not():
-                return page.NotCondition(term=self._condition(condition.operand))
+                return page.NotCondition(term=self._condition(condition.operand, base))
             case And():
-                return page.AndCondition(terms=tuple(map(self._condition, condition.operands)))
+                return page.AndCondition(terms=self._conditions(condition.operands, base))
             case Or():
-                return page.OrCondition(terms=tuple(map(self._condition, condition.operands)))
+                return page.OrCondition(terms=self._conditions(condition.operands, base))
+
+    def _conditions(self, conditions: Sequence[Condition], base: int) -> tuple[page.Condition, ...]:
+        return tuple(self._condition(one, base) for one in conditions)
 
 
 def _action(one: Action, place: _Place) -> page.Action:

@@ -3,10 +3,12 @@
 """The content of a rule file, with positions: its statements as the page has them.
 
 Every ``offset`` counts UTF-16 code units from the start of the text, as JavaScript strings do; a line end
-counts as many as it has (CRLF: two). ``line`` and ``column`` count from 1, in characters.
+counts as many as it has (CRLF: two). In a rule, those of checks and actions count from the rule's start, so
+that they stay as they are when something above it changes. ``line`` and ``column`` count from 1, in
+characters.
 
-What an answer says about places (``id``, ``key``, ``offset``, ``end_offset``, ``line``, ``text``) is ignored
-in a request, so that a statement can be sent back as it came, with one value changed.
+What an answer says about places (``id``, ``key``, ``offset``, ``end_offset``, ``line``) is ignored in a
+request, so that a statement can be sent back as it came, with one value changed.
 """
 
 from __future__ import annotations
@@ -100,7 +102,7 @@ Condition = CheckCondition | AndCondition | OrCondition | NotCondition | TimedCo
 
 
 class _PlacedStatement(Struct, frozen=True, kw_only=True):
-    """Where a statement stands, and its text; the page leaves out what it does not know."""
+    """Where a statement stands; the page leaves out what it does not know."""
 
     comments: tuple[str, ...] | None = None
     id: str = ""
@@ -108,7 +110,6 @@ class _PlacedStatement(Struct, frozen=True, kw_only=True):
     offset: int = 0
     end_offset: int = 0
     line: int = 0
-    text: str = ""
 
 
 class SetStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="set"):
@@ -167,10 +168,7 @@ class RuleStatement(
 
 
 class RawStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="raw"):
-    """Text that does not parse, as it stands in the file.
-
-    In a request ``text`` is what to write.
-    """
+    """Text that does not parse, as it stands in the file; in a request, what to write."""
 
     text: str
 

@@ -151,5 +151,5 @@ def _common(first: _Rule, second: _Rule) -> Iterator[ZoneRectangle]:
 
 
 def _rule_at(document: Document, span: Span, by_id: dict[str, _Rule]) -> _Rule | None:
-    entry = document.entry_at(document.places.range(span)[0])
+    entry = document.entry_at(span)
     return None if entry is None else by_id.get(entry.id)
