@@ -110,7 +110,7 @@ class Entry(NamedTuple):
 
     @property
     def statement(self) -> Statement | None:
-        """What it says; ``None`` for text that does not parse."""
+        """The tree of the statement; ``None`` for text that does not parse."""
         return self.written.statement
 
     @property
@@ -238,7 +238,7 @@ _Piece = Token | Stretch
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Body:
-    """What stands in a collection, or outside any."""
+    """Statements of a collection, or outside any."""
 
     begin: Token | None
     first: Token

@@ -44,7 +44,7 @@ class LineIndex:
         return self.offset(span.line, span.column), self.offset(span.end_line, span.end_column)
 
     def text_of(self, span: Span) -> str:
-        """What ``span`` covers."""
+        """The text that ``span`` covers."""
         start, end = self.range(span)
         return self.text[start:end]
 

@@ -28,7 +28,7 @@ class Recall:
         self.kept: dict[Hashable, Any] = {}
 
     def before(self, name: Hashable) -> Any:
-        """What was kept as ``name`` of the text before, if anything."""
+        """The value that was kept as ``name`` of the text before, if any."""
         return self._before.get(name)
 
     def keep(self, name: Hashable, value: _T) -> _T:
