@@ -51,8 +51,8 @@ CHECK_THE_PATH = "check the path and its permissions"
         (("bag", "info", "one"), f"one: error: cannot be read: {CIRCLE}; {CHECK_THE_PATH}"),
         (("bag", "report", "one"), f"one: error: cannot be read: {CIRCLE}; {CHECK_THE_PATH}"),
         (
-            ("bag", "rates", "one", "one", "--figures", "f"),
-            "\n".join([f"one: error: cannot be read: {CIRCLE}; {CHECK_THE_PATH}"] * 2),
+            ("bag", "rates", "one", "two", "--figures", "f"),
+            "\n".join(f"{one}: error: cannot be read: {CIRCLE}; {CHECK_THE_PATH}" for one in ("one", "two")),
         ),
         (
             ("bag", "info", "piped"),

@@ -36,12 +36,13 @@ def dask_processes(
     try:
         started.append(_start(python, folder, "scheduler", "--port", "0", "--host", "127.0.0.1"))
         end_s = time.monotonic() + _WITHIN_S
-        while not file.exists():
+        # A file is there before anything is in it.
+        while not file.exists() or not (said := file.read_text()).endswith("}"):
             assert time.monotonic() < end_s
             time.sleep(0.05)
         begun = ("worker", "--nthreads", "1", "--nanny" if nanny else "--no-nanny")
         started += [_start(python, folder, *begun) for _ in range(workers)]
-        address = json.loads(file.read_text())["address"]
+        address = json.loads(said)["address"]
         yield DaskProcesses(address=address, scheduler=started[0], workers=tuple(started[1:]))
     finally:
         for process in started:

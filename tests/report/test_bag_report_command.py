@@ -145,8 +145,8 @@ def test_the_actions_draw_what_they_tell(desk: Desk) -> None:
     assert desk.run("bag", "bandwidth", "sent", "received", "--budget", "20", "--figures", "b").code == 0
     ran = desk.run("bag", "compare", "sent", "received", "--figures", "c", "--csv")
     assert desk.names_in("r") == {name for name in ALL_FIGURES if name.startswith(("rates", "intervals"))}
-    assert desk.names_in("b") == {"1-sent", "2-received"}
-    assert desk.names_in("b/1-sent") == {name for name in ALL_FIGURES if name.startswith(("band", "total"))}
+    assert desk.names_in("b") == {"sent", "received"}
+    assert desk.names_in("b/sent") == {name for name in ALL_FIGURES if name.startswith(("band", "total"))}
     assert desk.names_in("c") == {name for name in ALL_FIGURES if not name.startswith(("accuracy", "path"))}
     assert "wrote c/rates.svg\n" in ran.err
     assert "wrote" not in ran.out
