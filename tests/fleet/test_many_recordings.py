@@ -195,6 +195,18 @@ def test_replays_of_one_name_are_refused_before_one_is_written(testudo: Command,
     assert not (fleet / "out").exists()
 
 
+def test_outputs_are_below_the_folder_that_is_named_whatever_a_pattern_leaves_open(
+    testudo: Command, fleet: Path
+) -> None:
+    replay = ("replay", "--rules", "rules.adirf", "--output", "out", "--workers", "1")
+    ran = testudo(*replay, "sent*/*")
+    assert (ran.code, ran.err) == (0, "")
+    assert sorted(path.name for path in (fleet / "out").iterdir()) == ["a", "b", "c"]
+    ran = testudo(*replay, "se*/../sent/*")
+    assert ran.code == 2
+    assert "which may be outside of out; name recordings without .. in the path\n" in ran.err
+
+
 def test_figures_of_each_are_in_a_folder_of_its_own(testudo: Command, fleet: Path) -> None:
     ran = testudo("bag", "rates", "sent/a", "sent/b", "--topics", "/odom", "--figures", "figures")
     assert ran.code == 0

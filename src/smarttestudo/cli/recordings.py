@@ -135,15 +135,19 @@ def outputs_of_each(there: Sequence[AskedOne], folder: Path) -> Iterator[Path]:
 
     Raises ``UsageError`` for two of one name, and for one that would be elsewhere.
     """
-    found: set[str] = set()
+    outputs: set[Path] = set()
     for one in there:
         (first, *_) = recordings_in(one).values()
-        name = str(one["key"] or name_of(first))
-        if name in found or ".." in Path(name).parts:
-            cause = f"the output of {first} would be {folder / name}, as that of another recording"
+        # The key is an absolute path where a wildcard of a pattern stands for nothing.
+        output = folder / str(one["key"] or name_of(first)).lstrip("/")
+        if ".." in output.relative_to(folder).parts:
+            cause = f"the output of {first} would be {output}, which may be outside of {folder}"
+            raise UsageError(cause, remedy="name recordings without .. in the path")
+        if output in outputs:
+            cause = f"the output of {first} would be {output}, as that of another recording"
             raise UsageError(cause, remedy="name the recordings of one folder, then those of the next")
-        found.add(name)
-        yield folder / name
+        outputs.add(output)
+        yield output
 
 
 def name_of(recording: Path) -> str:
