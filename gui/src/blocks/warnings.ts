@@ -58,10 +58,8 @@ function take(block: Blockly.BlockSvg): void {
 /** The check, rate, bound or recording that a finding stands in, else the whole statement. */
 function blockAt(block: Blockly.BlockSvg, statement: Statement, finding: PlacedFinding): Blockly.BlockSvg {
   if (statement.kind !== "rule") return block;
-  const [from, to] = [finding.offset, finding.end_offset].map((each) => each - (statement.offset ?? 0)) as [
-    number,
-    number,
-  ];
+  const base = statement.offset ?? 0;
+  const [from, to] = [finding.offset - base, finding.end_offset - base];
   const holds = (part: CheckCondition | Action) => (part.offset ?? 0) <= from && to <= (part.end_offset ?? -1);
   const inner = block.getDescendants(true) as Blockly.BlockSvg[];
   const check = checksOf(statement.condition).findIndex(holds);

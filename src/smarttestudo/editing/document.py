@@ -144,8 +144,8 @@ class Document:
     """A text with its parse and its statements; ``entries`` are those of all ``parts``.
 
     ``places`` are its lines and columns as offsets, ``starts`` those where the entries start (the same
-    object for texts where all start alike), ``names`` their
-    ids and keys. ``recall`` has what is known of statements that stand where they stood in the text before.
+    object for texts where all start alike), ``names`` their ids and keys. ``recall`` has what is known of
+    statements that stand where they stood in the text before.
     """
 
     text: str

@@ -88,10 +88,11 @@ def rule_document(checked: CheckedText) -> RuleDocument:
     writer = StatementWriter(document)
     written = [entry.written for entry in document.entries]
     unplaced = document.recall.each("statements for the page", writer.statement, written, document.names)
-    placed = map(_at, unplaced, writer.starts(document.starts))
+    starts = writer.starts(document.starts)
+    placed = map(_at, unplaced, starts)
     return RuleDocument(
         collections=tuple(_collection(part, writer, placed) for part in document.parts),
-        findings=placed_findings(document, checked.findings),
+        findings=_placed(checked.findings, document, writer, starts),
         parses=document.result.is_valid,
     )
 
@@ -104,7 +105,13 @@ def _at(statement: Statement, start: int) -> Statement:
 def placed_findings(document: Document, findings: Sequence[checker.Finding]) -> tuple[PlacedFinding, ...]:
     """``findings`` of the one file ``document`` in their order."""
     writer = StatementWriter(document)
-    starts = writer.starts(document.starts)
+    return _placed(findings, document, writer, writer.starts(document.starts))
+
+
+def _placed(
+    findings: Sequence[checker.Finding], document: Document, writer: StatementWriter, starts: Sequence[int]
+) -> tuple[PlacedFinding, ...]:
+    """``findings`` of a document whose statements start at ``starts``."""
 
     def unplaced(finding: checker.Finding, _: object) -> tuple[PlacedFinding, int | None]:
         at = document.number_at(finding.span)
