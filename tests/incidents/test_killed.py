@@ -17,7 +17,7 @@ import pytest
 from bags.bag_factory import BagMessage
 from bags.bag_reading import read_bag, read_with_mcap, read_with_rosbags
 from incidents.folder_runs import record_of
-from smarttestudo.bags.mcap.record_bytes import StoredChannel
+from smarttestudo.bags.mcap.record_bytes import StoredChannel, file_start
 from smarttestudo.bags.mcap.writer import McapWriter
 from smarttestudo.bags.mcap.written_file import complete_file
 from smarttestudo.domain.errors import RecordingError
@@ -43,7 +43,8 @@ def kill_after(folder: Path, log: Path, seconds: float) -> int:
 
 def messages_in(bag: Path) -> list[BagMessage]:
     """What can be read of a folder that was not ended; an incident that just began has no file yet."""
-    return read_bag(bag).messages if any(file.stat().st_size for file in bag.glob("*.mcap")) else []
+    has_file = any(file.stat().st_size >= len(file_start()) for file in bag.glob("*.mcap"))
+    return read_bag(bag).messages if has_file else []
 
 
 def numbers(messages: list[BagMessage]) -> list[int]:
@@ -93,12 +94,13 @@ def test_a_file_that_is_cut_anywhere_is_completed_as_far_as_it_goes(tmp_path: Pa
     unended = path.read_bytes()
     writer.close()
     whole = path.read_bytes()
+    channel_end = ends[0] - (ends[1] - ends[0])
     cut = tmp_path / "cut.mcap"
-    for size in range(ends[0], len(unended) + 1):
+    for size in range(len(file_start()), len(unended) + 1):
         cut.write_bytes(unended[:size])
         content, channels = complete_file(cut)
         expected = sum(end <= size for end in ends)
-        assert (content.message_count, list(channels)) == (expected, ["/odom"])
+        assert (content.message_count, list(channels)) == (expected, ["/odom"] * (size >= channel_end))
         assert numbers(read_with_mcap(cut)) == list(range(expected))
         assert (cut.read_bytes() == whole) == (expected == len(ends))
 
@@ -123,11 +125,12 @@ def test_a_folder_that_cannot_be_completed_costs_only_itself(tmp_path: Path) -> 
     assert all("completed with" in said[path.name[1:-8]] for path in others)
 
 
-def test_a_file_that_was_opened_and_no_more_costs_nothing(tmp_path: Path) -> None:
+@pytest.mark.parametrize("written_bytes", [0, 5, len(file_start()) - 1])
+def test_a_file_with_less_than_a_beginning_costs_nothing(tmp_path: Path, written_bytes: int) -> None:
     kill_after(tmp_path / "incidents", tmp_path / "log", 0.8)
     (partial, *_) = sorted((tmp_path / "incidents").glob(".*.partial"))
     name, before = partial.name[1:-8], read_bag(partial).messages
-    (partial / f"{name}_9.mcap").touch()
+    (partial / f"{name}_9.mcap").write_bytes(file_start()[:written_bytes])
     assert all(one.error is None for one in complete_incidents(tmp_path / "incidents"))
     assert read_bag(tmp_path / "incidents" / name).messages == before
     assert not (tmp_path / "incidents" / name / f"{name}_9.mcap").exists()

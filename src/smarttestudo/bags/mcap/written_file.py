@@ -18,6 +18,7 @@ from smarttestudo.bags.mcap.record_bytes import (
     Op,
     RecordPlace,
     StoredChannel,
+    file_start,
     read_channel,
     read_schema,
     record_places,
@@ -51,16 +52,17 @@ def complete_file(path: Path) -> tuple[FileContent, dict[str, StoredChannel]]:
 def complete_files(folder: Path) -> tuple[dict[str, FileContent], dict[str, StoredChannel]]:
     """Complete the files of an incident: return their content by name, and their channels by topic.
 
-    The names are in the order of time. A file that was opened and no more, as the process was killed, is
+    The names are in the order of time. A file with less than a beginning, as the process was killed, is
     removed. Raises as ``complete_file``.
     """
     files: dict[str, FileContent] = {}
     channels: dict[str, StoredChannel] = {}
+    beginning = file_start()
     # The file of latched messages was written after those that begin when it does.
     for file in sorted(folder.glob("*.mcap"), key=lambda one: (len(one.name), one.name), reverse=True):
         if file.is_symlink():
             continue
-        if file.stat().st_size == 0:
+        if file.stat().st_size < len(beginning) and beginning.startswith(file.read_bytes()):
             remove(folder, [file.name])
             continue
         files[file.name], found = complete_file(file)
@@ -84,6 +86,8 @@ class _Walk:
         is_whole = self._has_end()
         end = self._read_records()
         state = self.state
+        of_channels = {channel.type_name for channel in state.channels}
+        state.schemas = {name: number for number, (name, _) in self._schemas.items() if name in of_channels}
         if is_whole:
             state.close_chunk()
         elif state.chunk is not None:
@@ -105,9 +109,12 @@ class _Walk:
                 end = start + CHUNK_START.size
                 continue
             self._note(place)
+            if op == Op.SCHEMA:
+                # Without the channel that it was written for it is cut off.
+                continue
             end = next_start
             chunk = self.state.chunk
-            if chunk is not None and op in (Op.SCHEMA, Op.CHANNEL, Op.MESSAGE):
+            if chunk is not None and op in (Op.CHANNEL, Op.MESSAGE):
                 chunk.record_bytes = end - chunk.start - CHUNK_START.size
         return end
 
@@ -121,7 +128,6 @@ class _Walk:
         if op == Op.SCHEMA:
             number, name, definition = read_schema(self._at(content, size))
             self._schemas[number] = name, definition
-            state.schemas[name] = number
         elif op == Op.CHANNEL:
             number, channel = read_channel(self._at(content, size), self._schemas)
             state.channels[channel] = number
