@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { type ComponentChildren, createContext } from "preact";
-import { useContext, useEffect, useId, useRef, useState } from "preact/hooks";
+import { useContext, useId, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { Icon, type IconName } from "./icon";
 
 const CloseContext = createContext<() => void>(() => undefined);
@@ -21,7 +21,7 @@ export function MenuButton({ label, icon, children }: { label: string; icon: Ico
   const button = useRef<HTMLButtonElement>(null);
   const menu = useRef<HTMLDivElement>(null);
   const items = () => [...(menu.current?.querySelectorAll<HTMLElement>(ITEMS) ?? [])];
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (opened !== null)
       items()
         .at(opened === "first" ? 0 : -1)

@@ -83,6 +83,21 @@ def test_a_dialog_has_the_focus_and_gives_it_back(
     expect(ruler.button(opener)).to_be_focused()
 
 
+AFTER_A_CLICK = """async button => {
+    button.click();
+    await new Promise(done => setTimeout(done));
+    return document.activeElement.name || document.activeElement.role;
+}"""
+"""What has the focus when the browser is free for the next key, which may be before its next frame."""
+
+
+def test_the_key_after_an_opened_dialog_or_menu_goes_there(ruler: RulerPage) -> None:
+    assert ruler.button("New Rule File").evaluate(AFTER_A_CLICK) == "name"
+    ruler.page.keyboard.press("Escape")
+    at_rules(ruler)
+    assert ruler.button("Menu").evaluate(AFTER_A_CLICK) == "menuitem"
+
+
 @pytest.mark.parametrize("entry", ["Import", "Export"])
 def test_a_dialog_of_the_menu_gives_the_focus_back_to_its_button(ruler: RulerPage, entry: str) -> None:
     at_rules(ruler)
