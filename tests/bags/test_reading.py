@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -96,6 +97,18 @@ def test_declared_sizes_are_known_from_the_folder_and_from_the_file(tmp_path: Pa
             with open_recording(path) as recording:
                 assert recording.declared_bytes == {"/image": 6_220_000}
                 assert recording.custom_data == noted
+
+
+def test_notes_are_read_as_they_are_written(tmp_path: Path) -> None:
+    noted = {"serial": "007", "version": "1.10", "armed": "true", "operator": "~ada", "shift": "12_000"}
+    folder = write_bag(tmp_path / "bag", MISSION, custom_data=noted)
+    metadata = folder / "metadata.yaml"
+    # rosbag2 quotes no such text.
+    quoted = r"(?m)^( +(?:serial|version|armed|shift): )'(.+)'$"
+    metadata.write_text(re.sub(quoted, r"\1\2", metadata.read_text()))
+    assert "serial: 007" in metadata.read_text()
+    with open_recording(folder) as recording:
+        assert recording.custom_data == noted
 
 
 @pytest.mark.parametrize("text", ["[]", "{", '{"/image": -1}', '{"/image": "big"}', '{"/image": true}'])

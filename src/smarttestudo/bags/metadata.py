@@ -22,6 +22,7 @@ from smarttestudo.files.input_file import require_file
 
 MAX_BYTES = 50_000_000
 _ROOT = "rosbag2_bagfile_information"
+_NOTHING = (None, "", "~", "null")
 _KNOWN_COMPRESSION = ("", "zstd")
 _WRONG_SHAPE = (YAMLError, LookupError, TypeError, ValueError, AttributeError, RecursionError)
 
@@ -57,7 +58,7 @@ def read_metadata(folder: Path) -> BagMetadata:
     except (OSError, ValueError) as error:
         raise RecordingError(f"{METADATA_NAME} cannot be read", place=str(folder)) from error
     try:
-        return _metadata(YAML(typ="safe").load(text)[_ROOT])
+        return _metadata(_loaded(text)[_ROOT])
     except _WRONG_SHAPE as error:
         raise RecordingError(f"{METADATA_NAME} is broken", place=str(folder)) from error
 
@@ -66,7 +67,7 @@ def embedded_metadata(path: Path) -> BagMetadata | None:
     """The metadata that Iron and later also write into the storage file at ``path``, if they are there."""
     text = _text_in_mcap(path) if path.suffix == ".mcap" else _text_in_sqlite(path)
     try:
-        return None if text is None else _metadata(YAML(typ="safe").load(text))
+        return None if text is None else _metadata(_loaded(text))
     except _WRONG_SHAPE:
         return None
 
@@ -111,17 +112,23 @@ def _text_in_sqlite(path: Path) -> str | None:
     return None if row is None else str(row[0])
 
 
+def _loaded(text: str) -> Any:
+    """The values of a YAML text, all as they are written: rosbag2 quotes no ``007`` that is a text."""
+    return YAML(typ="base").load(text)
+
+
 def _metadata(values: Mapping[str, Any]) -> BagMetadata:
     qos = QosReader()
     topics = [entry["topic_metadata"] for entry in values["topics_with_message_count"]]
+    notes = values.get("custom_data")
     return BagMetadata(
         # Up to version 3, the names began with the bag's folder.
         file_names=tuple(PurePosixPath(str(name)).name for name in values["relative_file_paths"]),
         message_count=int(values.get("message_count") or 0),
         channels=tuple(_channel(topic, qos.read(topic.get("offered_qos_profiles"))) for topic in topics),
-        custom_data={str(key): str(value) for key, value in (values.get("custom_data") or {}).items()},
+        custom_data={} if notes in _NOTHING else {key: str(value) for key, value in notes.items()},
         storage=str(values["storage_identifier"]),
-        compression=str(values.get("compression_format") or "").lower(),
+        compression=_text(values.get("compression_format")).lower(),
     )
 
 
@@ -129,8 +136,12 @@ def _channel(entry: Mapping[str, Any], qos: tuple[object, ...]) -> Channel:
     return Channel(
         topic=str(entry["name"]),
         type_name=str(entry["type"]),
-        digest=str(entry.get("type_description_hash") or ""),
+        digest=_text(entry.get("type_description_hash")),
         qos=qos,
         serialization_format=str(entry["serialization_format"]),
         transient_local=is_transient_local(qos),
     )
+
+
+def _text(value: object) -> str:
+    return "" if value in _NOTHING else str(value)

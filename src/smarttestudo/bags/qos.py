@@ -66,37 +66,37 @@ def _parsed_text(stored: str) -> tuple[Qos, ...]:
 
 def _parse(stored: Any) -> tuple[Qos, ...]:
     try:
-        entries = YAML(typ="safe").load(stored) if isinstance(stored, str) and stored else stored
+        entries = YAML(typ="base").load(stored) if isinstance(stored, str) and stored else stored
         return tuple(map(_profile, entries)) if stored else ()
-    except (YAMLError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except (YAMLError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError("these are no QoS profiles") from error
 
 
 def _profile(entry: Mapping[str, Any]) -> Qos:
-    """The profile in an entry; a policy of another name or number is unknown."""
+    """The profile in an entry of texts; a policy of another name or number is unknown."""
     return Qos(
         history=_policy(QosHistory, entry, "history"),
-        depth=entry["depth"],
+        depth=int(entry["depth"]),
         reliability=_policy(QosReliability, entry, "reliability"),
         durability=_policy(QosDurability, entry, "durability"),
         deadline=_time(entry["deadline"]),
         lifespan=_time(entry["lifespan"]),
         liveliness=_policy(QosLiveliness, entry, "liveliness"),
         liveliness_lease_duration=_time(entry["liveliness_lease_duration"]),
-        avoid_ros_namespace_conventions=entry["avoid_ros_namespace_conventions"],
+        avoid_ros_namespace_conventions=entry["avoid_ros_namespace_conventions"].lower() == "true",
     )
 
 
 def _policy(kind: type[_Policy], entry: Mapping[str, Any], name: str) -> _Policy:
     try:
         stored = entry[name]
-        return kind(stored) if isinstance(stored, int) else kind[stored.upper()]
+        return kind(int(stored)) if stored.isdecimal() else kind[stored.upper()]
     except (KeyError, ValueError):
         return kind["UNKNOWN"]
 
 
 def _time(entry: Mapping[str, Any]) -> QosTime:
-    return QosTime(entry["sec"], entry["nsec"])
+    return QosTime(int(entry["sec"]), int(entry["nsec"]))
 
 
 def is_transient_local(profiles: Iterable[object]) -> bool:
