@@ -118,20 +118,21 @@ function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
   const state = course.state.value;
   return (
     <>
-      <Header title={incident?.record.name ?? name.slice(name.lastIndexOf("/") + 1)}>
-        <a href={href(ALL)}>All incidents</a>
-        {incident && (
-          <>
-            <a class="button" href={`api/incident/zip?name=${encodeURIComponent(name)}`} download>
-              Download
-            </a>
-            <NeedsServer changes>
-              <Button label="Delete" onClick={() => setAsked(true)} />
-            </NeedsServer>
-          </>
-        )}
-      </Header>
+      <Header title={incident?.record.name ?? name.slice(name.lastIndexOf("/") + 1)} />
       <main class="incident">
+        <div class="row">
+          <a href={href(ALL)}>All incidents</a>
+          {incident && (
+            <>
+              <a class="button" href={`api/incident/zip?name=${encodeURIComponent(name)}`} download>
+                Download
+              </a>
+              <NeedsServer changes>
+                <Button label="Delete" onClick={() => setAsked(true)} />
+              </NeedsServer>
+            </>
+          )}
+        </div>
         {problem && <Notice kind="error" text={problem} action={{ label: "Try again", act: read }} />}
         {incident && <IncidentFacts incident={incident} />}
         {!problem && <WorkProgress work={course} doing="Reading its messages" />}

@@ -75,6 +75,14 @@ def test_one_shows_why_and_what_happened_around_its_moment(ruler: RulerPage) -> 
     expect(page.get_by_role("row").filter(has_text="near miss")).not_to_contain_text("not read")
 
 
+def test_the_name_of_an_incident_stands_on_one_line_of_a_telephone(ruler: RulerPage) -> None:
+    ruler.page.set_viewport_size({"width": 390, "height": 844})
+    _open(ruler, "near miss")
+    box = ruler.page.get_by_role("heading", name="near miss", level=1).bounding_box()
+    assert box is not None
+    assert box["height"] < 25
+
+
 def test_what_is_missing_is_said_with_times(ruler: RulerPage) -> None:
     _open(ruler, "all of it")
     missing = ruler.page.get_by_role("list", name="Missing")

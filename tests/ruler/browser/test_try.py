@@ -68,7 +68,15 @@ def test_one_scrubber_moves_the_robot_the_rates_the_rules_and_the_mark_in_the_te
 
     _press_at(scan.locator("canvas"), 0.9)
     expect(far).to_have_text(re.compile("holds.*Far"))
-    expect(page.get_by_text(re.compile(r"The robot is at x 0.0 m, y 7\.\d m"))).to_be_visible()
+    place = page.get_by_text(re.compile(r"The robot is at x 0.0 m, y 7\.\d m"))
+    expect(place).to_be_visible()
+
+    page.set_viewport_size({"width": 1000, "height": 900})
+    rates = page.get_by_text("Rates (Hz) over time (s)").bounding_box()
+    words = place.bounding_box()
+    assert rates is not None
+    assert words is not None
+    assert words["x"] + words["width"] <= rates["x"]
 
 
 def test_the_loss_stands_beside_and_old_numbers_say_that_they_are_old(ruler: RulerPage) -> None:
