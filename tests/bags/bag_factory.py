@@ -7,6 +7,7 @@ from __future__ import annotations
 import itertools
 import shutil
 import sqlite3
+import struct
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -260,5 +261,20 @@ def write_mcap_file(
             channels[topic.name] = writer.register_channel(topic.name, "cdr", schema)
         for message in content.messages:
             writer.add_message(channels[message.topic], message.stamp_ns, message.payload, message.stamp_ns)
+        writer.finish()  # type: ignore[no-untyped-call]
+    return path
+
+
+def write_pairs(path: Path, definitions: Sequence[str]) -> Path:
+    """A recording in which each message of a topic comes with the next of ``definitions``, and a is 1."""
+    with path.open("wb") as file:
+        writer = McapFileWriter(file)
+        writer.start(profile="ros2", library="test")
+        for at, definition in enumerate(definitions):
+            schema = writer.register_schema("my_msgs/msg/Pair", "ros2msg", definition.encode())
+            channel = writer.register_channel("/pair", "cdr", schema)
+            numbers = (1.0, 2.0) if definition.startswith("float64 a") else (2.0, 1.0)
+            payload = b"\x00\x01\x00\x00" + struct.pack("<2d", *numbers)
+            writer.add_message(channel, START_NS + at, payload, START_NS + at)
         writer.finish()  # type: ignore[no-untyped-call]
     return path

@@ -52,6 +52,17 @@ def assert_each_is_an_original_at_most_once(messages: list[BagMessage]) -> None:
     assert [message.stamp_ns for message in messages] == sorted(message.stamp_ns for message in messages)
 
 
+@pytest.mark.parametrize("is_whole", [True, False])
+def test_a_message_with_a_time_that_no_clock_has_costs_itself(tmp_path: Path, *, is_whole: bool) -> None:
+    late = BagMessage("/odom", 1 << 63, MISSION.messages[0].payload)
+    path = write_mcap_file(tmp_path / "late.mcap", replace(MISSION, messages=(*MISSION.messages, late)))
+    if not is_whole:
+        path.write_bytes(path.read_bytes()[:-100])
+    read = read_bag(path)
+    assert read.messages == list(MISSION.messages)
+    assert any("1 message with a time after 2262 left out" in notice for notice in read.notices)
+
+
 @pytest.fixture(scope="module", params=KINDS, ids=str)
 def whole_file(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     storage, compression = request.param

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 
 import pytest
-from mcap.writer import CompressionType, IndexType
+from mcap.writer import CompressionType, IndexType, Writer
 from rosbags.rosbag2 import StoragePlugin
 
 from bags.bag_factory import (
@@ -24,10 +25,12 @@ from bags.bag_factory import (
     write_bag,
     write_humble_file,
     write_mcap_file,
+    write_pairs,
     write_split_bag,
 )
 from bags.bag_reading import read_bag
 from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.bags.measure import measure_bag
 from smarttestudo.bags.reader import open_recording
 
 MISSION = small_mission()
@@ -158,7 +161,36 @@ def test_two_writers_of_one_topic_become_one_channel(tmp_path: Path) -> None:
         assert [channel.topic for channel in recording.channels] == ["/odom", "/map_name"]
 
 
-@pytest.mark.parametrize("name", ["run #3", "run?3", "50%41"])
+DEFINITIONS = ("float64 a\nfloat64 b\n", "float64 b\nfloat64 a\n", "float64 a # in m\nfloat64 b\n")
+"""Two types, and the first with another comment."""
+
+
+def test_a_message_is_decoded_by_its_own_definition(tmp_path: Path) -> None:
+    decoder = RosbagDecoder()
+    with open_recording(write_pairs(tmp_path / "redefined.mcap", DEFINITIONS)) as recording:
+        assert [channel.definition for channel in recording.channels] == list(DEFINITIONS[:2])
+        decoded = [decoder.decode(channel, payload) for channel, _, payload in recording.messages()]
+    assert [message.a for message in decoded] == [1.0, 1.0, 1.0]  # type: ignore[attr-defined]
+
+
+def test_a_channel_without_a_schema_is_read_like_any_other(tmp_path: Path) -> None:
+    path = tmp_path / "plain.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="", library="test")
+        channel = writer.register_channel("/plain", "json", 0)
+        for at in range(5):
+            writer.add_message(channel, START_NS + at, b"{}", START_NS + at)
+        writer.finish()  # type: ignore[no-untyped-call]
+    read = read_bag(path)
+    assert len(read.messages) == 5
+    assert read.notices == []
+    assert measure_bag(path, lambda _: None).notices == (
+        "/plain: recorded without a type; its messages are counted, but cannot be decoded",
+    )
+
+
+@pytest.mark.parametrize("name", ["run #3", "run?3", "50%41", os.fsdecode(b"\xff")])
 def test_names_that_mean_something_in_an_address_are_taken_as_they_are(tmp_path: Path, name: str) -> None:
     folder = write_bag(tmp_path / "plain", MISSION)
     folder = folder.rename(tmp_path / name)

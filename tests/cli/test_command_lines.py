@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from bags.bag_factory import small_mission, write_bag
 from smarttestudo.cli.commands import command_parser
 from smarttestudo.cli.main import main
 
@@ -54,6 +56,24 @@ def test_a_command_that_is_not_there_is_refused_with_those_that_are(
     assert line.startswith("COMMAND: error: invalid choice: 'chek'")
     assert all(command in line for command in COMMANDS)
     assert line.endswith("; see 'testudo --help'")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8:strict", "ascii:strict"])
+@pytest.mark.parametrize("options", [(), ("--csv",), ("--parquet", "tables")])
+def test_a_name_that_is_no_text_costs_nothing(
+    encoding: str, options: tuple[str, ...], tmp_path: Path
+) -> None:
+    for name in (b"\xff", b"plain"):
+        write_bag(tmp_path / "fleet" / os.fsdecode(name), small_mission(1))
+    done = subprocess.run(
+        [sys.executable, "-m", "smarttestudo", "bag", "rates", "fleet", *options],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONIOENCODING": encoding},
+        capture_output=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"plain" in done.stdout
 
 
 @pytest.mark.parametrize("command", COMMANDS)

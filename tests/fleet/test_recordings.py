@@ -54,6 +54,19 @@ def test_a_pattern_stands_for_what_matches_folders_of_recordings_included(fleet:
     assert named("files/*") == ["files/a.mcap", "files/b.mcap", "files/c.txt"]
 
 
+@pytest.mark.parametrize("text", ["fleet/**", "fleet/**/", "fleet/**/*"])
+def test_what_a_pattern_matches_together_with_its_folder_counts_once(text: str, fleet: Path) -> None:
+    assert [one for one in named(text) if "notes.txt" not in one and "empty" not in one] == named("fleet")
+
+
+def test_a_file_beside_folders_hides_no_recording(fleet: Path) -> None:
+    (fleet / "fleet/monday/loose.mcap").touch()
+    (fleet / "fleet/monday/r2/inner").mkdir()
+    (fleet / "fleet/monday/r2/inner/of_r2.mcap").touch()
+    assert named("fleet/monday") == ["fleet/monday", "fleet/monday/r1", "fleet/monday/r2"]
+    assert named("fleet")[:3] == named("fleet/monday")
+
+
 @pytest.mark.parametrize(
     ("text", "robots"),
     [

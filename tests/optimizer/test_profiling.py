@@ -85,6 +85,25 @@ def test_publishers_are_said_where_the_recording_lists_what_each_of_them_offered
     assert printed.count("publishers") == 1
 
 
+def test_of_a_topic_with_two_types_the_first_is_measured(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "two"
+    with create_recording(path, storage=Storage.MCAP) as writer:
+        for number in range(11):
+            writer.write(SCAN, S + number * S // 5, bytes(2000))
+            writer.write(replace(EMPTY, topic="/scan"), S + number * S // 5 + 1, bytes(10))
+        writer.write(replace(EMPTY, topic="no name"), S, bytes(10))
+    output = tmp_path / "profile.toml"
+    assert main(["profile", "--bag", str(path), "-o", str(output)]) == 0
+    scan = load_profile(output).topic("/scan")
+    assert (scan.type_name, scan.message_kb, scan.source_hz) == (SCAN.type_name, 2.0, 5.0)
+    assert capsys.readouterr().err.splitlines() == [
+        "note: /scan: recorded with two types; left out of the second: all messages",
+        "note: no name: no name of a ROS topic; left out",
+    ]
+
+
 def test_every_number_says_where_it_comes_from(bag: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["profile", "--bag", str(bag)]) == 0
     printed = capsys.readouterr().out

@@ -24,6 +24,7 @@ from bags.bag_factory import (
     odometry,
     small_mission,
     write_bag,
+    write_pairs,
     write_split_bag,
 )
 from bags.bag_reading import read_with_mcap, read_with_rosbags
@@ -243,6 +244,15 @@ def test_of_a_topic_with_two_types_the_second_is_left_out_and_counted(tmp_path: 
     run = replay_bag(bag, "SetFrequency /odom Full", tmp_path)
     assert len(run.messages) == 1
     notice = "/odom: recorded with two types; left out of the second: 1 message"
+    assert notice in run.outcome.notices
+
+
+def test_of_a_type_that_was_redefined_the_first_definition_counts(tmp_path: Path) -> None:
+    definitions = ("float64 a\nfloat64 b\n", "float64 b\nfloat64 a\n")
+    bag = write_pairs(tmp_path / "redefined.mcap", definitions)
+    run = replay_bag(bag, "SetFrequency /pair Full", tmp_path)
+    assert len(run.messages) == 1
+    notice = "/pair: recorded with two definitions of my_msgs/msg/Pair; left out of the second: 1 message"
     assert notice in run.outcome.notices
 
 

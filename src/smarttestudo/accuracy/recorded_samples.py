@@ -13,7 +13,7 @@ from smarttestudo.accuracy.samples import Field, TopicSamples
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import LevelUnit
-from smarttestudo.domain.recording import Channel, RecordingReader
+from smarttestudo.domain.recording import Channel, RecordingReader, left_out_of_second
 from smarttestudo.domain.units import LAST_STAMP_NS, counted
 from smarttestudo.pacing.cdr import FrameReader
 from smarttestudo.pacing.sample import StreamKind
@@ -77,7 +77,7 @@ class SampleTaker:
         self._frames: dict[str, FrameReader] = {}
         self._undecided: dict[str, Callable[[str, object], Sequence[Field]]] = {}
         self._undefined: list[TopicSamples] = []
-        self._second_types: Counter[str] = Counter()
+        self._left_out: Counter[tuple[str, str]] = Counter()
         self.samples: dict[str, TopicSamples] = {}
         """The samples taken, by topic."""
 
@@ -108,7 +108,7 @@ class SampleTaker:
             return False
         if samples.channel is not channel:
             if counts:
-                self._second_types[topic] += 1
+                self._left_out[topic, left_out_of_second(samples.channel, channel)] += 1
             return False
         track = samples.track
         if not counts and not track.is_used:
@@ -152,8 +152,8 @@ class SampleTaker:
                 verb = "was" if samples.undecodable == 1 else "were"
                 messages = counted(samples.undecodable, "message")
                 yield f"{name}: {messages} could not be decoded and {verb} left out"
-        for name, count in self._second_types.items():
-            yield f"{name}: recorded with two types; left out of the second: {counted(count, 'message')}"
+        for (name, why), count in self._left_out.items():
+            yield f"{name}: {why}: {counted(count, 'message')}"
 
 
 def read_samples(

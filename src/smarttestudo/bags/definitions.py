@@ -94,6 +94,12 @@ def _digest(store: Typestore, type_name: str) -> str:
         return ""
 
 
+def digest_of(definition: str | None, type_name: str) -> str:
+    """The digest of the fields of a type; an empty string where the definition is none."""
+    store = _store_of(definition or "", type_name)
+    return "" if store is None else _digest(store, type_name)
+
+
 _DECODED_FORMAT = "cdr"
 # What rosbags' generated code raises on bytes that are no message of the type.
 _BROKEN_MESSAGE = (SerdeError, LookupError, ArithmeticError, ValueError, TypeError, MemoryError)
@@ -104,7 +110,7 @@ class RosbagDecoder:
 
     def __init__(self) -> None:
         self._types = TypeLibrary()
-        self._stores: dict[tuple[str, str], Typestore | None] = {}
+        self._stores: dict[tuple[str, str | None], Typestore | None] = {}
 
     def can_decode(self, channel: Channel) -> bool:
         """Whether the channel's messages are CDR of a type that the bag defines or ROS 2 knows."""
@@ -124,7 +130,7 @@ class RosbagDecoder:
             raise RecordingError(f"not a {channel.type_name}: {error}", place=channel.topic) from error
 
     def _store(self, channel: Channel) -> Typestore | None:
-        key = (channel.topic, channel.type_name)
+        key = (channel.type_name, channel.definition)
         if key not in self._stores:
             self._stores[key] = self._types.store_for(channel)
         return self._stores[key]

@@ -62,7 +62,7 @@ class TopicCounter:
         """The topic of ``channels``, of which there are several if it has several types."""
         return BagTopic(
             name=channels[0].topic,
-            type_name=" or ".join(channel.type_name for channel in channels),
+            type_name=" or ".join(dict.fromkeys(channel.type_name for channel in channels)),
             qos=qos_in_words(profile for channel in channels for profile in channel.qos),
             statistics=topic_statistics(self.trace, span, declared=is_declared),
             longest_gap_s=self.intervals.longest_s,
@@ -253,7 +253,6 @@ def _incident(path: Path, span: RecordingSpan) -> tuple[IncidentRecord | None, t
 def _undefined(recording: RecordingReader, types: MessageTypes) -> Iterator[str]:
     for channel in recording.channels:
         if not types.is_defined(channel):
-            yield (
-                f"{channel.topic}: neither the recording nor ROS 2 defines {channel.type_name}; "
-                "its messages are counted, but cannot be decoded"
-            )
+            why = f"neither the recording nor ROS 2 defines {channel.type_name}"
+            why = why if channel.type_name else "recorded without a type"
+            yield f"{channel.topic}: {why}; its messages are counted, but cannot be decoded"

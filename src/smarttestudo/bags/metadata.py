@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -102,7 +103,7 @@ def _text_in_mcap(path: Path) -> str | None:
 def _text_in_sqlite(path: Path) -> str | None:
     import sqlite3  # noqa: PLC0415  slow to import
 
-    address = f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1"
+    address = f"file:{quote(os.fsencode(path.absolute()))}?mode=ro&immutable=1"
     try:
         with closing(sqlite3.connect(address, uri=True)) as database:
             database.execute("PRAGMA writable_schema=ON")

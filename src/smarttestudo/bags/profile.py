@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import RecordingReader
+from smarttestudo.domain.recording import Channel, RecordingReader, left_out_of_second
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.optimizer.profiling import TierProposal, TopicMeasure, profile_text
 
@@ -32,8 +32,8 @@ def profile_of_recording(
     the accuracies in ``levels`` are measured in place of proposed ones.
     """
     declared_bytes = recording.declared_bytes
-    known = {channel.topic for channel in recording.channels}
-    chosen = select_topics(patterns, known, place=name) if patterns else known
+    sources = _sources(recording)
+    chosen = select_topics(patterns, sources.keys(), place=name) if patterns else sources.keys()
     measures = {
         channel.topic: TopicMeasure(
             channel.type_name,
@@ -42,14 +42,30 @@ def profile_of_recording(
             publishers=len(channel.qos),
             known=levels.topic(channel.topic).accuracies if levels else {},
         )
-        for channel in recording.channels
+        for channel in sources.values()
         if channel.topic in chosen and is_topic_name(channel.topic)
     }
     head_bytes = _HEAD_BYTES if any(one.has_accuracies for one in measures.values()) else 0
     for channel, stamp_ns, (size_bytes, head) in recording.heads(head_bytes):
         measure = measures.get(channel.topic)
-        if measure is not None:
+        if measure is not None and sources[channel.topic] is channel:
             measure.record(stamp_ns, declared_bytes.get(channel.topic, size_bytes), head)
     duration_s = (recording.end_ns - recording.start_ns) / NS_PER_S
     by_name = dict(sorted(measures.items()))
     return profile_text(by_name, duration_s=duration_s, measured_in=name, proposals=proposals)
+
+
+def profile_notices(recording: RecordingReader) -> Iterator[str]:
+    """What a profile of ``recording`` leaves out, a line each."""
+    sources = _sources(recording)
+    for channel in recording.channels:
+        first = sources[channel.topic]
+        if not is_topic_name(channel.topic):
+            yield f"{channel.topic}: no name of a ROS topic; left out"
+        elif channel is not first:
+            yield f"{channel.topic}: {left_out_of_second(first, channel)}: all messages"
+
+
+def _sources(recording: RecordingReader) -> dict[str, Channel]:
+    """The channel of each topic; of a topic with two types, the first counts."""
+    return {channel.topic: channel for channel in reversed(recording.channels)}

@@ -22,21 +22,60 @@ from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, Stored
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
 
-ChannelKey = tuple[str, str]
+ChannelKey = tuple[str, str, str, str | None]
 
 
 def key_of(channel: Channel) -> ChannelKey:
-    """Key of a channel: topic and type."""
-    return channel.topic, channel.type_name
+    """Key of a channel: topic, type, and how messages are to be decoded."""
+    return channel.topic, channel.type_name, channel.serialization_format, channel.definition
 
 
-def merged_channels(channels: Iterable[Channel]) -> dict[ChannelKey, Channel]:
-    """One channel for each topic and type; what an earlier one leaves open, later ones fill in."""
-    merged: dict[ChannelKey, Channel] = {}
-    for channel in channels:
-        known = merged.get(key_of(channel))
-        merged[key_of(channel)] = channel if known is None else _filled_in(known, channel)
-    return merged
+class MergedChannels:
+    """One channel for each topic and type; what an earlier one leaves open, later ones fill in.
+
+    A topic has several of one type where its definitions differ in their fields: messages mean what their
+    own says.
+    """
+
+    def __init__(self, channels: Iterable[Channel]) -> None:
+        self._numbers: dict[ChannelKey, int] = {}
+        self._alike: dict[tuple[str, str], list[int]] = {}
+        self._merged: list[Channel] = []
+        for channel in channels:
+            self._add(channel)
+
+    def all(self) -> tuple[Channel, ...]:
+        """All of them, in the order in which they came."""
+        return tuple(self._merged)
+
+    def of(self, channel: Channel) -> Channel:
+        """The one that ``channel`` went into."""
+        return self._merged[self._numbers[key_of(channel)]]
+
+    def _add(self, channel: Channel) -> None:
+        alike = self._alike.setdefault((channel.topic, channel.type_name), [])
+        number = self._numbers.get(key_of(channel))
+        if number is None:
+            number = next((one for one in alike if _means_the_same(self._merged[one], channel)), None)
+        if number is None:
+            number = len(self._merged)
+            self._merged.append(channel)
+            alike.append(number)
+        self._numbers[key_of(channel)] = number
+        self._merged[number] = _filled_in(self._merged[number], channel)
+
+
+def _means_the_same(known: Channel, other: Channel) -> bool:
+    if known.serialization_format != other.serialization_format:
+        return False
+    if not known.definition or not other.definition or known.definition == other.definition:
+        return True
+    if known.digest and other.digest:
+        return known.digest == other.digest
+    from smarttestudo.bags.definitions import digest_of  # noqa: PLC0415  slow to import, and seldom needed
+
+    digests = {digest_of(channel.definition, channel.type_name) for channel in (known, other)}
+    return len(digests) == 1 or "" in digests
 
 
 def _filled_in(known: Channel, other: Channel) -> Channel:
@@ -112,8 +151,8 @@ class RosbagRecording:
         self._broken: Counter[str] = Counter()
         self.storage = Storage.MCAP if parts[0].storage_path.suffix == ".mcap" else Storage.SQLITE3
         announced = (channel for part in parts for channel in part.file.channels.values())
-        self._channels = merged_channels(chain(metadata.channels, announced))
-        self.channels: Sequence[Channel] = tuple(self._channels.values())
+        self._channels = MergedChannels(chain(metadata.channels, announced))
+        self.channels: Sequence[Channel] = self._channels.all()
         self.custom_data: Mapping[str, str] = metadata.custom_data
         self.declared_bytes: Mapping[str, int] = self._declared_bytes()
         filled = [part.file for part in parts if part.file.message_count]
@@ -212,7 +251,7 @@ class RosbagRecording:
             yield channel, stamp_ns, (len(payload), payload[:head_bytes])
 
     def _channels_of(self, file: StoredFile) -> ChannelsByNumber:
-        return {number: self._channels[key_of(channel)] for number, channel in file.channels.items()}
+        return {number: self._channels.of(channel) for number, channel in file.channels.items()}
 
     def _unpacked(self, messages: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
         for channel, stamp_ns, packed in messages:

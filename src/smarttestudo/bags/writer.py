@@ -93,7 +93,7 @@ class _RosbagRecordingWriter:
 
     def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """Append one message, adding its channel on first use."""
-        connection = self._connections.get((channel.topic, channel.type_name))
+        connection = self._connections.get(key_of(channel))
         if connection is None:
             self.add(channel)
             connection = self._connections[key_of(channel)]

@@ -12,9 +12,10 @@ import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from io import TextIOWrapper
 from typing import TextIO, cast
 
-from smarttestudo.cli.terminal import Terminated, terminating_signals
+from smarttestudo.cli.terminal import Terminated, is_unicode, terminating_signals
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.packages import missing_package
 
@@ -27,6 +28,7 @@ _EXIT_SIGNALLED = 128
 def main(argv: Sequence[str] | None = None) -> int:
     """Run ``testudo`` with ``argv`` (default: the process's) and return its exit code."""
     open_closed_streams()
+    take_any_name(sys.stdout)
     try:
         with terminating_signals():
             return _run(argv)
@@ -94,6 +96,12 @@ def open_closed_streams() -> None:
         sys.stdout = os.fdopen(os.open(os.devnull, os.O_RDONLY), "w")
     if cast("TextIO | None", sys.stderr) is None:
         sys.stderr = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
+
+
+def take_any_name(stream: TextIO) -> None:
+    """Have ``stream`` write names of files as their bytes, and replace characters that it lacks."""
+    if isinstance(stream, TextIOWrapper):
+        stream.reconfigure(errors="surrogateescape" if is_unicode(stream) else "replace")
 
 
 def is_of_a_stream(error: OSError) -> bool:

@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _of_recording(arguments: argparse.Namespace, levels: Profile | None) -> str:
-    from smarttestudo.bags.profile import profile_of_recording  # noqa: PLC0415
+    from smarttestudo.bags.profile import profile_notices, profile_of_recording  # noqa: PLC0415
     from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
 
     proposals = _breakpoints(arguments.bag) if arguments.from_curve else None
@@ -100,7 +100,7 @@ def _of_recording(arguments: argparse.Namespace, levels: Profile | None) -> str:
         text = profile_of_recording(
             recording, name=arguments.bag.name, patterns=arguments.topics, proposals=proposals, levels=levels
         )
-        _note(recording.notices())
+        _note([*profile_notices(recording), *recording.notices()])
     return text
 
 

@@ -8,6 +8,7 @@ import shutil
 import sys
 from typing import TYPE_CHECKING, TextIO
 
+from smarttestudo.cli.terminal import is_unicode
 from smarttestudo.report.table import Align, Table, format_cell, plain_table, table_parts
 
 if TYPE_CHECKING:
@@ -70,11 +71,6 @@ def _rich_table(table: Table) -> RichTable:
         cells = [RichText(format_cell(cell)) for cell in row.cells]
         shown.add_row(*cells, style="bold" if row.is_total else None)
     return shown
-
-
-def is_unicode(stream: TextIO) -> bool:
-    """Whether ``stream`` takes every character, as one in memory does, which has no encoding."""
-    return not stream.encoding or stream.encoding.lower().replace("-", "").startswith("utf")
 
 
 def write_text(text: str, stream: TextIO) -> None:

@@ -14,8 +14,14 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import TextIO
 
 _LONGEST = 64
+
+
+def is_unicode(stream: TextIO) -> bool:
+    """Whether ``stream`` takes every character, as one in memory does, which has no encoding."""
+    return not stream.encoding or stream.encoding.lower().replace("-", "").startswith("utf")
 
 
 @contextmanager

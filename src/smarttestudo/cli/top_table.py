@@ -13,7 +13,8 @@ from datetime import timedelta
 from enum import Enum
 from pathlib import Path
 
-from smarttestudo.cli.tables import is_unicode, write_text
+from smarttestudo.cli.tables import write_text
+from smarttestudo.cli.terminal import is_unicode
 from smarttestudo.domain.bound_texts import bound_texts
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.incident import IncidentState

@@ -21,7 +21,7 @@ class Storage(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Channel:
-    """One topic of a recording with one type.
+    """One topic of a recording with one type and one definition of it.
 
     ``definition`` is the type's definition with those of its parts, as rosbag2 stores it, ``None`` where the
     recording has none; ``digest`` its ``RIHS01_…`` hash or empty; ``qos`` the offered profiles, opaque to
@@ -35,6 +35,13 @@ class Channel:
     qos: tuple[object, ...] = ()
     serialization_format: str = "cdr"
     transient_local: bool = False
+
+
+def left_out_of_second(first: Channel, second: Channel) -> str:
+    """Why messages of ``second`` were left out: of a topic that means two things, the first one counts."""
+    is_redefined = first.type_name == second.type_name
+    meanings = f"two definitions of {first.type_name}" if is_redefined else "two types"
+    return f"recorded with {meanings}; left out of the second"
 
 
 RecordedMessage = tuple[Channel, int, bytes]

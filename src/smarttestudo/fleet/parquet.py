@@ -47,7 +47,7 @@ class ParquetFolder:
         }
         columns = table.columns
         schema = pa.schema([(name, _TYPES[of]) for name, of in columns.items()])
-        content = pa.Table.from_pylist([{**common, **row} for row in rows], schema=schema)
+        content = pa.Table.from_pylist([{**common, **_in_unicode(row)} for row in rows], schema=schema)
         if not content.num_rows:
             return
         sink = pa.BufferOutputStream()
@@ -58,3 +58,11 @@ class ParquetFolder:
         path = self._folder / table.value / f"{self._run}-{self._files:06}.parquet"
         with whole_binary_file(path, "the rows", must_be_new=True) as write:
             write(sink.getvalue().to_pybytes())
+
+
+def _in_unicode(row: Mapping[str, object]) -> dict[str, object]:
+    """``row`` with names of files that are not UTF-8 as Python writes such bytes."""
+    return {
+        name: value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value
+        for name, value in row.items()
+    }

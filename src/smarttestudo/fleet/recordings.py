@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from glob import glob, has_magic
 from pathlib import Path
 
 from smarttestudo.bags.bag_files import is_recording
+from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, is_url, remote_matches, remote_path
 from smarttestudo.domain.errors import RecordingError
 
@@ -69,9 +70,20 @@ def _matching(text: str, top: Path) -> list[FoundRecording]:
             key=str(path).removeprefix(first).removesuffix(last),
             robot=_robot(str(path), len(first)),
         )
-        for match in matches
+        for match in _outermost(matches)
         for path in _recordings_at(match)
     ]
+
+
+def _outermost(matches: Iterable[Path]) -> Iterator[Path]:
+    """``matches``, sorted, without what lies in a folder that is one: ``**`` gives a folder and all in it."""
+    known: set[str] = set()
+    for match in matches:
+        names = str(match).rstrip("/").split("/")
+        folders = {"/".join(names[:end]) for end in range(1, len(names) + 1)}
+        if known.isdisjoint(folders):
+            known.add("/".join(names))
+            yield match
 
 
 def _below(top: Path) -> list[FoundRecording]:
@@ -129,18 +141,24 @@ def _alone(one: FoundRecording, other: str) -> RecordingError:
 
 
 def _recordings_at(path: Path) -> Iterator[Path]:
-    """``path`` itself, or, where it is a folder that is none, the recordings in it."""
-    below = [] if is_recording(path) else [*_recordings_below(path)]
-    yield from below or [path]
+    """The recordings in ``path``; itself where there is none, so that opening it says why."""
+    yield from [*_recordings_in(path)] or [path]
 
 
-def _recordings_below(folder: Path) -> Iterator[Path]:
-    """The recordings in ``folder``; a link to another folder is one at most, so that no circle is walked."""
+def _recordings_in(folder: Path) -> Iterator[Path]:
+    """``folder``, if it is a recording, and those in it; a whole rosbag2 holds no other.
+
+    A link to another folder is one at most, so that no circle is walked.
+    """
+    if is_recording(folder):
+        yield folder
+        if (folder / METADATA_NAME).exists():
+            return
     for path in _folders_in(folder):
-        if is_recording(path):
+        if not path.is_symlink():
+            yield from _recordings_in(path)
+        elif is_recording(path):
             yield path
-        elif not path.is_symlink():
-            yield from _recordings_below(path)
 
 
 def _folders_in(folder: Path) -> Sequence[Path]:

@@ -24,6 +24,7 @@ from smarttestudo.domain.recording import (
     RecordingReader,
     RecordingWriter,
     Storage,
+    left_out_of_second,
 )
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_S, counted
 from smarttestudo.language.rule_set import RuleSet
@@ -187,7 +188,7 @@ class _Run:
         self._needed: Mapping[str, Channel] = {}
         self._declared_bytes = request.recording.declared_bytes
         self._report_ns = 0
-        self._second_types: Counter[str] = Counter()
+        self._left_out: Counter[tuple[str, str]] = Counter()
         self._cutter = cutter
         if cutter is not None:
             cutter.watch(loop)
@@ -215,9 +216,10 @@ class _Run:
         if self._cutter is not None and self._topics.sources.get(topic) is channel:
             self._wake_before(stamp_ns)
             self._cutter.on_message(channel, stamp_ns, payload)
-        if self._needed.get(topic) is not channel:
-            if topic in self._needed:
-                self._second_types[topic] += 1
+        source = self._needed.get(topic)
+        if source is not channel:
+            if source is not None:
+                self._left_out[topic, left_out_of_second(source, channel)] += 1
             return
         if stamp_ns >= self._report_ns:
             self._report_ns = stamp_ns + self._report(stamp_ns)
@@ -270,8 +272,8 @@ class _Run:
             yield from self._cutter.notices()
         if self._loop.knowledge.floors_broke_budget:
             yield "the floors alone took more than the budget at times; floors win"
-        for topic, count in self._second_types.items():
-            yield f"{topic}: recorded with two types; left out of the second: {counted(count, 'message')}"
+        for (topic, why), count in self._left_out.items():
+            yield f"{topic}: {why}: {counted(count, 'message')}"
         for topic, count in self._loop.knowledge.undecodable.items():
             yield f"{topic}: {counted(count, 'message')} could not be decoded; what checks read was unknown"
         for signal, count in self._loop.knowledge.unknown_values.items():
@@ -279,7 +281,8 @@ class _Run:
         for topic, statistics in self._loop.relays.statistics.items():
             if statistics.unreadable:
                 unread = counted(statistics.unreadable, "message")
-                yield f"{topic}: {unread} could not be compared with the receiver's picture, and so passed"
+                why = "could not be compared with the receiver's picture"
+                yield f"{topic}: {unread} {why}, and so passed as its rate allows"
         for topic, count in self._loop.relays.discarded.items():
             if count:
                 yield f"{topic}: {counted(count, 'message')} met none of the topic it is paced with"

@@ -21,10 +21,11 @@ from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.bags.stored_file import ChannelsByNumber, Outline, TimeIndex, read_so_far
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
-from smarttestudo.domain.units import grouped
+from smarttestudo.domain.units import LAST_STAMP_NS, counted, grouped
 
 _IDL_ENCODINGS = frozenset({"ros2idl", "omgidl"})
 _DEFINED_ENCODINGS = frozenset({"ros2msg"}) | _IDL_ENCODINGS
+_NO_SCHEMA = 0
 _T = TypeVar("_T")
 _Found = tuple[int, int, _T]
 """Number of the channel, stamp in ns, content."""
@@ -42,6 +43,7 @@ class RecoveredMcapFile:
         self._whole_bytes = whole_bytes
         self._schemas: dict[int, Schema] = {}
         self._counts: Counter[int] = Counter()
+        self._timeless = 0
         self._qos = QosReader()
         self.channels: dict[int, Channel] = {}
         self.start_ns = self.end_ns = 0
@@ -82,6 +84,8 @@ class RecoveredMcapFile:
             notices.append(
                 f"{grouped(homeless)} messages of topics that the file does not name were left out"
             )
+        if self._timeless:
+            notices.append(f"{counted(self._timeless, 'message')} with a time after 2262 left out")
         return notices
 
     @property
@@ -111,12 +115,12 @@ class RecoveredMcapFile:
 
     def _payloads_at(self, offset: int) -> Iterator[_Found[bytes]]:
         for record in self._records.at(offset):
-            if isinstance(record, Message):
+            if isinstance(record, Message) and record.log_time <= LAST_STAMP_NS:
                 yield record.channel_id, record.log_time, record.data
 
     def _heads_at(self, offset: int, *, head_bytes: int) -> Iterator[_Found[tuple[int, bytes]]]:
         for record in self._records.heads_at(offset, head_bytes):
-            if isinstance(record, MessageHeader):
+            if isinstance(record, MessageHeader) and record.log_time <= LAST_STAMP_NS:
                 yield record.channel_id, record.log_time, (record.payload_bytes, record.head)
 
     def _find_messages(self) -> None:
@@ -139,22 +143,28 @@ class RecoveredMcapFile:
                 self._schemas.setdefault(record.id, record)
             case ChannelRecord() if record.id not in self.channels:
                 schema = self._schemas.get(record.schema_id)
-                if schema is not None:
+                if schema is not None or record.schema_id == _NO_SCHEMA:
                     self.channels[record.id] = self._channel(record, schema)
+            case MessageHeader() if record.log_time > LAST_STAMP_NS:
+                self._timeless += 1
             case MessageHeader():
                 self._counts[record.channel_id] += 1
                 yield record.log_time
 
-    def _channel(self, record: ChannelRecord, schema: Schema) -> Channel:
+    def _channel(self, record: ChannelRecord, schema: Schema | None) -> Channel:
         metadata: Mapping[str, str] = record.metadata
         qos = self._qos.read_or_note(record.topic, metadata.get("offered_qos_profiles"))
-        definition = schema.data.decode("utf-8", "replace") if schema.encoding in _DEFINED_ENCODINGS else ""
+        type_name, definition = "", None
+        if schema is not None:
+            type_name = schema.name
+            text = schema.data.decode("utf-8", "replace") if schema.encoding in _DEFINED_ENCODINGS else ""
+            definition = normal_definition(
+                text, type_name=type_name, is_idl=schema.encoding in _IDL_ENCODINGS
+            )
         return Channel(
             topic=record.topic,
-            type_name=schema.name,
-            definition=normal_definition(
-                definition, type_name=schema.name, is_idl=schema.encoding in _IDL_ENCODINGS
-            ),
+            type_name=type_name,
+            definition=definition,
             digest=metadata.get("topic_type_hash", ""),
             qos=qos,
             serialization_format=record.message_encoding,

@@ -21,12 +21,14 @@ from smarttestudo.bags.qos import is_transient_local
 from smarttestudo.bags.stored_file import ChannelsByNumber, ContinuedFile, Outline
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
+from smarttestudo.domain.units import LAST_STAMP_NS
 
 
 def has_full_index(path: Path) -> bool:
     """Whether the summary lists every channel, and every chunk with its messages.
 
-    Without that, rosbags skips chunks without a word, and refuses messages that are out of order.
+    Without that, rosbags skips chunks without a word, and refuses messages that are out of order. Nor do
+    times count that no clock of ROS has.
     """
     try:
         with path.open("rb") as file:
@@ -36,6 +38,8 @@ def has_full_index(path: Path) -> bool:
     if summary is None or summary.statistics is None:
         return False
     if summary.statistics.message_count and not summary.chunk_indexes:
+        return False
+    if summary.statistics.message_end_time > LAST_STAMP_NS:
         return False
     described = all(
         number in summary.channels and summary.channels[number].schema_id in summary.schemas

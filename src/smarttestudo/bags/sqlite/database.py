@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 from os import SEEK_END, SEEK_SET
@@ -81,7 +82,7 @@ class DatabaseFile:
 @contextmanager
 def open_database(path: Path, log: WriteAheadLog | None = None) -> Iterator[apsw.Connection]:
     """A connection to the database at ``path`` with ``log`` taken in; neither is locked or changed."""
-    address = f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1"
+    address = f"file:{quote(os.fsencode(path.absolute()))}?mode=ro&immutable=1"
     with ExitStack() as opened:
         system = None
         if log is not None and log.page_numbers:
