@@ -381,9 +381,11 @@ export class RuleEditor implements Contested {
   }
 
   /** Does this once all that was asked for before is done. */
-  inTurn(work: () => Promise<void>): Promise<void> {
-    this.queue = this.queue.then(work).catch((error: unknown) => this.tell(error));
-    return this.queue;
+  async inTurn(work: () => Promise<void>): Promise<void> {
+    const done = this.queue.then(work).catch((error: unknown) => this.tell(error));
+    // Whoever asked hears of a bug; what comes after it has its turn all the same.
+    this.queue = done.catch(() => undefined);
+    await done;
   }
 
   /** Says a refusal; anything else is a bug and goes on. */
