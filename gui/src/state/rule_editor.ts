@@ -4,7 +4,6 @@ import { batch, computed, signal } from "@preact/signals";
 import { type Api, type Rules, refusal, refusalOf } from "../api/client";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { sectionsOf } from "../blocks/sections";
-import { counted } from "../ui/numbers";
 import { CheckQueue } from "./check_queue";
 import {
   type Conflict,
@@ -25,7 +24,7 @@ import { RuleProfile } from "./rule_profile";
 import type { Spot } from "./spot";
 import { statementsIn } from "./statements";
 import { Words } from "./words";
-import { type Lost, WorkAhead } from "./work_ahead";
+import { type Lost, WorkAhead, withoutBlocks } from "./work_ahead";
 
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 
@@ -223,7 +222,12 @@ export class RuleEditor implements Contested {
   }
 
   async format(): Promise<void> {
-    await this.inTurn(async () => this.setText((await this.api.ask("POST /api/format", this.rules)).text));
+    await this.inTurn(async () => {
+      const { rules } = this;
+      const { text } = await this.api.ask("POST /api/format", rules);
+      if (rules.text === this.text.value) await this.setText(text);
+      else this.message.value = "The text was changed at the same time, so it was not formatted: try again";
+    });
   }
 
   async setText(text: string): Promise<void> {
@@ -300,7 +304,7 @@ export class RuleEditor implements Contested {
     }
     this.saved.value = { ...this.saved.value, map };
     if (done.note) this.message.value = `Saved ${this.name}, but no version is kept of it: ${done.note}`;
-    else if (!byItself) this.message.value = `Saved ${this.name}${this.withoutBlocks()}`;
+    else if (!byItself) this.message.value = `Saved ${this.name}${withoutBlocks(this.blocksLeftOut)}`;
   }
 
   /** The statement with this id in what the blocks show. */
@@ -366,11 +370,6 @@ export class RuleEditor implements Contested {
       await this.check();
     }
     return this.read === this.text.value;
-  }
-
-  private withoutBlocks(): string {
-    const count = this.blocksLeftOut;
-    return count === 0 ? "" : ` without ${counted(count, "block")} that ${count === 1 ? "is" : "are"} not in the text`;
   }
 
   private accept(document: RuleDocument, text: string): void {

@@ -70,8 +70,12 @@ export const draftsIn = (kept: DraftStorage, tab = "tab") => new Drafts(kept, "s
 
 /** A rule file that is open, of a server that answers `more` as well. */
 export async function openRules(disk: Disk, more: Answers = {}, kept = storage()): Promise<RuleEditor> {
-  const document = () => ({ collections: [], findings: [], parses: true });
-  serve({ ...fileAnswers("a.adirf", disk), "POST /api/document": document, ...more });
+  serve({
+    ...fileAnswers("a.adirf", disk),
+    "POST /api/document": () => ({ collections: [], findings: [], parses: true }),
+    "POST /api/profile/for": () => ({ name: null, gone: null }),
+    ...more,
+  });
   const editor = new RuleEditor(new Api(), "a.adirf", draftsIn(kept));
   await editor.open();
   return editor;
