@@ -46,6 +46,7 @@ export class ProfileEditor implements Contested {
   private nextKey = 0;
   private isOpen = false;
   private isSaving = false;
+  private saving: Promise<void> = Promise.resolve();
 
   constructor(
     private readonly api: Api,
@@ -93,6 +94,11 @@ export class ProfileEditor implements Contested {
   }
 
   async compare(): Promise<void> {
+    const [problem] = this.problems.peek();
+    if (problem !== undefined) {
+      this.message.value = `What cannot be saved is not compared. ${problem}`;
+      return;
+    }
     const { text } = await this.api.writeProfile(this.name, this.table(), this.baseText);
     this.conflict.value = conflictWith(text, await readIfThere(this.api, this.name));
   }
@@ -112,7 +118,10 @@ export class ProfileEditor implements Contested {
   }
 
   async save(): Promise<void> {
-    await this.saveOver(this.hash.value);
+    // The one before makes the hash that this one needs.
+    const done = this.saving.then(() => this.saveOver(this.hash.value));
+    this.saving = done.catch(() => undefined);
+    await done;
   }
 
   async saveAnyway(): Promise<void> {

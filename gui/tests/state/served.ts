@@ -66,7 +66,7 @@ export function storage(): DraftStorage {
   };
 }
 
-export const draftsIn = (kept: DraftStorage, tab = "tab") => new Drafts(kept, "shelf", tab, async () => new Set());
+export const draftsIn = (kept = storage()) => new Drafts(kept, "shelf", "tab", async () => new Set());
 
 /** A rule file that is open, of a server that answers `more` as well. */
 export async function openRules(disk: Disk, more: Answers = {}, kept = storage()): Promise<RuleEditor> {
