@@ -103,8 +103,16 @@ export class ProfileEditor implements Contested {
     this.conflict.value = conflictWith(text, await readIfThere(this.api, this.name));
   }
 
-  dropRestored(): Promise<void> {
-    return this.readAgain();
+  async dropRestored(): Promise<void> {
+    if ((await readIfThere(this.api, this.name)) !== null) return this.readAgain();
+    this.remember();
+    this.baseText = "";
+    this.rows.value = [this.draftRow({ topic: "" })];
+    this.budget.value = "";
+    this.hash.value = null;
+    this.conflict.value = this.diskChange.value = null;
+    this.isNew.value = this.isSaved.value = true;
+    this.message.value = `${this.name} is not on disk`;
   }
 
   /** Replaces the table by one measured in a bag. */

@@ -11,6 +11,7 @@ import {
   conflictWith,
   type DiskChange,
   diskChangeOf,
+  NOT_THERE,
   type OnDisk,
   readIfThere,
   saveOver,
@@ -120,7 +121,7 @@ export class RuleEditor implements Contested {
     // What was not saved of a file that is gone can still be saved.
     const onDisk = draft ? readIfThere(this.api, this.name) : this.api.read(this.name);
     const [found, side] = await Promise.all([onDisk, readLayout(this.api, this.name)]);
-    const file = found ?? { text: "", hash: null };
+    const file = found ?? NOT_THERE;
     this.layoutHash = side.hash;
     batch(() => {
       this.map.value = side.map;
@@ -159,7 +160,8 @@ export class RuleEditor implements Contested {
   }
 
   async dropRestored(): Promise<void> {
-    await this.readAgain();
+    const onDisk = await readIfThere(this.api, this.name);
+    await this.take(onDisk ?? NOT_THERE, onDisk ? `Read ${this.name} again` : `${this.name} is not on disk`);
     this.map.value = this.saved.value.map;
   }
 
@@ -253,7 +255,7 @@ export class RuleEditor implements Contested {
     await this.take(await this.api.read(this.name), `Read ${this.name} again`);
   }
 
-  private async take({ text, hash }: OnDisk, message: string): Promise<void> {
+  private async take({ text, hash }: OnDisk | typeof NOT_THERE, message: string): Promise<void> {
     this.history.push(this.text.value);
     batch(() => {
       this.conflict.value = this.diskChange.value = null;
