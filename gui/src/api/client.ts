@@ -163,11 +163,16 @@ async function call<R extends keyof Routes>(
 ): Answer<R> {
   const [method, path] = route.split(" ") as [string, string];
   const response = await send(method, path + query, file ?? asked ?? undefined, how);
-  const answer: unknown = await response.json().catch(() => null);
+  const answer: unknown = await response.json().catch((error: unknown) => {
+    if (how.signal?.aborted) throw error;
+    return undefined;
+  });
   if (!response.ok) {
     const problem = (answer as { error?: Problem } | null)?.error;
     throw new ApiError(response.status, problem ?? { ...UNREACHABLE, message: `${path}: ${response.statusText}` });
   }
+  // It broke off, as where the server ended meanwhile or the network changed.
+  if (answer === undefined) throw new ApiError(0, UNREACHABLE);
   return answer as Routes[R]["answered"];
 }
 

@@ -24,11 +24,12 @@ const BECAUSE: Record<MissingReason, string> = {
   killed: "the run was killed",
 };
 
-/** `memory was short, ended early`; empty where nothing is missing. */
+/** `memory was short, ended early`; `something` where no reason is known, and empty where nothing is missing. */
 export function briefly(reasons: readonly string[]): string {
   const words: Record<string, string | undefined> = BRIEFLY;
+  const known = [...new Set(reasons)].flatMap((reason) => words[reason] ?? []);
   // A robot of another version may know further ones.
-  return [...new Set(reasons)].flatMap((reason) => words[reason] ?? []).join(", ");
+  return known.length === 0 && reasons.length > 0 ? "something" : known.join(", ");
 }
 
 /** The seconds between two stamps, whose last digits are lost here: in whole µs they are exact. */

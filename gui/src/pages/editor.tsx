@@ -79,7 +79,8 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
   useEffect(() => {
     if (state === "open" && line !== undefined) showInEditor(editor, Number(line));
   }, [state]);
-  const savesByItself = project.saves_by_itself && state === "open" && !useRobot().onlyWatches.value;
+  const { onlyWatches } = useRobot();
+  const savesByItself = project.saves_by_itself && state === "open" && !onlyWatches.value;
   useEffect(() => (savesByItself ? saveByItself(selfSaving(editor)) : undefined), [savesByItself]);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
   if (state !== "open") return <Notice kind="error" text={state.problem} />;

@@ -17,6 +17,7 @@ import { FormDialog } from "../ui/dialog";
 import { Header } from "../ui/header";
 import { Notice, Toast } from "../ui/notice";
 import { RestoredNotice } from "../ui/restored_notice";
+import { useRobot } from "../ui/robot_state";
 import { DiskNotice, NeedsServer, useDiskLooks, useReturn } from "../ui/server_gone";
 import { ToolButton, UndoButtons } from "../ui/tool_button";
 import { useUndoKeys } from "../ui/undo_keys";
@@ -47,7 +48,8 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
     redo: () => editor.redo(),
     save: async () => (canSave() ? save() : undefined),
   });
-  const savesByItself = project.saves_by_itself && isOpen;
+  const { onlyWatches } = useRobot();
+  const savesByItself = project.saves_by_itself && isOpen && !onlyWatches.value;
   useEffect(() => {
     const { isSaved, conflict, restored } = editor;
     const content = computed(() => JSON.stringify([editor.rows.value, editor.budget.value]));

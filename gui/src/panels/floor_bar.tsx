@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { useState } from "preact/hooks";
 import type { BackgroundChoice } from "../api/types";
 import { MAP_FRAME, type MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { Choice } from "../ui/choice";
-import { Notice } from "../ui/notice";
-import { typedNumber } from "../ui/numbers";
+import { Notice, Problem } from "../ui/notice";
+import { numberProblem, typedNumber } from "../ui/numbers";
 
 const KINDS = { map: "Map", image: "Image", bag: "Recording" };
 
@@ -88,10 +89,13 @@ const FIELDS = [
 function ImagePlace({ floor, editor }: { floor: MapFloor; editor: RuleEditor }) {
   const { metres_per_pixel, x, y, yaw_deg } = editor.map.value;
   const place = { metres_per_pixel, x, y, yaw_deg };
-  const change = (field: keyof typeof place, text: string) => {
+  const [problem, setProblem] = useState("");
+  const change = (field: keyof typeof place, label: string, text: string) => {
     const value = typedNumber(text);
-    if (!Number.isFinite(value) || (field === "metres_per_pixel" && value <= 0)) return;
-    floor.place({ ...place, [field]: value });
+    const isTooSmall = field === "metres_per_pixel" && value <= 0;
+    const wrong = isTooSmall ? `${text.trim()} is not more than 0` : numberProblem(text);
+    setProblem(wrong && `${label}: ${wrong}.`);
+    if (wrong === "" && Number.isFinite(value)) floor.place({ ...place, [field]: value });
   };
   return (
     <div class="row image-place">
@@ -101,10 +105,11 @@ function ImagePlace({ floor, editor }: { floor: MapFloor; editor: RuleEditor }) 
           <input
             inputMode="decimal"
             value={place[field]}
-            onChange={(event) => change(field, event.currentTarget.value)}
+            onChange={(event) => change(field, label, event.currentTarget.value)}
           />
         </label>
       ))}
+      <Problem text={problem} />
     </div>
   );
 }

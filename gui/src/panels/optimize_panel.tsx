@@ -3,9 +3,10 @@
 
 import type { Signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { type Api, type Rules, refusal } from "../api/client";
+import type { Api } from "../api/client";
 import type { OptimizeAnswer, Project, Refusal, Repair, SituationLoad } from "../api/types";
 import { href } from "../route";
+import { type Optimized, optimized } from "../state/optimized";
 import { type ProfileRepair, setBudget } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
 import { namesLevel, topicsIn } from "../state/statements";
@@ -18,10 +19,6 @@ const AFTER_MS = 300;
 const MISSING = "Nothing was downloaded: the panel below says what is missing";
 /** Recordings that are offered to measure in. */
 const MOST_BAGS = 3;
-/** What was asked about: repairs are edits of its text. */
-type Asked = Pick<Rules, "text" | "profile_text">;
-type Optimized = OptimizeAnswer & Asked;
-type Result = Optimized | (Asked & { refused: string }) | null;
 
 interface Props {
   editor: RuleEditor;
@@ -34,11 +31,11 @@ interface Props {
 
 /** Quality levels as rates within the budget, computed anew while the rules change. */
 export function OptimizePanel({ editor, api, project, repair, wantsRates }: Props) {
-  const [result, setResult] = useState<Result>(null);
+  const [result, setResult] = useState<Optimized | null>(null);
   const [text, profile] = [editor.text.value, editor.profile.value];
   useEffect(() => {
     if (profile === null) return;
-    const timer = setTimeout(() => void optimize(editor, api, setResult), AFTER_MS);
+    const timer = setTimeout(() => void optimized(editor, api, setResult), AFTER_MS);
     return () => clearTimeout(timer);
   }, [text, profile]);
   const isAnswered =
@@ -70,7 +67,7 @@ export function OptimizePanel({ editor, api, project, repair, wantsRates }: Prop
   return (
     <div class="optimize">
       <ProfileChangeNotice repair={repair} />
-      <Verdict editor={editor} result={result} />
+      <Verdict {...{ editor, result, isAnswered }} />
       <RepairAll editor={editor} refusals={result.refusals} text={result.text} />
       {result.refusals.map((refusal) => (
         <RefusalCard key={refusal.rule ?? "defaults"} {...{ api, editor, refusal }} text={result.text} />
@@ -104,7 +101,8 @@ function MissingEntries(props: Pick<Props, "editor" | "project" | "repair"> & { 
   );
 }
 
-function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswer }) {
+function Verdict(props: { editor: RuleEditor; result: OptimizeAnswer; isAnswered: boolean }) {
+  const { editor, result, isAnswered } = props;
   const numeric = result.download_text;
   return (
     <div class="row">
@@ -115,7 +113,7 @@ function Verdict({ editor, result }: { editor: RuleEditor; result: OptimizeAnswe
       <Button
         label="Download rates"
         class="primary"
-        disabled={numeric === null}
+        disabled={numeric === null || !isAnswered}
         onClick={() => numeric !== null && download(ratesName(editor), numeric)}
       />
     </div>
@@ -177,17 +175,6 @@ function RefusalCard({ api, editor, refusal, text }: { api: Api; editor: RuleEdi
 async function apply(api: Api, editor: RuleEditor, repair: Repair, text: string): Promise<void> {
   if (repair.budget_kb_per_s === null) await editor.repair(text, repair);
   else await setBudget(api, editor, repair.budget_kb_per_s);
-}
-
-async function optimize(editor: RuleEditor, api: Api, done: (result: Result) => void): Promise<void> {
-  const { rules } = editor;
-  const { text, profile_text } = rules;
-  try {
-    const answer = await api.ask("POST /api/optimize", rules);
-    if (text === editor.text.value) done({ ...answer, text, profile_text });
-  } catch (error) {
-    done({ refused: refusal(error), text, profile_text });
-  }
 }
 
 /** What each topic takes of the link in one situation, as shares of the budget. */

@@ -7,7 +7,7 @@ import { type RobotLink, UPDATE_RATES_HZ } from "../state/robot_link";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush } from "../state/rule_push";
-import { checksIn, thresholdEdits } from "../state/written_checks";
+import { checkOfRobot, writeThreshold } from "../state/written_checks";
 import { Choice } from "../ui/choice";
 import { later } from "../ui/later";
 import { useRobot } from "../ui/robot_state";
@@ -52,15 +52,13 @@ export function RobotPanel(props: { api: Api; editor: RuleEditor; robotRules: Ro
 
 /** Writes the threshold of a robot's check into the open rules. */
 function proposeIn(editor: RuleEditor): Propose {
-  return ({ rule, topic, property, op, limit }, threshold) =>
-    void editor.edit(() => {
-      const statements = editor.statements.peek();
-      const written = checksIn(statements).filter(
-        ({ check }) => check.topic === topic && check.property === property && check.op === op && check.value === limit,
-      );
-      const same = written.find((each) => each.rule === rule) ?? written[0];
-      return same ? thresholdEdits(statements, same, threshold) : [];
-    });
+  return (told, threshold) =>
+    void writeThreshold(
+      editor,
+      threshold,
+      (statements) => checkOfRobot(statements, told),
+      "The open rules do not have exactly one such check",
+    );
 }
 
 function RobotChoice({ link }: { link: RobotLink }) {

@@ -9,6 +9,7 @@ import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
 import { OptionRow } from "../ui/option_row";
+import { shortcutKey } from "../ui/undo_keys";
 
 const SHOWN = 50;
 const LIMITS: [Limit, string][] = [
@@ -137,7 +138,7 @@ function useSearchKeys(field: { readonly current: HTMLInputElement | null }): vo
       const target = event.target instanceof Element ? event.target : document.body;
       if (target.closest("dialog, .text-host") !== null) return;
       const isTyping = target.matches("input, textarea, select, .blocklyInputField, [contenteditable]");
-      const isFind = (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "f";
+      const isFind = (event.ctrlKey || event.metaKey) && shortcutKey(event) === "f";
       if (!isFind && (event.key !== "/" || isTyping || event.ctrlKey || event.metaKey || event.altKey)) return;
       event.preventDefault();
       event.stopPropagation();

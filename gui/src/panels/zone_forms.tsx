@@ -9,7 +9,7 @@ import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
 import { focusPageSoon } from "../ui/dialog";
 import { Problem } from "../ui/notice";
-import { typedNumber } from "../ui/numbers";
+import { numberProblem, typedNumber } from "../ui/numbers";
 
 const SIDES = [
   { side: "min_x_m", label: "x from (m)" },
@@ -155,6 +155,7 @@ function problemOf(sides: ZoneRectangle): string {
 }
 
 function MoveForm({ move }: { move: (by: Point) => void }) {
+  const [problem, setProblem] = useState("");
   return (
     <form
       class="row"
@@ -162,6 +163,8 @@ function MoveForm({ move }: { move: (by: Point) => void }) {
         event.preventDefault();
         const data = new FormData(event.currentTarget);
         const [dx, dy] = [numberIn(data, "dx") ?? 0, numberIn(data, "dy") ?? 0];
+        const wrong = [dx, dy].findIndex(Number.isNaN);
+        setProblem(wrong < 0 ? "" : `${numberProblem(String(data.get(wrong === 0 ? "dx" : "dy")))}.`);
         if (Number.isFinite(dx) && Number.isFinite(dy)) move([dx, dy]);
       }}
     >
@@ -176,6 +179,7 @@ function MoveForm({ move }: { move: (by: Point) => void }) {
       <button type="submit" class="small">
         Move all
       </button>
+      <Problem text={problem} />
     </form>
   );
 }

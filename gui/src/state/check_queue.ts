@@ -32,7 +32,9 @@ export class CheckQueue {
     const rules = this.now();
     if (this.asked?.text === rules.text && this.asked.profile_text === rules.profile_text) return this.asking;
     this.asked = rules;
-    this.asking = this.asking.then(() => (this.asked === rules ? this.answer(rules) : undefined));
+    // Whoever asked before hears what went wrong there.
+    const before = this.asking.catch(() => undefined);
+    this.asking = before.then(() => (this.asked === rules ? this.answer(rules) : undefined));
     await this.asking;
   }
 

@@ -16,6 +16,9 @@ export interface OnDisk {
   hash: string;
 }
 
+/** A file that is gone. */
+export const NOT_THERE = { text: "", hash: null };
+
 export type DiskChange = "changed" | "gone";
 
 /** An open file that can meet a conflict; each way out fails with an ApiError and then changes nothing. */

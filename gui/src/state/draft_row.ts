@@ -34,6 +34,10 @@ export function problemsOf(rows: readonly DraftRow[], budget: string): string[] 
     const cells = [row.message_kb, row.priority, row.source_hz, row.min_hz, row.max_hz, ...row.tiers_hz];
     const wrong = cells.find((cell) => !isNumber(cell));
     if (wrong !== undefined) problems.push(`${place}: ${cellProblem(wrong)}.`);
+    const isGiven = cells.some((cell) => cell.trim() !== "") || Object.values(row.accuracies).some(Boolean);
+    if (row.topic.trim() === "" && isGiven) {
+      problems.push("A row with numbers has no topic: name its topic, or remove it.");
+    }
     const given = row.tiers_hz.filter((tier) => tier.trim() !== "").length;
     if (given !== 0 && given !== TIER_COUNT) problems.push(`${place}: give all six levels, or none.`);
   }

@@ -66,6 +66,10 @@ export class ImportDraft {
     await this.work();
     const outcome = this.outcome.value;
     if (outcome === null) return false;
+    if (this.editor.text.peek() !== this.rules.text) {
+      this.problem.value = `${this.rules.name} was changed since this was opened, so nothing was imported: close it and import again`;
+      return false;
+    }
     const count = this.chosen.value.size;
     await this.editor.setText(outcome.text);
     this.editor.message.value = `Imported ${count} of ${this.source.value?.name ?? ""}`;

@@ -17,8 +17,13 @@ export function tableCells(text: string): string[][] {
   if (!text.includes("\t")) return [];
   const lines = text.split(/\r?\n/).map((line) => line.split("\t").map((cell) => cell.trim()));
   const filled = lines.filter(([topic]) => topic !== "");
-  const isTitles = filled.length > 1 && filled[0]?.every((cell) => !/\d/.test(cell));
-  return isTitles ? filled.slice(1) : filled;
+  return filled.length > 1 && areTitles(filled[0] ?? []) ? filled.slice(1) : filled;
+}
+
+/** Whether these cells name columns: a topic may come without a number as well. */
+function areTitles([first = "", ...others]: readonly string[]): boolean {
+  const hasDigit = [first, ...others].some((cell) => /\d/.test(cell));
+  return !hasDigit && !first.startsWith("/") && others.some((cell) => cell !== "");
 }
 
 /**

@@ -46,6 +46,7 @@ export class ProfileEditor implements Contested {
   private nextKey = 0;
   private isOpen = false;
   private isSaving = false;
+  private saving: Promise<void> = Promise.resolve();
 
   constructor(
     private readonly api: Api,
@@ -93,12 +94,25 @@ export class ProfileEditor implements Contested {
   }
 
   async compare(): Promise<void> {
+    const [problem] = this.problems.peek();
+    if (problem !== undefined) {
+      this.message.value = `What cannot be saved is not compared. ${problem}`;
+      return;
+    }
     const { text } = await this.api.writeProfile(this.name, this.table(), this.baseText);
     this.conflict.value = conflictWith(text, await readIfThere(this.api, this.name));
   }
 
-  dropRestored(): Promise<void> {
-    return this.readAgain();
+  async dropRestored(): Promise<void> {
+    if ((await readIfThere(this.api, this.name)) !== null) return this.readAgain();
+    this.remember();
+    this.baseText = "";
+    this.rows.value = [this.draftRow({ topic: "" })];
+    this.budget.value = "";
+    this.hash.value = null;
+    this.conflict.value = this.diskChange.value = null;
+    this.isNew.value = this.isSaved.value = true;
+    this.message.value = `${this.name} is not on disk`;
   }
 
   /** Replaces the table by one measured in a bag. */
@@ -112,7 +126,10 @@ export class ProfileEditor implements Contested {
   }
 
   async save(): Promise<void> {
-    await this.saveOver(this.hash.value);
+    // The one before makes the hash that this one needs.
+    const done = this.saving.then(() => this.saveOver(this.hash.value));
+    this.saving = done.catch(() => undefined);
+    await done;
   }
 
   async saveAnyway(): Promise<void> {

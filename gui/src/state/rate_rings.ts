@@ -45,6 +45,11 @@ export class RateRings {
     for (const topic of this.rings.keys()) if (!(topic in topics)) this.rings.delete(topic);
   }
 
+  /** Adds one sample that nobody measured to each topic. */
+  pass(): void {
+    for (const ring of this.rings.values()) ring.push(null);
+  }
+
   clear(): void {
     this.rings.clear();
   }

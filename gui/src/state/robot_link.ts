@@ -11,6 +11,8 @@ export const UPDATE_RATES_HZ = [1, 5, 20];
 const USUAL_HZ = 5;
 const TICK_MS = 1000;
 const SAMPLE_MS = 200;
+/** After so long without a status the server calls a robot silent, or later where it sends less than one a second. */
+const SILENT_AFTER_MS = 2400;
 const NODE_KEY = "robot";
 const RATE_KEY = "updates of the robot in Hz";
 
@@ -123,7 +125,12 @@ export class RobotLink {
 
   private show(live: Live): void {
     const due = Math.floor((performance.now() - this.sampledMs) / SAMPLE_MS);
-    for (let sample = 0; sample < Math.min(due, RING_LENGTH); sample++) this.rates.push(live.status.topics);
+    const { topics, status_hz } = live.status;
+    const isAfterSilence = due * SAMPLE_MS > SILENT_AFTER_MS * Math.max(1, 1 / status_hz);
+    for (let left = Math.min(due, RING_LENGTH); left > 0; left--) {
+      if (isAfterSilence && left > 1) this.rates.pass();
+      else this.rates.push(topics);
+    }
     this.sampledMs += due * SAMPLE_MS;
     batch(() => {
       this.samples.value += due;

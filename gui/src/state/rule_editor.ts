@@ -4,7 +4,6 @@ import { batch, computed, signal } from "@preact/signals";
 import { type Api, type Rules, refusal, refusalOf } from "../api/client";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
 import { sectionsOf } from "../blocks/sections";
-import { counted } from "../ui/numbers";
 import { CheckQueue } from "./check_queue";
 import {
   type Conflict,
@@ -12,6 +11,7 @@ import {
   conflictWith,
   type DiskChange,
   diskChangeOf,
+  NOT_THERE,
   type OnDisk,
   readIfThere,
   saveOver,
@@ -25,7 +25,7 @@ import { RuleProfile } from "./rule_profile";
 import type { Spot } from "./spot";
 import { statementsIn } from "./statements";
 import { Words } from "./words";
-import { type Lost, WorkAhead } from "./work_ahead";
+import { type Lost, WorkAhead, withoutBlocks } from "./work_ahead";
 
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 
@@ -121,7 +121,7 @@ export class RuleEditor implements Contested {
     // What was not saved of a file that is gone can still be saved.
     const onDisk = draft ? readIfThere(this.api, this.name) : this.api.read(this.name);
     const [found, side] = await Promise.all([onDisk, readLayout(this.api, this.name)]);
-    const file = found ?? { text: "", hash: null };
+    const file = found ?? NOT_THERE;
     this.layoutHash = side.hash;
     batch(() => {
       this.map.value = side.map;
@@ -160,7 +160,8 @@ export class RuleEditor implements Contested {
   }
 
   async dropRestored(): Promise<void> {
-    await this.readAgain();
+    const onDisk = await readIfThere(this.api, this.name);
+    await this.take(onDisk ?? NOT_THERE, onDisk ? `Read ${this.name} again` : `${this.name} is not on disk`);
     this.map.value = this.saved.value.map;
   }
 
@@ -223,7 +224,12 @@ export class RuleEditor implements Contested {
   }
 
   async format(): Promise<void> {
-    await this.inTurn(async () => this.setText((await this.api.ask("POST /api/format", this.rules)).text));
+    await this.inTurn(async () => {
+      const { rules } = this;
+      const { text } = await this.api.ask("POST /api/format", rules);
+      if (rules.text === this.text.value) await this.setText(text);
+      else this.message.value = "The text was changed at the same time, so it was not formatted: try again";
+    });
   }
 
   async setText(text: string): Promise<void> {
@@ -249,7 +255,7 @@ export class RuleEditor implements Contested {
     await this.take(await this.api.read(this.name), `Read ${this.name} again`);
   }
 
-  private async take({ text, hash }: OnDisk, message: string): Promise<void> {
+  private async take({ text, hash }: OnDisk | typeof NOT_THERE, message: string): Promise<void> {
     this.history.push(this.text.value);
     batch(() => {
       this.conflict.value = this.diskChange.value = null;
@@ -300,7 +306,7 @@ export class RuleEditor implements Contested {
     }
     this.saved.value = { ...this.saved.value, map };
     if (done.note) this.message.value = `Saved ${this.name}, but no version is kept of it: ${done.note}`;
-    else if (!byItself) this.message.value = `Saved ${this.name}${this.withoutBlocks()}`;
+    else if (!byItself) this.message.value = `Saved ${this.name}${withoutBlocks(this.blocksLeftOut)}`;
   }
 
   /** The statement with this id in what the blocks show. */
@@ -368,11 +374,6 @@ export class RuleEditor implements Contested {
     return this.read === this.text.value;
   }
 
-  private withoutBlocks(): string {
-    const count = this.blocksLeftOut;
-    return count === 0 ? "" : ` without ${counted(count, "block")} that ${count === 1 ? "is" : "are"} not in the text`;
-  }
-
   private accept(document: RuleDocument, text: string): void {
     this.document.value = document;
     this.read = text;
@@ -381,9 +382,11 @@ export class RuleEditor implements Contested {
   }
 
   /** Does this once all that was asked for before is done. */
-  inTurn(work: () => Promise<void>): Promise<void> {
-    this.queue = this.queue.then(work).catch((error: unknown) => this.tell(error));
-    return this.queue;
+  async inTurn(work: () => Promise<void>): Promise<void> {
+    const done = this.queue.then(work).catch((error: unknown) => this.tell(error));
+    // Whoever asked hears of a bug; what comes after it has its turn all the same.
+    this.queue = done.catch(() => undefined);
+    await done;
   }
 
   /** Says a refusal; anything else is a bug and goes on. */

@@ -41,6 +41,6 @@ export class RuleProfile {
 
   /** Reads the profile again. */
   revive(): Promise<void> {
-    return this.use(this.wanted.name);
+    return this.use(this.wanted.name, this.gone.value);
   }
 }

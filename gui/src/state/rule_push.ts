@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { computed, effect, signal } from "@preact/signals";
-import { type Api, ApiError } from "../api/client";
+import { type Api, ApiError, type Rules } from "../api/client";
 import type { LastingAnswer, Problem, PushPreview, RobotSummary, RulesOrigin } from "../api/types";
 import type { RobotLink } from "./robot_link";
 import type { RuleEditor } from "./rule_editor";
@@ -10,7 +10,7 @@ import type { RuleEditor } from "./rule_editor";
 export type Stage =
   | { kind: "idle" }
   | { kind: "asking"; node: string }
-  | { kind: "asked"; node: string; preview: PushPreview }
+  | { kind: "asked"; node: string; preview: PushPreview; rules: Rules }
   | { kind: "sending"; node: string }
   | { kind: "trying"; node: string; hash: string; withinS: number; isSeen: boolean; isLetGo: boolean }
   | { kind: "kept"; node: string; hash: string; isSeen: boolean; lasting: LastingAnswer | null }
@@ -28,7 +28,8 @@ export class RulePush {
   readonly leftS = computed(() => {
     const stage = this.stage.value;
     if (stage.kind !== "trying") return 0;
-    const waitsS = (this.link.live.value?.status ?? this.link.robot.value)?.rules.waits_s;
+    const live = stage.node === this.link.node.value ? this.link.live.value?.status : undefined;
+    const waitsS = (live ?? this.robotAt(stage.node))?.rules.waits_s;
     return Math.max(0, Math.ceil(waitsS ?? stage.withinS));
   });
 
@@ -56,8 +57,9 @@ export class RulePush {
     });
   }
 
-  /** Asks what would change on the robot. */
+  /** Asks what would change on the robot; not while one has rules that somebody can still keep. */
   async ask(): Promise<void> {
+    if (this.isToBeKept()) return;
     const node = this.link.node.peek();
     const { kind, why } = this.link.connection.peek();
     if (node === null || kind !== "connected") return this.refuse({ message: why });
@@ -67,8 +69,9 @@ export class RulePush {
       return this.refuse({ message: "Rules with errors are not sent.", findings });
     }
     await this.guarded(UNCHANGED, UNCHANGED, async () => {
-      const preview = await this.api.previewPush(this.editor.rules, node);
-      this.stage.value = { kind: "asked", node, preview };
+      const { rules } = this.editor;
+      const preview = await this.api.previewPush(rules, node);
+      this.stage.value = { kind: "asked", node, preview, rules };
     });
   }
 
@@ -76,12 +79,12 @@ export class RulePush {
   async send(): Promise<void> {
     const stage = this.stage.peek();
     if (stage.kind !== "asked") return;
-    const { node } = stage;
+    const { node, rules } = stage;
     this.stage.value = { kind: "sending", node };
     const unknown =
       "It is not known whether the robot received the rules. If it did, it reverts them unless they are kept.";
     await this.guarded(unknown, UNCHANGED, async () => {
-      const staged = await this.api.push(this.editor.rules, node);
+      const staged = await this.api.push(rules, node);
       const withinS = staged.confirm_within_s;
       this.stage.value =
         staged.state === "same"
@@ -136,6 +139,11 @@ export class RulePush {
 
   close(): void {
     this.stage.value = { kind: "idle" };
+  }
+
+  private isToBeKept(): boolean {
+    const stage = this.stage.peek();
+    return stage.kind === "sending" || (stage.kind === "trying" && !stage.isLetGo && this.isHeard.peek());
   }
 
   private robotAt(node: string): RobotSummary | undefined {

@@ -34,8 +34,11 @@ export function saveByItself(file: SelfSaving): () => void {
     if (mayNot()) return;
     isSaving = true;
     const content = file.content.peek();
-    if (await file.isSound()) await file.save();
-    isSaving = false;
+    try {
+      if (await file.isSound()) await file.save();
+    } finally {
+      isSaving = false;
+    }
     // A key stroke may have come meanwhile; else the server may be there again by then.
     wait(content === file.content.peek() ? AGAIN_AFTER_MS : AFTER_MS);
   };

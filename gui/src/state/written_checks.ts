@@ -1,12 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { CheckCondition, Condition, Edit, Statement } from "../api/types";
+import type { CheckCondition, Condition, Edit, Statement, RobotCheck as ToldCheck } from "../api/types";
+import type { RuleEditor } from "./rule_editor";
 
 /** A check where a rule says it. */
 export interface RobotCheck {
   rule: string;
   /** The key of the rule. */
   key: string;
+  /** Which of the rule's checks it is. */
+  at: number;
   check: CheckCondition;
   /** The check with the `For` and `Within` around it alone. */
   condition: Condition;
@@ -18,12 +21,12 @@ export interface RobotCheck {
 export function checksIn(statements: readonly Statement[]): RobotCheck[] {
   return statements.flatMap((one) =>
     one.kind === "rule"
-      ? found(one.condition).map((each) => ({ ...each, rule: one.name ?? one.label ?? "", key: one.key ?? "" }))
+      ? found(one.condition).map((each, at) => ({ ...each, at, rule: one.name ?? one.label ?? "", key: one.key ?? "" }))
       : [],
   );
 }
 
-function found(condition: Condition): Omit<RobotCheck, "rule" | "key">[] {
+function found(condition: Condition): Omit<RobotCheck, "rule" | "key" | "at">[] {
   switch (condition.kind) {
     case "check": {
       const { topic, property, op, value, until } = condition;
@@ -73,6 +76,36 @@ export function withValue(condition: Condition, check: CheckCondition, value: nu
 export function thresholdEdits(statements: readonly Statement[], one: RobotCheck, value: number): Edit[] {
   const holder = statements.find(({ key }) => key === one.key);
   if (holder?.kind !== "rule") return [];
-  const statement = { ...holder, condition: withValue(holder.condition, one.check, value) };
+  // A rule of the same key has the same checks, which may stand elsewhere by now.
+  const check = found(holder.condition)[one.at]?.check;
+  if (check === undefined) return [];
+  const statement = { ...holder, condition: withValue(holder.condition, check, value) };
   return [{ kind: "replace", id: holder.id ?? "", statement }];
+}
+
+/** Writes another threshold of the check that `find` gives into the rules of an editor; `missing` is why there is none. */
+export function writeThreshold(
+  editor: RuleEditor,
+  value: number,
+  find: (statements: readonly Statement[]) => RobotCheck | undefined,
+  missing: string,
+): Promise<void> {
+  return editor.edit(() => {
+    const statements = editor.statements.peek();
+    const one = find(statements);
+    const edits = one ? thresholdEdits(statements, one, value) : [];
+    if (edits.length === 0) editor.message.value = `${missing}, so ${value} was not written`;
+    return edits;
+  });
+}
+
+/** The check of rules that a robot means by its words, in the rule of its name, or else the only such one. */
+export function checkOfRobot(
+  statements: readonly Statement[],
+  { rule, topic, property, op, limit }: ToldCheck,
+): RobotCheck | undefined {
+  const alike = checksIn(statements).filter(
+    ({ check }) => check.topic === topic && check.property === property && check.op === op && check.value === limit,
+  );
+  return alike.find((each) => each.rule === rule) ?? (alike.length === 1 ? alike[0] : undefined);
 }

@@ -5,7 +5,7 @@ import { useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
-import { checksIn, type RobotCheck, thresholdEdits } from "../state/written_checks";
+import { checksIn, type RobotCheck, writeThreshold } from "../state/written_checks";
 import { Choice } from "../ui/choice";
 import { WorkProgress } from "../ui/work_progress";
 import { OtherThreshold } from "./check_chart";
@@ -61,7 +61,7 @@ function CourseOfCheck({ editor, api, trial, one }: Props & { one: RobotCheck })
       <OtherThreshold
         threshold={threshold}
         written={check.value}
-        write={(value) => void editor.edit(() => thresholdEdits(editor.statements.peek(), one, value))}
+        write={(value) => void writeThreshold(editor, value, () => one, "The rule was changed meanwhile")}
       />
     </>
   );

@@ -56,4 +56,5 @@ test("a list has the reasons only", () => {
   expect(briefly(["memory", "ended"])).toBe("memory was short, ended early");
   expect(briefly([])).toBe("");
   expect(briefly(["ended", "of a later version", "ended"])).toBe("ended early");
+  expect(briefly(["of a later version"])).toBe("something");
 });

@@ -25,6 +25,16 @@ test("titles and empty lines of a spreadsheet are no topics", () => {
   expect(tableCells("/odom\t")).toEqual([["/odom", ""]]);
 });
 
+test("topics without numbers are no titles", () => {
+  const topics = [
+    ["/odom", ""],
+    ["/scan", "5"],
+  ];
+  expect(tableCells("/odom\t\n/scan\t5\n")).toEqual(topics);
+  expect(tableCells("/odom\tn/a\n/scan\t5\n")[0]).toEqual(["/odom", "n/a"]);
+  expect(tableCells("odom\t\nscan\t5\n")[0]).toEqual(["odom", ""]);
+});
+
 test("text that is no table is left alone", () => {
   expect(tableCells("/odom")).toEqual([]);
   expect(tableCells("/odom 0.7\n/scan 3")).toEqual([]);

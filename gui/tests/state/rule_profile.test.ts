@@ -41,3 +41,16 @@ test("who chooses another profile while the likeliest is read is told of none th
   await Promise.all([recalled, chosen]);
   expect([profile.used.value?.name, profile.gone.value, profile.isKnown.value]).toEqual(["wifi.toml", null, true]);
 });
+
+test("a profile that is gone is still named once the server is there again", async () => {
+  const reads = server();
+  const profile = new RuleProfile(new Api());
+  for (const work of [() => profile.recall(RULES), () => profile.revive()]) {
+    reads.clear();
+    const done = work();
+    await vi.waitFor(() => expect(reads.has("lte.toml")).toBe(true));
+    reads.get("lte.toml")?.();
+    await done;
+    expect(profile.gone.value).toBe("old.toml");
+  }
+});

@@ -14,6 +14,7 @@ from bags.bag_factory import localized_mission, write_bag
 from ruler.browser.map_page import MapPage
 from ruler.browser.ruler_page import RulerPage
 
+TWO_MEANINGS = "“1,250” can mean 1.25 or 1250: write 1.25 or 1250."
 RULES = """\
 begin
     SetFrequency /odom 10  // the map needs it
@@ -222,8 +223,12 @@ def test_a_polygon_becomes_rectangles_that_say_what_they_add(ruler: RulerPage, r
     text = saved(ruler, rules)
     assert text.startswith(RULES.removesuffix("end\n"))
     assert text.count("pose_x >=") == text.count("OR (") + 1 == 2
+    map_page.form.get_by_label("Move all by x (m)").fill("1,250")
+    ruler.button("Move all").click()
+    expect(map_page.form.get_by_role("alert")).to_have_text(TWO_MEANINGS)
     map_page.form.get_by_label("Move all by x (m)").fill("1")
     ruler.button("Move all").click()
+    expect(map_page.form.get_by_role("alert")).to_have_count(0)
     expect(ruler.tool("Save")).to_be_enabled()
     moved = saved(ruler, rules)
     lines = [(old, new) for old, new in zip(text.splitlines(), moved.splitlines(), strict=True) if old != new]
@@ -280,8 +285,13 @@ def test_an_image_has_the_scale_that_somebody_gives_it(ruler: RulerPage, project
     open_map(ruler, "bay.adirf")
     with ruler.page.expect_response(lambda answer: is_picture_of("plan", answer.url)):
         ruler.page.get_by_label("Background").select_option("Image: plan.png")
+    ruler.page.get_by_label("Metres per pixel").fill("1,250")
+    ruler.page.get_by_label("Turned by (°)").focus()
+    problem = ruler.page.get_by_role("alert")
+    expect(problem).to_have_text(f"Metres per pixel: {TWO_MEANINGS}")
     ruler.page.get_by_label("Metres per pixel").fill("0.5")
     ruler.page.get_by_label("Turned by (°)").fill("90")
+    expect(problem).to_have_count(0)
     ruler.page.get_by_label("Turned by (°)").press("Tab")
     ruler.save()
     ruler.page.get_by_role("link", name="Home").click()

@@ -16,7 +16,7 @@ from ruler.browser.ruler_page import RulerPage
 from ruler.browser.thesis import DEFAULT_RATES, enter_table
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, Route
 
 RULES = """\
 begin
@@ -67,6 +67,27 @@ def test_what_does_not_fit_is_explained_and_mended_with_one_click(ruler: RulerPa
     expect(ruler.button("Download rates")).to_be_disabled()
     ruler.page.get_by_role("alert").get_by_role("button").first.click()
     expect(ruler.page.get_by_text("Everything fits into")).to_be_visible()
+    expect(ruler.button("Download rates")).to_be_enabled()
+
+
+def test_rates_of_other_topic_parameters_are_not_downloaded(ruler: RulerPage, project: Path) -> None:
+    (project / "two.adirf").write_text("begin\n    SetFrequency /imu 2\nend\n")
+    for budget in (100, 200):
+        text = f'budget_kb_per_s = {budget}\n[topics."/imu"]\nmessage_kb = 1\n'
+        (project / f"{budget}.toml").write_text(text)
+    ruler.home()
+    ruler.open("two.adirf")
+    choice = ruler.page.get_by_label("Topic parameters")
+    choice.select_option("100.toml")
+    ruler.tool("Optimize and Download").click()
+    ruler.page.get_by_text("Everything fits into 100 KB/s").wait_for()
+    held: list[Route] = []
+    ruler.page.route("**/api/optimize", lambda route: held.append(route), times=1)  # noqa: PLW0108 - no builtin
+    with ruler.page.expect_request("**/api/optimize"):
+        choice.select_option("200.toml")
+    expect(ruler.button("Download rates")).to_be_disabled()
+    held.pop().continue_()
+    ruler.page.get_by_text("Everything fits into 200 KB/s").wait_for()
     expect(ruler.button("Download rates")).to_be_enabled()
 
 

@@ -5,12 +5,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from playwright.sync_api import Locator, expect
 
 from axe import violations
-from ruler.browser.ruler_page import RulerPage
+from ruler.browser.ruler_page import RulerPage, served
+from smarttestudo.ruler.project.project_settings import SETTINGS_FILE
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 RULES = "begin\n    SetFrequency /odom 5\nend\n"
 
@@ -57,6 +62,25 @@ def test_every_page_says_it_and_what_changes_something_is_off(ruler: RulerPage, 
     page.get_by_role("link", name="Home").click()
     ruler.button("Watch Robots").click()
     _expect_notice(ruler)
+
+
+def test_a_project_that_saves_by_itself_does_not_ask_to(
+    browser: Browser, project: Path, options: tuple[str, ...]
+) -> None:
+    (project / SETTINGS_FILE).parent.mkdir()
+    (project / SETTINGS_FILE).write_text('{"saves_by_itself": true}')
+    with served(project, options=options) as url, browser.new_context() as context:
+        context.clock.install()
+        ruler = RulerPage(context.new_page(), url)
+        ruler.home()
+        expect(ruler.page.get_by_role("checkbox", name="Save by itself")).to_be_checked()
+        ruler.page.get_by_role("link", name="patrol.toml", exact=True).click()
+        ruler.page.get_by_label("Priority of /odom").fill("5")
+        expect(ruler.page.get_by_text("not saved")).to_be_visible()
+        context.clock.run_for(15_000)
+        # Whatever was asked before this is known when it is answered.
+        ruler.page.evaluate("fetch('/api/project').then(answer => answer.json())")
+        assert not [url for url in ruler.requests if url.endswith(("/api/profile/write", "/api/file"))]
 
 
 def _expect_notice(ruler: RulerPage) -> None:

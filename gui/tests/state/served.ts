@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { vi } from "vitest";
+import { Api } from "../../src/api/client";
+import { type DraftStorage, Drafts } from "../../src/state/drafts";
+import { RuleEditor } from "../../src/state/rule_editor";
+
+/** What was asked, from the query and the body. */
+type Asked = Record<string, string>;
+/** What a server answers on each route; a Response as it is. */
+export type Answers = Record<string, (asked: Asked) => unknown>;
+
+/** Answers like the server on these routes, and `{}` on others. */
+export function serve(answers: Answers): void {
+  vi.stubGlobal("window", globalThis);
+  vi.stubGlobal("addEventListener", () => undefined);
+  vi.stubGlobal("fetch", async (path: string, { method, body }: RequestInit) => {
+    const { pathname, searchParams } = new URL(path, "http://localhost");
+    const asked = { ...Object.fromEntries(searchParams), ...(body ? JSON.parse(String(body)) : {}) };
+    const answer = await answers[`${method} ${pathname}`]?.(asked);
+    return answer instanceof Response ? answer : new Response(JSON.stringify(answer ?? {}));
+  });
+}
+
+/** An answer that begins well and breaks off, as where the server ends meanwhile. */
+export function brokenOff(): Response {
+  return new Response(new ReadableStream({ start: (body) => body.error(new TypeError("network error")) }));
+}
+
+export function refused(status: number): Response {
+  const error = { message: `refused with ${status}`, place: "", remedy: "", findings: [] };
+  return new Response(JSON.stringify({ error }), { status });
+}
+
+/** One file on the server's disk; null where none is. */
+export interface Disk {
+  text: string | null;
+}
+
+/** How a server reads and saves the only file that it has. */
+export function fileAnswers(name: string, disk: Disk): Answers {
+  const hashOf = (text: string | null) => (text === null ? null : `hash of ${text}`);
+  const isThere = (asked: Asked) => asked.name === name && disk.text !== null;
+  return {
+    "GET /api/file/state": (asked) => ({ hash: isThere(asked) ? hashOf(disk.text) : null }),
+    "GET /api/file": (asked) => (isThere(asked) ? { name, text: disk.text, hash: hashOf(disk.text) } : refused(404)),
+    "PUT /api/file": ({ text = "", base_hash }) => {
+      if (base_hash !== hashOf(disk.text)) return refused(409);
+      disk.text = text;
+      return { hash: hashOf(text) };
+    },
+  };
+}
+
+/** A browser's storage. */
+export function storage(): DraftStorage {
+  const entries = new Map<string, string>();
+  return {
+    get length() {
+      return entries.size;
+    },
+    key: (index) => [...entries.keys()][index] ?? null,
+    getItem: (key) => entries.get(key) ?? null,
+    removeItem: (key) => void entries.delete(key),
+    setItem: (key, value) => void entries.set(key, value),
+  };
+}
+
+export const draftsIn = (kept = storage()) => new Drafts(kept, "shelf", "tab", async () => new Set());
+
+/** A rule file that is open, of a server that answers `more` as well. */
+export async function openRules(disk: Disk, more: Answers = {}, kept = storage()): Promise<RuleEditor> {
+  serve({
+    ...fileAnswers("a.adirf", disk),
+    "POST /api/document": () => ({ collections: [], findings: [], parses: true }),
+    "POST /api/profile/for": () => ({ name: null, gone: null }),
+    ...more,
+  });
+  const editor = new RuleEditor(new Api(), "a.adirf", draftsIn(kept));
+  await editor.open();
+  return editor;
+}
