@@ -12,7 +12,7 @@ from typing import NamedTuple
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage
 from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.link.protocol.chunks import CONTROL_STREAM, Chunk
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, NUMBERS, Chunk
 
 MAX_QUEUED_BYTES = 1_000_000
 """The size of the queue of a topic that is sent whole."""
@@ -194,7 +194,7 @@ class Outbox:
     def skip(self, stream: int) -> None:
         """Leave out a number, so that the next message does not follow on the last one."""
         open_stream = self._streams[stream]
-        open_stream.next_number = (open_stream.next_number + 1) % 2**32
+        open_stream.next_number = (open_stream.next_number + 1) % NUMBERS
 
     def set_needs(self, stream: int, needs: LinkNeeds) -> None:
         """Serve a stream so from now on."""
@@ -212,7 +212,7 @@ class Outbox:
         if not self._active:
             self._waits_since_ns = now_ns
         open_stream = self._streams[stream]
-        number, open_stream.next_number = open_stream.next_number, (open_stream.next_number + 1) % 2**32
+        number, open_stream.next_number = open_stream.next_number, (open_stream.next_number + 1) % NUMBERS
         is_kept = open_stream.latched is not None or stream == CONTROL_STREAM or open_stream.needs.is_full
         message = _Message(number, payload, now_ns, is_kept, lane, origin)
         if open_stream.latched is not None:
