@@ -25,6 +25,7 @@ from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
 _EXIT_STOPPED = 1
 _EXIT_SILENT = 1
 _FOUND_WITHIN_S = 10.0
+_KNOWN_WITHIN_S = 3.0
 _LOOK_S = 0.1
 _NAMED = 8
 _ERASE_LINE = "\r\x1b[K"
@@ -51,7 +52,7 @@ def list_remote(arguments: argparse.Namespace) -> int:
 
 
 def _list(incidents: RemoteIncidents, robot: str, *, is_alone: bool) -> Sequence[RemoteIncident] | None:
-    """The incidents of a robot; ``None`` where it does not answer, which is said, or raised if it is alone."""
+    """The incidents of a robot, ``None`` where it does not answer: that is said, or raised if it is alone."""
     try:
         return incidents.list(robot)
     except LinkError as error:
@@ -102,11 +103,13 @@ def _opened(arguments: argparse.Namespace) -> Iterator[RemoteIncidents]:
 def _heard(
     incidents: RemoteIncidents, stopped: Callable[[], bool], arguments: argparse.Namespace
 ) -> Sequence[str]:
-    """The robots that are there, as soon as there is the one that is asked for."""
+    """The robots that are there, as soon as there is the one that is asked for, or all are known."""
     end_s = time.monotonic() + _FOUND_WITHIN_S
     while not stopped():
         robots = incidents.robots(_LOOK_S)
-        if arguments.robot in robots or (robots and arguments.robot is None):
+        if robots and arguments.robot is None:
+            return incidents.robots(_KNOWN_WITHIN_S)
+        if arguments.robot in robots:
             return robots
         if time.monotonic() > end_s:
             if robots:

@@ -5,13 +5,16 @@
 from __future__ import annotations
 
 import json
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
-from link.zenoh.ends import free_endpoint, operator_end, robot_end, until
+from link.zenoh.ends import free_endpoint, operator_end, refuse_warning, robot_end, until
 from link.zenoh.test_fetching import NAME, write_incident
 from smarttestudo.cli.main import main
+from smarttestudo.link.zenoh import open_robot_end
+from smarttestudo.link.zenoh.security import LinkOptions
 
 pytestmark = pytest.mark.process
 
@@ -37,3 +40,17 @@ def test_a_robot_that_keeps_no_incidents_is_said_and_those_of_others_are_listed(
     assert [one["name"] for one in json.loads(listed.out)] == [NAME]
     assert [line.partition(": ")[2][:5] for line in listed.err.splitlines()] == ["ada: "]
     assert "ada does not answer this" in capsys.readouterr().err
+
+
+def test_the_robots_of_several_places_are_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    endpoints = {name: free_endpoint() for name in ("ada", "bob")}
+    with ExitStack() as opened:
+        for name, endpoint in endpoints.items():
+            write_incident(tmp_path / name)
+            options = LinkOptions(listen=(endpoint,))
+            robot = opened.enter_context(open_robot_end(name, options, refuse_warning))
+            robot.offer_incidents(tmp_path / name)
+        connect = [part for endpoint in endpoints.values() for part in ("--connect", endpoint)]
+        assert main(["incidents", "list", *connect, "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert [(one["robot"], one["name"]) for one in listed] == [("ada", NAME), ("bob", NAME)]

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from smarttestudo.domain.errors import LinkError, said
@@ -17,6 +18,8 @@ from smarttestudo.link.zenoh.arrivals import MAX_WAITING_BYTES
 from smarttestudo.link.zenoh.security import LinkOptions
 
 if TYPE_CHECKING:
+    from smarttestudo.link.zenoh.link_client import LinkClient
+    from smarttestudo.link.zenoh.link_clients import LinkClients
     from smarttestudo.link.zenoh.link_incidents import LinkIncidents
     from smarttestudo.link.zenoh.link_robots import LinkRobots
     from smarttestudo.link.zenoh.operator_end import OperatorEnd
@@ -98,11 +101,9 @@ def open_link_robots(
     ``steady_s`` is a clock that never jumps. Raises ``LinkError`` as ``open_robot_end`` does.
     """
     require_zenoh()
-    from smarttestudo.link.zenoh.link_client import LinkClient  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.link_robots import LinkRobots  # noqa: PLC0415  needs zenoh
-    from smarttestudo.link.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
 
-    client = LinkClient(*session_config(options, "client", warn), options.connect)
+    client = _client(options, warn)
     robots = LinkRobots(client, ", ".join(options.connect), steady_s)
     try:
         yield robots
@@ -117,16 +118,28 @@ def open_link_incidents(options: LinkOptions, warn: Warn) -> Iterator[LinkIncide
     Raises ``LinkError`` as ``open_robot_end`` does.
     """
     require_zenoh()
-    from smarttestudo.link.zenoh.link_client import LinkClient  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.link_incidents import LinkIncidents  # noqa: PLC0415  needs zenoh
-    from smarttestudo.link.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
 
-    client = LinkClient(*session_config(options, "client", warn), options.connect)
+    client = _client(options, warn)
     incidents = LinkIncidents(client, ", ".join(options.connect))
     try:
         yield incidents
     finally:
         incidents.close()
+
+
+def _client(options: LinkOptions, warn: Warn) -> LinkClient | LinkClients:
+    from smarttestudo.link.zenoh.link_client import LinkClient  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.link_clients import LinkClients  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
+
+    config, known = session_config(options, "client", warn)
+    if len(options.connect) == 1:
+        return LinkClient(config, known, options.connect)
+    at_each = [replace(options, connect=(endpoint,)) for endpoint in dict.fromkeys(options.connect)]
+    return LinkClients(
+        [LinkClient(*session_config(one, "client", lambda _: None), one.connect) for one in at_each]
+    )
 
 
 def suspended_too_ns() -> int:
