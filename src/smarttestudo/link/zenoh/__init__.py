@@ -29,15 +29,23 @@ Warn = Callable[[str], None]
 """Says a sentence that somebody should read; called from any thread."""
 
 
+def suspended_too_ns() -> int:
+    """Time that passes while the machine is suspended, too, where the system has such a clock."""
+    if sys.platform == "linux":
+        return time.clock_gettime_ns(time.CLOCK_BOOTTIME)
+    return time.monotonic_ns()
+
+
 @contextmanager
 def open_robot_end(
-    robot: str, options: LinkOptions, warn: Warn, *, clock: Callable[[], int] = time.monotonic_ns
+    robot: str, options: LinkOptions, warn: Warn, *, clock: Callable[[], int] = suspended_too_ns
 ) -> Iterator[RobotEnd]:
     """The end of the link at the robot of that name; nobody need be at the other end yet.
 
-    ``clock`` gives ns from any start. Raises ``LinkError``: the extra is missing, the endpoints or the
-    configuration do not work, or they let anybody in; ``UsageError``: the robot has no usable name, or
-    ``options`` have commands over endpoints that let anybody in.
+    ``clock`` gives ns from any start. After one that stood still while the machine was suspended, messages
+    look late for a minute. Raises ``LinkError``: the extra is missing, the endpoints or the configuration do
+    not work, or they let anybody in; ``UsageError``: the robot has no usable name, or ``options`` have
+    commands over endpoints that let anybody in.
     """
     require_zenoh()
     from smarttestudo.link.zenoh.command_inbox import CommandInbox  # noqa: PLC0415  needs zenoh
@@ -62,7 +70,7 @@ def open_operator_end(
     options: LinkOptions,
     warn: Warn,
     *,
-    clock: Callable[[], int] = time.monotonic_ns,
+    clock: Callable[[], int] = suspended_too_ns,
     most_waiting_bytes: int = MAX_WAITING_BYTES,
     predicts: frozenset[str] = frozenset(),
 ) -> Iterator[OperatorEnd]:
@@ -140,13 +148,6 @@ def _client(options: LinkOptions, warn: Warn) -> LinkClient | LinkClients:
     return LinkClients(
         [LinkClient(*session_config(one, "client", lambda _: None), one.connect) for one in at_each]
     )
-
-
-def suspended_too_ns() -> int:
-    """Time that passes while the machine is suspended, too, where the system has such a clock."""
-    if sys.platform == "linux":
-        return time.clock_gettime_ns(time.CLOCK_BOOTTIME)
-    return time.monotonic_ns()
 
 
 def require_zenoh() -> None:
