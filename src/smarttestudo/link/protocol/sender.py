@@ -16,7 +16,8 @@ from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.background import BackgroundAnswer, BackgroundAnswers
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
 from smarttestudo.link.protocol.messages import CONTROL, Announcement, LinkTimes, Report
-from smarttestudo.link.protocol.outbox import Encode, Encoded, Outbox, plain
+from smarttestudo.link.protocol.outbox import Outbox
+from smarttestudo.link.protocol.outgoing_stream import Encode, Encoded, plain
 from smarttestudo.link.protocol.receivers import Receivers
 from smarttestudo.link.protocol.window import ACKNOWLEDGE_PERIOD_NS, Window
 
@@ -45,7 +46,7 @@ class LinkSender(Generic[_Request]):
     The driver gives it messages (``put``) and reports (``handle_report``), and sends what ``next_chunk``
     gives while that gives something; another look is due after a message or a report.
     It serves one operator's end at a time: the first that reports, until that is silent. Others hear what
-    that one is sent.
+    that one is sent; as one comes, latched messages are sent once more.
     """
 
     def __init__(self, encode: Encode = plain, fetch_budget_bytes_per_s: float = math.inf) -> None:
@@ -142,10 +143,13 @@ class LinkSender(Generic[_Request]):
 
     def handle_report(self, report: Report, now_ns: int) -> None:
         """An operator's end says what it has."""
-        if self._receivers.handle(report, now_ns):
+        has_joined = self._receivers.handle(report, now_ns)
+        if has_joined:
             self._introduce(now_ns)
         is_silent = self._receiver is None or now_ns - self._heard_ns > LOST_AFTER_NS
         if report.receiver != self._receiver and not is_silent:
+            if has_joined:
+                self._outbox.send_latched_again()
             return
         must_restart = report.receiver != self._receiver or report.session == 0
         if must_restart and report.receiver == self._left_receiver:
