@@ -98,6 +98,9 @@ class RecordingSink:
         except RecordingError as error:
             self._give_up(message.robot, recording, error)
 
+    def forget(self, robot: str, stream: StreamInfo) -> None:
+        """Keep what was recorded."""
+
     def close(self) -> None:
         """Have all recordings appear under their names; the folder goes where there is none."""
         for recording in self._recordings.values():

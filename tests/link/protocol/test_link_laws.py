@@ -219,6 +219,34 @@ def test_messages_arrive_once_each_and_follow_on_each_other_beyond_the_last_numb
     assert receiver.counts.repeated == len(numbers) + 1
 
 
+@given(st.lists(st.sampled_from(["open", "close", "cut", "report"]), max_size=30))
+def test_whoever_hears_the_robot_knows_its_streams_whatever_was_closed_in_an_outage(acts: list[str]) -> None:
+    sender: LinkSender[None] = LinkSender()
+    receiver = LinkReceiver("robot", 7, lambda data, _most: data)
+    is_cut, now_ns, opened = True, 0, dict[int, StreamInfo]()
+    for count, act in enumerate([*acts, "report"]):
+        now_ns += 100_000_000
+        if act == "open":
+            info = stream(publisher=count)
+            number = sender.open(info, now_ns)
+            assert number is not None
+            opened[number] = info
+        elif act == "close" and opened:
+            sender.close(number := min(opened), now_ns)
+            del opened[number]
+        elif act == "cut":
+            sender.disconnect()
+            is_cut = True
+        elif act == "report":
+            is_cut = False
+        if not is_cut:
+            for _ in range(2):
+                sender.handle_report(REPORTS.from_bytes(receiver.next_report(now_ns)), now_ns)
+                while (data := sender.next_chunk(now_ns)) is not None:
+                    receiver.receive(data, now_ns)
+    assert receiver.streams == opened
+
+
 def chunk_of(number_of_stream: int, number: int, body: bytes) -> bytes:
     """A message that travels in one chunk."""
     chunk = Chunk(

@@ -54,6 +54,8 @@ class LinkSender(Generic[_Request]):
         self._outbox = Outbox(self._encoded)
         self._outbox.open(CONTROL_STREAM)
         self._infos: dict[int, StreamInfo] = {}
+        self._closed: set[int] = set()
+        """Numbers that were announced, and have no stream now."""
         self._needs: Mapping[str, LinkNeeds] = {}
         self._window = Window()
         self.background: BackgroundAnswers[_Request] = BackgroundAnswers(self._live, fetch_budget_bytes_per_s)
@@ -82,6 +84,7 @@ class LinkSender(Generic[_Request]):
         number = next((one for one in range(1, MAX_STREAMS) if one not in self._infos), None)
         if number is None:
             return None
+        self._closed.discard(number)
         self._infos[number] = replace(info, prediction=self._predictions.get(info.topic))
         self._outbox.open(number, depth=info.qos.depth if info.qos.transient_local else None)
         self._outbox.set_needs(number, self._needs.get(info.topic, LinkNeeds()))
@@ -92,6 +95,7 @@ class LinkSender(Generic[_Request]):
         """Send nothing more of a stream."""
         if self._infos.pop(stream, None) is not None:
             self._outbox.close(stream)
+            self._closed.add(stream)
             self._announce(stream, now_ns)
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
@@ -319,7 +323,8 @@ class LinkSender(Generic[_Request]):
         self._sessions += 1
         self._predictions, self._anew = {}, set()
         self._infos = {number: replace(info, prediction=None) for number, info in self._infos.items()}
-        for number in self._infos:
+        # What was closed in an outage was not heard.
+        for number in (*self._closed, *self._infos):
             self._announce(number, now_ns)
 
     def _announce(self, stream: int, now_ns: int) -> None:
