@@ -38,7 +38,8 @@ Sent = tuple[str, str, bytes]
 class Place(Protocol):
     """A sink, and what others see of it."""
 
-    sink: link.Sink
+    @property
+    def sink(self) -> link.Sink: ...
 
     def put_out(self, topics: set[str], count: int) -> list[Sent]:
         """So many messages of these topics, of which there are no more."""

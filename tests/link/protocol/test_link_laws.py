@@ -219,6 +219,17 @@ def test_messages_arrive_once_each_and_follow_on_each_other_beyond_the_last_numb
     assert receiver.counts.repeated == len(numbers) + 1
 
 
+def test_no_claim_of_a_session_leaves_none_for_the_next_outages() -> None:
+    sender: LinkSender[None] = LinkSender()
+    sender.open(stream(), 0)
+    for session in (0, 2**32 - 2**16 - 1, 2**32 - 2, 2**32 - 1):
+        sender.handle_report(Report(receiver=7, session=session, received_bytes=0), 0)
+    for _ in range(10):
+        sender.disconnect()
+        sender.handle_report(Report(receiver=7, session=0, received_bytes=0), 0)
+        assert sender.next_chunk(0) is not None
+
+
 @given(st.lists(st.sampled_from(["open", "close", "cut", "report"]), max_size=30))
 def test_whoever_hears_the_robot_knows_its_streams_whatever_was_closed_in_an_outage(acts: list[str]) -> None:
     sender: LinkSender[None] = LinkSender()

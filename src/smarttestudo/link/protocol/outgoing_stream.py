@@ -152,7 +152,7 @@ class OutgoingStream:
         return message
 
     def counts(self, now_ns: int) -> StreamCounts:
-        """What became of its messages."""
+        """The counts of its messages."""
         return StreamCounts(
             sent=self.sent,
             replaced=self.replaced,

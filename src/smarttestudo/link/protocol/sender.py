@@ -31,7 +31,8 @@ BUDGET_PERIOD_NS = NS_PER_S // 4
 
 _KEPT_SHARE = 0.99
 """How much an earlier message counts beside the newest: about the last hundred say what compression saves."""
-_LAST_SESSION = 2**32 - 1
+_LAST_SESSION = 2**32 - 2**16
+"""A session that somebody else claimed is gone beyond only where many can follow."""
 _USABLE = 0.95
 """The share of the capacity that is planned with; the rest carries what nobody planned."""
 _GROWTH = ((0.5, 1.4), (0.15, 1.07), (0.05, 1.0))
