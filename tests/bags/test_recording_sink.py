@@ -8,9 +8,11 @@ import itertools
 import json
 import resource
 import signal
+import struct
 import tracemalloc
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -217,3 +219,82 @@ def test_a_recording_that_cannot_go_on_keeps_what_was_written_and_is_said_once(t
     kept = read_bag(tmp_path / "drive" / "ada")
     assert 1 <= len(kept.messages) < 5
     assert len(list(tmp_path.iterdir())) == 1
+
+
+BATTERY = StreamInfo(
+    topic="/battery",
+    type_name="acme_msgs/msg/Battery",
+    qos=BEST_EFFORT,
+    definition="float64 level\nfloat64 volts\n",
+)
+UPDATED = replace(BATTERY, definition="float64 volts\nfloat64 level\n")
+
+
+def battery(first: float, second: float) -> bytes:
+    return b"\x00\x01\x00\x00" + struct.pack("<dd", first, second)
+
+
+def levels(bag: Path) -> list[float]:
+    with AnyReader([bag]) as reader:
+        batteries = [one for one in reader.connections if one.topic == BATTERY.topic]
+        read: list[Any] = [
+            reader.deserialize(data, BATTERY.type_name) for _, _, data in reader.messages(batteries)
+        ]
+        return [message.level for message in read]
+
+
+def test_with_another_definition_of_a_type_the_recording_goes_on_in_another(tmp_path: Path) -> None:
+    said: list[str] = []
+    sink = RecordingSink(tmp_path / "drive", said.append, itertools.count(START_NS).__next__)
+    for robot in ("ada", "ada-2"):
+        for stream in (ODOM, BATTERY):
+            sink.open(robot, stream)
+        take(sink, BATTERY, battery(80, 24.5), robot)
+    # A comment makes no other type, nor does a robot that does not know the definition.
+    for same in (
+        replace(BATTERY, definition="# V\nfloat64 level\nfloat64 volts\n"),
+        replace(BATTERY, definition=""),
+    ):
+        sink.open("ada", same)
+    take(sink, BATTERY, battery(79, 24.5))
+    sink.open("ada", UPDATED)
+    take(sink, UPDATED, battery(24.5, 78))
+    take(sink, ODOM, odometry(1.0, 2.0))
+    sink.close()
+    drive = tmp_path / "drive"
+    assert said == [
+        f"ada: the definition of {BATTERY.type_name} changed; the recording goes on in {drive / 'ada-3'}"
+    ]
+    assert {path.name: levels(path) for path in drive.iterdir()} == {
+        "ada": [80, 79],
+        "ada-2": [80],
+        "ada-3": [78],
+    }
+    assert [one.topic for one in read_bag(drive / "ada-3").messages] == ["/battery", "/odom"]
+
+
+def test_a_recording_whose_end_cannot_be_written_appears_with_what_was_and_is_said_once(
+    tmp_path: Path,
+) -> None:
+    said: list[str] = []
+    sink = RecordingSink(tmp_path / "drive", said.append, itertools.count(START_NS).__next__)
+    sink.open("ada", GRIPPER)
+    take(sink, GRIPPER, HELD)
+    with files_at_most((tmp_path / "drive" / ".ada.partial" / "ada.mcap").stat().st_size):
+        sink.close()
+    assert len(said) == 1
+    assert "cannot be written" in said[0]
+    assert [path.name for path in (tmp_path / "drive").iterdir()] == ["ada"]
+    assert len(read_bag(tmp_path / "drive" / "ada").messages) == 1
+
+
+def test_a_recording_whose_metadata_cannot_be_written_has_none_of_half(tmp_path: Path) -> None:
+    said: list[str] = []
+    sink = RecordingSink(tmp_path / "drive", said.append, itertools.count(START_NS).__next__)
+    sink.open("ada", GRIPPER)
+    take(sink, GRIPPER, HELD)
+    (tmp_path / "drive" / ".ada.partial" / "metadata.yaml").mkdir()
+    sink.close()
+    assert len(said) == 1
+    assert said[0].startswith(f"{tmp_path / 'drive' / 'ada'}: error: metadata.yaml cannot be written")
+    assert len(read_with_mcap(tmp_path / "drive" / "ada" / "ada.mcap")) == 1

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
@@ -37,7 +38,8 @@ Sent = tuple[str, str, bytes]
 class Place(Protocol):
     """A sink, and what others see of it."""
 
-    sink: link.Sink
+    @property
+    def sink(self) -> link.Sink: ...
 
     def put_out(self, topics: set[str], count: int) -> list[Sent]:
         """So many messages of these topics, of which there are no more."""
@@ -149,6 +151,37 @@ def test_a_message_of_a_stream_that_was_never_announced_is_left_out(place: Place
     place.sink.open("ada", ODOM)
     take(place, (GRIPPER, HELD), (ODOM, odometry(1.0, 0.0)))
     assert place.put_out({"/odom"}, 1) == [("/odom", ODOM.type_name, odometry(1.0, 0.0))]
+
+
+def test_a_stream_that_is_forgotten_takes_nothing_of_the_others_with_it_and_may_come_again(
+    place: Place, said: list[str]
+) -> None:
+    place.sink.forget("ada", ODOM)
+    for stream in (ODOM, GRIPPER, CHANGED):
+        place.sink.open("ada", stream)
+    take(place, (CHANGED, HELD), (GRIPPER, HELD))
+    place.sink.forget("ada", CHANGED)
+    place.sink.open("ada", CHANGED)
+    take(place, (CHANGED, HELD[:-1]))
+    put_out = place.put_out({"/odom", "/gripper"}, 2)
+    assert [one for one in put_out if one[0] == "/gripper"] == [("/gripper", CUSTOM_TYPE, HELD)]
+    assert [one for one in put_out if one[0] == "/odom"][-1] == ("/odom", CUSTOM_TYPE, HELD[:-1])
+    assert said == []
+
+
+def test_what_a_stream_latched_is_given_to_nobody_once_it_is_forgotten(tmp_path: Path) -> None:
+    graph, foxglove = Graph(tmp_path, pytest.fail), Foxglove(tmp_path, pytest.fail)
+    again = replace(GRIPPER, publisher=1)
+    for place in (graph, foxglove):
+        for stream, payload in ((GRIPPER, HELD), (again, HELD[:-1])):
+            place.sink.open("ada", stream)
+            take(place, (stream, payload))
+        place.sink.forget("ada", GRIPPER)
+    assert graph.graph.for_late_subscribers("/gripper") == [HELD[:-1]]
+    take(graph, (GRIPPER, HELD))
+    assert len(graph.graph.published) == 2
+    assert foxglove.put_out({"/gripper"}, 1) == [("/gripper", CUSTOM_TYPE, HELD[:-1])]
+    foxglove.sink.close()
 
 
 def test_nothing_goes_wrong_after_the_end(place: Place, said: list[str]) -> None:

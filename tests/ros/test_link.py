@@ -123,6 +123,22 @@ def test_publishers_stay_apart_with_type_and_qos_and_a_late_subscriber_gets_what
     assert sorted(values(late, "names")) == ["hall", "yard"]
 
 
+def test_what_a_node_latched_before_it_was_restarted_is_given_to_nobody_at_the_operator(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    operators.receiver(endpoint)
+    linked_runtime(robot, endpoint)
+    for text in ("hall", "yard"):
+        source = robot.source(names={"type": TEXT, "texts": [text]})
+        # One notes what comes, another one comes later.
+        for _ in range(2):
+            late = operators.operator(names={**NAMES, "values": [text]})
+            late.line_with("heard")
+        assert values(late, "names") == [text]
+        source.signal(signal.SIGINT)
+        source.exit_code()
+
+
 @pytest.mark.calm
 def test_the_rates_at_the_operator_are_those_of_the_rules(
     robot: SmallRobot, operators: SmallRobot, endpoint: str

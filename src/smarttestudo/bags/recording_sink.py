@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -20,10 +21,11 @@ from smarttestudo.domain.names import TOPIC_PLACEHOLDER, output_name
 from smarttestudo.domain.recording import Channel
 from smarttestudo.files.outputs import require_new, write_error
 from smarttestudo.files.removal import remove
-from smarttestudo.files.whole_file import PARTIAL_SUFFIX
+from smarttestudo.files.whole_file import PARTIAL_SUFFIX, OutputFileError, whole_file
 
 _FOLDER_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}\Z")
 _WRITE_ERRORS = (OSError, struct.error)
+_StreamKey = tuple[str, int]
 
 
 class RecordingSink:
@@ -32,8 +34,9 @@ class RecordingSink:
     Messages are stamped with ``now_ns`` as they arrive, and topics named by ``pattern``, in which ``{robot}``
     may stand beside ``{topic}``. A recording appears under its name at the end; one that cannot go on appears
     at once with what was written until then. Until then it is ``folder/.<robot>.partial``, which is a bag,
-    too: what was taken is in it though the process is killed. ``say`` is told where each begins, and ``warn``
-    once what goes wrong.
+    too: what was taken is in it though the process is killed. A file has one definition of a type: with
+    another one, as after an update of the robot, the recording goes on in ``folder/<robot>-2``. ``say`` is
+    told where each begins, and ``warn`` once what goes wrong.
 
     Raises:
         UsageError: the pattern makes no names.
@@ -76,9 +79,13 @@ class RecordingSink:
         except TestudoError as error:
             self._say(error)
             return
+        if recording.has_other_definition(channel):
+            recording = self._go_on(robot, recording, channel)
         try:
-            recording.add(stream, channel)
+            if recording is not None:
+                recording.add((stream.topic, stream.publisher), channel)
         except RecordingError as error:
+            assert recording is not None
             self._give_up(robot, recording, error)
 
     def write(self, message: ReceivedMessage) -> None:
@@ -91,14 +98,14 @@ class RecordingSink:
         except RecordingError as error:
             self._give_up(message.robot, recording, error)
 
+    def forget(self, robot: str, stream: StreamInfo) -> None:
+        """Keep what was recorded."""
+
     def close(self) -> None:
         """Have all recordings appear under their names; the folder goes where there is none."""
         for recording in self._recordings.values():
             if recording is not None:
-                try:
-                    recording.finish()
-                except RecordingError as error:
-                    self._say(error)
+                self._finish(recording)
         self._recordings.clear()
         with suppress(OSError, TestudoError):
             remove(self._folder, (), with_folder=True)
@@ -109,10 +116,32 @@ class RecordingSink:
         except RecordingError as error:
             self._say(error)
             return None
-        self._say_begun(
-            f"{robot}: recording into {recording.path} until the end, then {self._folder / robot}"
-        )
+        self._say_begun(f"{robot}: recording into {recording.path} until the end, then {recording.target}")
         return recording
+
+    def _go_on(self, robot: str, before: _RobotRecording, channel: StoredChannel) -> _RobotRecording | None:
+        """Another recording, with what of the streams of the one before fits to the type of ``channel``."""
+        self._finish(before)
+        recording = self._recordings[robot] = self._create(robot)
+        if recording is None:
+            return None
+        self._warn(
+            f"{robot}: the definition of {channel.type_name} changed; "
+            f"the recording goes on in {recording.target}"
+        )
+        try:
+            recording.take_streams(before, channel)
+        except RecordingError as error:
+            self._give_up(robot, recording, error)
+            return None
+        return recording
+
+    def _finish(self, recording: _RobotRecording) -> None:
+        try:
+            recording.finish()
+        except RecordingError as error:
+            self._say(error)
+            recording.give_up()
 
     def _channel(self, robot: str, stream: StreamInfo) -> StoredChannel:
         topic = output_name(stream.topic, self._pattern, robot)
@@ -139,7 +168,10 @@ class RecordingSink:
 
 
 class _RobotRecording:
-    """The rosbag2 ``folder/<robot>``, hidden until it is finished. Calls raise ``RecordingError``."""
+    """The rosbag2 ``folder/<robot>``, or the first of ``<robot>-2``, ``<robot>-3`` … that is free.
+
+    It is hidden until it is finished. Calls raise ``RecordingError``.
+    """
 
     def __init__(self, folder: Path, robot: str) -> None:
         if _FOLDER_NAME.match(robot) is None:
@@ -148,25 +180,40 @@ class _RobotRecording:
                 place=str(folder),
                 remedy="give it a name of letters, digits, _, - and .",
             )
-        self._target = folder / robot
-        self.path = folder / f".{robot}{PARTIAL_SUFFIX}"
-        self._file_name = f"{robot}.mcap"
-        self._of_streams: dict[tuple[str, int], StoredChannel] = {}
+        name = next(
+            name for name in _names(robot) if not any(path.exists() for path in _places(folder, name))
+        )
+        self.target, self.path = _places(folder, name)
+        self._file_name = f"{name}.mcap"
+        self._of_streams: dict[_StreamKey, StoredChannel] = {}
+        self._of_types: dict[str, StoredChannel] = {}
         self._channels: dict[tuple[str, str], StoredChannel] = {}
         try:
             self.path.mkdir()
             self._writer = McapWriter(self.path / self._file_name)
         except OSError as error:
-            raise write_error(self._target, error) from error
+            raise write_error(self.target, error) from error
 
-    def add(self, stream: StreamInfo, channel: StoredChannel) -> None:
+    def has_other_definition(self, channel: StoredChannel) -> bool:
+        """Whether the type of ``channel`` is defined otherwise here, so that messages would be misread."""
+        known = self._of_types.get(channel.type_name)
+        return known is not None and _are_unlike(known, channel)
+
+    def take_streams(self, before: _RobotRecording, channel: StoredChannel) -> None:
+        """Add the streams of another recording, but those that define the type of ``channel`` otherwise."""
+        for stream, known in before._of_streams.items():
+            if known.type_name != channel.type_name or not _are_unlike(known, channel):
+                self.add(stream, known)
+
+    def add(self, stream: _StreamKey, channel: StoredChannel) -> None:
         """Messages of ``stream`` are those of ``channel`` from now on."""
         known = self._channels.setdefault((channel.topic, channel.type_name), channel)
-        self._of_streams[stream.topic, stream.publisher] = known
+        self._of_streams[stream] = known
+        self._of_types.setdefault(channel.type_name, known)
         try:
             self._writer.add(known)
         except _WRITE_ERRORS as error:
-            raise write_error(self._target, error) from error
+            raise write_error(self.target, error) from error
 
     def write(self, stream: StreamInfo, stamp_ns: int, payload: bytes) -> None:
         """Append a message, unless its stream was never announced."""
@@ -176,17 +223,20 @@ class _RobotRecording:
         try:
             self._writer.write(channel, stamp_ns, payload)
         except _WRITE_ERRORS as error:
-            raise write_error(self._target, error) from error
+            raise write_error(self.target, error) from error
 
     def finish(self) -> None:
         """Have it appear, whole."""
         try:
             content = self._writer.close()
             text = metadata_text({self._file_name: content}, list(self._channels.values()))
-            (self.path / METADATA_NAME).write_text(text, encoding="utf-8")
+            with whole_file(self.path / METADATA_NAME, METADATA_NAME) as write:
+                write(text)
             self._appear()
+        except OutputFileError as error:
+            raise RecordingError(error.cause, place=str(self.target), remedy=error.remedy) from error
         except _WRITE_ERRORS as error:
-            raise write_error(self._target, error) from error
+            raise write_error(self.target, error) from error
 
     def give_up(self) -> None:
         """Have it appear as it is, if it can."""
@@ -195,5 +245,23 @@ class _RobotRecording:
             self._appear()
 
     def _appear(self) -> None:
-        require_new(self._target)
-        self.path.rename(self._target)
+        require_new(self.target)
+        self.path.rename(self.target)
+
+
+def _names(robot: str) -> Iterator[str]:
+    yield robot
+    for number in itertools.count(2):
+        yield f"{robot}-{number}"
+
+
+def _places(folder: Path, name: str) -> tuple[Path, Path]:
+    """Where a recording appears, and where it is until then."""
+    return folder / name, folder / f".{name}{PARTIAL_SUFFIX}"
+
+
+def _are_unlike(one: StoredChannel, other: StoredChannel) -> bool:
+    """Whether both have a definition, and not the same; comments do not count where digests are known."""
+    if one.digest and other.digest:
+        return one.digest != other.digest
+    return bool(one.definition and other.definition and one.definition != other.definition)

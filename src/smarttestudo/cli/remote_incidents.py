@@ -23,26 +23,43 @@ from smarttestudo.link.zenoh import open_link_incidents
 from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
 
 _EXIT_STOPPED = 1
+_EXIT_SILENT = 1
 _FOUND_WITHIN_S = 10.0
+_KNOWN_WITHIN_S = 3.0
 _LOOK_S = 0.1
 _NAMED = 8
 _ERASE_LINE = "\r\x1b[K"
 
 
 def list_remote(arguments: argparse.Namespace) -> int:
-    """The incidents of a robot, or of all that are heard, one line each."""
+    """The incidents of a robot, or of all that are heard and answer, one line each."""
     with stop_signals() as stopped, _opened(arguments) as incidents:
         robots = _heard(incidents, stopped, arguments)
         if arguments.robot is not None:
             robots = [_chosen(robots, arguments)]
-        found = [one for robot in robots for one in incidents.list(robot)]
+        answers = {robot: _list(incidents, robot, is_alone=len(robots) == 1) for robot in robots}
+    lists = {robot: answer for robot, answer in answers.items() if answer is not None}
+    if not lists:
+        return _EXIT_SILENT
+    found = [one for of_robot in lists.values() for one in of_robot]
     if arguments.json:
         print(json_text([_json(one) for one in found]))  # noqa: T201
     elif found:
         print_table(incident_table(found))
     else:
-        print(f"no incidents on {', '.join(robots)}")  # noqa: T201
+        print(f"no incidents on {', '.join(lists)}")  # noqa: T201
     return 0
+
+
+def _list(incidents: RemoteIncidents, robot: str, *, is_alone: bool) -> Sequence[RemoteIncident] | None:
+    """The incidents of a robot, ``None`` where it does not answer: that is said, or raised if it is alone."""
+    try:
+        return incidents.list(robot)
+    except LinkError as error:
+        if is_alone:
+            raise
+        warn(f"{robot}: {error}")
+        return None
 
 
 def fetch(arguments: argparse.Namespace) -> int:
@@ -86,11 +103,13 @@ def _opened(arguments: argparse.Namespace) -> Iterator[RemoteIncidents]:
 def _heard(
     incidents: RemoteIncidents, stopped: Callable[[], bool], arguments: argparse.Namespace
 ) -> Sequence[str]:
-    """The robots that are there, as soon as there is the one that is asked for."""
+    """The robots that are there, as soon as there is the one that is asked for, or all are known."""
     end_s = time.monotonic() + _FOUND_WITHIN_S
     while not stopped():
         robots = incidents.robots(_LOOK_S)
-        if arguments.robot in robots or (robots and arguments.robot is None):
+        if robots and arguments.robot is None:
+            return incidents.robots(_KNOWN_WITHIN_S)
+        if arguments.robot in robots:
             return robots
         if time.monotonic() > end_s:
             if robots:

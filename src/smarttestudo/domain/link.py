@@ -156,5 +156,8 @@ class Sink(Protocol):
     def write(self, message: ReceivedMessage) -> None:
         """A message arrived, or ``is_predicted``."""
 
+    def forget(self, robot: str, stream: StreamInfo) -> None:
+        """A robot has this stream no more: what it latched is not given to anybody."""
+
     def close(self) -> None:
         """Nothing more comes."""

@@ -13,7 +13,16 @@ from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import CommandTopic, LinkState, TopicOnLink
 from smarttestudo.domain.metric import Metered, MetricKind
-from smarttestudo.domain.record import Count, Decimals, JsonEntry, Mark, Measured, Significant, derived
+from smarttestudo.domain.record import (
+    AtMost,
+    Count,
+    Decimals,
+    JsonEntry,
+    Mark,
+    Measured,
+    Significant,
+    derived,
+)
 from smarttestudo.domain.signal import Truth
 
 STATUS_HZ = 1.0
@@ -21,6 +30,9 @@ STATUS_HZ = 1.0
 
 MOST_BLOCKS = 1_000
 """How many blocks a status holds at most, so that it stays small whatever the rules."""
+
+MOST_UPTIME_S = 1e10
+"""Three centuries; what shows a status need not say more."""
 
 _Seconds = Annotated[float, Decimals(3)]
 
@@ -251,7 +263,9 @@ class RuntimeStatus:
     robot: Annotated[str, JsonEntry(omits_default=True)] = ""
     node: str
     stamp_ns: int
-    uptime_s: Annotated[Measured, Metered("uptime", "seconds", "Time since the start of the run.")]
+    uptime_s: Annotated[
+        Measured, AtMost(MOST_UPTIME_S), Metered("uptime", "seconds", "Time since the start of the run.")
+    ]
     status_hz: Annotated[float, Decimals(3)] = STATUS_HZ
     rules: RulesInForce
     budget_kb_per_s: Annotated[

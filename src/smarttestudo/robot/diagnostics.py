@@ -127,7 +127,8 @@ def topic_health(topic: TopicStatus) -> Health:
     if incompatible:
         return Health(DiagnosticLevel.WARN, Silence.INCOMPATIBLE_QOS.value, incompatible)
     if not topic.keeps_rate:
-        return Health(DiagnosticLevel.WARN, "rate off", f"{topic.error_percent:+.1f} %")
+        error = "" if topic.error_percent is None else f"{topic.error_percent:+.1f} %"
+        return Health(DiagnosticLevel.WARN, "rate off", error)
     counts = None if topic.on_link is None else topic.on_link.counts
     if counts is not None and counts.is_losing:
         lost = f"{counted(counts.overflowed, 'message')} since the start"

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from link.protocol.simulated_link import Ends, Link, S, Source
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link import LinkNeeds, Prediction, StreamInfo
+from smarttestudo.domain.link import LinkNeeds, Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
-from smarttestudo.link.protocol.chunks import Chunk
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, Chunk
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, LinkTimes, Report
 from smarttestudo.link.protocol.receiver import LinkReceiver
 from smarttestudo.link.protocol.sender import LinkSender
@@ -200,3 +200,76 @@ def test_a_session_that_somebody_else_claimed_does_not_end_the_link() -> None:
     ends.at(1 * S, forge)
     ends.run(10)
     assert len(ends.ages_s("/a", 4)) >= 55
+
+
+@given(st.integers(1, 40), st.integers(1, 40))
+def test_messages_arrive_once_each_and_follow_on_each_other_beyond_the_last_number(
+    before: int, after: int
+) -> None:
+    receiver = LinkReceiver("robot", 7, lambda data, _most: data)
+    told = Announcement(stream=1, info=stream())
+    receiver.receive(chunk_of(CONTROL_STREAM, 0, CONTROL.to_bytes(told)), 0)
+    numbers = [number % 2**32 for number in range(2**32 - before, 2**32 + after)]
+    for number in numbers:
+        got = [receiver.receive(chunk_of(1, number, b"x"), 0) for _ in range(2)]
+        assert isinstance(got[0], ReceivedMessage)
+        assert got[0].begins_anew == (number == numbers[0])
+        assert got[1] is None
+    assert receiver.receive(chunk_of(1, numbers[0], b"x"), 0) is None
+    assert receiver.counts.repeated == len(numbers) + 1
+
+
+def test_no_claim_of_a_session_leaves_none_for_the_next_outages() -> None:
+    sender: LinkSender[None] = LinkSender()
+    sender.open(stream(), 0)
+    for session in (0, 2**32 - 2**16 - 1, 2**32 - 2, 2**32 - 1):
+        sender.handle_report(Report(receiver=7, session=session, received_bytes=0), 0)
+    for _ in range(10):
+        sender.disconnect()
+        sender.handle_report(Report(receiver=7, session=0, received_bytes=0), 0)
+        assert sender.next_chunk(0) is not None
+
+
+@given(st.lists(st.sampled_from(["open", "close", "cut", "report"]), max_size=30))
+def test_whoever_hears_the_robot_knows_its_streams_whatever_was_closed_in_an_outage(acts: list[str]) -> None:
+    sender: LinkSender[None] = LinkSender()
+    receiver = LinkReceiver("robot", 7, lambda data, _most: data)
+    is_cut, now_ns, opened = True, 0, dict[int, StreamInfo]()
+    for count, act in enumerate([*acts, "report"]):
+        now_ns += 100_000_000
+        if act == "open":
+            info = stream(publisher=count)
+            number = sender.open(info, now_ns)
+            assert number is not None
+            opened[number] = info
+        elif act == "close" and opened:
+            sender.close(number := min(opened), now_ns)
+            del opened[number]
+        elif act == "cut":
+            sender.disconnect()
+            is_cut = True
+        elif act == "report":
+            is_cut = False
+        if not is_cut:
+            for _ in range(2):
+                sender.handle_report(REPORTS.from_bytes(receiver.next_report(now_ns)), now_ns)
+                while (data := sender.next_chunk(now_ns)) is not None:
+                    receiver.receive(data, now_ns)
+    assert receiver.streams == opened
+
+
+def chunk_of(number_of_stream: int, number: int, body: bytes) -> bytes:
+    """A message that travels in one chunk."""
+    chunk = Chunk(
+        session=1,
+        stream=number_of_stream,
+        number=number,
+        offset=0,
+        size_bytes=len(body),
+        offered_ns=0,
+        sent_ns=0,
+        is_compressed=False,
+        is_kept=False,
+        body=body,
+    )
+    return chunk.to_bytes()

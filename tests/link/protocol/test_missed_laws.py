@@ -144,6 +144,26 @@ def test_each_message_of_a_cut_was_either_received_or_missed(lengths_ms: list[in
 
 
 @settings(max_examples=30)
+@given(lengths, st.lists(st.integers(200, 1_000), min_size=1, max_size=3))
+def test_who_comes_while_another_is_served_changes_nothing_for_that_one(
+    lengths_ms: list[int], joins_ms: list[int]
+) -> None:
+    cuts = cut_for(lengths_ms)
+    ends = CutEnds(Link(((0, 1_000_000),)), SOURCES, cuts=cuts)
+    for number, join_ms in enumerate(joins_ms):
+        report = Report(receiver=100 + number, session=0, received_bytes=0)
+        for cycle in range(len(cuts)):
+            ends.at(cycle * 6 * S + join_ms * MS, partial(ends.sender.handle_report, report))
+    found = run(ends)
+    for source in SOURCES:
+        fate = found[source.topic]
+        assert fate.received & fate.missed == frozenset()
+        assert gave_way_within(source, fate, cuts) == []
+        got = [message.payload for _, message in ends.arrived[source.topic]]
+        assert len(got) == len({*got})
+
+
+@settings(max_examples=30)
 @given(lengths)
 def test_each_message_of_a_link_that_stands_still_for_longer_was_received_or_missed(
     lengths_ms: list[int],

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,7 +19,7 @@ from smarttestudo.domain.remote_incidents import (
     OnProgress,
     RemoteIncident,
 )
-from smarttestudo.link.receive.incident_mirror import IncidentMirror, MirrorFolders
+from smarttestudo.link.receive.incident_mirror import STALLED_AFTER_S, TURN_S, IncidentMirror, MirrorFolders
 
 OUTAGE = RemoteIncident(
     robot="ada",
@@ -28,8 +30,9 @@ OUTAGE = RemoteIncident(
     from_ns=1,
     to_ns=2,
     messages=1,
-    size_bytes=5,
+    size_bytes=5_000,
 )
+SIZE_BYTES = OUTAGE.size_bytes
 
 
 class Robots:
@@ -42,6 +45,10 @@ class Robots:
         self.outages: list[RemoteIncident] = []
         self.asked: Callable[[], None] = lambda: None
         self.error: LinkError | None = None
+        self.now_s = 0.0
+        self.fetched: list[str] = []
+        self.bytes_per_s = {"ada": 1e9, "bob": 1e9}
+        self.leaves_at_s = math.inf
 
     def robots(self, within_s: float) -> Sequence[str]:
         return self.there
@@ -52,7 +59,10 @@ class Robots:
             raise LinkError(f"there is no robot {robot!r}")
         if self.error is not None:
             raise self.error
-        return self.outages
+        return [replace(one, robot=robot) for one in self.outages]
+
+    def steady_s(self) -> float:
+        return self.now_s
 
     def fetch(
         self,
@@ -62,9 +72,19 @@ class Robots:
         on_progress: OnProgress,
         cancelled: Callable[[], bool],
     ) -> Path | None:
+        self.fetched.append(robot)
+        speed, began_s = self.bytes_per_s[robot], self.now_s
+        while (got_bytes := int((self.now_s - began_s) * speed)) < SIZE_BYTES:
+            if cancelled():
+                return None
+            waits_for = None if speed else "a part of the link that topics leave unused"
+            on_progress(FetchProgress(got_bytes=got_bytes, total_bytes=SIZE_BYTES, waits_for=waits_for))
+            self.now_s += 0.5
+            if self.now_s >= self.leaves_at_s:
+                self.there.remove("ada")
+                self.leaves_at_s = math.inf
         path = folder / name
         path.mkdir(parents=True)
-        on_progress(FetchProgress(got_bytes=5, total_bytes=5))
         return path
 
 
@@ -99,3 +119,50 @@ def test_after_an_error_a_robot_that_comes_back_is_asked_at_once_and_one_that_st
             robots.asked = lambda: asked.append(look)  # noqa: B023
             mirror.poll()
         assert asked[0] == looks_until_asked
+
+
+def two_robots(folder: Path, warned: list[str]) -> tuple[Robots, IncidentMirror, list[str]]:
+    robots, said = Robots(), list[str]()
+    robots.there, robots.outages = ["ada", "bob"], [OUTAGE]
+    folders = MirrorFolders(outages=folder)
+    return robots, IncidentMirror(robots, folders, said.append, warned.append, steady_s=robots.steady_s), said
+
+
+def test_a_fetch_that_gets_nothing_is_said_once_and_gives_way_to_other_robots(tmp_path: Path) -> None:
+    warned: list[str] = []
+    robots, mirror, said = two_robots(tmp_path, warned)
+    robots.bytes_per_s["ada"] = 0
+    for _ in range(35):
+        mirror.poll()
+    assert said == [f"bob: outage {tmp_path / 'bob' / OUTAGE.name}"]
+    assert warned == [f"ada {OUTAGE.name}: waits for a part of the link that topics leave unused"]
+    assert robots.fetched == ["ada", "bob", "ada"]
+    assert robots.now_s < 2 * STALLED_AFTER_S + 2
+    robots.bytes_per_s["ada"] = 1e9
+    for _ in range(30):
+        mirror.poll()
+    assert said[1:] == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
+
+
+def test_a_robot_that_is_switched_off_while_it_is_fetched_from_keeps_nobody_waiting(tmp_path: Path) -> None:
+    robots, mirror, said = two_robots(tmp_path, [])
+    robots.bytes_per_s["ada"], robots.leaves_at_s = 1, 10.0
+    mirror.poll()
+    assert said == [f"bob: outage {tmp_path / 'bob' / OUTAGE.name}"]
+    assert robots.now_s < 11
+    robots.there, robots.bytes_per_s["ada"] = ["ada", "bob"], 1e9
+    mirror.poll()
+    assert said[1:] == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
+
+
+def test_robots_take_turns_where_a_fetch_takes_long_and_one_alone_goes_on(tmp_path: Path) -> None:
+    warned: list[str] = []
+    robots, mirror, said = two_robots(tmp_path, warned)
+    robots.bytes_per_s["ada"] = 50
+    mirror.poll()
+    assert said == [f"bob: outage {tmp_path / 'bob' / OUTAGE.name}"]
+    assert robots.now_s < TURN_S + 2
+    robots.there = ["ada"]
+    mirror.poll()
+    assert said[1:] == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
+    assert warned == []

@@ -212,6 +212,16 @@ def test_a_predicted_message_is_where_the_robot_is_now_with_the_bound_as_covaria
     assert list(found.pose.covariance) == pytest.approx(list(np.diag(variances).flat))
 
 
+@pytest.mark.parametrize("told_hz", [math.nan, 1e-310, -5.0, 0.0, 0.009, -math.inf, None])
+def test_without_a_usable_rate_of_the_source_predicted_messages_come_ten_times_a_second(
+    told_hz: float | None,
+) -> None:
+    predictor = predicting(source_hz=told_hz)
+    predictor.handle(arrived(7 * S), 0)
+    due_ns = [number * MS for number in range(1000) if list(predictor.predicted(number * MS))]
+    assert due_ns == [number * 100 * MS for number in range(1, 10)]
+
+
 def test_predicted_messages_come_at_the_rate_of_the_source_after_each_that_arrived() -> None:
     predictor = predicting()
     predictor.handle(arrived(7 * S), 0)

@@ -22,6 +22,7 @@ class Notes:
 
     def __init__(self) -> None:
         self.opened: list[tuple[str, StreamInfo]] = []
+        self.forgotten: list[tuple[str, StreamInfo]] = []
         self.taken: list[ReceivedMessage] = []
 
     def open(self, robot: str, stream: StreamInfo) -> None:
@@ -29,6 +30,9 @@ class Notes:
 
     def write(self, message: ReceivedMessage) -> None:
         self.taken.append(message)
+
+    def forget(self, robot: str, stream: StreamInfo) -> None:
+        self.forgotten.append((robot, stream))
 
     def close(self) -> None:
         raise AssertionError("whoever made a sink closes it")
@@ -38,8 +42,8 @@ def presence(robot: str = "ada", boot: str = "0", *, is_present: bool = True) ->
     return RobotPresence(robot=robot, boot=boot, is_present=is_present)
 
 
-def said(info: StreamInfo | None, robot: str = "ada", boot: str = "0") -> StreamSaid:
-    return StreamSaid(robot=robot, boot=boot, number=0, info=info)
+def said(info: StreamInfo | None, robot: str = "ada", boot: str = "0", number: int = 0) -> StreamSaid:
+    return StreamSaid(robot=robot, boot=boot, number=number, info=info)
 
 
 def message(
@@ -72,12 +76,52 @@ def test_every_sink_gets_streams_and_messages_in_order_and_nothing_of_presence()
     reception = Reception([first, second])
     other = replace(ODOM, publisher=1)
     messages = [message(), message(other), message(MAP), message()]
-    events: list[LinkEvent] = [presence(), said(ODOM), said(other), said(MAP), *messages, said(None)]
+    streams = [said(one, number=number) for number, one in enumerate((ODOM, other, MAP))]
+    events: list[LinkEvent] = [presence(), *streams, *messages, said(None, number=1)]
     for event in events:
         reception.handle(event, 0)
     for sink in (first, second):
         assert sink.opened == [("ada", ODOM), ("ada", other), ("ada", MAP)]
+        assert sink.forgotten == [("ada", other)]
         assert sink.taken == messages
+
+
+def test_a_stream_whose_number_has_another_one_now_is_forgotten() -> None:
+    sink = Notes()
+    reception = Reception([sink])
+    again = replace(MAP, publisher=1)
+    for event in (presence(), said(MAP), said(replace(MAP, definition="x")), said(again)):
+        reception.handle(event, 0)
+    assert sink.forgotten == [("ada", replace(MAP, definition="x"))]
+    assert sink.opened[-1] == ("ada", again)
+
+
+def test_what_a_robot_has_of_a_publisher_under_another_number_is_kept_until_that_is_closed_too() -> None:
+    sink = Notes()
+    reception = Reception([sink])
+    for event in (presence(), said(MAP), said(MAP, number=1), said(None)):
+        reception.handle(event, 0)
+    assert sink.forgotten == []
+    reception.handle(said(None, number=1), 0)
+    assert sink.forgotten == [("ada", MAP)]
+
+
+def test_streams_of_a_robot_that_left_are_kept_until_another_run_of_it_is_there() -> None:
+    for left_first in (True, False):
+        sink = Notes()
+        reception = Reception([sink])
+        for event in (presence(), said(MAP), presence("bob"), said(ODOM, "bob")):
+            reception.handle(event, 0)
+        # An outage: the same run comes back.
+        for is_present in (False, True):
+            reception.handle(presence(is_present=is_present), 1)
+        leaves, comes = presence(is_present=False), presence(boot="1")
+        for event in (leaves, comes) if left_first else (comes, leaves):
+            assert sink.forgotten == []
+            reception.handle(event, 2)
+        assert sink.forgotten == [("ada", MAP)]
+        reception.handle(said(MAP, boot="1"), 3)
+        assert sink.opened[-1] == ("ada", MAP)
 
 
 def test_a_stream_that_changed_is_opened_again_and_shown_with_its_new_type() -> None:

@@ -119,7 +119,7 @@ def test_incidents_are_closed_to_a_viewer_whose_rule_does_not_name_them(
     ):
         end.offer_incidents(write_incident(tmp_path / "kept").parent)
         until(lambda: "ada" in incidents.robots(0))
-        with pytest.raises(LinkError, match="the robot does not answer this"):
+        with pytest.raises(LinkError, match="ada does not answer this"):
             incidents.list("ada")
 
 

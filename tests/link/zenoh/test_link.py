@@ -112,6 +112,26 @@ def test_one_operator_is_served_and_the_next_when_that_is_gone() -> None:
         until(lambda: b"two" in reader.payloads(), lambda: publisher.publish(b"two"))
 
 
+def test_an_operator_that_comes_while_another_is_served_gets_what_is_latched_and_that_one_no_twice() -> None:
+    endpoint = free_endpoint()
+    with operator_end(endpoint) as first, robot_end(endpoint) as robot:
+        latched, other = robot.advertise(replace(MAP, qos=replace(MAP.qos, depth=3))), robot.advertise(ODOM)
+        for payload in (b"1", b"2", b"3", b"4"):
+            latched.publish(payload)
+        there = Reader(first)
+        until(lambda: there.payloads("/map")[-1:] == [b"4"])
+        before = there.payloads("/map")
+        with open_operator_end(LinkOptions(connect=(endpoint,)), print) as second:
+            late = Reader(second)
+            until(lambda: bool(late.payloads("/map")), there.read)
+            latched.publish(b"5")
+            until(lambda: b"5" in late.payloads("/map"), there.read)
+            until(lambda: b"5" in there.payloads("/map"))
+            until(lambda: bool(late.payloads()), lambda: other.publish(b"pose"))
+            assert late.payloads("/map") == [b"2", b"3", b"4", b"5"]
+        assert there.payloads("/map") == [*before, b"5"]
+
+
 def test_the_robot_knows_what_became_of_its_messages() -> None:
     endpoint = free_endpoint()
     with robot_end(endpoint, warn=print) as robot:

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import socket
 import sys
+from collections.abc import Callable
+from inspect import signature
 from pathlib import Path
 
 import pytest
@@ -14,7 +16,7 @@ from link.zenoh.ends import free_endpoint, refuse_warning, robot_end
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.packages import Extra, how_to_install
 from smarttestudo.link.protocol.keys import boot_of, new_boot
-from smarttestudo.link.zenoh import open_operator_end, open_robot_end
+from smarttestudo.link.zenoh import open_operator_end, open_robot_end, suspended_too_ns
 from smarttestudo.link.zenoh.security import LinkOptions
 
 
@@ -31,6 +33,12 @@ def test_a_name_that_cannot_be_part_of_a_key_is_refused(name: str) -> None:
     with pytest.raises(UsageError, match="--robot"):
         new_boot(name, 1)
     assert boot_of(f"testudo/{name}/0123456789abcdef") is None
+
+
+@pytest.mark.parametrize("opened", [open_robot_end, open_operator_end])
+def test_time_passes_at_an_end_while_its_machine_is_suspended(opened: Callable[..., object]) -> None:
+    # After a clock that stood still, all that came would look late to the other end.
+    assert signature(opened).parameters["clock"].default is suspended_too_ns
 
 
 @pytest.mark.parametrize("key", ["testudo/r1", "testudo/r1/xyz", "testudo/r1/0123456789ABCDEF", "other/r1/0"])

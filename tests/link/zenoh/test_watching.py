@@ -165,6 +165,56 @@ def test_watchers_that_nobody_answers_say_why_and_connect_once_somebody_does() -
             until(lambda: "refused" in (robots.problem or ""), lambda: step(robots))
 
 
+def test_watchers_hear_and_ask_the_robots_of_all_places_each_once_and_join_none_of_them() -> None:
+    first, second, third = (free_endpoint() for _ in range(3))
+    with (
+        listening_robot(first, "ada") as ada,
+        operator_end(second) as operator,
+        robot_end(second, "bob") as end,
+        open_robot_end("bea", LinkOptions(listen=(third,)), refuse_warning) as bea,
+    ):
+        bob = Robot(end)
+        options = LinkOptions(connect=(first, second, second, third))
+        with open_link_robots(options, refuse_warning) as robots:
+            until(lambda: len(robots.heard) == 3, lambda: step(robots, ada, bob, Robot(bea)))
+            assert {*robots.heard} == {f"{name}:/smarttestudo" for name in ("ada", "bob", "bea")}
+            assert robots.problem is None
+            for name, robot in (("ada", ada), ("bob", bob)):
+                answered(robots, robot, partial(robots.set, f"{name}:/smarttestudo", {"status_hz": 5}))
+                assert robot.set == [{"status_hz": 5}]
+            assert [boot.robot for boot in operator.counts()] == ["bob"]
+
+
+def test_a_place_where_nobody_answers_keeps_no_watcher_waiting_for_the_others() -> None:
+    endpoint, nobody = free_endpoint(), free_endpoint()
+    options = LinkOptions(connect=(nobody, endpoint))
+    with listening_robot(endpoint) as robot, open_link_robots(options, refuse_warning) as robots:
+        all_heard_by(robots, robot)
+        assert robots.problem is None
+        assert [*robots.heard] == [ID]
+
+
+def test_a_robot_that_is_reached_in_two_ways_is_heard_while_there_is_one() -> None:
+    endpoints = [free_endpoint() for _ in range(2)]
+    with ExitStack() as opened:
+        robot = Robot(
+            opened.enter_context(open_robot_end("r1", LinkOptions(connect=tuple(endpoints)), print))
+        )
+        ends = [opened.enter_context(ExitStack()) for _ in endpoints]
+        for stack, endpoint in zip(ends, endpoints, strict=True):
+            stack.enter_context(operator_end(endpoint))
+        options = LinkOptions(connect=tuple(endpoints))
+        robots = opened.enter_context(open_link_robots(options, refuse_warning))
+        heard_by(robots, robot)
+        until(lambda: robot.steps > 60, lambda: step(robots, robot))
+        assert [*robots.heard] == [ID]
+        ends[0].close()
+        steps = robot.steps + 100
+        until(lambda: robots.heard[ID].status.uptime_s > steps, lambda: step(robots, robot))
+        assert robots.heard[ID].is_present
+        assert answered(robots, robot, partial(robots.get, ID, NAMES)) == {NAMES[0]: f"value of {NAMES[0]}"}
+
+
 def test_two_robots_of_one_name_are_two() -> None:
     endpoint = free_endpoint()
     with ExitStack() as opened:

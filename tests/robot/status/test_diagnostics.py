@@ -63,6 +63,13 @@ def test_the_level_says_how_bad_it_is(name: str, level: DiagnosticLevel, message
     assert (named(name).level, named(name).message) == (level, message)
 
 
+def test_a_rate_that_is_off_by_nobody_knows_how_much_is_off() -> None:
+    # Another robot's status may say so.
+    topic = replace(STATUS.topics["/imu"], keeps_rate=False, error_percent=None)
+    found = named("/testudo/imu", replace(STATUS, topics={"/imu": topic}))
+    assert (found.level, found.message) == (DiagnosticLevel.WARN, "rate off")
+
+
 def test_the_node_is_well_within_its_budget() -> None:
     node = named("smarttestudo")
     assert (node.level, node.message) == (DiagnosticLevel.OK, "relaying 8 topics")

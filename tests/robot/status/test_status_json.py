@@ -19,7 +19,7 @@ from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.record import to_json
-from smarttestudo.domain.status import RulesOrigin, Silence, TopicStatus
+from smarttestudo.domain.status import MOST_UPTIME_S, RulesOrigin, Silence, TopicStatus
 from smarttestudo.domain.status_json import status_from_text
 
 TEXT = json.dumps(to_json(STATUS))
@@ -53,6 +53,10 @@ def is_number(value: object) -> bool:
     return is_integer(value) or isinstance(value, float)
 
 
+def is_duration(value: object) -> bool:
+    return isinstance(value, int | float) and is_number(value) and abs(value) <= MOST_UPTIME_S
+
+
 def is_none_or_text(value: object) -> bool:
     return value is None or is_text(value)
 
@@ -64,7 +68,7 @@ def is_none_or_number(value: object) -> bool:
 ENTRIES: dict[str, Callable[[object], bool]] = {
     "node": is_text,
     "stamp_ns": is_integer,
-    "uptime_s": is_number,
+    "uptime_s": is_duration,
     "status_hz": is_none_or_number,
     "budget_kb_per_s": is_none_or_number,
     "floors_break_budget": is_flag,
@@ -202,6 +206,13 @@ def test_a_block_with_anything_in_it_is_read_or_left_out(value: object) -> None:
 def test_what_conditions_add_to_a_status_is_small() -> None:
     blocks = json.dumps(RECORD["blocks"][0])
     assert len(blocks) < 150
+
+
+@pytest.mark.parametrize("uptime", ["Infinity", "-Infinity", "NaN", "1e300"])
+def test_a_time_since_the_start_that_nobody_can_show_is_refused(uptime: str) -> None:
+    text = json.dumps({**RECORD, "uptime_s": "@"}).replace('"@"', uptime)
+    with pytest.raises(ValueError, match=r"uptime_s: .* out of range"):
+        status_from_text(text)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", "null", "[" * 100_000, '{"node": 1e999}', TEXT[:-5]])

@@ -137,6 +137,13 @@ class FoxgloveSink:
                 kept.append((message.payload, now_ns))
             topic.channel.log(message.payload, log_time=now_ns)
 
+    def forget(self, robot: str, stream: StreamInfo) -> None:
+        """Give late clients nothing more of the stream; its topic stays."""
+        topic = self._topics.get((robot, stream.topic))
+        if topic is not None:
+            with self._lock:
+                topic.latched.pop(stream.publisher, None)
+
     def close(self) -> None:
         """Let all clients go."""
         self._server.stop()

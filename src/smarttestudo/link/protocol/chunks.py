@@ -13,6 +13,8 @@ MAX_MESSAGE_BYTES = 64 * 1024 * 1024
 MAX_STREAMS = 4096
 MAX_PARTIAL_BYTES = 4 * MAX_MESSAGE_BYTES
 """The size of all unfinished messages together."""
+NUMBERS = 2**32
+"""After so many messages of a stream, their numbers begin again."""
 CONTROL_STREAM = 0
 """The stream in which the robot's end says what the others are."""
 

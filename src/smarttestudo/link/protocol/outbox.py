@@ -5,14 +5,13 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from collections.abc import Hashable, Iterator
 
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage
 from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.link.protocol.chunks import CONTROL_STREAM, Chunk
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, NUMBERS, Chunk
+from smarttestudo.link.protocol.outgoing_stream import Encode, OutgoingMessage, OutgoingStream
 
 MAX_QUEUED_BYTES = 1_000_000
 """The size of the queue of a topic that is sent whole."""
@@ -22,135 +21,8 @@ MAX_PATIENT_BYTES = 16_000_000
 """The size of all messages of a stream that wait so."""
 MAX_GIVEN_UP_BYTES = 16_000_000
 """The size of all messages kept that gave way, until something arrives; the oldest beyond it are missed."""
-LOSING_NS = 60 * NS_PER_S
-"""For how long a topic that lost a message is said to lose some."""
 MAX_WAITING = 1024
 """How many messages of one stream may wait at once, those of a topic that is sent whole apart."""
-
-
-class Encoded(NamedTuple):
-    """A message as it travels."""
-
-    data: bytes
-    is_compressed: bool = False
-
-
-Encode = Callable[[int, bytes], Encoded]
-"""Makes of a message of a stream what travels."""
-
-
-def plain(_stream: int, payload: bytes) -> Encoded:
-    """Every message travels as it is."""
-    return Encoded(payload)
-
-
-@dataclass(slots=True, eq=False)
-class _Message:
-    """A message that waits or is being sent; ``data`` is what travels, from the first chunk on.
-
-    One that has an ``origin`` is kept where it is missed.
-    """
-
-    number: int
-    payload: bytes
-    offered_ns: int
-    is_kept: bool
-    lane: Hashable = None
-    origin: MessageOrigin | None = None
-    encoded: Encoded | None = None
-    offset: int = 0
-    sent_total: int = 0
-    sent_ns: int = 0
-
-
-@dataclass(slots=True, eq=False)
-class _Stream:
-    """One stream: ``slots`` has messages that newer ones of their ``lanes`` may replace, ``queue`` others."""
-
-    number: int
-    needs: LinkNeeds
-    latched: deque[_Message] | None
-    slots: dict[int, _Message] = field(default_factory=dict)
-    lanes: dict[Hashable, deque[int]] = field(default_factory=dict)
-    slots_bytes: int = 0
-    queue: deque[_Message] = field(default_factory=deque)
-    begun: _Message | None = None
-    unacknowledged: deque[_Message] = field(default_factory=deque)
-    queued_bytes: int = 0
-    floor_due_ns: int = 0
-    is_floor_begun: bool = False
-    next_number: int = 0
-    sent: int = 0
-    replaced: int = 0
-    overflowed: int = 0
-    overflowed_ns: int | None = None
-
-    @property
-    def has_work(self) -> bool:
-        return self.begun is not None or bool(self.queue) or bool(self.slots)
-
-    @property
-    def waiting(self) -> Iterator[_Message]:
-        """The messages that were not sent whole."""
-        if self.begun is not None:
-            yield self.begun
-        yield from self.queue
-        yield from self.slots.values()
-
-    @property
-    def oldest_ns(self) -> int:
-        """When the message that goes next was offered."""
-        if self.begun is not None:
-            return self.begun.offered_ns
-        waiting = [next(iter(self.slots.values())).offered_ns] if self.slots else []
-        if self.queue:
-            waiting.append(self.queue[0].offered_ns)
-        return min(waiting)
-
-    def is_urgent(self, now_ns: int) -> bool:
-        """Whether it goes before others: latched, or below its floor."""
-        if self.latched is not None:
-            return True
-        return self.needs.floor_hz > 0 and (self.is_floor_begun or now_ns >= self.floor_due_ns)
-
-    def begin(self, now_ns: int) -> _Message:
-        """Take the message that goes next out of what waits."""
-        if self.queue and (not self.slots or self.queue[0].offered_ns <= self.oldest_ns):
-            message = self.queue.popleft()
-            self.queued_bytes -= len(message.payload)
-        else:
-            message = self.take_slot(next(iter(self.slots)))
-        self.begun = message
-        floor_hz = self.needs.floor_hz
-        self.is_floor_begun = floor_hz > 0 and now_ns >= self.floor_due_ns
-        if self.is_floor_begun:
-            # A grid with a credit of one, so that a message that begins late makes no later one too many.
-            period_ns = int(NS_PER_S / floor_hz)
-            self.floor_due_ns = max(self.floor_due_ns, now_ns - period_ns) + period_ns
-        return message
-
-    def put_slot(self, message: _Message) -> None:
-        self.slots[message.number] = message
-        self.lanes.setdefault(message.lane, deque()).append(message.number)
-        self.slots_bytes += len(message.payload)
-
-    def take_slot(self, number: int) -> _Message:
-        message = self.slots.pop(number)
-        lane = self.lanes[message.lane]
-        lane.remove(number)
-        if not lane:
-            del self.lanes[message.lane]
-        self.slots_bytes -= len(message.payload)
-        return message
-
-    def counts(self, now_ns: int) -> StreamCounts:
-        return StreamCounts(
-            sent=self.sent,
-            replaced=self.replaced,
-            overflowed=self.overflowed,
-            queued_bytes=self.queued_bytes + self.slots_bytes,
-            is_losing=self.overflowed_ns is not None and now_ns - self.overflowed_ns < LOSING_NS,
-        )
 
 
 class Outbox:
@@ -166,14 +38,14 @@ class Outbox:
 
     def __init__(self, encode: Encode) -> None:
         self._encode = encode
-        self._streams: dict[int, _Stream] = {}
-        self._active: dict[int, _Stream] = {}
+        self._streams: dict[int, OutgoingStream] = {}
+        self._active: dict[int, OutgoingStream] = {}
         self._had_session = False
         self._waits_since_ns = 0
         """Since when something waits."""
         self.missed: deque[MissedMessage] = deque()
         """Missed messages with an origin, to be taken from here."""
-        self._given_up: deque[_Message] = deque()
+        self._given_up: deque[OutgoingMessage] = deque()
         self._given_up_bytes = 0
         self._is_cut = False
         self._waited_before_ns = 0
@@ -181,8 +53,8 @@ class Outbox:
 
     def open(self, stream: int, *, depth: int | None = None) -> None:
         """Have a stream; one with ``depth`` is latched and keeps so many messages for another session."""
-        latched = None if depth is None else deque[_Message](maxlen=depth)
-        self._streams[stream] = _Stream(stream, LinkNeeds(), latched)
+        latched = None if depth is None else deque[OutgoingMessage](maxlen=depth)
+        self._streams[stream] = OutgoingStream(stream, LinkNeeds(), latched)
 
     def close(self, stream: int) -> None:
         """Forget a stream and what waits in it."""
@@ -194,7 +66,7 @@ class Outbox:
     def skip(self, stream: int) -> None:
         """Leave out a number, so that the next message does not follow on the last one."""
         open_stream = self._streams[stream]
-        open_stream.next_number = (open_stream.next_number + 1) % 2**32
+        open_stream.next_number = (open_stream.next_number + 1) % NUMBERS
 
     def set_needs(self, stream: int, needs: LinkNeeds) -> None:
         """Serve a stream so from now on."""
@@ -212,9 +84,9 @@ class Outbox:
         if not self._active:
             self._waits_since_ns = now_ns
         open_stream = self._streams[stream]
-        number, open_stream.next_number = open_stream.next_number, (open_stream.next_number + 1) % 2**32
+        number, open_stream.next_number = open_stream.next_number, (open_stream.next_number + 1) % NUMBERS
         is_kept = open_stream.latched is not None or stream == CONTROL_STREAM or open_stream.needs.is_full
-        message = _Message(number, payload, now_ns, is_kept, lane, origin)
+        message = OutgoingMessage(number, payload, now_ns, is_kept, lane, origin)
         if open_stream.latched is not None:
             open_stream.latched.append(message)
         is_patient = self._had_session and not self._is_cut and now_ns - self._waits_since_ns <= PATIENCE_NS
@@ -304,12 +176,19 @@ class Outbox:
             if stream.has_work:
                 self._active[stream.number] = stream
 
+    def send_latched_again(self) -> None:
+        """Have latched messages go once more, for an end that may lack them."""
+        for stream in self._streams.values():
+            stream.queue_latched_again()
+            if stream.has_work:
+                self._active[stream.number] = stream
+
     def counts(self, now_ns: int) -> Iterator[tuple[int, StreamCounts]]:
         """The counts of each stream."""
         for number, stream in self._streams.items():
             yield number, stream.counts(now_ns)
 
-    def _queue(self, stream: _Stream, message: _Message, most_bytes: int) -> None:
+    def _queue(self, stream: OutgoingStream, message: OutgoingMessage, most_bytes: int) -> None:
         may_overflow = stream.number != CONTROL_STREAM
         while may_overflow and stream.queue and stream.queued_bytes + len(message.payload) > most_bytes:
             # As in a DDS history with KEEP_LAST.
@@ -322,7 +201,7 @@ class Outbox:
         stream.queue.append(message)
         stream.queued_bytes += len(message.payload)
 
-    def _replace(self, stream: _Stream, message: _Message, *, is_patient: bool) -> None:
+    def _replace(self, stream: OutgoingStream, message: OutgoingMessage, *, is_patient: bool) -> None:
         if not is_patient or stream.slots_bytes + len(message.payload) > MAX_PATIENT_BYTES:
             for number in tuple(stream.lanes.get(message.lane, ())):
                 self._give_way(stream, number)
@@ -330,11 +209,11 @@ class Outbox:
             self._give_way(stream, next(iter(stream.slots)))
         stream.put_slot(message)
 
-    def _give_way(self, stream: _Stream, number: int) -> None:
+    def _give_way(self, stream: OutgoingStream, number: int) -> None:
         stream.replaced += 1
         self._give_up(stream.take_slot(number))
 
-    def _finish(self, stream: _Stream, message: _Message) -> None:
+    def _finish(self, stream: OutgoingStream, message: OutgoingMessage) -> None:
         stream.begun, stream.is_floor_begun = None, False
         stream.sent += 1
         if message.is_kept or message.origin is not None:
@@ -342,7 +221,7 @@ class Outbox:
         if not stream.has_work:
             del self._active[stream.number]
 
-    def _restart(self, stream: _Stream) -> None:
+    def _restart(self, stream: OutgoingStream) -> None:
         begun, stream.begun, stream.is_floor_begun = stream.begun, None, False
         again = [message for message in stream.unacknowledged if message.is_kept]
         self._miss(*(message for message in stream.unacknowledged if not message.is_kept))
@@ -368,7 +247,7 @@ class Outbox:
         for message in (*stream.queue, *stream.slots.values()):
             message.offset = message.sent_total = 0
 
-    def _give_up(self, *messages: _Message) -> None:
+    def _give_up(self, *messages: OutgoingMessage) -> None:
         """These are not sent, or not known to arrive."""
         for message in messages:
             if message.origin is None or not self._had_session:
@@ -387,13 +266,13 @@ class Outbox:
             self._given_up_bytes -= len(message.payload)
             self._miss(message)
 
-    def _miss(self, *messages: _Message) -> None:
+    def _miss(self, *messages: OutgoingMessage) -> None:
         for message in messages:
             if message.origin is not None:
                 self.missed.append(MissedMessage(origin=message.origin, payload=message.payload))
 
 
-def _rank(stream: _Stream, now_ns: int) -> tuple[bool, bool, float, int]:
+def _rank(stream: OutgoingStream, now_ns: int) -> tuple[bool, bool, float, int]:
     """The order in which streams are served, the least first. Streams are announced before their messages."""
     is_control = stream.number == CONTROL_STREAM
     return not is_control, not stream.is_urgent(now_ns), -stream.needs.priority, stream.oldest_ns

@@ -13,6 +13,7 @@ from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.chunks import (
     CONTROL_STREAM,
     MAX_MESSAGE_BYTES,
+    NUMBERS,
     Chunk,
     Reassembler,
 )
@@ -172,7 +173,8 @@ class LinkReceiver:
             self.counts.malformed += 1
             return None
         before = self._newest.get(chunk.stream)
-        if before is not None and chunk.number <= before:
+        ahead = 1 if before is None else (chunk.number - before) % NUMBERS
+        if not 0 < ahead < NUMBERS // 2:
             self.counts.repeated += 1
             return None
         if transit_ns > LATE_AFTER_NS + 4 * self._round_trip_ns and not chunk.is_kept:
@@ -188,6 +190,6 @@ class LinkReceiver:
             payload=payload,
             offered_ns=chunk.offered_ns,
             age_ns=max(age_ns, 0),
-            begins_anew=before is None or chunk.number != before + 1,
+            begins_anew=before is None or ahead != 1,
             boot=self.boot,
         )

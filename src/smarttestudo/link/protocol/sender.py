@@ -16,7 +16,8 @@ from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.background import BackgroundAnswer, BackgroundAnswers
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
 from smarttestudo.link.protocol.messages import CONTROL, Announcement, LinkTimes, Report
-from smarttestudo.link.protocol.outbox import Encode, Encoded, Outbox, plain
+from smarttestudo.link.protocol.outbox import Outbox
+from smarttestudo.link.protocol.outgoing_stream import Encode, Encoded, plain
 from smarttestudo.link.protocol.receivers import Receivers
 from smarttestudo.link.protocol.window import ACKNOWLEDGE_PERIOD_NS, Window
 
@@ -30,7 +31,8 @@ BUDGET_PERIOD_NS = NS_PER_S // 4
 
 _KEPT_SHARE = 0.99
 """How much an earlier message counts beside the newest: about the last hundred say what compression saves."""
-_LAST_SESSION = 2**32 - 1
+_LAST_SESSION = 2**32 - 2**16
+"""A session that somebody else claimed is gone beyond only where many can follow."""
 _USABLE = 0.95
 """The share of the capacity that is planned with; the rest carries what nobody planned."""
 _GROWTH = ((0.5, 1.4), (0.15, 1.07), (0.05, 1.0))
@@ -45,7 +47,7 @@ class LinkSender(Generic[_Request]):
     The driver gives it messages (``put``) and reports (``handle_report``), and sends what ``next_chunk``
     gives while that gives something; another look is due after a message or a report.
     It serves one operator's end at a time: the first that reports, until that is silent. Others hear what
-    that one is sent.
+    that one is sent; as one comes, latched messages are sent once more.
     """
 
     def __init__(self, encode: Encode = plain, fetch_budget_bytes_per_s: float = math.inf) -> None:
@@ -53,6 +55,8 @@ class LinkSender(Generic[_Request]):
         self._outbox = Outbox(self._encoded)
         self._outbox.open(CONTROL_STREAM)
         self._infos: dict[int, StreamInfo] = {}
+        self._closed: set[int] = set()
+        """Numbers that were announced, and have no stream now."""
         self._needs: Mapping[str, LinkNeeds] = {}
         self._window = Window()
         self.background: BackgroundAnswers[_Request] = BackgroundAnswers(self._live, fetch_budget_bytes_per_s)
@@ -81,6 +85,7 @@ class LinkSender(Generic[_Request]):
         number = next((one for one in range(1, MAX_STREAMS) if one not in self._infos), None)
         if number is None:
             return None
+        self._closed.discard(number)
         self._infos[number] = replace(info, prediction=self._predictions.get(info.topic))
         self._outbox.open(number, depth=info.qos.depth if info.qos.transient_local else None)
         self._outbox.set_needs(number, self._needs.get(info.topic, LinkNeeds()))
@@ -91,6 +96,7 @@ class LinkSender(Generic[_Request]):
         """Send nothing more of a stream."""
         if self._infos.pop(stream, None) is not None:
             self._outbox.close(stream)
+            self._closed.add(stream)
             self._announce(stream, now_ns)
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
@@ -142,10 +148,13 @@ class LinkSender(Generic[_Request]):
 
     def handle_report(self, report: Report, now_ns: int) -> None:
         """An operator's end says what it has."""
-        if self._receivers.handle(report, now_ns):
+        has_joined = self._receivers.handle(report, now_ns)
+        if has_joined:
             self._introduce(now_ns)
         is_silent = self._receiver is None or now_ns - self._heard_ns > LOST_AFTER_NS
         if report.receiver != self._receiver and not is_silent:
+            if has_joined:
+                self._outbox.send_latched_again()
             return
         must_restart = report.receiver != self._receiver or report.session == 0
         if must_restart and report.receiver == self._left_receiver:
@@ -315,7 +324,8 @@ class LinkSender(Generic[_Request]):
         self._sessions += 1
         self._predictions, self._anew = {}, set()
         self._infos = {number: replace(info, prediction=None) for number, info in self._infos.items()}
-        for number in self._infos:
+        # What was closed in an outage was not heard.
+        for number in (*self._closed, *self._infos):
             self._announce(number, now_ns)
 
     def _announce(self, stream: int, now_ns: int) -> None:

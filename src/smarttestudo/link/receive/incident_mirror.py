@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,10 +12,14 @@ from functools import partial
 from pathlib import Path
 
 from smarttestudo.domain.errors import said
-from smarttestudo.domain.remote_incidents import RemoteIncident, RemoteIncidents
+from smarttestudo.domain.remote_incidents import FetchProgress, RemoteIncident, RemoteIncidents
 from smarttestudo.link.worker import Worker
 
 LOOK_PERIOD_S = 2.0
+STALLED_AFTER_S = 30.0
+"""A fetch that got nothing for so long gives way to those from other robots."""
+TURN_S = 60.0
+"""So does one that began so long ago, where other robots are there."""
 _AGAIN_AFTER_LOOKS = 30
 
 
@@ -31,11 +36,39 @@ class MirrorFolders:
         return None if folder is None else folder / incident.robot
 
 
+class _Turn:
+    """A fetch in its time: what came, and whether it is another one's turn."""
+
+    def __init__(self, steady_s: Callable[[], float]) -> None:
+        self._steady_s = steady_s
+        self._began_s = self._came_s = steady_s()
+        self._got_bytes = 0
+        self.waits_for = "the robot's answers"
+
+    def note(self, progress: FetchProgress) -> None:
+        """See how far it is."""
+        if progress.got_bytes > self._got_bytes:
+            self._got_bytes, self._came_s = progress.got_bytes, self._steady_s()
+        self.waits_for = progress.waits_for or self.waits_for
+
+    @property
+    def is_stalled(self) -> bool:
+        """Whether nothing came for long."""
+        return self._steady_s() - self._came_s >= STALLED_AFTER_S
+
+    @property
+    def is_long(self) -> bool:
+        """Whether it had its share of time."""
+        return self._steady_s() - self._began_s >= TURN_S
+
+
 class IncidentMirror:
     """Has what robots recorded in ``folders``, the newest first, on a thread of its own while ``running``.
 
-    ``say`` is told of each that is there, ``warn`` of what fails, which is tried again a minute later, or
-    when the robot has come back. That a robot leaves is no failure.
+    Robots take turns: a fetch ends where its robot leaves, where nothing comes, and after a minute where
+    others are there, and is gone on with later. ``say`` is told of each that is whole, ``warn`` of what
+    fails or stalls, which is tried again a minute later, or when the robot has come back. That a robot leaves
+    is no failure. ``steady_s`` is a clock that never jumps.
     """
 
     def __init__(
@@ -44,11 +77,14 @@ class IncidentMirror:
         folders: MirrorFolders,
         say: Callable[[str], None],
         warn: Callable[[str], None],
+        *,
+        steady_s: Callable[[], float] = time.monotonic,
     ) -> None:
         self._incidents = incidents
         self._folders = folders
         self._say = say
         self._warn = warn
+        self._steady_s = steady_s
         self._worker = Worker("link-mirror", lambda error: warn(said(error)), self.poll)
         self._rests: dict[tuple[str, str], int] = {}
         self._there: frozenset[str] = frozenset()
@@ -80,14 +116,22 @@ class IncidentMirror:
             folder = self._folders.of(one)
             if folder is None or (folder / one.name).exists() or self._worker.is_closed:
                 continue
-            self._try(robot, one.name, partial(self._fetch, one, folder))
+            turn = _Turn(self._steady_s)
+            self._try(robot, one.name, partial(self._fetch, one, folder, turn))
+            if turn.is_stalled or turn.is_long:
+                return
 
-    def _fetch(self, one: RemoteIncident, folder: Path) -> None:
-        path = self._incidents.fetch(
-            one.robot, one.name, folder, lambda _: None, lambda: self._worker.is_closed
-        )
+    def _fetch(self, one: RemoteIncident, folder: Path, turn: _Turn) -> None:
+        def is_over() -> bool:
+            there = self._incidents.robots(0)
+            has_turn = one.robot in there and not turn.is_stalled and not (turn.is_long and len(there) > 1)
+            return self._worker.is_closed or not has_turn
+
+        path = self._incidents.fetch(one.robot, one.name, folder, turn.note, is_over)
         if path is not None:
             self._say(f"{one.robot}: {'outage' if one.is_outage else 'incident'} {path}")
+        elif turn.is_stalled and one.robot in self._incidents.robots(0):
+            self._rest(one.robot, one.name, f"waits for {turn.waits_for}")
 
     def _try(self, robot: str, name: str, act: Callable[[], None]) -> None:
         if (robot, name) in self._rests or (robot, "") in self._rests:
@@ -97,8 +141,12 @@ class IncidentMirror:
         except Exception as error:  # noqa: BLE001 - whatever one robot does, others are fetched from
             if robot not in self._incidents.robots(0):
                 return
-            self._rests[robot, name] = _AGAIN_AFTER_LOOKS
-            sentence = f"{f'{robot} {name}'.rstrip()}: {said(error)}"
-            if sentence not in self._warned:
-                self._warned.add(sentence)
-                self._warn(sentence)
+            self._rest(robot, name, said(error))
+
+    def _rest(self, robot: str, name: str, why: str) -> None:
+        """Try it again a minute later."""
+        self._rests[robot, name] = _AGAIN_AFTER_LOOKS
+        sentence = f"{f'{robot} {name}'.rstrip()}: {why}"
+        if sentence not in self._warned:
+            self._warned.add(sentence)
+            self._warn(sentence)

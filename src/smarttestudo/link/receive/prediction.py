@@ -16,7 +16,8 @@ from smarttestudo.pacing.reckoning.gauges import can_be_reckoned
 from smarttestudo.pacing.reckoning.picture import Picture, silent_after_ns
 
 SOURCE_HZ = 10.0
-"""The rate of a source while the robot has not told it."""
+"""The rate of a source while the robot has not told one of ``LEAST_HZ``."""
+LEAST_HZ = 0.01
 MOST_HZ = 100.0
 """Faster sources are predicted so often."""
 
@@ -168,7 +169,10 @@ class Predictor:
             )
 
     def _period_ns(self, robot: str, topic: str) -> int:
-        return round(NS_PER_S / min(self._source_hz(robot, topic) or SOURCE_HZ, MOST_HZ))
+        told_hz = self._source_hz(robot, topic)
+        # A stranger's number may be NaN, which is not at least anything.
+        source_hz = told_hz if told_hz is not None and told_hz >= LEAST_HZ else SOURCE_HZ
+        return round(NS_PER_S / min(source_hz, MOST_HZ))
 
 
 def _earlier(due_ns: int | None, other_ns: int) -> int:

@@ -30,9 +30,14 @@ class ReceivedTopic:
 
 @dataclass(slots=True)
 class ReceivedRobot:
-    """One robot; ``boots`` are the runs of its end that are connected now."""
+    """One robot; ``boots`` are the runs of its end that are connected now.
+
+    ``streams`` are those that it has, by run and number; those of a run that left stay while there is no
+    other, as it may come back.
+    """
 
     boots: set[str] = field(default_factory=set)
+    streams: dict[tuple[str, int], StreamInfo] = field(default_factory=dict)
     topics: dict[str, ReceivedTopic] = field(default_factory=dict)
 
 
@@ -52,14 +57,11 @@ class Reception:
         robot = event.robot
         known = self.robots.setdefault(robot, ReceivedRobot())
         match event:
-            case RobotPresence(boot=boot, is_present=True):
-                known.boots.add(boot)
-            case RobotPresence(boot=boot):
-                known.boots.discard(boot)
-            case StreamSaid(info=StreamInfo() as stream):
-                _topic(known, stream).type_name = stream.type_name
-                for sink in self._sinks:
-                    sink.open(robot, stream)
+            case RobotPresence(boot=boot, is_present=is_present):
+                (known.boots.add if is_present else known.boots.discard)(boot)
+                self._forget_earlier(robot)
+            case StreamSaid(boot=boot, number=number, info=info):
+                self._follow(robot, (boot, number), info)
             case ReceivedMessage(stream=stream, age_ns=age_ns):
                 topic = _topic(known, stream)
                 topic.age_ms = None if age_ns is None else age_ns / NS_PER_MS
@@ -79,11 +81,37 @@ class Reception:
                 sink.write(message)
         return self._predictor.due_ns
 
+    def _follow(self, robot: str, key: tuple[str, int], info: StreamInfo | None) -> None:
+        """A robot has a stream, or has it no more."""
+        known = self.robots[robot]
+        before = known.streams.pop(key, None)
+        if info is not None:
+            known.streams[key] = info
+        if before is not None and not any(_is_of_publisher(one, before) for one in known.streams.values()):
+            for sink in self._sinks:
+                sink.forget(robot, before)
+        if info is not None:
+            _topic(known, info).type_name = info.type_name
+            for sink in self._sinks:
+                sink.open(robot, info)
+
+    def _forget_earlier(self, robot: str) -> None:
+        """Where a run of a robot's end is there, those that are gone do not come back."""
+        known = self.robots[robot]
+        if known.boots:
+            for key in [key for key in known.streams if key[0] not in known.boots]:
+                self._follow(robot, key, None)
+
     def measure(self, now_ns: int) -> None:
         """Measure the rates anew; to be called about once a second."""
         for robot in self.robots.values():
             for topic in robot.topics.values():
                 topic.meter.look(now_ns)
+
+
+def _is_of_publisher(one: StreamInfo, other: StreamInfo) -> bool:
+    """Whether both are the same publisher of the same topic."""
+    return (one.topic, one.publisher) == (other.topic, other.publisher)
 
 
 def _topic(robot: ReceivedRobot, stream: StreamInfo) -> ReceivedTopic:

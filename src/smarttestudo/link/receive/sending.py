@@ -131,6 +131,9 @@ class Sending:
     def write(self, message: ReceivedMessage) -> None:
         """Do nothing: what arrives is not sent."""
 
+    def forget(self, robot: str, stream: StreamInfo) -> None:
+        """Go on not to send its name: the robot may have it again."""
+
     def close(self) -> None:
         """Receive nothing more."""
         for source in self._sources.values():

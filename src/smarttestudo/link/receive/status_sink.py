@@ -36,6 +36,9 @@ class StatusSink:
         if message.stream.topic == self._topic:
             self._newest[message.robot] = message.payload
 
+    def forget(self, robot: str, stream: StreamInfo) -> None:
+        """The last status stays."""
+
     def close(self) -> None:
         """Nothing is open."""
 

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from smarttestudo.domain.errors import LinkError, said
@@ -17,6 +18,8 @@ from smarttestudo.link.zenoh.arrivals import MAX_WAITING_BYTES
 from smarttestudo.link.zenoh.security import LinkOptions
 
 if TYPE_CHECKING:
+    from smarttestudo.link.zenoh.link_client import LinkClient
+    from smarttestudo.link.zenoh.link_clients import LinkClients
     from smarttestudo.link.zenoh.link_incidents import LinkIncidents
     from smarttestudo.link.zenoh.link_robots import LinkRobots
     from smarttestudo.link.zenoh.operator_end import OperatorEnd
@@ -26,15 +29,23 @@ Warn = Callable[[str], None]
 """Says a sentence that somebody should read; called from any thread."""
 
 
+def suspended_too_ns() -> int:
+    """Time that passes while the machine is suspended, too, where the system has such a clock."""
+    if sys.platform == "linux":
+        return time.clock_gettime_ns(time.CLOCK_BOOTTIME)
+    return time.monotonic_ns()
+
+
 @contextmanager
 def open_robot_end(
-    robot: str, options: LinkOptions, warn: Warn, *, clock: Callable[[], int] = time.monotonic_ns
+    robot: str, options: LinkOptions, warn: Warn, *, clock: Callable[[], int] = suspended_too_ns
 ) -> Iterator[RobotEnd]:
     """The end of the link at the robot of that name; nobody need be at the other end yet.
 
-    ``clock`` gives ns from any start. Raises ``LinkError``: the extra is missing, the endpoints or the
-    configuration do not work, or they let anybody in; ``UsageError``: the robot has no usable name, or
-    ``options`` have commands over endpoints that let anybody in.
+    ``clock`` gives ns from any start. After one that stood still while the machine was suspended, messages
+    look late for a minute. Raises ``LinkError``: the extra is missing, the endpoints or the configuration do
+    not work, or they let anybody in; ``UsageError``: the robot has no usable name, or ``options`` have
+    commands over endpoints that let anybody in.
     """
     require_zenoh()
     from smarttestudo.link.zenoh.command_inbox import CommandInbox  # noqa: PLC0415  needs zenoh
@@ -59,7 +70,7 @@ def open_operator_end(
     options: LinkOptions,
     warn: Warn,
     *,
-    clock: Callable[[], int] = time.monotonic_ns,
+    clock: Callable[[], int] = suspended_too_ns,
     most_waiting_bytes: int = MAX_WAITING_BYTES,
     predicts: frozenset[str] = frozenset(),
 ) -> Iterator[OperatorEnd]:
@@ -98,11 +109,9 @@ def open_link_robots(
     ``steady_s`` is a clock that never jumps. Raises ``LinkError`` as ``open_robot_end`` does.
     """
     require_zenoh()
-    from smarttestudo.link.zenoh.link_client import LinkClient  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.link_robots import LinkRobots  # noqa: PLC0415  needs zenoh
-    from smarttestudo.link.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
 
-    client = LinkClient(*session_config(options, "client", warn), options.connect)
+    client = _client(options, warn)
     robots = LinkRobots(client, ", ".join(options.connect), steady_s)
     try:
         yield robots
@@ -117,11 +126,9 @@ def open_link_incidents(options: LinkOptions, warn: Warn) -> Iterator[LinkIncide
     Raises ``LinkError`` as ``open_robot_end`` does.
     """
     require_zenoh()
-    from smarttestudo.link.zenoh.link_client import LinkClient  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.link_incidents import LinkIncidents  # noqa: PLC0415  needs zenoh
-    from smarttestudo.link.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
 
-    client = LinkClient(*session_config(options, "client", warn), options.connect)
+    client = _client(options, warn)
     incidents = LinkIncidents(client, ", ".join(options.connect))
     try:
         yield incidents
@@ -129,11 +136,18 @@ def open_link_incidents(options: LinkOptions, warn: Warn) -> Iterator[LinkIncide
         incidents.close()
 
 
-def suspended_too_ns() -> int:
-    """Time that passes while the machine is suspended, too, where the system has such a clock."""
-    if sys.platform == "linux":
-        return time.clock_gettime_ns(time.CLOCK_BOOTTIME)
-    return time.monotonic_ns()
+def _client(options: LinkOptions, warn: Warn) -> LinkClient | LinkClients:
+    from smarttestudo.link.zenoh.link_client import LinkClient  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.link_clients import LinkClients  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
+
+    config, known = session_config(options, "client", warn)
+    if len(options.connect) == 1:
+        return LinkClient(config, known, options.connect)
+    at_each = [replace(options, connect=(endpoint,)) for endpoint in dict.fromkeys(options.connect)]
+    return LinkClients(
+        [LinkClient(*session_config(one, "client", lambda _: None), one.connect) for one in at_each]
+    )
 
 
 def require_zenoh() -> None:

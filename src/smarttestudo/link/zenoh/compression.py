@@ -7,7 +7,7 @@ from __future__ import annotations
 import zstandard
 
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.link.protocol.outbox import Encoded
+from smarttestudo.link.protocol.outgoing_stream import Encoded
 from smarttestudo.link.protocol.wire import COMPRESSED, HEAD_BYTES, other_version
 
 MAX_SENT_BYTES = 900_000

@@ -32,19 +32,33 @@ class LinkClient(QueryClient):
         self._heard: Heard | None = None
         self._present: Present = lambda *_: None
         self._all_known: Callable[[], None] = lambda: None
+        self._say_unreachable: Callable[[], None] = lambda: None
         self._worker = Worker("link-client", self._fail, self._look)
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether somebody was there lately."""
+        return self._unreachable is None
 
     @property
     def problem(self) -> str | None:
         """Why nobody is connected, or who is not understood."""
         return "; ".join(filter(None, (self._unreachable, *self._versions.present.values()))) or None
 
-    def begin(self, present: Present, all_known: Callable[[], None], heard: Heard | None = None) -> None:
+    def begin(
+        self,
+        present: Present,
+        all_known: Callable[[], None],
+        heard: Heard | None = None,
+        unreachable: Callable[[], None] = lambda: None,
+    ) -> None:
         """Connect; say who is there, and once that these are all who were there before.
 
-        Statuses are asked for, and given to ``heard``, where that is given.
+        Statuses are asked for, and given to ``heard``, where that is given. ``unreachable`` is told each time
+        that nobody answers.
         """
         self._present, self._all_known, self._heard = present, all_known, heard
+        self._say_unreachable = unreachable
         self._worker.start()
 
     def close(self) -> None:
@@ -58,6 +72,7 @@ class LinkClient(QueryClient):
         session = self._session or self._opened()
         if session is None:
             self._unreachable = self._why()
+            self._say_unreachable()
             return _TRY_AGAIN_S
         self._unreachable = None if is_connected(session) else self._why()
         return LOOK_PERIOD_S if self._listener is None else min(self._listener.poll(), LOOK_PERIOD_S)

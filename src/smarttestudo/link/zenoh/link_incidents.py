@@ -139,7 +139,7 @@ class LinkIncidents:
         cause = self._client.problem or (
             f"there is no robot {robot!r:.80}"
             if self.boot(robot) is None
-            else "the robot does not answer this"
+            else f"{robot} does not answer this"
         )
         raise LinkError(
             cause,

@@ -28,6 +28,7 @@ from smarttestudo.link.protocol.status_stream import Record
 from smarttestudo.link.protocol.wire import malformed
 from smarttestudo.link.zenoh.compression import sendable, unpacked
 from smarttestudo.link.zenoh.link_client import LinkClient
+from smarttestudo.link.zenoh.link_clients import LinkClients
 from smarttestudo.link.zenoh.query_client import Reply
 
 _MOST_WAITING = 10_000
@@ -52,7 +53,7 @@ class _Robot:
 class LinkRobots:
     """The robots that ``client`` reaches, as ``RemoteRobots``; what comes waits until ``wait``."""
 
-    def __init__(self, client: LinkClient, place: str, steady_s: Callable[[], float]) -> None:
+    def __init__(self, client: LinkClient | LinkClients, place: str, steady_s: Callable[[], float]) -> None:
         self.place = place
         self.remedy = "start `testudo run --link` on the robot, and check that it reaches the same place"
         self.unreadable = 0

@@ -75,6 +75,12 @@ class GraphSink:
         except TestudoError as error:
             self._say(str(error))
 
+    def forget(self, robot: str, stream: StreamInfo) -> None:
+        """Publish nothing more of the stream, latched messages included."""
+        gone = self._streams.pop((robot, stream.topic, stream.publisher), None)
+        if gone is not None:
+            _close(gone)
+
     def close(self) -> None:
         """Publish nothing more, latched messages included."""
         for stream in self._streams.values():

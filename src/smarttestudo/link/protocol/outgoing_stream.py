@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""One stream of the robot's end: what of it waits, and what may not have arrived."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from smarttestudo.domain.link import LinkNeeds, MessageOrigin
+from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.units import NS_PER_S
+
+LOSING_NS = 60 * NS_PER_S
+"""For how long a topic that lost a message is said to lose some."""
+
+
+class Encoded(NamedTuple):
+    """A message as it travels."""
+
+    data: bytes
+    is_compressed: bool = False
+
+
+Encode = Callable[[int, bytes], Encoded]
+"""Makes of a message of a stream what travels."""
+
+
+def plain(_stream: int, payload: bytes) -> Encoded:
+    """Every message travels as it is."""
+    return Encoded(payload)
+
+
+@dataclass(slots=True, eq=False)
+class OutgoingMessage:
+    """A message that waits or is being sent; ``data`` is what travels, from the first chunk on.
+
+    One that has an ``origin`` is kept where it is missed.
+    """
+
+    number: int
+    payload: bytes
+    offered_ns: int
+    is_kept: bool
+    lane: Hashable = None
+    origin: MessageOrigin | None = None
+    encoded: Encoded | None = None
+    offset: int = 0
+    sent_total: int = 0
+    sent_ns: int = 0
+
+
+@dataclass(slots=True, eq=False)
+class OutgoingStream:
+    """One stream: ``slots`` has messages that newer ones of their ``lanes`` may replace, ``queue`` others."""
+
+    number: int
+    needs: LinkNeeds
+    latched: deque[OutgoingMessage] | None
+    slots: dict[int, OutgoingMessage] = field(default_factory=dict)
+    lanes: dict[Hashable, deque[int]] = field(default_factory=dict)
+    slots_bytes: int = 0
+    queue: deque[OutgoingMessage] = field(default_factory=deque)
+    begun: OutgoingMessage | None = None
+    unacknowledged: deque[OutgoingMessage] = field(default_factory=deque)
+    queued_bytes: int = 0
+    floor_due_ns: int = 0
+    is_floor_begun: bool = False
+    next_number: int = 0
+    sent: int = 0
+    replaced: int = 0
+    overflowed: int = 0
+    overflowed_ns: int | None = None
+
+    @property
+    def has_work(self) -> bool:
+        """Whether anything waits or is being sent."""
+        return self.begun is not None or bool(self.queue) or bool(self.slots)
+
+    @property
+    def waiting(self) -> Iterator[OutgoingMessage]:
+        """The messages that were not sent whole."""
+        if self.begun is not None:
+            yield self.begun
+        yield from self.queue
+        yield from self.slots.values()
+
+    @property
+    def oldest_ns(self) -> int:
+        """When the message that goes next was offered."""
+        if self.begun is not None:
+            return self.begun.offered_ns
+        waiting = [next(iter(self.slots.values())).offered_ns] if self.slots else []
+        if self.queue:
+            waiting.append(self.queue[0].offered_ns)
+        return min(waiting)
+
+    def is_urgent(self, now_ns: int) -> bool:
+        """Whether it goes before others: latched, or below its floor."""
+        if self.latched is not None:
+            return True
+        return self.needs.floor_hz > 0 and (self.is_floor_begun or now_ns >= self.floor_due_ns)
+
+    def begin(self, now_ns: int) -> OutgoingMessage:
+        """Take the message that goes next out of what waits."""
+        if self.queue and (not self.slots or self.queue[0].offered_ns <= self.oldest_ns):
+            message = self.queue.popleft()
+            self.queued_bytes -= len(message.payload)
+        else:
+            message = self.take_slot(next(iter(self.slots)))
+        self.begun = message
+        floor_hz = self.needs.floor_hz
+        self.is_floor_begun = floor_hz > 0 and now_ns >= self.floor_due_ns
+        if self.is_floor_begun:
+            # A grid with a credit of one, so that a message that begins late makes no later one too many.
+            period_ns = int(NS_PER_S / floor_hz)
+            self.floor_due_ns = max(self.floor_due_ns, now_ns - period_ns) + period_ns
+        return message
+
+    def queue_latched_again(self) -> None:
+        """Have all latched messages go once more, in their order; who has them knows their numbers."""
+        if not self.latched:
+            return
+        latched = frozenset(self.latched)
+        for message in latched.difference(self.queue, self.unacknowledged, [self.begun]):
+            # It arrived or gave way, and what became of it is known.
+            message.origin = None
+        if self.begun in latched:
+            self.begun, self.is_floor_begun = None, False
+        self.unacknowledged = deque(one for one in self.unacknowledged if one not in latched)
+        self.queue = deque([*(one for one in self.queue if one not in latched), *self.latched])
+        self.queued_bytes = sum(len(one.payload) for one in self.queue)
+        for message in latched:
+            message.offset = message.sent_total = 0
+
+    def put_slot(self, message: OutgoingMessage) -> None:
+        """Have a message wait that newer ones of its lane may replace."""
+        self.slots[message.number] = message
+        self.lanes.setdefault(message.lane, deque()).append(message.number)
+        self.slots_bytes += len(message.payload)
+
+    def take_slot(self, number: int) -> OutgoingMessage:
+        """Have it wait no more."""
+        message = self.slots.pop(number)
+        lane = self.lanes[message.lane]
+        lane.remove(number)
+        if not lane:
+            del self.lanes[message.lane]
+        self.slots_bytes -= len(message.payload)
+        return message
+
+    def counts(self, now_ns: int) -> StreamCounts:
+        """The counts of its messages."""
+        return StreamCounts(
+            sent=self.sent,
+            replaced=self.replaced,
+            overflowed=self.overflowed,
+            queued_bytes=self.queued_bytes + self.slots_bytes,
+            is_losing=self.overflowed_ns is not None and now_ns - self.overflowed_ns < LOSING_NS,
+        )
