@@ -144,7 +144,9 @@ benchmarks: $(VENV)/dev.stamp $(PAGE)
 	done; if [ -n "$$failed" ]; then echo "Failed:$$failed" >&2; exit 1; fi
 
 clean:
-	rm -rf $(VENV) src/smarttestudo/ruler/server/static gui/node_modules tests/link/foxglove/client/node_modules build install log dist htmlcov .coverage demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) src/smarttestudo/ruler/server/static gui/node_modules tests/link/foxglove/client/node_modules build install log dist htmlcov .coverage .coverage.* demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf src/smarttestudo.egg-info $(RELAY:.c=.so)
+	find src tests workspace_tests benchmarks scripts launch -name __pycache__ -prune -exec rm -rf {} +
 
 $(VENV)/bin/python:
 	@PYTHON=$(PYTHON) sh scripts/check_python.sh

@@ -27,6 +27,8 @@ case $address in
     *) name=IP:$address ;;
 esac
 mkdir -p "$folder/authority" "$folder/router"
+# Made in a checkout, keys and passwords must not be committed with it.
+echo "*" >"$folder/.gitignore"
 key="-newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes"
 # shellcheck disable=SC2086
 openssl req -x509 $key -days "$days" -subj "/CN=fleet" \

@@ -1,4 +1,5 @@
-# The operator's end, without ROS: recordings, Foxglove, metrics, the Ruler. Built from the checkout's root:
+# The operator's end, without ROS: recordings, metrics, the Ruler; Foxglove with --network host, as it serves 127.0.0.1
+# only. Built from the checkout's root:
 #   docker build --file docker/operator.Dockerfile --tag smarttestudo-operator .
 FROM node:22-slim AS page
 COPY . /src

@@ -167,7 +167,8 @@ def commands_page(parser: CommandParser) -> Iterator[str]:
     """What each command does, its arguments and options."""
     yield from (NOTE, "# Commands", "", parser.description or "")
     yield "`testudo COMMAND --help` prints what stands here. Exit codes: 0 where all went well, 1 for an"
-    yield "error, 2 for a wrong command line, 130 after Ctrl-C."
+    yield "error, 2 for a wrong command line, 130 or 143 where Ctrl-C or SIGTERM broke off the"
+    yield "work. Of commands that these are to end, such as `run` and `receive`, the code is then 0."
     for command in leaves(parser):
         yield from ("", f"## {command.prog}", "", command.description or "", "")
         yield from ("```text", *usage(command), "```")

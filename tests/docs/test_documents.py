@@ -179,3 +179,25 @@ def test_the_page_of_parameters_has_every_parameter() -> None:
     page = (ROOT / "docs" / "reference" / "parameters.md").read_text(encoding="utf-8")
     named = [one.name for one in options_of(PART_KINDS) if one.name]
     assert re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE) == named
+
+
+def test_the_parameters_that_pages_name_are_the_nodes() -> None:
+    """A parameter that the node does not have is taken at its start without a word."""
+    named = {
+        name
+        for document in DOCUMENTS
+        for name in re.findall(
+            r"(?:\bROS parameter `|ros2 param set /smarttestudo )(\w+)", document.read_text(encoding="utf-8")
+        )
+    }
+    assert {"budget_kb_per_s", "rules_text"} <= named
+    assert named <= {one.name for one in options_of(PART_KINDS)}
+
+
+def test_make_clean_removes_what_git_ignores() -> None:
+    lines = (ROOT / ".gitignore").read_text(encoding="utf-8").splitlines()
+    ignored = {line.strip("/*").rpartition("/")[2] for line in lines}
+    done = subprocess.run(
+        ["make", "--dry-run", "clean"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert {name for name in ignored if name not in done.stdout} == {"fleet"}, "those keys are made by hand"

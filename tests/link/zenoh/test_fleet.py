@@ -158,3 +158,14 @@ def test_a_fleet_that_cannot_be_made_is_refused_in_one_line(
     (line,) = done.stderr.splitlines()
     assert (done.returncode, said in line) == (2, True)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_keys_and_passwords_in_a_checkout_are_not_committed_and_come_into_no_image(tmp_path: Path) -> None:
+    subprocess.run(["git", "init", "--quiet", tmp_path], check=True)
+    make_fleet(tmp_path / "fleet", "203.0.113.7")
+    status = ["git", "-C", str(tmp_path), "status", "--porcelain", "--untracked-files=all"]
+    assert subprocess.run(status, check=True, capture_output=True, text=True).stdout == ""
+    made = [path for path in (tmp_path / "fleet").rglob("*.*") if path.name != ".gitignore"]
+    kept_out = (ROOT / ".dockerignore").read_text(encoding="utf-8").splitlines()
+    assert len(made) > 10
+    assert [p for p in made if not {f"**/*{p.suffix}", f"**/{p.name}"} & set(kept_out)] == []
