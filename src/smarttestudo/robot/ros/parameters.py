@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -14,7 +14,7 @@ from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.exceptions import NameValidationException, ParameterException
 
-from smarttestudo.domain.errors import RosError, TestudoError, UsageError
+from smarttestudo.domain.errors import RosError, UsageError, said
 from smarttestudo.domain.parameter import (
     Accept,
     Access,
@@ -93,13 +93,16 @@ class NodeParameters:
         if self._is_ours or not changes:
             return SetParametersResult(successful=True)
         try:
-            for name in changes:
-                if self._access[name] is Access.NODE:
-                    raise UsageError("it is read-only", place=f"parameter {name}")
+            self._require_settable(changes)
             self._accept(changes)
-        except TestudoError as error:
-            return SetParametersResult(successful=False, reason=str(error))
+        except Exception as error:  # noqa: BLE001 - whoever sets a parameter must not end the run
+            return SetParametersResult(successful=False, reason=said(error))
         return SetParametersResult(successful=True)
+
+    def _require_settable(self, names: Iterable[str]) -> None:
+        for name in names:
+            if self._access[name] is Access.NODE:
+                raise UsageError("it is read-only", place=f"parameter {name}")
 
 
 def _nothing(_changes: Mapping[str, ParameterValue]) -> None:
