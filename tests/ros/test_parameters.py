@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 from collections.abc import Iterator, Mapping
 
 import pytest
@@ -38,3 +39,23 @@ def test_a_value_on_which_its_acceptance_fails_is_refused_with_the_reason(robot:
     }
     assert robot.parameters(["text"]) == {"text": "1"}
     assert robot.set_parameters({"text": "2"}) == {}
+
+
+def test_what_utf_8_cannot_say_is_shown_as_question_marks_and_used_as_it_is(robot: Robot) -> None:
+    name = os.fsdecode(b"r\xe9gles.adirf")
+    declared = robot.declare(
+        [
+            Parameter(name="rules", description="Files.", value=(name,), is_final=True),
+            Parameter(name="file", description="A file.", value=name, access=Access.NODE),
+            Parameter(name="text", description="A text.", value="", access=Access.ANYONE),
+        ],
+        lambda _changes: None,
+    )
+    assert declared["rules"] == (name,)
+    robot.show("file", f"/{name}")
+    assert robot.set_parameters({"text": name}) == {}
+    assert robot.parameters(["rules", "file", "text"]) == {
+        "rules": ("r?gles.adirf",),
+        "file": "/r?gles.adirf",
+        "text": "r?gles.adirf",
+    }
