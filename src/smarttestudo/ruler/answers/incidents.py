@@ -83,12 +83,16 @@ class KnownIncidents:
         )
 
     def incident(self, request: OneIncidentRequest) -> IncidentAnswer:
-        """One incident; from now on somebody has read it."""
+        """One incident."""
         with self._placed():
             store, last = self._store(request.name)
-            stored = store.incident(last)
+            return self._answer(request.name, store.incident(last))
+
+    def mark_read(self, request: OneIncidentRequest) -> None:
+        """Somebody who may delete it has read an incident."""
+        with self._placed():
+            store, last = self._store(request.name)
             store.mark_read(last)
-            return self._answer(request.name, stored)
 
     def delete(self, request: OneIncidentRequest) -> IncidentsAnswer:
         """Delete one; what is left. Raises ``RecordingError`` where its folder holds something else, too."""

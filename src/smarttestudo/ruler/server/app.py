@@ -167,7 +167,7 @@ def _recording_routes(known: Recordings) -> Iterator[ApiRoute]:
 
 def _incident_routes(known: KnownIncidents) -> Iterator[ApiRoute]:
     yield telling("/api/incidents", known.incidents)
-    yield answering("/api/incident", OneIncidentRequest, known.incident)
+    yield answering("/api/incident", OneIncidentRequest, known.incident, answered=known.mark_read)
     yield answering("/api/incident/delete", OneIncidentRequest, known.delete)
 
 
