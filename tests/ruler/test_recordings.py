@@ -84,6 +84,25 @@ def test_nothing_else_is_written(page: Page, folder: Path, name: str, status: in
     assert sorted(folder.parent.rglob("*")) == before
 
 
+@pytest.mark.parametrize(
+    ("path", "more"),
+    [
+        ("/api/recording", {}),
+        ("/api/profile/measure", {}),
+        ("/api/background/path", {}),
+        ("/api/try", {"text": "begin SetFrequency /odom 5 end"}),
+        ("/api/profile/curve", {"topic": "/odom"}),
+        ("/api/profile/accuracy", {"topic": "/odom"}),
+    ],
+)
+def test_a_recording_that_cannot_be_read_is_named_as_the_project_does(
+    page: Page, folder: Path, path: str, more: dict[str, str]
+) -> None:
+    (folder / "empty.db3").write_bytes(b"")
+    error = page.post(path, {"bag": "empty.db3", **more}).json["error"]
+    assert (error["message"], error["place"]) == ("the file is empty", "empty.db3")
+
+
 def test_a_link_does_not_lead_a_recording_out_of_the_project(page: Page, folder: Path) -> None:
     outside = folder.parent / "outside"
     outside.mkdir()
