@@ -111,6 +111,22 @@ def test_a_link_does_not_lead_a_recording_out_of_the_project(page: Page, folder:
     assert list(outside.iterdir()) == []
 
 
+def test_a_link_in_a_recording_does_not_lead_out_of_the_project(page: Page, folder: Path, bag: bytes) -> None:
+    inside, outside = folder / "runs" / "monday", folder.parent / "elsewhere"
+    inside.mkdir()
+    for one in outside.iterdir():
+        (inside / one.name).symlink_to(one)
+    (folder / "tuesday.db3").write_bytes(bag)
+    (folder / "tuesday.db3-wal").symlink_to(outside / "log")
+    for name in ("runs/monday", "tuesday.db3"):
+        answer = page.post("/api/recording", {"bag": name})
+        assert (answer.status, answer.error) == (403, "this names a file outside the project folder")
+        assert page.post("/api/try", {"text": "begin end", "bag": name}).status == 403
+    (folder / "tuesday.db3-wal").unlink()
+    (folder / "runs" / "wednesday.db3").symlink_to("../tuesday.db3")
+    assert page.post("/api/recording", {"bag": "runs/wednesday.db3"}).json["topics"]
+
+
 @pytest.mark.parametrize("kind", ["text/plain", "application/x-www-form-urlencoded", None])
 def test_a_form_of_another_site_sends_no_recording(page: Page, folder: Path, kind: str | None) -> None:
     answer = page.request("PUT", "/api/recording?name=monday.mcap", b"bytes", {"Content-Type": kind})

@@ -100,7 +100,8 @@ class KnownIncidents:
     def bag(self, name: str) -> Path:
         """The folder of an incident, which is a bag."""
         store, last = self._store(name)
-        return store.incident(last).path
+        store.incident(last)
+        return self._folder.bag(name)
 
     def zipped(self, name: str) -> tuple[str, Iterator[bytes]]:
         """A name without blanks and slashes, and the pieces of a .zip with all files of an incident."""

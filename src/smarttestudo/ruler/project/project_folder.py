@@ -131,10 +131,14 @@ class ProjectFolder:
         return path
 
     def bag(self, name: str) -> Path:
-        """The path of the bag ``name``."""
+        """The path of the bag ``name``, of which no link leads out of the project."""
         path = self.path(name)
-        if _mode(path) is None:
+        mode = _mode(path)
+        if mode is None:
             raise MissingFileError("there is no such recording in the project", place=name)
+        # SQLite reads a log beside a file.
+        for one in _entries(path) if stat.S_ISDIR(mode) else (path.with_name(f"{path.name}-wal"),):
+            self.require_inside(Path(one), name)
         return path
 
     def new_bag(self, name: str) -> Path:
