@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.decision import BoundReason, Decision, PlannedRate, Reason
@@ -44,6 +44,7 @@ from smarttestudo.domain.record import (
     measured_names,
     to_json,
 )
+from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.loop.decision_log import read_decisions
 from smarttestudo.loop.input_log import input_from_json, input_to_json
 from smarttestudo.loop.inputs import ChangeInput, MessageInput, RuleTextsInput, WakeInput
@@ -161,10 +162,13 @@ def test_what_is_written_is_read(shape: Shape) -> None:
     assert from_json(Shape, json.loads(json.dumps(to_json(shape)))) == shape
 
 
+# With what JSON can name and UTF-8 cannot say.
+TEXTS = st.text(st.characters())
 ANYTHING = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.sampled_from(["red", "high"]),
+    st.none() | st.booleans() | st.integers() | st.floats() | TEXTS | st.sampled_from(["red", "high"]),
     lambda inner: (
-        st.lists(inner) | st.dictionaries(st.sampled_from(["colour", "width", "row", "points"]), inner)
+        st.lists(inner)
+        | st.dictionaries(TEXTS | st.sampled_from(["colour", "width", "row", "points"]), inner)
     ),
 )
 
@@ -176,6 +180,7 @@ def test_whatever_a_stranger_sends_is_read_or_refused(value: object) -> None:
 
 
 GOOD: Mapping[str, object] = {"colour": "red", "width": 1}
+POINT: Mapping[str, object] = {"level": "low"}
 
 
 @pytest.mark.parametrize(
@@ -198,6 +203,21 @@ GOOD: Mapping[str, object] = {"colour": "red", "width": 1}
 def test_what_does_not_fit_is_named(entries: Mapping[str, object], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         from_json(Shape, {**GOOD, **entries})
+
+
+@given(st.dictionaries(TEXTS, st.floats(0, 1)), TEXTS)
+@example(dict.fromkeys(["\udce9", "\udcea"], 0.0), "")
+@example({"a\udce9": 0.0}, "r\udce9gles")
+def test_every_text_of_a_stranger_can_be_written_in_utf_8(weights: dict[str, float], name: str) -> None:
+    sent = {**GOOD, "weights": weights, "tags": [name], "row": [[name, "low", 1]], "points": {name: POINT}}
+    if len({in_utf_8(key) for key in weights}) < len(weights):
+        with pytest.raises(ValueError, match="weights: two keys"):
+            from_json(Shape, sent)
+        return
+    read = from_json(Shape, sent)
+    assert read.weights.keys() == {in_utf_8(key) for key in weights}
+    assert [one.name for one in (*read.row, *read.points)] == [in_utf_8(name)] * 2
+    assert read.tags == {in_utf_8(name)}
 
 
 def test_what_is_not_understood_is_left_out_where_that_is_lenient() -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from smarttestudo.cli.commands import command_parser
+from smarttestudo.language.parser import MAX_FILE_BYTES
 
 UGLY = "begin SetFrequency /odom 10 end"
 NICE = "begin\n    SetFrequency /odom 10\nend\n"
@@ -69,6 +70,21 @@ def test_a_file_with_errors_is_left_and_explained_and_the_others_are_formatted(
         "    ^^^^^^^^^^^",
         "    hint: did you mean 'SetFrequency'?",
     ]
+
+
+@pytest.mark.parametrize("arguments", [(), ("--check",)])
+def test_a_file_that_would_become_too_large_is_left(
+    folder: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...]
+) -> None:
+    text = "begin SetFrequency /odom 10 end // ".ljust(MAX_FILE_BYTES, "x")
+    Path("large.adirf").write_text(text)
+    assert run("large.adirf", *arguments) == 1
+    assert Path("large.adirf").read_text() == text
+    assert capsys.readouterr() == (
+        "",
+        "large.adirf: error: the rule file would be larger than 4 MB in the house style; "
+        "it is left as it is; split it into several\n",
+    )
 
 
 def test_a_folder_stands_for_its_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

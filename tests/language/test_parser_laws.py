@@ -7,16 +7,18 @@ from __future__ import annotations
 from random import Random
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from language.comment_owners import comments_by_owner
 from language.rule_strategies import PROPERTIES, bare, rule_files
 from language.written_rules import Word, WrittenFile, lay_out, seeds, words_of, written_files
 from smarttestudo.domain.names import is_topic_name
+from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.language.parser import parse
+from smarttestudo.language.parser.durations import MAX_DURATION_NS
 from smarttestudo.language.parser.rule_file import ParseResult
-from smarttestudo.language.syntax import RuleFile
+from smarttestudo.language.syntax import DurationUnit, RuleFile
 
 MAX_STEPS_BY_TOKEN = 24
 VOCABULARY = (
@@ -59,6 +61,12 @@ TYPOS = {
     "Hz": "hz",
 }
 
+NS_OF = {
+    DurationUnit.MILLISECONDS: NS_PER_MS,
+    DurationUnit.SECONDS: NS_PER_S,
+    DurationUnit.MINUTES: 60 * NS_PER_S,
+}
+
 
 @given(written_files())
 def test_a_file_in_any_layout_means_its_words(written: WrittenFile) -> None:
@@ -87,6 +95,23 @@ def test_a_damaged_file_gives_findings_in_its_bounds(written: WrittenFile, data:
 @settings(max_examples=300)
 def test_any_text_gives_findings_in_its_bounds(text: str) -> None:
     assert_bounded(text)
+
+
+@given(
+    st.sampled_from(("0", "1", ".5")),
+    st.integers(-(10**30), 10**30) | st.integers(-9, 9),
+    st.sampled_from(DurationUnit),
+)
+@example("1", -(10**20), DurationUnit.SECONDS)
+@example("0", 10**20, DurationUnit.MINUTES)
+def test_a_number_of_any_size_makes_a_duration_or_a_finding(
+    digits: str, exponent: int, unit: DurationUnit
+) -> None:
+    number = f"{digits}e{exponent}"
+    text = f"begin If CheckValue /a x > 1 For {number} {unit.value} Then SetFrequency /a 1 EndIf end"
+    assert_bounded(text)
+    is_one = float(number) * NS_OF[unit] <= MAX_DURATION_NS
+    assert bool(parse(text, "rules.adirf").findings) != is_one
 
 
 @given(st.lists(st.sampled_from(VOCABULARY), max_size=60), st.sampled_from((" ", "\n")))

@@ -13,6 +13,7 @@ import pytest
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.files.whole_file import OutputFileError
 from smarttestudo.rules.rule_files import find_rule_files, read_rule_text, write_rule_text
+from smarttestudo.rules.rule_sets import load_rules
 
 
 @pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"])
@@ -101,3 +102,9 @@ def test_a_file_that_cannot_be_replaced_stays(tmp_path: Path) -> None:
     with pytest.raises(OutputFileError, match="the rule file cannot be written: No such file or directory"):
         write_rule_text(tmp_path / "missing" / "rules.adirf", "new")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_name_that_is_not_utf_8_is_told_in_utf_8(tmp_path: Path) -> None:
+    path = tmp_path / os.fsdecode(b"r\xe9gles.adirf")
+    path.write_text("begin SetFrequency /imu 10 end", encoding="utf-8")
+    assert load_rules([path]).in_force.paths == (f"{tmp_path}/r?gles.adirf",)

@@ -5,8 +5,10 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -23,10 +25,20 @@ from smarttestudo.optimizer.joint.check import JointCheck, Loads, check_together
 from smarttestudo.optimizer.joint.repair import lowered_rates
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.solver.highs_solver import HighsSolver
+from smarttestudo.rules.profile_file import parse_profile
 
 TOPICS = ("/a", "/b", "/c")
 SIGNALS = ("/x p", "/x q", "/y p")
-LOADS = Loads(size_kb={"/a": 0.1, "/b": 1.0, "/c": 30.0}, source_hz={"/a": 200.0, "/b": 30.0, "/c": 25.0})
+PROFILE = parse_profile(
+    """
+[topics."/b"]
+tiers_m = [0.5, 0.2, 0.1, 0.05, 0.02, 0.01]
+tiers_m_need_hz = [0.1, 1, 2, 5, 10, 20]
+""",
+    Path("profile.toml"),
+)
+SIZE_KB = {"/a": 0.1, "/b": 1.0, "/c": 30.0}
+SOURCE_HZ = {"/a": 200.0, "/b": 30.0, "/c": 25.0}
 
 checks = st.builds(
     "CheckValue {} {} {}".format,
@@ -42,21 +54,24 @@ conditions = st.recursive(
     ),
     max_leaves=4,
 )
+bounds = st.sampled_from(["0.5", "0.2", "0.05", "0.01"]).map("KeepWithin /b position {}".format)
 rates = st.sampled_from(["0", "1", "2.5", "10", "Full", "Off"])
 sets = st.dictionaries(st.sampled_from(TOPICS), rates, min_size=1).map(
     lambda chosen: " ".join(f"SetFrequency {topic} {rate}" for topic, rate in chosen.items())
 )
 blocks = st.builds(
-    'Rule "r" Priority {} If {} Then {} {} EndIf'.format,
+    'Rule "r" Priority {} If {} Then {} {} {} EndIf'.format,
     st.integers(0, 1),
     conditions,
     sets,
+    st.just("") | bounds,
     st.just("") | sets.map("Else {}".format),
 )
 files = st.builds(
-    "begin {} {} {} end".format,
+    "begin {} {} {} {} end".format,
     sets,
-    st.just("") | st.just("KeepAtLeast /b 2"),
+    st.sampled_from(["", "KeepAtLeast /b 2", "KeepAtLeast /b 8"]),
+    st.just("") | bounds,
     st.lists(blocks, max_size=4).map(" ".join),
 )
 
@@ -67,8 +82,15 @@ def compiled(text: str) -> RuleSet:
     return compile_rules([result.file], resolve_topic)
 
 
+def loads(rule_set: RuleSet) -> Loads:
+    return Loads(size_kb=SIZE_KB, source_hz=SOURCE_HZ, floors_hz=rule_set.floors_hz, profile=PROFILE)
+
+
 def checked(text: str, budget: float) -> JointCheck:
-    return check_together(compiled(text), LOADS, budget, lambda _: Region.everything(), max_situations=10_000)
+    rule_set = compiled(text)
+    return check_together(
+        rule_set, loads(rule_set), budget, lambda _: Region.everything(), max_situations=10_000
+    )
 
 
 def naive_load(rule_set: RuleSet, holding: frozenset[int]) -> float:
@@ -78,8 +100,21 @@ def naive_load(rule_set: RuleSet, holding: frozenset[int]) -> float:
         request = max(((one.priority, one.rates[topic]) for one in setting), default=None)
         rate = rule_set.defaults.get(topic, Rate.full()) if request is None else request[1]
         rate = rate.at_least(rule_set.floors_hz.get(topic, 0.0))
-        total += LOADS.size_kb[topic] * (LOADS.source_hz[topic] if rate.is_full else rate.hz)
+        rate_hz = SOURCE_HZ[topic] if rate.is_full else rate.hz
+        total += SIZE_KB[topic] * min(rate_hz, naive_needed_hz(rule_set, holding, topic))
     return total
+
+
+def naive_needed_hz(rule_set: RuleSet, holding: frozenset[int], topic: str) -> float:
+    """What the bound of a topic's position needs, at least its floor, or one message in two seconds."""
+    setting = [block for block in rule_set.blocks if block.order in holding and topic in block.bounds]
+    bound = rule_set.bounds.get(topic, {}).get("position")
+    if setting:
+        bound = min((-one.priority, one.bounds[topic]["position"]) for one in setting)[1]
+    tiers = PROFILE.topic(topic).accuracy("position")
+    if bound is None or tiers is None:
+        return math.inf
+    return max(tiers.needed_hz(bound), rule_set.floors_hz.get(topic, 0.5))
 
 
 def every_state(rule_set: RuleSet) -> Iterator[dict[Signal, float]]:
@@ -126,6 +161,16 @@ end
 """
 
 
+def test_a_bound_topic_takes_at_least_its_floor() -> None:
+    text = "begin KeepAtLeast /b 8 KeepWithin /b position 0.2 end"
+    (situation,) = checked(text, 5.0).breaking
+    assert situation.kb_per_s == pytest.approx(8.0)
+
+
+def test_a_bound_topic_without_a_floor_takes_at_least_its_heartbeat() -> None:
+    assert checked("begin KeepWithin /b position 0.5 end", 5.0).worst.kb_per_s == pytest.approx(0.5)
+
+
 def test_blocks_that_fit_alone_but_not_together_are_found_with_a_state() -> None:
     (situation,) = checked(TWO_ZONES.format(far=3), 15.0).breaking
     assert [block.label for block in situation.blocks] == ["near", "far"]
@@ -147,7 +192,8 @@ def test_blocks_over_different_signals_add_up() -> None:
 def test_a_possible_value_is_needed() -> None:
     text = "begin SetFrequency /a 1 If CheckValue /x p > 120 Then SetFrequency /a 100 EndIf end"
     percent = Region.between(0, 100)
-    result = check_together(compiled(text), LOADS, 5.0, lambda _: percent)
+    rule_set = compiled(text)
+    result = check_together(rule_set, loads(rule_set), 5.0, lambda _: percent)
     assert result.breaking == ()
 
 
@@ -174,7 +220,13 @@ def test_the_one_zone_of_hundreds_that_takes_too_much_is_found() -> None:
 def test_with_the_lowered_rates_every_situation_fits(text: str, budget: float) -> None:
     rule_set, result = compiled(text), checked(text, budget)
     lowered = lowered_rates(
-        rule_set, LOADS, result.breaking, rule_set.relayed, budget, priorities={}, solver=HighsSolver()
+        rule_set,
+        loads(rule_set),
+        result.breaking,
+        rule_set.relayed,
+        budget,
+        priorities={},
+        solver=HighsSolver(),
     )
     if lowered is None:
         return
@@ -187,5 +239,5 @@ def test_with_the_lowered_rates_every_situation_fits(text: str, budget: float) -
     defaults = {topic: rates.get((-1, topic), rate) for topic, rate in rule_set.defaults.items()}
     defaults |= {topic: rate for (order, topic), rate in rates.items() if order == -1}
     mended = replace(rule_set, blocks=tuple(blocks), defaults=defaults)
-    again = check_together(mended, LOADS, budget, lambda _: Region.everything())
+    again = check_together(mended, loads(mended), budget, lambda _: Region.everything())
     assert again.breaking == ()

@@ -16,6 +16,8 @@ from smarttestudo.cli.main import main
 from smarttestudo.domain.finding import Severity
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import SetFrequency
+from smarttestudo.optimizer.model import Model
+from smarttestudo.rules.optimize import UsableText, optimize_text
 
 
 def test_the_golden_file_gets_the_thesis_s_rates_and_keeps_its_text(
@@ -145,6 +147,18 @@ def test_what_is_written_passes_the_checker_in_every_layout(text: str, tmp_path:
     defaults = {one.topic.text for one in result.file.statements if isinstance(one, SetFrequency)}
     assert defaults == set(golden.DEFAULTS_HZ)
     assert all(word in written.split() for word in text.split() if word not in {"Marginal", "Desirable"})
+
+
+@pytest.mark.parametrize("text", [*LAYOUTS.values(), f"// Rates by testudo optimize: x\n{LAYOUTS['tabs']}"])
+def test_a_byte_order_mark_stays_in_front_of_the_same_text(text: str) -> None:
+    def written(text: str) -> str | None:
+        usable = UsableText(text=text, file=parse(text, "rules.adirf").file)
+        done = optimize_text(
+            usable, golden.profile(), model=Model.QUPER, only_named=False, profile_sha256="0"
+        )
+        return done.rewritten
+
+    assert written(f"\ufeff{text}") == f"\ufeff{written(text)}"
 
 
 def test_optimizing_what_was_written_changes_nothing_but_is_not_piled_up(tmp_path: Path) -> None:

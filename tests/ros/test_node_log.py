@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -13,6 +14,7 @@ import pytest
 
 from smarttestudo.domain.robot import Qos, Robot
 from smarttestudo.robot.ros import open_robot
+from smarttestudo.robot.ros.node_log import Utf8Log
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
@@ -59,6 +61,15 @@ def test_a_line_has_the_level_and_the_place_that_rclpy_would_give_it(robot: Robo
 
     assert told(ours) == told(rclpys)
     assert ours[0].file == __file__
+
+
+def test_a_file_name_that_is_not_utf_8_is_logged(robot: Robot) -> None:
+    rclpy_logging = importlib.import_module("rclpy.logging")
+    name = os.fsdecode(b"r\xe9gles.adirf")
+    for log in (robot.log, Utf8Log(rclpy_logging.get_logger("smarttestudo"))):
+        log.info(name)
+        log.warning(name)
+    assert [one.msg for one in heard(robot, 4)] == ["r?gles.adirf"] * 4
 
 
 def test_what_the_level_leaves_out_is_not_logged(robot: Robot) -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from pathlib import Path
 
 from ros.ros_processes import SmallRobot
@@ -84,6 +85,25 @@ def test_a_file_that_changes_is_followed_and_a_bad_one_is_told_once(robot: Small
     (folder / "b.adirf").unlink()
     runtime.line_with("/scan: no longer relayed (reload)")
     assert sum(STAY in line for line in runtime.output) == 2
+
+
+def test_rules_whose_file_name_is_not_utf_8_are_followed_and_told(robot: SmallRobot) -> None:
+    folder = robot.folder / "rules"
+    folder.mkdir()
+    path, text = folder / os.fsdecode(b"r\xe9gles.adirf"), "begin SetFrequency /imu 10 end"
+    path.write_text(text, encoding="utf-8")
+    runtime = robot.testudo_run("--rules", str(folder), "--allow-writing-rules")
+    runtime.line_with("/imu: 10 Hz (default)")
+    remote, shown = robot.remote(), f"{folder}/r?gles.adirf"
+    assert remote.ask("get", "writable_rules_file") == shown
+    assert json.loads(remote.ask("get", "rules_in_force"))["files"] == [{"name": shown, "text": text}]
+    path.write_text("begin", encoding="utf-8")
+    assert f"{shown}:1:6: error: " in runtime.line_with(STAY)
+    success, message = remote.ask("reload")
+    assert (success, message.startswith(f"{shown}:1:6: error: ")) == (False, True)
+    path.write_text(text.replace("10", "20"), encoding="utf-8")
+    runtime.line_with("/imu: 10 Hz → 20 Hz (reload)")
+    assert "Traceback" not in "".join(runtime.output)
 
 
 def test_a_pushed_text_goes_back_unless_its_hash_is_confirmed(robot: SmallRobot) -> None:

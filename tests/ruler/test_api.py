@@ -285,6 +285,43 @@ def test_what_does_not_fit_is_repaired_by_the_first_edit_offered(examples_page: 
     assert refusal["repairs"][-1]["budget_kb_per_s"] == refusal["needs_kb_per_s"]
 
 
+ACCURATE = """
+budget_kb_per_s = 100
+[topics."/a"]
+message_kb = 10
+tiers_hz = [1, 2, 3, 5, 10, 20]
+[topics."/odom"]
+message_kb = 0.72
+source_hz = 25
+tiers_hz = [10, 15, 20, 25, 30, 35]
+tiers_m = [0.5, 0.2, 0.1, 0.05, 0.02, 0.01]
+tiers_m_need_hz = [1, 2, 3, 5, 10, 20]
+"""
+
+
+@pytest.mark.parametrize(("then", "otherwise"), [("Excessive", "Marginal"), ("Marginal", "Excessive")])
+def test_a_repair_changes_the_side_of_a_block_that_does_not_fit(
+    examples_page: Page, then: str, otherwise: str
+) -> None:
+    text = f"""begin
+    SetFrequency /a Unacceptable
+    If (CheckValue /odom pose_x > 1) Then
+        SetFrequency /a {then}
+        KeepWithin /odom position Desirable
+    Else
+        SetFrequency /a {otherwise}
+        KeepWithin /odom position Desirable
+    EndIf
+end
+"""
+    answer = examples_page.post("/api/optimize", {"text": text, "profile_text": ACCURATE}).json
+    (refusal,) = answer["refusals"]
+    edits = {"text": text, "edits": refusal["repairs"][0]["edits"]}
+    mended = examples_page.post("/api/edit", edits).json["text"]
+    assert mended == text.replace("Excessive", "Competitive")
+    assert examples_page.post("/api/optimize", {"text": mended, "profile_text": ACCURATE}).json["feasible"]
+
+
 def test_nothing_with_errors_leaves(examples_page: Page) -> None:
     answer = examples_page.post(
         "/api/optimize", {"text": "begin SetFrequency /odom end", "profile_text": RADIO}

@@ -49,6 +49,33 @@ def test_a_change_is_one_sentence_and_a_moved_line_none(before: str, after: str,
     assert list(differences(parse(WAREHOUSE, "before"), parse(new, "after"))) == said
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ("KeepAtLeast /a 5 KeepAtLeast /a 2", "KeepAtLeast /a 2", "floor: /a 5 → 2 Hz"),
+        (
+            "KeepWithin /odom position 0.1 KeepWithin /odom position 0.5",
+            "KeepWithin /odom position 0.5",
+            "bound: /odom position within 0.1 → 0.5",
+        ),
+        (
+            "KeepWithin /odom position Desirable KeepWithin /odom position 0.5",
+            "KeepWithin /odom position 0.5",
+            "bound: /odom position within 0.5 and Desirable → 0.5",
+        ),
+        (
+            "KeepWithin /odom position Desirable KeepWithin /odom position Marginal",
+            "KeepWithin /odom position Marginal",
+            "bound: /odom position within Desirable → Marginal",
+        ),
+    ],
+)
+def test_of_several_floors_and_bounds_the_one_that_counts_is_told(before: str, after: str, said: str) -> None:
+    old, new = parse(f"begin {before} end", "old"), parse(f"begin {after} end", "new")
+    assert differences(old, new) == (said,)
+    assert not mean_the_same(old, new)
+
+
 def test_what_is_switched_on_again_or_comes_switched_off_is_told() -> None:
     on = 'begin Rule "A" If CheckValue /odom speed > 1 Then SetFrequency /odom 2 end'
     off = parse(on.replace("Rule", "Disabled Rule"), "off")

@@ -12,6 +12,8 @@ import pytest
 from ruler.ruler_server import Page, served
 
 RULES = "begin\n    SetFrequency /odom 10\nend\n"
+# With ".adirf" a name of 250 bytes, the most are 255.
+LONG = "n" * 244
 
 
 def saved(page: Page, name: str, text: str = RULES) -> str:
@@ -48,6 +50,17 @@ def test_a_file_takes_its_versions_its_map_and_its_profile_along(tmp_path: Path)
     assert not (tmp_path / ".testudo/versions/day.adirf").exists()
 
 
+def test_a_file_whose_map_would_have_too_long_a_name_takes_its_versions_along(tmp_path: Path) -> None:
+    with served(tmp_path) as page:
+        sha256 = saved(page, f"{LONG}.adirf")
+        asked = {"name": f"{LONG}.adirf", "new_name": "day.adirf", "base_hash": sha256}
+        answer = page.post("/api/file/rename", asked)
+        assert (answer.status, names(answer.json)) == (200, {"day.adirf"})
+        assert len(page.get("/api/versions?name=day.adirf").json["versions"]) == 1
+        back = {"name": "day.adirf", "new_name": f"{LONG}.adirf", "base_hash": sha256}
+        assert page.post("/api/file/rename", back).status == 200
+
+
 def test_a_deleted_file_comes_back_from_what_the_page_kept_and_from_its_versions(tmp_path: Path) -> None:
     (tmp_path / "beside.txt").write_text("mine")
     with served(tmp_path) as page:
@@ -69,6 +82,7 @@ def test_a_deleted_file_comes_back_from_what_the_page_kept_and_from_its_versions
         ("rename", {"new_name": ".hidden/a.adirf"}, "shows no files of such a folder"),
         ("rename", {"new_name": "1/2/3/4/5/6/a.adirf"}, "shows no files of such a folder"),
         ("rename", {"new_name": "c.adirf", "base_hash": "0"}, "changed on disk"),
+        ("rename", {"new_name": f"{LONG}.adirf"}, "too long for the map"),
         ("delete", {"base_hash": "0"}, "changed on disk"),
         ("delete", {"name": "linked.adirf"}, "is a link"),
         ("delete", {"name": "../outside.adirf"}, "not the name of a file in the project"),
@@ -84,6 +98,7 @@ def test_what_is_refused_leaves_everything_as_it_was(
     (tmp_path / "outside.adirf").write_text(RULES)
     for name in ("a.adirf", "b.adirf", "beside.txt"):
         (root / name).write_text(RULES)
+    (root / ".a.adirf.layout.json").write_text("{}")
     (root / "linked.adirf").symlink_to("a.adirf")
     before = {path: path.read_bytes() for path in sorted(tmp_path.rglob("*")) if path.is_file()}
     with served(root) as page:

@@ -58,6 +58,12 @@ def test_the_likeliest_profile_is_the_namesake_or_knows_the_most_topics(
     assert answer.json == {"name": chosen, "gone": None}
 
 
+def test_a_profile_with_a_byte_order_mark_is_one(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text(profile("/odom"), encoding="utf-8-sig")
+    with served(tmp_path) as page:
+        assert asked(page) == {"name": "a.toml", "gone": None}
+
+
 def asked(page: Page, name: str = "patrol.adirf") -> object:
     return page.post("/api/profile/for", {"text": RULES, "name": name}).json
 

@@ -75,6 +75,15 @@ message_kb = 0.32
     )
 
 
+def test_a_byte_order_mark_stays_in_front() -> None:
+    marked = f"\ufeff{PROFILE}"
+    table = read_table(marked, P_TOML)
+    assert table == read_table(PROFILE, P_TOML)
+    assert write_table(table, marked, P_TOML) == marked
+    other = replace(table, budget_kb_per_s=8000.0)
+    assert write_table(other, marked, P_TOML) == f"\ufeff{write_table(other, PROFILE, P_TOML)}"
+
+
 def test_a_row_that_is_gone_takes_its_table_and_comment_along() -> None:
     table = read_table(PROFILE, P_TOML)
     text = write_table(ProfileTable(rows=table.rows[1:], budget_kb_per_s=None), PROFILE, P_TOML)

@@ -84,12 +84,47 @@ def test_nothing_else_is_written(page: Page, folder: Path, name: str, status: in
     assert sorted(folder.parent.rglob("*")) == before
 
 
+@pytest.mark.parametrize(
+    ("path", "more"),
+    [
+        ("/api/recording", {}),
+        ("/api/profile/measure", {}),
+        ("/api/background/path", {}),
+        ("/api/try", {"text": "begin SetFrequency /odom 5 end"}),
+        ("/api/profile/curve", {"topic": "/odom"}),
+        ("/api/profile/accuracy", {"topic": "/odom"}),
+    ],
+)
+def test_a_recording_that_cannot_be_read_is_named_as_the_project_does(
+    page: Page, folder: Path, path: str, more: dict[str, str]
+) -> None:
+    (folder / "empty.db3").write_bytes(b"")
+    error = page.post(path, {"bag": "empty.db3", **more}).json["error"]
+    assert (error["message"], error["place"]) == ("the file is empty", "empty.db3")
+
+
 def test_a_link_does_not_lead_a_recording_out_of_the_project(page: Page, folder: Path) -> None:
     outside = folder.parent / "outside"
     outside.mkdir()
     (folder / "link").symlink_to(outside)
     assert _sent(page, "link/monday.mcap", b"bytes").status == 403
     assert list(outside.iterdir()) == []
+
+
+def test_a_link_in_a_recording_does_not_lead_out_of_the_project(page: Page, folder: Path, bag: bytes) -> None:
+    inside, outside = folder / "runs" / "monday", folder.parent / "elsewhere"
+    inside.mkdir()
+    for one in outside.iterdir():
+        (inside / one.name).symlink_to(one)
+    (folder / "tuesday.db3").write_bytes(bag)
+    (folder / "tuesday.db3-wal").symlink_to(outside / "log")
+    for name in ("runs/monday", "tuesday.db3"):
+        answer = page.post("/api/recording", {"bag": name})
+        assert (answer.status, answer.error) == (403, "this names a file outside the project folder")
+        assert page.post("/api/try", {"text": "begin end", "bag": name}).status == 403
+    (folder / "tuesday.db3-wal").unlink()
+    (folder / "runs" / "wednesday.db3").symlink_to("../tuesday.db3")
+    assert page.post("/api/recording", {"bag": "runs/wednesday.db3"}).json["topics"]
 
 
 @pytest.mark.parametrize("kind", ["text/plain", "application/x-www-form-urlencoded", None])

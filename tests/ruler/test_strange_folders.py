@@ -11,6 +11,7 @@ from urllib.parse import quote
 
 import pytest
 
+from bags.bag_factory import small_mission, write_bag
 from ruler.ruler_server import Page, served
 
 RULES = "begin end"
@@ -28,6 +29,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "of_pipe.yaml").write_text(f"image: pipe.png\n{MAP}")
     (folder / "of_zero.yaml").write_text(f'image: "a\\0b.png"\n{MAP}')
     (folder / "good.adirf").write_text(RULES)
+    (folder / "run 12:30.adirf").write_text(RULES)
+    write_bag(folder / "rec 12:30", small_mission(1.0))
+    (folder / "C:drive.adirf").write_text(RULES)
+    (folder / "back\\slash.adirf").write_text(RULES)
     (folder / "two\nlines.adirf").write_text(RULES)
     Path(os.fsdecode(os.fsencode(folder) + b"/\xff.adirf")).write_text(RULES)
     return folder
@@ -43,8 +48,18 @@ def test_the_rest_of_the_project_is_listed(page: Page) -> None:
     answer = page.get("/api/project")
     assert answer.status == 200
     maps = ["of_circle.yaml", "of_pipe.yaml", "of_zero.yaml"]
-    assert [one["name"] for one in answer.json["files"]] == ["good.adirf", *maps]
-    assert [one["name"] for one in page.get("/api/backgrounds").json["choices"]] == maps
+    assert [one["name"] for one in answer.json["files"]] == [
+        "good.adirf",
+        *maps,
+        "rec 12:30",
+        "run 12:30.adirf",
+    ]
+    assert [one["name"] for one in page.get("/api/backgrounds").json["choices"]] == [*maps, "rec 12:30"]
+
+
+def test_what_has_a_time_in_its_name_is_opened(page: Page) -> None:
+    assert page.get(f"/api/file?name={quote('run 12:30.adirf')}").json["text"] == RULES
+    assert page.post("/api/recording", {"bag": "rec 12:30"}).json["topics"]
 
 
 @pytest.mark.parametrize(
@@ -58,6 +73,8 @@ def test_the_rest_of_the_project_is_listed(page: Page) -> None:
         f"/api/file?name={quote('é' * 130)}.adirf",
         "/api/file?name=two%0Alines.adirf",
         "/api/file?name=zero%00.adirf",
+        "/api/file?name=C:drive.adirf",
+        "/api/file?name=back%5Cslash.adirf",
         "/api/background/picture?kind=image&name=circle.png",
         "/api/background/picture?kind=map&name=of_circle.yaml",
         "/api/background/picture?kind=map&name=of_pipe.yaml",

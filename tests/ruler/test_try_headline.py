@@ -76,7 +76,7 @@ def test_a_headline_is_that_of_the_try(page: Page, bag: str) -> None:
         "remedy": "",
     }
     assert answer.json["headline"].keys() == SHOWN_TWICE
-    assert bool(tried["notices"]) == (bag == "runs/cut")
+    assert [one.partition(": ")[0] for one in tried["notices"]] == ["runs/cut/cut.db3"] * (bag == "runs/cut")
     assert tried["worst_topic"]["received"] < tried["worst_topic"]["sent"]
     assert tried["crossings"] == sum(one["crossings"] for one in tried["loss"]["crossings"])
     field, hold = tried["worst_field"], [one["hold"] for one in tried["loss"]["fields"] if one["hold"]]
@@ -170,11 +170,12 @@ def test_a_page_that_leaves_ends_the_process_at_work_only(project: Path) -> None
 def test_a_process_that_is_ready_ends_where_nothing_more_is_tried(project: Path) -> None:
     async def tried() -> None:
         work = ChildProcesses(lambda _: None, repeated=ChildWork.HEADLINE, idle_s=0)
-        asked = TryRequest(text=RULES, bag=str(project / "runs" / "short"))
-        assert await work.result(order_about_bag(ChildWork.HEADLINE, asked, "runs/short"))
+        bag = project / "runs" / "short"
+        order = order_about_bag(ChildWork.HEADLINE, TryRequest(text=RULES, bag=str(bag)), bag, "runs/short")
+        assert await work.result(order)
         while processes() - others:
             await asyncio.sleep(0.01)
-        assert await work.result(order_about_bag(ChildWork.HEADLINE, asked, "runs/short"))
+        assert await work.result(order)
         await work.close()
 
     others = processes()

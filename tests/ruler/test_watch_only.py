@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from ruler.incident_projects import NEAR_MISS, write_incidents
 from ruler.ruler_server import TIMEOUT_S, Page, served
 from smarttestudo.robot.ros import open_graph_robots
 from smarttestudo.ruler.answers.robot_incidents import RobotIncidents
@@ -83,6 +84,16 @@ def test_a_file_stays_as_it_was_and_rules_can_be_looked_at(page: Page, project: 
     assert saved.json["error"]["remedy"].startswith("ask whoever started testudo ruler")
     assert (project / "a.adirf").read_text() == RULES
     assert page.post("/api/document", {"text": RULES, "name": "a.adirf", "profile_text": None}).status == 200
+
+
+def test_an_incident_that_only_watchers_saw_stays_unread(tmp_path: Path) -> None:
+    project = tmp_path / "project"
+    write_incidents(project)
+    for is_watch_only in (True, False):
+        with served(project, is_watch_only=is_watch_only) as page:
+            assert page.post("/api/incident", {"name": NEAR_MISS}).status == 200
+            listed = {one["name"]: one for one in page.get("/api/incidents").json["incidents"]}
+            assert listed[NEAR_MISS]["incident"]["is_read"] is not is_watch_only
 
 
 @pytest.mark.parametrize(("token", "status"), [(TOKEN, 400), (WATCH_TOKEN, 403), ("guessed", 401)])

@@ -13,7 +13,7 @@ from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError, TestudoError
 from smarttestudo.language.formatter import first_line_end, format_file
-from smarttestudo.language.parser import parse
+from smarttestudo.language.parser import MAX_FILE_BYTES, parse
 from smarttestudo.rules.rule_files import find_rule_files, read_rule_text, write_rule_text
 
 EXIT_ERROR = 1
@@ -49,6 +49,12 @@ def run(arguments: argparse.Namespace) -> int:
     return code
 
 
+def _require_readable(path: Path, formatted: str) -> None:
+    if len(formatted.encode()) > MAX_FILE_BYTES:
+        cause = "the rule file would be larger than 4 MB in the house style"
+        raise RuleFileError(cause, place=str(path), remedy="it is left as it is; split it into several")
+
+
 def _format(path: Path, *, is_check: bool) -> int:
     try:
         text = read_rule_text(path)
@@ -59,6 +65,7 @@ def _format(path: Path, *, is_check: bool) -> int:
         formatted = format_file(result.file, line_end=first_line_end(text))
         if formatted == text:
             return 0
+        _require_readable(path, formatted)
         if not is_check:
             write_rule_text(path, formatted)
     except TestudoError as error:

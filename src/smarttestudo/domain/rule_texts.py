@@ -7,6 +7,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
+
+from smarttestudo.domain.record.plain import read_any
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +44,7 @@ class RuleTexts:
     def from_text(text: str) -> RuleTexts:
         """Rule texts that ``to_text`` wrote. Raises ``ValueError``."""
         try:
-            record = json.loads(text)
+            record: Any = read_any(json.loads(text))
             return RuleTexts(
                 sha256=str(record["sha256"]),
                 files=tuple((str(file["name"]), str(file["text"])) for file in record["files"]),

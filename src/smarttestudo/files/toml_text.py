@@ -18,6 +18,7 @@ else:
     import tomli as tomllib
 
 MAX_PROFILE_BYTES = 1_000_000
+_BYTE_ORDER_MARK = "\ufeff"
 KeyPath = tuple[str, ...]
 _KEY = re.compile(r"\s*([A-Za-z0-9_.\"'/-]+)\s*=")
 _MANY_DIGITS = re.compile(r"\d[\d_]{999}")
@@ -27,8 +28,11 @@ _AT_LINE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)\Z", re.DOTALL)
 def parse_toml(text: str, path: Path) -> tuple[dict[str, object], dict[KeyPath, int]]:
     """The values in ``text``, which is that of ``path``, and the line of each table and key by its path.
 
+    A byte order mark in front does not count.
+
     Raises ``ProfileError`` with the place for what is no TOML.
     """
+    text = text.removeprefix(_BYTE_ORDER_MARK)
     try:
         values: dict[str, object] = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -10,6 +10,7 @@ from itertools import accumulate
 
 from smarttestudo.domain.source import Span
 from smarttestudo.language.formatter import number_text
+from smarttestudo.language.parser.lexer import BYTE_ORDER_MARK
 from smarttestudo.language.syntax import RuleFile, SetFrequency, tiers_in
 from smarttestudo.optimizer.requirements import StatementKey
 from smarttestudo.optimizer.rule_rates import Optimization
@@ -30,8 +31,11 @@ def rewrite(text: str, file: RuleFile, optimization: Optimization, *, provenance
 
     Each level becomes its rate or its bound, except in disabled blocks. The topics that the optimization
     appended become defaults, after the last one of the file, or at its start. A first line says
-    ``provenance``, in the place of one that did.
+    ``provenance``, in the place of one that did. A byte order mark stays in front.
     """
+    # Places do not count it.
+    written = text.removeprefix(BYTE_ORDER_MARK)
+    mark, text = text[: len(text) - len(written)], written
     starts = list(accumulate((len(line) for line in _LINE.findall(text)), initial=0))
     line_end = "\r\n" if "\r\n" in text else "\n"
     edits = [
@@ -49,7 +53,7 @@ def rewrite(text: str, file: RuleFile, optimization: Optimization, *, provenance
     edits.append((0, _old_provenance(text), f"{PROVENANCE}{provenance}{line_end}"))
     for start, end, replacement in sorted(edits, reverse=True):
         text = text[:start] + replacement + text[end:]
-    return text
+    return mark + text
 
 
 def _number_text(key: StatementKey, optimization: Optimization) -> str:

@@ -13,6 +13,7 @@ from tomlkit.items import Comment, Item, Key, Null, Table, Trivia, Whitespace
 
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.files.toml_text import KeyPath, parse_toml
+from smarttestudo.language.parser.lexer import BYTE_ORDER_MARK
 
 Value = str | float | Sequence[float] | None
 """The new value of a key; ``None`` takes it out."""
@@ -35,7 +36,9 @@ def edited_profile(
     values, _ = parse_toml(text, path)
     if _wanted(values, top, topics) == values:
         return text
-    edited = _edited(text, top, topics)
+    written = text.removeprefix(BYTE_ORDER_MARK)
+    mark = text[: len(text) - len(written)]
+    edited = mark + _edited(written, top, topics)
     try:
         after, _ = parse_toml(edited, path)
     except ProfileError as error:

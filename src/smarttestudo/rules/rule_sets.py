@@ -15,6 +15,7 @@ from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.status import RulesInForce
+from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RefusedTiers, RuleSet, TierValues, compile_rules
@@ -78,7 +79,8 @@ class LoadedRules:
     @property
     def in_force(self) -> RulesInForce:
         """The files, and the SHA-256 of their text in UTF-8, one after the other."""
-        return RulesInForce(paths=tuple(self.texts), sha256=sha256_of_rules("".join(self.texts.values())))
+        sha256 = sha256_of_rules("".join(self.texts.values()))
+        return RulesInForce(paths=tuple(map(in_utf_8, self.texts)), sha256=sha256)
 
 
 def sha256_of_rules(text: str) -> str:

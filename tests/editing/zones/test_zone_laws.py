@@ -110,7 +110,14 @@ def test_moving_a_zone_changes_numbers_and_no_other_byte(written: WrittenFile, d
         changed = [(old, new) for old, new in pairs if old.text != new.text]
         assert all(old.kind is new.kind is TokenKind.NUMBER for old, new in changed)
         places = [one for one in checks_in(entry.statement.condition) if "pose" in one.property]
-        assert len(changed) <= len(places)
+        assert len(changed) <= len(places) + sum(one.until is not None for one in places)
+
+
+def test_where_a_check_of_a_zone_ends_to_hold_moves_with_it() -> None:
+    written = "CheckValue /odom pose_x > 5.4 Until < 4 AND CheckValue /odom pose_y < 4 Until >= 4.5"
+    moved = with_moved_zone(document_of(written), "s1", "/odom", (0.1, -3))
+    expected = "CheckValue /odom pose_x > 5.5 Until < 4.1 AND CheckValue /odom pose_y < 1 Until >= 1.5"
+    assert moved == document_of(expected).text
 
 
 def gaps(document: Document) -> list[str]:

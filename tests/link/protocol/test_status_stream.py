@@ -116,6 +116,11 @@ def test_what_is_measured_is_there_and_gone_at_once() -> None:
     assert seen == [{"m": 1.5}, {"m": None}, {"m": 2.5}]
 
 
+def test_what_utf_8_cannot_say_arrives_as_a_question_mark() -> None:
+    there, here = sender(), StatusReceiver(decompress)
+    assert here.receive(there.next({"v": "r\udce9gles"}, 0)) == {"v": "r?gles"}
+
+
 def test_a_small_change_takes_few_bytes() -> None:
     there = sender()
     record = {f"name of entry {number}": 1000.5 + number for number in range(100)}

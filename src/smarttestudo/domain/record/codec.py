@@ -18,7 +18,7 @@ from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from smarttestudo.domain.record.entry import AtMost, Decimals, JsonEntry, Mark, Significant, json_name, marks
-from smarttestudo.domain.record.plain import PLAIN
+from smarttestudo.domain.record.plain import PLAIN, read_any, read_mapping
 
 _Value = TypeVar("_Value")
 _Encode = Callable[[Any], object]
@@ -47,7 +47,10 @@ def from_json(kind: type[_Value], value: object) -> _Value:
     What is absent has the field's default, or is ``None`` if the type allows it. What ``kind`` does not know
     is left out.
     """
-    return cast("_Value", _class_of(cast("Any", kind)).decode(value))
+    try:
+        return cast("_Value", _class_of(cast("Any", kind)).decode(value))
+    except RecursionError as error:
+        raise ValueError("nested too deep") from error
 
 
 _ALWAYS = object()
@@ -164,7 +167,8 @@ class _RecordClass:
             return one.default
         if one.entry.is_rest:
             others = value.keys() - self.keys
-            return {key: value[key] for key in sorted(others) if isinstance(value[key], dict)}
+            rest = {key: value[key] for key in sorted(others) if isinstance(value[key], dict)}
+            return read_mapping(rest, read_any)
         if one.key not in value and not one.entry.is_merged:
             return one.default
         found = value if one.entry.is_merged else value[one.key]
@@ -219,7 +223,7 @@ def _ways(hint: Any, entry: JsonEntry) -> _Ways:
     if origin is not None and issubclass(origin, Mapping):
         return _mapping(parts[1])
     if hint is object:
-        return _Ways(encode=_any, decode=lambda value: value)
+        return _Ways(encode=_any, decode=read_any)
     if is_dataclass(hint):
         return _record(cast("type", hint))
     return _Ways(encode=_finite_or_null if hint is float else None, decode=PLAIN[hint])
@@ -379,18 +383,12 @@ def _keyed(kind: type, field: str) -> _Ways:
 
 def _mapping(hint: Any) -> _Ways:
     one = _ways(hint, JsonEntry())
-
-    def read(value: object) -> object:
-        if not isinstance(value, dict):
-            raise ValueError("not an object")  # noqa: TRY004 - a stranger's text
-        return {name: one.decode(found) for name, found in value.items()}
-
     encode = one.encode
     return _Ways(
         encode=dict
         if encode is None
         else lambda value: {name: None if found is None else encode(found) for name, found in value.items()},
-        decode=read,
+        decode=lambda value: read_mapping(value, one.decode),
         is_measured=one.is_measured,
         record=one.record,
     )

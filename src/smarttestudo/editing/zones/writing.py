@@ -175,7 +175,12 @@ def _with_checks(condition: Condition, change: Callable[[int, Check], Check]) ->
 
 
 def _with_value(check: Check, value: float) -> Check:
-    return replace(check, value=value, text="")
+    """``check`` with another number; that of its Until stays as far from it."""
+    until = check.until
+    if until is not None:
+        distance = Decimal(repr(value)) - Decimal(repr(check.value))
+        until = replace(until, value=float(Decimal(repr(until.value)) + distance), text="")
+    return replace(check, value=value, text="", until=until)
 
 
 def _centimetres(metres: float) -> Decimal:

@@ -113,8 +113,12 @@ def parse_duration(cursor: Cursor) -> Duration:
 
 def duration_ns(text: str, unit: DurationUnit) -> int:
     """The nanoseconds nearest to ``text`` of ``unit``; more than a duration may have where it is far more."""
-    if abs(float(text)) > MAX_DURATION_NS:
+    value = float(text)
+    if abs(value) > MAX_DURATION_NS:
         return -1
+    # A Decimal holds no exponent of twenty digits, as that of 0e99999999999999999999.
+    if value == 0:
+        return 0
     from decimal import Decimal  # noqa: PLC0415  few rules have durations
 
     return round(Decimal(text) * _NS_OF[unit])

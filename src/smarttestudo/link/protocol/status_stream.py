@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.link.protocol.wire import HEAD_BYTES, Kind, Reader, frame, kind_of, malformed, varint
 
 MAX_STATUS_BYTES = 1_000_000
@@ -49,7 +50,8 @@ class StatusSender:
             self._measured_ns, self._record = now_ns, record
         else:
             self._record = self._held(self._record, record, ())
-        before, self._text = self._text, json_text(self._record, ascii_only=False, compact=True).encode()
+        text = in_utf_8(json_text(self._record, ascii_only=False, compact=True))
+        before, self._text = self._text, text.encode()
         self._number += 1
         return self._frame(Kind.STATUS_CHANGES, before) if before else self.full()
 

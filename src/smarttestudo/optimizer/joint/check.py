@@ -19,14 +19,19 @@ from smarttestudo.language.evaluator import Evaluator
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
 from smarttestudo.optimizer.joint.cells import Cluster, axes_of, cell_count, clusters_of, holding_together
 from smarttestudo.optimizer.problem import fits
+from smarttestudo.pacing.bound import HEARTBEAT_HZ
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Loads:
-    """KB for each message and the source's Hz, which Full passes on, by topic; ``profile`` has the bounds."""
+    """KB for each message and the source's Hz, which Full passes on, by topic; ``profile`` has the bounds.
+
+    ``floors_hz`` are the floors of the rules, which pass beside what bounds need.
+    """
 
     size_kb: Mapping[str, float]
     source_hz: Mapping[str, float]
+    floors_hz: Mapping[str, float] = field(default_factory=dict)
     profile: Profile = field(default_factory=Profile)
 
     def kb_per_s(self, topic: str, planned: PlannedRate) -> float:
@@ -38,8 +43,10 @@ class Loads:
         return self.source_hz[topic] if rate.is_full else rate.hz
 
     def needed_hz(self, topic: str, planned: PlannedRate) -> float:
-        """The Hz that the bounds of ``topic`` need; infinite where that is not known."""
-        return self.profile.topic(topic).needed_hz(planned.within)
+        """The Hz that the bounds of ``topic`` and its heartbeat need; infinite where that is not known."""
+        heartbeat_hz = self.floors_hz.get(topic, 0.0) or HEARTBEAT_HZ
+        possible_hz = min(heartbeat_hz, self.source_hz.get(topic, math.inf))
+        return max(self.profile.topic(topic).needed_hz(planned.within), possible_hz)
 
 
 def loads_of(rule_set: RuleSet, profile: Profile) -> Loads:
@@ -48,6 +55,7 @@ def loads_of(rule_set: RuleSet, profile: Profile) -> Loads:
     return Loads(
         size_kb={t: entry.message_kb for t, entry in entries.items() if entry.message_kb is not None},
         source_hz={t: entry.source_hz for t, entry in entries.items() if entry.source_hz is not None},
+        floors_hz=rule_set.floors_hz,
         profile=profile,
     )
 

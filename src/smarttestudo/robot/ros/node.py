@@ -35,6 +35,7 @@ from smarttestudo.domain.robot import (
 )
 from smarttestudo.domain.status import Diagnostic
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.robot.ros.data_path import open_data_path
 from smarttestudo.robot.ros.definitions import message_definition
 from smarttestudo.robot.ros.diagnostics import diagnostics_publisher
@@ -211,7 +212,7 @@ class RosNode:
 
         def publish(text: str) -> None:
             with ros_errors(topic):
-                publisher.publish(text_type(data=text))
+                publisher.publish(text_type(data=in_utf_8(text)))
 
         return publish
 
@@ -317,10 +318,10 @@ def offer_trigger(node: Any, name: str, act: Callable[[], str]) -> None:
 
     def called(_request: Any, response: Any) -> Any:
         try:
-            response.message = act()
+            response.message = in_utf_8(act())
             response.success = True
         except TestudoError as error:
-            response.message = str(error)
+            response.message = in_utf_8(str(error))
             response.success = False
         return response
 

@@ -11,12 +11,29 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.logging import LoggingSeverity
 
 from smarttestudo.domain.robot import RobotLog
+from smarttestudo.domain.utf_8 import in_utf_8
 
 
 def node_log(node: Any) -> RobotLog:
     """The log of ``node``, by the cheaper way if this version of rclpy has it."""
-    logger: RobotLog = node.get_logger()
-    return NodeLog(logger) if hasattr(rclpy_implementation, "rclpy_logging_rcutils_log") else logger
+    logger = node.get_logger()
+    is_cheaper = hasattr(rclpy_implementation, "rclpy_logging_rcutils_log")
+    return NodeLog(logger) if is_cheaper else Utf8Log(logger)
+
+
+class Utf8Log:
+    """Logs by ``logger``, which takes nothing but UTF-8."""
+
+    def __init__(self, logger: RobotLog) -> None:
+        self._logger = logger
+
+    def info(self, message: str) -> None:
+        """Log what happened."""
+        self._logger.info(in_utf_8(message))
+
+    def warning(self, message: str) -> None:
+        """Log a warning."""
+        self._logger.warning(in_utf_8(message))
 
 
 class NodeLog:
@@ -43,5 +60,5 @@ class NodeLog:
         frame = sys._getframe(2)  # noqa: SLF001 - as Python's own log does
         code = frame.f_code
         rclpy_implementation.rclpy_logging_rcutils_log(
-            severity, self._logger.name, message, code.co_name, code.co_filename, frame.f_lineno
+            severity, self._logger.name, in_utf_8(message), code.co_name, code.co_filename, frame.f_lineno
         )

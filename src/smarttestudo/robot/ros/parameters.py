@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -14,7 +14,7 @@ from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.exceptions import NameValidationException, ParameterException
 
-from smarttestudo.domain.errors import RosError, TestudoError, UsageError
+from smarttestudo.domain.errors import RosError, UsageError, said
 from smarttestudo.domain.parameter import (
     Accept,
     Access,
@@ -26,6 +26,7 @@ from smarttestudo.domain.parameter import (
     Values,
     WasSet,
 )
+from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 
@@ -50,7 +51,7 @@ class NodeParameters:
         """Give a parameter another value without acceptance."""
         self._is_ours = True
         try:
-            self._node.set_parameters([rclpy.parameter.Parameter(name, value=value)])
+            self._node.set_parameters([_parameter(name, value)])
         finally:
             self._is_ours = False
 
@@ -68,7 +69,7 @@ class NodeParameters:
             if name not in self._access:
                 refused[name] = str(UsageError("there is no such parameter", place=f"parameter {name[:80]}"))
                 continue
-            (result,) = self._node.set_parameters([rclpy.parameter.Parameter(name, value=value)])
+            (result,) = self._node.set_parameters([_parameter(name, value)])
             if not result.successful:
                 refused[name] = result.reason
         return refused
@@ -81,11 +82,12 @@ class NodeParameters:
         )
         try:
             declared = self._node.declare_parameter(
-                one.name, one.value, descriptor, ignore_override=one.is_final
+                one.name, _in_utf_8(one.value), descriptor, ignore_override=one.is_final
             )
         except ParameterException as error:
             raise UsageError(str(error), place=f"parameter {one.name}") from error
-        return plain_value(declared.value)
+        # The node may only be able to show it: the name of a file is not always UTF-8.
+        return one.value if one.is_final else plain_value(declared.value)
 
     def _asked(self, parameters: Sequence[Any]) -> Any:
         """Whether rclpy may give the parameters their new values."""
@@ -93,17 +95,33 @@ class NodeParameters:
         if self._is_ours or not changes:
             return SetParametersResult(successful=True)
         try:
-            for name in changes:
-                if self._access[name] is Access.NODE:
-                    raise UsageError("it is read-only", place=f"parameter {name}")
+            self._require_settable(changes)
             self._accept(changes)
-        except TestudoError as error:
-            return SetParametersResult(successful=False, reason=str(error))
+        except Exception as error:  # noqa: BLE001 - whoever sets a parameter must not end the run
+            return SetParametersResult(successful=False, reason=said(error))
         return SetParametersResult(successful=True)
+
+    def _require_settable(self, names: Iterable[str]) -> None:
+        for name in names:
+            if self._access[name] is Access.NODE:
+                raise UsageError("it is read-only", place=f"parameter {name}")
 
 
 def _nothing(_changes: Mapping[str, ParameterValue]) -> None:
     """Accept whatever is set while nothing is declared."""
+
+
+def _parameter(name: str, value: ParameterValue) -> Any:
+    return rclpy.parameter.Parameter(name, value=_in_utf_8(value))
+
+
+def _in_utf_8(value: ParameterValue) -> ParameterValue:
+    match value:
+        case str():
+            return in_utf_8(value)
+        case tuple():
+            return tuple(map(in_utf_8, value))
+    return value
 
 
 def plain_value(value: Any) -> ParameterValue:
@@ -174,9 +192,7 @@ class NodeParameterClients:
 
     def set(self, node: str, values: Values, was_set: WasSet) -> None:
         """Have ``node`` give its parameters these values, each by itself."""
-        parameters = [
-            rclpy.parameter.Parameter(name, value=value).to_parameter_msg() for name, value in values.items()
-        ]
+        parameters = [_parameter(name, value).to_parameter_msg() for name, value in values.items()]
 
         def told(response: Any) -> None:
             if isinstance(response, RosError):

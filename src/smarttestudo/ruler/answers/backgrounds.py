@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -121,40 +120,38 @@ class Backgrounds:
         """
         name, kind = request.name, request.kind
         path = self._folder.background(name, FileKind(kind))
-        with self._placed():
-            if kind == "image":
-                width_px, height_px = image_size(path)
-                return Background(
-                    name=name,
-                    kind=kind,
-                    hash=sha256_of_files(path),
-                    width_px=width_px,
-                    height_px=height_px,
-                    metres_per_pixel=None,
-                )
-            header = self._header(path, name)
-            width_px, height_px = image_size(header.image)
-            x_m, y_m, yaw_rad = header.origin
+        if kind == "image":
+            width_px, height_px = image_size(path)
             return Background(
                 name=name,
                 kind=kind,
-                hash=sha256_of_files(path, header.image),
+                hash=sha256_of_files(path),
                 width_px=width_px,
                 height_px=height_px,
-                metres_per_pixel=header.cell_m,
-                x=x_m,
-                y=y_m,
-                yaw_rad=yaw_rad,
+                metres_per_pixel=None,
             )
+        header = self._header(path, name)
+        width_px, height_px = image_size(header.image)
+        x_m, y_m, yaw_rad = header.origin
+        return Background(
+            name=name,
+            kind=kind,
+            hash=sha256_of_files(path, header.image),
+            width_px=width_px,
+            height_px=height_px,
+            metres_per_pixel=header.cell_m,
+            x=x_m,
+            y=y_m,
+            yaw_rad=yaw_rad,
+        )
 
     def picture(self, request: BackgroundRequest) -> bytes:
         """A map or image as PNG; errors as in ``background``."""
         path = self._folder.background(request.name, FileKind(request.kind))
-        with self._placed():
-            if request.kind == "image":
-                _require_small(path)
-                return image_png(path)
-            return map_png(self._header(path, request.name))
+        if request.kind == "image":
+            _require_small(path)
+            return image_png(path)
+        return map_png(self._header(path, request.name))
 
     def path(self, request: BagRequest) -> DrivenPath:
         """Where the robot of a bag was, by its pose in the map, else by its odometry or transforms.
@@ -162,7 +159,7 @@ class Backgrounds:
         Raises:
             RecordingError: the bag cannot be read, or has no positions of the robot.
         """
-        return _driven(self._folder.bag(request.bag), request.bag)
+        return _driven(self._folder.bag(request.bag), request.bag, self._folder.shown)
 
     def _header(self, path: Path, name: str) -> MapHeader:
         header = read_map_header(path)
@@ -170,17 +167,8 @@ class Backgrounds:
         _require_small(header.image)
         return header
 
-    @contextmanager
-    def _placed(self) -> Iterator[None]:
-        """Errors name files as the project does."""
-        try:
-            yield
-        except MapError as error:
-            place = self._folder.shown(error.place or "")
-            raise MapError(error.cause, place=place, remedy=error.remedy) from error
 
-
-def _driven(bag: Path, name: str) -> DrivenPath:
+def _driven(bag: Path, name: str, shown: Callable[[str], str]) -> DrivenPath:
     from smarttestudo.bags.definitions import RosbagDecoder  # noqa: PLC0415  most projects have no bag
     from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  most projects have no bag
 
@@ -198,7 +186,7 @@ def _driven(bag: Path, name: str) -> DrivenPath:
             source=places.source,
             has_pose=not isinstance(places, TransformPlaces),
             frame=places.frame,
-            notices=tuple(recording.notices()),
+            notices=tuple(map(shown, recording.notices())),
         )
 
 

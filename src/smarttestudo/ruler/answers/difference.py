@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.editing.meaning import condition_meaning, meaning
-from smarttestudo.language.formatter.text import bound_text, number_text
+from smarttestudo.language.formatter.text import number_text
 from smarttestudo.language.parser import ParseResult
 from smarttestudo.language.syntax import (
     Action,
@@ -43,28 +43,14 @@ def mean_the_same(old: ParseResult, new: ParseResult) -> bool:
 def _meaning(result: ParseResult) -> object:
     statements = result.file.statements
     defaults = {one.topic.text: one.rate.value for one in statements if isinstance(one, SetFrequency)}
-    floors_hz: dict[str, float] = {}
-    for one in statements:
-        if isinstance(one, KeepAtLeast) and isinstance(one.rate.value, int | float):
-            floors_hz[one.topic.text] = max(one.rate.value, floors_hz.get(one.topic.text, 0.0))
-    bounds: dict[str, float] = {}
-    level_bounds: set[tuple[str, Tier]] = set()
-    for one in statements:
-        match one:
-            case KeepWithin(bound=Tier() as tier):
-                level_bounds.add((_bound(one), tier))
-            case KeepWithin(bound=int() | float() as bound):
-                bounds[_bound(one)] = min(bound, bounds.get(_bound(one), math.inf))
-            case _:
-                pass
     blocks = Counter(meaning(one) for one in statements if isinstance(one, Block))
-    return result.is_valid, defaults, floors_hz, bounds, level_bounds, blocks
+    return result.is_valid, defaults, _floors_hz(result), _always_bounds(result), blocks
 
 
 def _differences(old: ParseResult, new: ParseResult) -> Iterator[str]:
-    yield from _rates("default", _settings(old, SetFrequency), _settings(new, SetFrequency))
-    yield from _rates("floor", _settings(old, KeepAtLeast), _settings(new, KeepAtLeast))
-    yield from _rates("bound", _bounds(old), _bounds(new))
+    yield from _rates("default", _defaults(old), _defaults(new))
+    yield from _rates("floor", _floors(old), _floors(new))
+    yield from _rates("bound", _always_bounds(old), _always_bounds(new))
     before, after = _blocks(old), _blocks(new)
     yield from (f"{name}: removed" for name in before if name not in after)
     for name, block in after.items():
@@ -74,14 +60,47 @@ def _differences(old: ParseResult, new: ParseResult) -> Iterator[str]:
             yield f"{name}: added, switched off" if block.is_disabled else f"{name}: added"
 
 
-def _settings(result: ParseResult, kind: type[SetFrequency | KeepAtLeast]) -> _Rates:
-    statements = (one for one in result.file.statements if isinstance(one, kind))
-    return {one.topic.text: _text(one.rate) for one in statements if not isinstance(one, Block)}
+def _defaults(result: ParseResult) -> _Rates:
+    statements = (one for one in result.file.statements if isinstance(one, SetFrequency))
+    return {one.topic.text: _text(one.rate) for one in statements}
 
 
-def _bounds(result: ParseResult) -> _Rates:
-    bounds = (one for one in result.file.statements if isinstance(one, KeepWithin))
-    return {_bound(one): bound_text(one) for one in bounds}
+def _floors(result: ParseResult) -> _Rates:
+    return {topic: f"{number_text(hz)} Hz" for topic, hz in _floors_hz(result).items()}
+
+
+def _floors_hz(result: ParseResult) -> Mapping[str, float]:
+    """The highest floor of each topic, which is the one that counts."""
+    floors_hz: dict[str, float] = {}
+    for one in result.file.statements:
+        if isinstance(one, KeepAtLeast) and isinstance(one.rate.value, int | float):
+            floors_hz[one.topic.text] = max(one.rate.value, floors_hz.get(one.topic.text, 0.0))
+    return floors_hz
+
+
+def _always_bounds(result: ParseResult) -> _Rates:
+    return _bounds(one for one in result.file.statements if isinstance(one, KeepWithin))
+
+
+def _bounds(statements: Iterable[KeepWithin]) -> _Rates:
+    """The bounds that count, by topic and property: the tightest number and the highest level."""
+    numbers: dict[str, float] = {}
+    levels: dict[str, Tier] = {}
+    names: list[str] = []
+    for one in statements:
+        names.append(name := _bound(one))
+        if isinstance(one.bound, Tier):
+            levels[name] = max(one.bound, levels.get(name, one.bound), key=lambda tier: tier.level)
+        else:
+            numbers[name] = min(one.bound, numbers.get(name, math.inf))
+    return {name: " and ".join(_bound_texts(numbers.get(name), levels.get(name))) for name in names}
+
+
+def _bound_texts(number: float | None, level: Tier | None) -> Iterator[str]:
+    if number is not None:
+        yield number_text(number)
+    if level is not None:
+        yield level.value
 
 
 def _blocks(result: ParseResult) -> dict[str, Block]:
@@ -118,8 +137,7 @@ def _block(name: str, old: Block, new: Block) -> Iterator[str]:
 def _branch(actions: Sequence[Action]) -> _Rates:
     """The rates by topic, and the bounds by topic and property."""
     rates = {one.topic.text: _text(one.rate) for one in sets_in(actions)}
-    bounds = {_bound(one): bound_text(one) for one in bounds_in(actions)}
-    return {**rates, **bounds}
+    return {**rates, **_bounds(bounds_in(actions))}
 
 
 def _bound(one: KeepWithin) -> str:

@@ -5,14 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from msgspec import Struct
 
 from smarttestudo.bags.incident_record import RECORD_NAME
-from smarttestudo.domain.errors import RecordingError, TestudoError
+from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.incident import IncidentRecord
 from smarttestudo.domain.remote_incidents import RemoteIncident
 from smarttestudo.files.zip_stream import zip_pieces
@@ -83,40 +82,39 @@ class KnownIncidents:
         )
 
     def incident(self, request: OneIncidentRequest) -> IncidentAnswer:
-        """One incident; from now on somebody has read it."""
-        with self._placed():
-            store, last = self._store(request.name)
-            stored = store.incident(last)
-            store.mark_read(last)
-            return self._answer(request.name, stored)
+        """One incident."""
+        store, last = self._store(request.name)
+        return self._answer(request.name, store.incident(last))
+
+    def mark_read(self, request: OneIncidentRequest) -> None:
+        """Somebody who may delete it has read an incident."""
+        store, last = self._store(request.name)
+        store.mark_read(last)
 
     def delete(self, request: OneIncidentRequest) -> IncidentsAnswer:
         """Delete one; what is left. Raises ``RecordingError`` where its folder holds something else, too."""
-        with self._placed():
-            store, last = self._store(request.name)
-            store.delete(last)
+        store, last = self._store(request.name)
+        store.delete(last)
         return self.incidents()
 
     def bag(self, name: str) -> Path:
         """The folder of an incident, which is a bag."""
-        with self._placed():
-            store, last = self._store(name)
-            return store.incident(last).path
+        store, last = self._store(name)
+        store.incident(last)
+        return self._folder.bag(name)
 
     def zipped(self, name: str) -> tuple[str, Iterator[bytes]]:
         """A name without blanks and slashes, and the pieces of a .zip with all files of an incident."""
-        with self._placed():
-            store, last = self._store(name)
-            return last, zip_pieces(store.files(last), last)
+        store, last = self._store(name)
+        return last, zip_pieces(store.files(last), last)
 
     def _listed(self, names: list[str]) -> Iterator[ListedIncident]:
         for name in names:
             size_bytes = 0
             try:
-                with self._placed():
-                    store, last = self._store(name)
-                    size_bytes = store.size_bytes(last)
-                    stored = store.incident(last)
+                store, last = self._store(name)
+                size_bytes = store.size_bytes(last)
+                stored = store.incident(last)
             except TestudoError as error:
                 problem = told_of_listed(error)
                 yield ListedIncident(name=name, size_bytes=size_bytes, problem=problem, incident=None)
@@ -161,15 +159,6 @@ class KnownIncidents:
         except TestudoError:
             # Who opens it is told what is wrong with it.
             return None
-
-    @contextmanager
-    def _placed(self) -> Iterator[None]:
-        """Errors name folders as the project does."""
-        try:
-            yield
-        except RecordingError as error:
-            place = self._folder.shown(error.place or "")
-            raise RecordingError(error.cause, place=place, remedy=error.remedy) from error
 
 
 def _common(one: tuple[str, ...], other: tuple[str, ...]) -> int:

@@ -113,7 +113,5 @@ def _statements(optimized: OptimizedDraft, solved: SolvedSubproblem) -> tuple[Se
     if solved.subproblem.label is None:
         return tuple(one for one in statements if isinstance(one, SetFrequency))
     block = next(one for one in statements if isinstance(one, Block) and one.span == solved.subproblem.span)
-    then = sets_in(block.then)
-    topics = {resolve_topic(one.topic.text) for one in then}
-    is_then = solved.subproblem.label == block.label and topics == set(solved.subproblem.requirements)
-    return then if is_then else sets_in(block.otherwise)
+    # The label of an Else has that word behind it.
+    return sets_in(block.then if solved.subproblem.label == block.label else block.otherwise)

@@ -172,11 +172,12 @@ class ProjectFiles:
         if self._folder.kind(new_name) is not kind:
             remedy = "rule files end in .adirf, profiles in .toml"
             raise ForbiddenPathError("a file keeps its kind", place=new_name, remedy=remedy)
+        self._folder.path(new_name)
+        layout = self._layout(name, new_name)
         self._move(self._folder.read(name).text, name, new_name, request.base_hash)
-        layout = layout_name(name)
-        with suppress(MissingFileError, ChangedFileError):
-            found = self._folder.read(layout)
-            self._move(found.text, layout, layout_name(new_name), found.sha256)
+        if layout is not None:
+            with suppress(MissingFileError, ChangedFileError):
+                self._move(layout.text, layout_name(name), layout_name(new_name), layout.sha256)
         if kind is FileKind.RULES:
             self._versions.move(name, new_name)
         self._settings.follow(name, new_name)
@@ -190,6 +191,20 @@ class ProjectFiles:
             self._versions.keep(name, found.text, found.changed_at_ms)
         self._folder.remove(name, request.base_hash)
         return self.project()
+
+    def _layout(self, name: str, new_name: str) -> FileText | None:
+        """The map of ``name``, if it has one; ``ForbiddenPathError`` where ``new_name`` could not have it."""
+        try:
+            found = self._folder.read(layout_name(name))
+        except (MissingFileError, ForbiddenPathError):
+            # The name of a map is longer, and may be too long.
+            return None
+        try:
+            self._folder.path(layout_name(new_name))
+        except ForbiddenPathError as error:
+            cause = "the name is too long for the map of the rules"
+            raise ForbiddenPathError(cause, place=new_name, remedy="choose a shorter name") from error
+        return found
 
     def _move(self, text: str, name: str, new_name: str, base_sha256: str) -> None:
         written_sha256 = self._folder.write(new_name, text, None)

@@ -9,7 +9,6 @@ import os
 import re
 import stat
 import threading
-import unicodedata
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -22,6 +21,7 @@ from smarttestudo.domain.errors import TestudoError
 from smarttestudo.files.input_file import read_input, require_file
 from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import OutputFileError
+from smarttestudo.ruler.project.entry_names import is_nameable, is_shown
 from smarttestudo.rules.rule_files import write_rule_text
 
 MAX_TEXT_BYTES = 1_000_000
@@ -34,8 +34,6 @@ _ROS1_SUFFIX = ".bag"
 """Listed, so that whoever opens one is told what it is."""
 _IMAGE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg"})
 MAX_IMAGES = 200
-_UNSHOWN = frozenset({"Cc", "Cs", "Zl", "Zp"})
-_SKIPPED = frozenset({"node_modules", "__pycache__", "build", "install", "log"})
 
 
 class FileKind(Enum):
@@ -124,7 +122,7 @@ class ProjectFolder:
     def path(self, name: str) -> Path:
         """The path of the file or folder ``name``, with links followed; ``ForbiddenPathError`` outside."""
         parts = PurePosixPath(name).parts
-        is_plain = bool(parts) and _is_one_line(name) and "\\" not in name and ":" not in name
+        is_plain = bool(parts) and all(map(is_nameable, parts))
         if not is_plain or name.startswith("/") or ".." in parts:
             raise ForbiddenPathError("this is not the name of a file in the project", place=name)
         path = _resolved(self._root.joinpath(*parts), name)
@@ -133,10 +131,14 @@ class ProjectFolder:
         return path
 
     def bag(self, name: str) -> Path:
-        """The path of the bag ``name``."""
+        """The path of the bag ``name``, of which no link leads out of the project."""
         path = self.path(name)
-        if _mode(path) is None:
+        mode = _mode(path)
+        if mode is None:
             raise MissingFileError("there is no such recording in the project", place=name)
+        # SQLite reads a log beside a file.
+        for one in _entries(path) if stat.S_ISDIR(mode) else (path.with_name(f"{path.name}-wal"),):
+            self.require_inside(Path(one), name)
         return path
 
     def new_bag(self, name: str) -> Path:
@@ -264,7 +266,7 @@ class ProjectFolder:
 
     def _holders(self, folder: Path, file_name: str, depth: int) -> Iterator[str]:
         for entry in _entries(folder):
-            is_folder = _is_one_line(entry.name) and _is_shown(entry.name)
+            is_folder = is_nameable(entry.name) and is_shown(entry.name)
             with suppress(OSError):
                 is_folder = is_folder and entry.is_dir(follow_symlinks=False)
             path = Path(entry.path)
@@ -280,13 +282,13 @@ class ProjectFolder:
                 yield from self._entry(entry, depth)
 
     def _entry(self, entry: os.DirEntry[str], depth: int) -> Iterator[FoundFile]:
-        if not _is_one_line(entry.name):
+        if not is_nameable(entry.name):
             return
         if entry.is_symlink() and not Path(entry.path).resolve().is_relative_to(self._root):
             return
         if entry.is_file():
             yield from self._file(entry)
-        elif entry.is_dir(follow_symlinks=False) and _is_shown(entry.name) and depth > 0:
+        elif entry.is_dir(follow_symlinks=False) and is_shown(entry.name) and depth > 0:
             path = Path(entry.path)
             if (path / METADATA_NAME).is_file():
                 yield self._found(path, FileKind.BAG, entry.stat(), _folder_bytes(path))
@@ -326,11 +328,6 @@ def _entries(folder: Path) -> list[os.DirEntry[str]]:
         return []
 
 
-def _is_one_line(name: str) -> bool:
-    """Whether ``name`` is text without control characters and line ends, which a page and a log can show."""
-    return not any(unicodedata.category(one) in _UNSHOWN for one in name)
-
-
 def _resolved(path: Path, name: str) -> Path:
     """``path`` with links followed; ``ForbiddenPathError`` where there can be no such file."""
     try:
@@ -348,7 +345,7 @@ def _resolved(path: Path, name: str) -> Path:
 def _make_parent(path: Path, name: str) -> None:
     """Make the folder of a new file; ``ForbiddenPathError`` for one whose files would not be shown."""
     folders = PurePosixPath(name).parts[:-1]
-    if len(folders) > _MAX_DEPTH or not all(_is_shown(folder) for folder in folders):
+    if len(folders) > _MAX_DEPTH or not all(is_shown(folder) for folder in folders):
         remedy = f"at most {_MAX_DEPTH} folders deep, and none that begins with a dot"
         raise ForbiddenPathError("the Ruler shows no files of such a folder", place=name, remedy=remedy)
     try:
@@ -371,10 +368,6 @@ def _changed_at_ms(path: Path) -> int:
         return path.stat().st_mtime_ns // 1_000_000
     except OSError:
         return 0
-
-
-def _is_shown(name: str) -> bool:
-    return not name.startswith(".") and name not in _SKIPPED
 
 
 def _describes_map(path: Path) -> bool:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
@@ -111,9 +111,8 @@ def ruler_app(
         WebSocketRoute("/ws", listeners.serve),
         Mount("/", page_files()),
     ]
-    app = Starlette(
-        routes=routes, exception_handlers={TestudoError: _said, ClientDisconnect: _gone}, lifespan=lifespan
-    )
+    handlers = {TestudoError: _saying(folder), ClientDisconnect: _gone}
+    app = Starlette(routes=routes, exception_handlers=handlers, lifespan=lifespan)
     return Guard(app, access)
 
 
@@ -167,7 +166,7 @@ def _recording_routes(known: Recordings) -> Iterator[ApiRoute]:
 
 def _incident_routes(known: KnownIncidents) -> Iterator[ApiRoute]:
     yield telling("/api/incidents", known.incidents)
-    yield answering("/api/incident", OneIncidentRequest, known.incident)
+    yield answering("/api/incident", OneIncidentRequest, known.incident, answered=known.mark_read)
     yield answering("/api/incident/delete", OneIncidentRequest, known.delete)
 
 
@@ -239,10 +238,13 @@ async def _no_such_thing(request: Request) -> Response:
     raise RequestError(f"there is no {request.method} {request.url.path}", 404)
 
 
-async def _said(_: Request, error: Exception) -> Response:
-    if not isinstance(error, TestudoError):
-        raise error
-    return error_answer(error)
+def _saying(folder: ProjectFolder) -> Callable[[Request, Exception], Awaitable[Response]]:
+    async def said(_: Request, error: Exception) -> Response:
+        if not isinstance(error, TestudoError):
+            raise error
+        return error_answer(error, folder.shown)
+
+    return said
 
 
 async def _gone(_request: Request, _error: Exception) -> Response:

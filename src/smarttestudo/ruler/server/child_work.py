@@ -10,6 +10,7 @@ import sys
 from asyncio.subprocess import DEVNULL, PIPE, Process
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TypeAlias
 
 import msgspec
@@ -52,7 +53,8 @@ class Order:
     """Order to the process that does ``work`` within ``timeout_s``.
 
     ``run`` is how the page calls it where it is told how far it is; ``too_long`` and ``broken`` are said of
-    work that takes longer, and of a process that ended without a word.
+    work that takes longer, and of a process that ended without a word. ``name`` is what the page calls the
+    recording at ``path``, if it is about one.
     """
 
     work: ChildWork
@@ -61,6 +63,16 @@ class Order:
     timeout_s: float
     too_long: TestudoError
     broken: TestudoError
+    path: str = ""
+    name: str = ""
+
+    def told(self, result: bytes) -> bytes:
+        """JSON with the recording's name where texts begin with its path, as notices do."""
+        return result.replace(_beginning(self.path), _beginning(self.name)) if self.path else result
+
+
+def _beginning(text: str) -> bytes:
+    return msgspec.json.encode(text)[:-1]
 
 
 class _Spare:
@@ -192,7 +204,7 @@ class ChildProcesses:
                 case Share(share=share):
                     self._tell(Progress(run=order.run, share=share))
                 case Done(result=result):
-                    return bytes(result)
+                    return order.told(bytes(result))
                 case Failure(message=message, place=place, remedy=remedy):
                     raise TestudoError(message, place=place, remedy=remedy)
         raise order.broken
@@ -239,7 +251,7 @@ class TryApi:
 
     async def _answered(self, request: Request, asked: TryRequest, work: ChildWork) -> Response:
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
-        order = order_about_bag(work, replace(asked, bag=str(bag)), asked.bag)
+        order = order_about_bag(work, replace(asked, bag=str(bag)), bag, asked.bag)
         return await self._work.answer(request, order)
 
 
@@ -257,7 +269,7 @@ class CurveApi:
             raise RequestError(f"{asked.topic!r} is not a valid ROS 2 topic name", _BAD_REQUEST)
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
         order = replace(asked, bag=str(bag), topic=resolve_topic(asked.topic))
-        return await self._work.answer(request, order_about_bag(self._kind, order, asked.bag))
+        return await self._work.answer(request, order_about_bag(self._kind, order, bag, asked.bag))
 
 
 class CheckApi:
@@ -271,7 +283,7 @@ class CheckApi:
         """The course of a check; who leaves ends it."""
         bag = await run_in_threadpool(self._folder.bag, asked.bag)
         order = await run_in_threadpool(check_course_order, asked, bag)
-        return await self._work.answer(request, order_about_bag(ChildWork.CHECK, order, asked.bag))
+        return await self._work.answer(request, order_about_bag(ChildWork.CHECK, order, bag, asked.bag))
 
 
 class IncidentApi:
@@ -284,15 +296,15 @@ class IncidentApi:
     async def answer(self, request: Request, asked: IncidentCourseRequest) -> Response:
         """The course of an incident; who leaves ends it."""
         bag = await run_in_threadpool(self._known.bag, asked.name)
-        order = order_about_bag(ChildWork.INCIDENT, replace(asked, name=str(bag)), asked.name)
+        order = order_about_bag(ChildWork.INCIDENT, replace(asked, name=str(bag)), bag, asked.name)
         return await self._work.answer(request, order)
 
 
 _BagOrder: TypeAlias = TryRequest | CheckCourseOrder | CurveRequest | IncidentCourseRequest
 
 
-def order_about_bag(work: ChildWork, asked: _BagOrder, name: str) -> Order:
-    """The order of ``work`` on a recording that the page calls ``name``."""
+def order_about_bag(work: ChildWork, asked: _BagOrder, bag: Path, name: str) -> Order:
+    """The order of ``work`` on the recording at ``bag``, which the page calls ``name``."""
     return Order(
         work=work,
         asked=asked,
@@ -302,6 +314,8 @@ def order_about_bag(work: ChildWork, asked: _BagOrder, name: str) -> Order:
         broken=TestudoError(
             "reading the recording ended without a result", place=name, remedy="try testudo bag info on it"
         ),
+        path=str(bag),
+        name=name,
     )
 
 

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import msgspec
 from starlette.responses import Response
 
@@ -58,13 +60,14 @@ class RequestError(TestudoError):
         self.status = status
 
 
-def error_answer(error: TestudoError) -> Response:
-    """The response for ``error``."""
+def error_answer(error: TestudoError, shown: Callable[[str], str] = str) -> Response:
+    """The response for ``error``; ``shown`` is a place as the project calls it."""
     findings: tuple[PlacedFinding, ...] = ()
     if isinstance(error, RefusedTextError):
         findings = placed_findings(error.checked.document, error.checked.findings)
     said = in_page_words(error)
-    problem = Problem(message=said.cause, place=said.place or "", remedy=said.remedy or "", findings=findings)
+    place = shown(said.place or "")
+    problem = Problem(message=said.cause, place=place, remedy=said.remedy or "", findings=findings)
     body = msgspec.json.encode(ErrorAnswer(error=problem))
     return Response(body, _status(error), media_type=JSON)
 

@@ -107,7 +107,7 @@ class Keepings:
         with _workshop(project) as workshop:
             given = {**msgspec.structs.asdict(asked), "bag": str(bag)}
             order = KeepOrder(**given, project=str(project), workshop=str(workshop))
-            written = await self._work.result(order_about_bag(ChildWork.KEEP, order, asked.bag))
+            written = await self._work.result(order_about_bag(ChildWork.KEEP, order, bag, asked.bag))
         return msgspec.json.decode(written, type=KeptIncident).name
 
     def _ended(self, run: str) -> None:

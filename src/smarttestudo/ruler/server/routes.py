@@ -16,6 +16,7 @@ from starlette.routing import Route
 from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.server.bodies import read_body
 from smarttestudo.ruler.server.encodings import json_answer
+from smarttestudo.ruler.server.permission import Permission, noted_permission
 
 Handler = Callable[[Request], Awaitable[Response]]
 _Body = TypeVar("_Body", bound=msgspec.Struct)
@@ -38,13 +39,28 @@ class ApiRoute(Route):
 
 
 def answering(
-    path: str, asked: type[_Body], answer: Callable[[_Body], object], *, method: str = "POST"
+    path: str,
+    asked: type[_Body],
+    answer: Callable[[_Body], object],
+    *,
+    method: str = "POST",
+    answered: Callable[[_Body], None] | None = None,
 ) -> ApiRoute:
-    """Decodes the body, calls ``answer`` and encodes what it returns."""
+    """Decodes the body, calls ``answer`` and encodes what it returns.
+
+    ``answered`` is called after it, if who asked may change something.
+    """
 
     async def handle(request: Request) -> Response:
         body = await read_body(request, asked)
-        return await run_in_threadpool(lambda: json_answer(request, answer_json(answer(body))))
+
+        def done() -> Response:
+            response = json_answer(request, answer_json(answer(body)))
+            if answered is not None and noted_permission(request.scope) is Permission.CHANGE:
+                answered(body)
+            return response
+
+        return await run_in_threadpool(done)
 
     return ApiRoute(method, path, handle, asked=asked, answered=_returned(answer))
 
