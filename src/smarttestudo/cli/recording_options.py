@@ -71,7 +71,7 @@ def add_several(action: argparse.ArgumentParser) -> None:
         "--parquet",
         metavar="DIR",
         type=file_path,
-        help="also add the rows of --csv to the Parquet tables in this folder (needs the extra fleet)",
+        help="also add rows of it to the Parquet tables in this folder (needs the extra fleet)",
     )
 
 
