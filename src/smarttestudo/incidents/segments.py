@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import errno
 import os
+import struct
 from array import array
 from bisect import bisect_left
 from collections import deque
@@ -189,7 +190,8 @@ class SharedMessages:
         if not latched:
             return
         first_ns = folder.first_stamp_ns
-        start_ns = from_ns if first_ns is None else min(from_ns, first_ns)
+        # A window may begin before the simulated time does, and no stamp can.
+        start_ns = max(0, from_ns if first_ns is None else min(from_ns, first_ns))
         numbers = [message.number for message in latched]
         if self._latched is not None:
             known, stamp_ns, segment = self._latched
@@ -203,7 +205,7 @@ class SharedMessages:
             for message in latched:
                 self._write(segment, message, start_ns)
             segment.close()
-        except OSError:
+        except (OSError, struct.error):
             segment.abandon()
             raise
         folder.put_last_first()
