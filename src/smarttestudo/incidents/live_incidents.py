@@ -60,6 +60,7 @@ class LiveIncidents(Part):
         self._locks = [FolderLock(folder, "--incidents")]
         # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
         self._taken: dict[str, tuple[Subscription, int, int]] = {}
+        self._recorded_topics: frozenset[str] = frozenset()
         self._refused = 0
         # The thread that writes changes these.
         self._recorded = self._lost = 0
@@ -115,8 +116,10 @@ class LiveIncidents(Part):
             )
         else:
             self._recorder.change_rules(rule_set, rules.rules_hash)
-        recorded = rule_set.recorded
-        self.topics = recorded | {self._static_topic} if recorded else frozenset()
+        self._recorded_topics = rule_set.recorded
+        if self._recorded_topics:
+            self._recorded_topics |= {self._static_topic}
+        self.topics = self._recorded_topics | self._recorder.open_topics
 
     def begin(self, run: RunView) -> None:
         """Begin an incident when a block of the loop does."""
@@ -159,6 +162,7 @@ class LiveIncidents(Part):
         if self._recorder is None:
             return
         self._recorder.advance(now_ns)
+        self.topics = self._recorded_topics | (self.topics & self._recorder.open_topics)
         if self._recorder.refused > self._refused:
             self._refused = self._recorder.refused
             self._robot.log.warning(
