@@ -22,7 +22,7 @@ class LookingGraph(SmallGraph):
         self._look = look
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
-        self._look(True)  # noqa: FBT003 - a positional parameter
+        self._look(True)
 
 
 class Listening(Part):
