@@ -199,7 +199,7 @@ class LiveIncidents(Part):
         self._recorded += 1
         self._problem = None
         self._robot.log.info(f"incident {path.name}")
-        delete_for_room(self._robot, self._settings)
+        delete_for_room(self._robot, self._settings, newest=path.name)
 
     def _failed(self, name: str, error: TestudoError) -> None:
         self._lost += 1
@@ -207,13 +207,16 @@ class LiveIncidents(Part):
         self._robot.log.warning(f"incident {name}: ends early: {error}")
 
 
-def delete_for_room(robot: Robot, settings: Settings) -> None:
-    """Delete old incidents where all would take more disk than they may; ``robot`` logs what was deleted."""
+def delete_for_room(robot: Robot, settings: Settings, newest: str | None = None) -> None:
+    """Delete old incidents where all would take more disk than they may; ``robot`` logs what was deleted.
+
+    The one called ``newest`` was just recorded, and stays.
+    """
     folder, max_gb = settings[INCIDENTS], settings[INCIDENTS_MAX]
     if folder is None or max_gb is None or not folder.is_dir():
         return
     try:
-        for one in make_room(folder, round(max_gb * BYTES_PER_GB)):
+        for one in make_room(folder, round(max_gb * BYTES_PER_GB), newest):
             if one.problem is not None:
                 robot.log.warning(f"incident {one.name}: stays, though room is needed: {one.problem}")
                 continue

@@ -117,7 +117,7 @@ class LiveOutages(Part):
             return
         path = folder.end()
         self._robot.log.info(f"outage {path.name}: kept for who asks with 'testudo receive --catch-up'")
-        delete_for_room(self._robot, self._settings)
+        delete_for_room(self._robot, self._settings, newest=path.name)
 
     def _failed(self, error: Exception) -> None:
         # The next outage is tried.
