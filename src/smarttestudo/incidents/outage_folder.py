@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
-from smarttestudo.bags.mcap.writer import McapWriter
+from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.domain.incident import IncidentRecord, IncidentTopic
 from smarttestudo.domain.link import MissedMessage
 from smarttestudo.domain.remote_incidents import OUTAGE_NAME, OUTAGE_RULE
@@ -74,9 +74,7 @@ class OutageFolder:
             contents = {self._file_name: self._writer.close()}
             (content,) = contents.values()
             record = replace(
-                self._record,
-                from_ns=content.first_ns,
-                to_ns=content.last_ns,
+                spanning(self._record, [content] if content.message_count else []),
                 topics={
                     topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in content.messages
                 },
@@ -86,3 +84,13 @@ class OutageFolder:
             return self._path.rename(self._target)
         except OSError as error:
             raise not_written(self._target, "an outage", error) from error
+
+
+def spanning(record: IncidentRecord, contents: Iterable[FileContent]) -> IncidentRecord:
+    """``record`` of an outage, from the first to the last message of its files, which have some."""
+    listed = list(contents)
+    return replace(
+        record,
+        from_ns=min((record.from_ns, *(one.first_ns for one in listed))),
+        to_ns=max((record.to_ns, *(one.last_ns for one in listed))),
+    )

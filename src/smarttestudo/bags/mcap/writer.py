@@ -36,7 +36,8 @@ CHUNK_BYTES = 1 << 20
 class FileContent:
     """Content of a file: stamps in ns, messages and bytes of payload by topic.
 
-    ``of_types`` are the messages by topic and type, as a topic may have had several types.
+    ``of_types`` are the messages by topic and type, as a topic may have had several types. ``final_ns`` is
+    the stamp of the message that was written last, not the greatest one where the clock was set back.
     """
 
     messages: Mapping[str, int]
@@ -44,6 +45,7 @@ class FileContent:
     size_bytes: Mapping[str, int]
     first_ns: int
     last_ns: int
+    final_ns: int
 
     @property
     def message_count(self) -> int:
@@ -56,10 +58,12 @@ class McapState:
     """Content so far of a file that is being written.
 
     Schemas have numbers by type, channels by what they are; messages and bytes are counted by channel.
-    ``chunks`` are closed, ``chunk`` is not; ``size_bytes`` is that of the file.
+    ``chunks`` are closed, ``chunk`` is not; ``size_bytes`` is that of the file, ``final_ns`` the stamp of its
+    last message.
     """
 
     size_bytes: int = 0
+    final_ns: int = 0
     schemas: dict[str, int] = field(default_factory=dict)
     channels: dict[StoredChannel, int] = field(default_factory=dict)
     messages: Counter[int] = field(default_factory=Counter)
@@ -72,6 +76,7 @@ class McapState:
         chunk.note(number, stamp_ns, within)
         self.messages[number] += 1
         self.payload_bytes[number] += payload_bytes
+        self.final_ns = stamp_ns
 
     def close_chunk(self) -> None:
         """Keep of the open chunk, all of which is in the file, what a summary needs."""
@@ -96,6 +101,7 @@ class McapState:
             size_bytes=size_bytes,
             first_ns=min((chunk.first_ns for chunk in filled), default=0),
             last_ns=max((chunk.last_ns for chunk in filled), default=0),
+            final_ns=self.final_ns,
         )
 
 
