@@ -75,6 +75,7 @@ class LiveIncidents(Part):
         folders = IncidentFolders(
             folder,
             self._channels.by_topic,
+            of_message=self._channels.of,
             ring=self._ring,
             failed=self._failed,
             ended=self._ended,
@@ -131,7 +132,7 @@ class LiveIncidents(Part):
         if self._recorder is None:
             return
         self._recorder.hear(topic, now_ns, transient_local=source.qos.transient_local)
-        self._channels.hear(topic, source)
+        self._channels.hear(topic, source, self._recorder.next_number)
 
     def on_message(
         self,

@@ -20,6 +20,7 @@ from smarttestudo.incidents.folders import (
     unused_name,
     write_record,
 )
+from smarttestudo.incidents.segments import ChannelOf, channel_of
 
 
 class OutageFolder:
@@ -27,14 +28,22 @@ class OutageFolder:
 
     They come in the order in which they were missed; in the one file, readers find that of their stamps. It
     has its name when the outage is over; until then it is hidden, and a killed run's is completed by the
-    next. ``channels`` are the topics by name, which may grow. Raises ``OutputFileError``.
+    next. ``channels`` are the topics by name, which may grow; ``of_message`` is the channel of a topic's
+    message of some stamp, where that may change. Raises ``OutputFileError``.
     """
 
     def __init__(
-        self, folder: Path, channels: Mapping[str, StoredChannel], from_ns: int, rules_sha256: str
+        self,
+        folder: Path,
+        channels: Mapping[str, StoredChannel],
+        from_ns: int,
+        rules_sha256: str,
+        *,
+        of_message: ChannelOf | None = None,
     ) -> None:
         name = unused_name(folder, OUTAGE_NAME, from_ns)
         self._channels = channels
+        self._of_message = of_message or channel_of(channels)
         self._target = folder / name
         self._path = folder / f".{name}{PARTIAL_SUFFIX}"
         self._file_name = f"{name}_0.mcap"
@@ -60,7 +69,7 @@ class OutageFolder:
 
     def write(self, message: MissedMessage) -> None:
         """Keep a message."""
-        channel = self._channels.get(message.origin.topic)
+        channel = self._of_message(message.origin.topic, message.origin.stamp_ns)
         if channel is None:
             return
         try:

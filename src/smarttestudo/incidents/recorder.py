@@ -146,6 +146,11 @@ class IncidentRecorder:
         return len(self._open)
 
     @property
+    def next_number(self) -> int:
+        """Number of the message that comes next."""
+        return self._number + 1
+
+    @property
     def next_wake_ns(self) -> int | None:
         """When, on the clock, the next window is over."""
         if not self._open:

@@ -10,7 +10,7 @@ import struct
 from array import array
 from bisect import bisect_left
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +19,8 @@ from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.incidents.topic_ring import IncidentMessage
 
+ChannelOf = Callable[[str, int], StoredChannel | None]
+"""Channel of a topic's message of some number; ``None`` where the topic is not known."""
 LATCHED_SHARED_NS = 10_000_000_000
 """How long before its window a file of latched messages may have been begun."""
 
@@ -124,6 +126,11 @@ class Segment:
         self._holders.append((folder, name))
 
 
+def channel_of(channels: Mapping[str, StoredChannel]) -> ChannelOf:
+    """For topics that never change."""
+    return lambda topic, _: channels.get(topic)
+
+
 def link_file(file: Path, name: Path) -> OSError | None:
     """Have ``file`` under one more name; why, if it cannot be."""
     try:
@@ -140,8 +147,9 @@ class SharedMessages:
     an earlier one, that may be up to a segment more than was asked for. Segments end where a window does.
     """
 
-    def __init__(self, channels: Mapping[str, StoredChannel], length_ns: int) -> None:
+    def __init__(self, channels: Mapping[str, StoredChannel], length_ns: int, channel_of: ChannelOf) -> None:
         self._channels = channels
+        self._channel_of = channel_of
         self._length_ns = length_ns
         self._segments: list[Segment] = []
         self._open: Segment | None = None
@@ -266,7 +274,7 @@ class SharedMessages:
         return segments
 
     def _write(self, segment: Segment, message: IncidentMessage, stamp_ns: int) -> None:
-        channel = self._channels.get(message.topic)
+        channel = self._channel_of(message.topic, message.number)
         if channel is not None:
             segment.write(channel, message, stamp_ns)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -36,10 +36,12 @@ CHUNK_BYTES = 1 << 20
 class FileContent:
     """Content of a file: stamps in ns, messages and bytes of payload by topic.
 
-    ``of_types`` are the messages by topic and type, as a topic may have had several types. ``final_ns`` is
-    the stamp of the message that was written last, not the greatest one where the clock was set back.
+    ``channels`` are in the order of the file, ``of_types`` are the messages by topic and type, as a topic may
+    have had several types. ``final_ns`` is the stamp of the message that was written last, not the greatest
+    one where the clock was set back.
     """
 
+    channels: Sequence[StoredChannel]
     messages: Mapping[str, int]
     of_types: Mapping[tuple[str, str], int]
     size_bytes: Mapping[str, int]
@@ -96,6 +98,7 @@ class McapState:
             of_types[channel.topic, channel.type_name] += self.messages[number]
             size_bytes[channel.topic] += self.payload_bytes[number]
         return FileContent(
+            channels=tuple(self.channels),
             messages=messages,
             of_types=of_types,
             size_bytes=size_bytes,
