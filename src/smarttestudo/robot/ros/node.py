@@ -105,7 +105,7 @@ def open_node(
 
 
 def _refused(error: RosError, ros_arguments: Sequence[str]) -> TestudoError:
-    """What to do where ROS does not begin."""
+    """An error that says what to do where ROS does not begin."""
     if any(part in error.cause for part in _NO_LOG):
         remedy = "set ROS_LOG_DIR to a folder that can be written"
         return RosError(error.cause, place="ROS_LOG_DIR", remedy=remedy)
