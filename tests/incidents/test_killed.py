@@ -8,24 +8,33 @@ import os
 import struct
 import subprocess
 import sys
+import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from bags.bag_factory import BagMessage
 from bags.bag_reading import read_bag, read_with_mcap, read_with_rosbags
 from incidents.folder_runs import record_of
 from smarttestudo.bags.mcap.record_bytes import StoredChannel, file_start
 from smarttestudo.bags.mcap.writer import McapWriter
-from smarttestudo.bags.mcap.written_file import complete_file
+from smarttestudo.bags.mcap.written_file import complete_file, complete_files
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.incidents.recovery import complete_incidents
 
 SCRIPT = Path(__file__).with_name("writing_process.py")
 LOST_NS = 500_000_000
 CHANNEL = StoredChannel(topic="/odom", type_name="std_msgs/msg/String", definition="string data\n")
+# Long as those of sensor messages, and with a letter that takes two bytes.
+OTHER = StoredChannel(topic="/scan", type_name="sensor_msgs/msg/LaserScan", definition=700 * "\u00b0")
+CHANNELS = (CHANNEL, OTHER, replace(CHANNEL, qos_text="changed"))
+STAMP_NS = 1_700_000_000_000_000_000
+SECTOR_BYTES = 512
 
 
 def kill_after(folder: Path, log: Path, seconds: float) -> int:
@@ -103,6 +112,63 @@ def test_a_file_that_is_cut_anywhere_is_completed_as_far_as_it_goes(tmp_path: Pa
         assert (content.message_count, list(channels)) == (expected, ["/odom"] * (size >= channel_end))
         assert numbers(read_with_mcap(cut)) == list(range(expected))
         assert (cut.read_bytes() == whole) == (expected == len(ends))
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from(CHANNELS), st.integers(1, 300_000)), min_size=2, max_size=20),
+    st.data(),
+)
+def test_a_file_whose_end_never_reached_the_disk_holds_no_message_that_nobody_sent(
+    messages: list[tuple[StoredChannel, int]], data: st.DataObject
+) -> None:
+    with tempfile.TemporaryDirectory() as name:
+        path = Path(name, "one_0.mcap")
+        writer = McapWriter(path)
+        sent, ends = [], []
+        for number, (channel, size) in enumerate(messages):
+            sent.append(bytes([1 + number]) * size)
+            writer.write(channel, STAMP_NS + number, sent[-1])
+            ends.append(path.stat().st_size)
+        writer.abandon()
+        raw = path.read_bytes()
+        # What a file ends with may be zeros that were sent.
+        sectors = (ends[-1] - messages[-1][1]) // SECTOR_BYTES
+        reached = SECTOR_BYTES * data.draw(st.integers(0, sectors))
+        path.write_bytes(raw[:reached] + bytes(len(raw) - reached))
+        files, channels = complete_files(path.parent)
+        assert path.exists() == (reached > 0)
+        if reached:
+            expected = sent[: sum(end <= reached for end in ends)]
+            assert [message.payload for message in read_with_mcap(path)] == expected
+            assert files[path.name].message_count == len(expected)
+            assert channels.keys() <= {channel.topic for channel, _ in messages}
+
+
+def test_zeros_with_which_the_last_message_of_a_killed_run_ends_are_its_own(tmp_path: Path) -> None:
+    path = tmp_path / "one_0.mcap"
+    writer = McapWriter(path)
+    writer.write(CHANNEL, STAMP_NS, bytes(2000))
+    writer.abandon()
+    complete_file(path)
+    assert [message.payload for message in read_with_mcap(path)] == [bytes(2000)]
+
+
+@pytest.mark.parametrize("at", range(0, 60, 7))
+def test_a_file_with_something_else_in_it_is_completed_or_named(tmp_path: Path, at: int) -> None:
+    path = tmp_path / "one_0.mcap"
+    writer = McapWriter(path)
+    for number in range(20):
+        writer.write(CHANNEL, STAMP_NS + number, b"text")
+    writer.abandon()
+    raw = bytearray(path.read_bytes())
+    raw[300 + at : 310 + at] = b"\xff" * 10
+    path.write_bytes(raw)
+    try:
+        content, _ = complete_file(path)
+    except RecordingError:
+        assert path.read_bytes() == raw
+    else:
+        assert content.message_count == len(read_with_mcap(path))
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89MCAP0\r\n"[:5], b"SQLite format 3\0", bytes(100)])

@@ -8,17 +8,21 @@ import json
 from pathlib import Path
 
 import pytest
+from mcap.reader import make_reader
 
 from bags.bag_factory import BagMessage
 from bags.bag_reading import read_bag, read_with_rosbags
 from loop.loop_driver import rule_set_of
 from robot.memory_link import MemoryLink
 from robot.status.virtual_robot import SECOND, VirtualRobot
+from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.domain.link import MessageOrigin, MissedMessage
 from smarttestudo.domain.link_state import LinkState
 from smarttestudo.domain.robot import Qos
 from smarttestudo.domain.status import RulesInForce
 from smarttestudo.incidents.live_outages import FOLDER_NS, MAX_FOLDERS, LiveOutages
+from smarttestudo.incidents.outage_folder import OutageFolder
+from smarttestudo.incidents.recovery import complete_incidents
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
@@ -68,6 +72,17 @@ class Run:
         return sorted(self.folder.iterdir()) if self.folder.exists() else []
 
 
+def types_of(folder: Path) -> set[tuple[str, int]]:
+    """The type of each message with its payload, a byte."""
+    found = set()
+    for path in folder.glob("*.mcap"):
+        with path.open("rb") as file:
+            for schema, _, message in make_reader(file).iter_messages():
+                assert schema is not None
+                found.add((schema.name, message.data[0]))
+    return found
+
+
 @pytest.fixture
 def run(tmp_path: Path) -> Run:
     return Run(tmp_path / "incidents")
@@ -103,6 +118,30 @@ def test_what_was_missed_is_in_the_folder_and_nothing_else_in_the_order_of_its_s
     assert (record["name"], record["rule"], record["rules_sha256"]) == ("outage", "(link)", "abc")
     assert (record["from_ns"], record["to_ns"]) == (2 * SECOND, 5 * SECOND)
     assert record["topics"]["/imu"]["messages"] == 3
+
+
+def test_what_was_missed_has_the_type_that_its_topic_had_then(run: Run) -> None:
+    with run.outages.running():
+        run.miss(3, 4)
+        other = LiveSource(type_name="sensor_msgs/msg/LaserScan", publishers=1, qos=QOS)
+        run.outages.on_source("/imu", other, 5 * SECOND)
+        run.miss(5)
+        run.look(is_connected=True)
+    (folder,) = run.found()
+    assert types_of(folder) == {(IMU, 3), (IMU, 4), ("sensor_msgs/msg/LaserScan", 5)}
+
+
+def test_an_outage_of_a_killed_run_lasts_until_its_last_message(run: Run) -> None:
+    channels = {"/imu": StoredChannel(topic="/imu", type_name=IMU, definition="float64 x")}
+    outage = OutageFolder(run.folder, channels, 3 * SECOND, "abc")
+    for number in (4, 3, 9, 8):
+        outage.write(
+            MissedMessage(origin=MessageOrigin(topic="/imu", stamp_ns=number * SECOND), payload=b"text")
+        )
+    (found,) = complete_incidents(run.folder)
+    record = json.loads((run.folder / found.name / "incident.json").read_text())
+    assert found.last_ns == 9 * SECOND
+    assert (record["from_ns"], record["to_ns"], record["missing"]) == (3 * SECOND, 9 * SECOND, [])
 
 
 def test_a_short_cut_in_which_something_was_missed_has_a_folder_of_that_alone(run: Run) -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 from pathlib import Path
 
@@ -61,6 +62,19 @@ def test_a_shared_file_is_freed_with_the_last_that_has_it(tmp_path: Path) -> Non
     add(tmp_path, named(3))
     assert removed(tmp_path, 3) == []
     assert removed(tmp_path, 2) == [named(0), named(1)]
+
+
+def test_the_incident_that_was_just_recorded_stays_though_the_clock_is_behind(tmp_path: Path) -> None:
+    for written, number in enumerate((5, 3, 4, 1)):
+        record = add(tmp_path, named(number)) / "incident.json"
+        os.utime(record, ns=(0, written))
+    # The order is that in which they were written, not that of their names.
+    assert removed(tmp_path, 3) == [named(5)]
+    assert removed(tmp_path, 0) == [named(3), named(4)]
+    add(tmp_path, named(2))
+    os.utime(tmp_path / named(2) / "incident.json", ns=(0, 0))
+    gone = list(make_room(tmp_path, 0, named(2)))
+    assert [one.name for one in gone] == [named(1)]
 
 
 @given(st.lists(st.tuples(st.integers(0, 3), st.booleans()), max_size=8), st.integers(0, 20))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from incidents.test_folders import files_of_at_most
 from smarttestudo.cli.main import main
 from smarttestudo.domain.incident import (
     IncidentRecord,
@@ -81,6 +82,18 @@ def test_one_is_exported_and_deleted(folder: Path, tmp_path: Path) -> None:
     assert main(["incidents", "export", str(folder), NAME, "--output", str(target)]) == 1
     assert main(["incidents", "delete", str(folder), NAME]) == 0
     assert list(folder.iterdir()) == []
+
+
+def test_an_export_that_a_full_disk_ends_leaves_nothing(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / NAME / FILE).write_bytes(bytes(100_000))
+    target = tmp_path / "taken" / "away"
+    with files_of_at_most(50_000):
+        assert main(["incidents", "export", str(folder), NAME, "--output", str(target)]) == 1
+    assert str(target) in capsys.readouterr().err
+    assert list(target.parent.iterdir()) == []
+    assert main(["incidents", "export", str(folder), NAME, "--output", str(target)]) == 0
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
+from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.rate import Rate
 from smarttestudo.files.whole_file import OutputFileError
 from smarttestudo.loop.decision_log import DecisionLogError, growing_decision_log, read_decisions
@@ -38,6 +39,28 @@ def test_each_decision_is_there_at_once_and_a_second_run_adds_to_it(tmp_path: Pa
     with growing_decision_log(path) as append:
         append([DECISION])
     assert lines(path) == [DECISION.to_json()] * 2
+
+
+@pytest.mark.parametrize("reached_bytes", range(1, len(json_text(DECISION.to_json())) + 1, 5))
+@pytest.mark.parametrize("lost_bytes", [0, 4096])
+def test_half_a_decision_of_a_former_run_is_cut_off_by_the_next(
+    tmp_path: Path, reached_bytes: int, lost_bytes: int
+) -> None:
+    path = tmp_path / "decisions.jsonl"
+    line = json_text(DECISION.to_json()).encode()
+    path.write_bytes(line + b"\n" + line[:reached_bytes] + bytes(lost_bytes))
+    with growing_decision_log(path) as append:
+        append([DECISION])
+    assert read_decisions(path) == [DECISION] * 2
+
+
+@pytest.mark.parametrize("text", ["", "notes", '{"a": 1}', "begin\nend"])
+def test_nothing_is_cut_off_a_file_that_is_no_log(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "other.txt"
+    path.write_text(text)
+    with growing_decision_log(path):
+        pass
+    assert path.read_text() == text
 
 
 def test_a_full_disk_is_said_with_the_files_name() -> None:

@@ -89,6 +89,19 @@ def test_a_lower_rate_that_waits_goes_on_waiting_where_the_rules_of_its_topic_st
     assert driver.log()[1:] == [(2.5, "/scan", 2, "default", None)]
 
 
+def test_a_lower_rate_goes_on_waiting_where_a_block_without_a_name_moves() -> None:
+    rules = ZONE.replace('Rule "zone" ', "")
+    driver = LoopDriver(rules, types={"/odom": ODOMETRY})
+    driver.drive(SECOND, 6.0, 0.0)
+    driver.drive(2 * SECOND, 4.0, 0.0)
+    driver.wait_until(2300 * MS)
+    driver.reload(rules.replace("begin", "begin\nSetFrequency /imu 1"))
+    driver.wait_until(2499 * MS)
+    assert driver.rates() == {"/scan": 8, "/imu": 1}
+    driver.wait_until(3 * SECOND)
+    assert driver.rates() == {"/scan": 2, "/imu": 1}
+
+
 def test_a_lower_rate_of_new_rules_holds_at_once() -> None:
     driver = in_the_zone()
     driver.reload(ZONE.replace("/scan 8", "/scan 4"))

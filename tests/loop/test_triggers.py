@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import pytest
+
 from incidents.incident_runs import rules_of
 from smarttestudo.domain.profile import Profile
 from smarttestudo.loop.inputs import MessageInput, RulesInput, WakeInput
@@ -85,6 +87,40 @@ def test_a_reload_of_the_same_rule_does_not_begin_again() -> None:
     assert driver.labels == ["Far"]
     driver.odom(1)
     assert driver.labels == ["Far", "Far (Else)"]
+
+
+UNNAMED = """\
+SetFrequency /odom 10
+// Far away
+If CheckValue /odom x > 5 Then
+Record "far" Before 1 s After 1 s
+EndIf"""
+NOT_COMMENTED = UNNAMED.replace("// Far away\n", "")
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (UNNAMED, UNNAMED.replace("away", "away from home")),
+        (NOT_COMMENTED, f"KeepAtLeast /odom 1\n{NOT_COMMENTED}"),
+    ],
+)
+def test_a_reload_that_only_moves_or_comments_a_block_does_not_begin_again(before: str, after: str) -> None:
+    driver = Driver(before)
+    driver.odom(7)
+    rules = rules_of(after)
+    driver.loop.take(RulesInput(stamp_ns=round(driver.now_s * S), rule_set=rules, profile=Profile()))
+    driver.odom(7)
+    assert len(driver.triggers) == 1
+
+
+def test_a_block_of_the_same_condition_that_comes_with_a_reload_begins() -> None:
+    driver = Driver(UNNAMED)
+    driver.odom(7)
+    other = 'If CheckValue /odom x > 5 Then\nRecord "other" Before 1 s After 1 s\nEndIf'
+    rules = rules_of(f"{other}\n{UNNAMED}")
+    driver.loop.take(RulesInput(stamp_ns=round(driver.now_s * S), rule_set=rules, profile=Profile()))
+    assert [one.block.recordings[0].name for one in driver.triggers] == ["far", "other"]
 
 
 def test_a_record_without_topics_keeps_all_that_the_rules_name() -> None:

@@ -260,6 +260,39 @@ def test_a_quiet_graph_is_asked_for_each_topic_once_a_second(topics: int) -> Non
     assert {graph.asked[f"/t{number}"] for number in range(topics)} == {1}
 
 
+def test_a_recorded_topic_that_is_relayed_or_read_from_now_on_stays_subscribed_to_and_is_told_of() -> None:
+    graph = SmallGraph()
+    live = Live(graph)
+    live.topics.follow({}, (), {}, recorded=("/imu", "/odom"))
+    for topic in ("/imu", "/odom"):
+        graph.joins(topic, DRIVER)
+    live.looks()
+    before = list(graph.subscriptions)
+    assert [one.topic for one in before] == ["/imu", "/odom"]
+    live.topics.follow({"/imu": "/testudo/imu"}, ("/odom",), {}, recorded=("/imu", "/odom"))
+    assert {change.topic for change in live.topics.look()} == {"/imu", "/odom"}
+    assert live.topics.look() == []
+    graph.sends("/imu", DRIVER, b"measured")
+    assert graph.published == [("/testudo/imu", b"measured")]
+    live.topics.follow({}, ("/imu",), {}, recorded=("/imu", "/odom"))
+    live.looks()
+    assert graph.subscriptions == before
+    assert graph.advertised == []
+    assert live.topics.ends() == {}
+
+
+def test_a_latched_topic_that_is_recorded_has_what_was_latched_at_its_new_output() -> None:
+    graph = SmallGraph()
+    live = Live(graph)
+    live.topics.follow({}, (), {}, recorded=("/map",))
+    graph.joins("/map", DRIVER, transient_local=True)
+    live.looks()
+    graph.sends("/map", DRIVER, b"floor")
+    live.topics.follow({"/map": "/testudo/map"}, (), {}, recorded=("/map",))
+    live.looks()
+    assert graph.for_late_subscribers("/testudo/map") == [b"floor"]
+
+
 def test_on_a_graph_that_has_changed_a_publisher_that_replaced_another_is_found_at_once() -> None:
     graph = SmallGraph()
     topics = [f"/t{number}" for number in range(5)]

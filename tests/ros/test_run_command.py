@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from ros.ros_processes import SmallRobot
+from ros.ros_processes import TESTUDO, SmallRobot
 from smarttestudo.domain.packages import Extra, how_to_install
 
 RULES = "begin SetFrequency /imu 10 end"
@@ -102,6 +102,15 @@ def test_arguments_that_ros_does_not_know_are_refused(robot: SmallRobot) -> None
     assert runtime.exit_code() == 2
     (line,) = runtime.output
     assert line.startswith("--ros-args: error: ")
+
+
+def test_a_folder_for_logs_that_cannot_be_made_is_named_with_what_to_do(robot: SmallRobot) -> None:
+    words = [sys.executable, "-c", TESTUDO, "run", "--rules", robot.rule_file(RULES)]
+    runtime = robot.command(*words, HOME="/proc/nobody", ROS_LOG_DIR="")
+    assert runtime.exit_code() == 1
+    (line,) = runtime.output
+    assert line.startswith("ROS_LOG_DIR: error: ")
+    assert line.endswith("; set ROS_LOG_DIR to a folder that can be written\n")
 
 
 def test_without_rclpy_one_line_says_how_to_get_it(tmp_path: Path) -> None:

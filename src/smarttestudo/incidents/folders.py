@@ -37,7 +37,14 @@ from smarttestudo.incidents.lost_messages import LostMessages
 from smarttestudo.incidents.missing import missing_for_memory
 from smarttestudo.incidents.recorder import Incident
 from smarttestudo.incidents.ring_files import RingFiles
-from smarttestudo.incidents.segments import BagFolder, Segment, SharedMessages, link_file
+from smarttestudo.incidents.segments import (
+    BagFolder,
+    ChannelOf,
+    Segment,
+    SharedMessages,
+    channel_of,
+    link_file,
+)
 from smarttestudo.incidents.store import remove_incident
 from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
 
@@ -66,8 +73,9 @@ class IncidentFolders:
     """An ``IncidentSink`` that writes each incident into a folder of its own below ``folder``.
 
     A folder has its name when its incident is whole; until then it is hidden, and a bag all the same.
-    ``channels`` are the topics by name; messages of others are left out. Incidents of the same topics share
-    files where their windows overlap, if the disk has hard links. What memory gave up is taken from ``ring``.
+    ``channels`` are the topics by name; messages of others are left out. ``of_message`` is the channel of
+    each message, where that of a topic may change. Incidents of the same topics share files where their
+    windows overlap, if the disk has hard links. What memory gave up is taken from ``ring``.
     ``ended`` is told of each folder.
 
     What cannot be written ends the incidents concerned: ``failed`` is told once of each, or, where there is
@@ -80,6 +88,7 @@ class IncidentFolders:
         folder: Path,
         channels: Mapping[str, StoredChannel],
         *,
+        of_message: ChannelOf | None = None,
         ring: RingFiles | None = None,
         failed: Failed | None = None,
         ended: Callable[[Path], None] = lambda _: None,
@@ -91,6 +100,7 @@ class IncidentFolders:
             raise not_written(folder, "the incidents", error) from error
         self._folder = folder
         self._channels = channels
+        self._of_message = of_message or channel_of(channels)
         self._ring = ring
         self._failed = failed
         self._ended = ended
@@ -183,7 +193,7 @@ class IncidentFolders:
         key: Hashable = recording.topics if self._shares else incident
         shared = self._shared.get(key)
         if shared is None:
-            shared = SharedMessages(self._channels, length_ns)
+            shared = SharedMessages(self._channels, length_ns, self._of_message)
             if self._shares:
                 self._shared[key] = shared
         shared.forget_before(incident.trigger.stamp_ns, recording.before_ns)
@@ -287,7 +297,8 @@ def finished_record(
     for content in files.values():
         messages.update(content.messages)
         size_bytes.update(content.size_bytes)
-    return record_holding(record, messages, size_bytes, channels)
+    of_files = {one.topic: one for content in files.values() for one in content.channels}
+    return record_holding(record, messages, size_bytes, {**channels, **of_files})
 
 
 def record_holding(
@@ -317,9 +328,13 @@ def finish_folder(
     channels: Mapping[str, StoredChannel],
 ) -> None:
     """Write what names the files of a bag, and the record. Raises ``OutputFileError``."""
-    listed = [channels[topic] for topic in record.topics if topic in channels]
+    listed = {(one.topic, one.type_name): one for content in files.values() for one in content.channels}
+    heard = {one.topic for one in listed.values()}
+    listed |= {
+        (topic, ""): channels[topic] for topic in record.topics if topic in channels and topic not in heard
+    }
     with whole_file(path / METADATA_NAME, "the metadata of an incident") as write:
-        write(metadata_text(files, listed))
+        write(metadata_text(files, [listed[key] for key in sorted(listed)]))
     write_record(path, record)
 
 

@@ -60,6 +60,7 @@ class LiveIncidents(Part):
         self._locks = [FolderLock(folder, "--incidents")]
         # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
         self._taken: dict[str, tuple[Subscription, int, int]] = {}
+        self._recorded_topics: frozenset[str] = frozenset()
         self._refused = 0
         # The thread that writes changes these.
         self._recorded = self._lost = 0
@@ -74,6 +75,7 @@ class LiveIncidents(Part):
         folders = IncidentFolders(
             folder,
             self._channels.by_topic,
+            of_message=self._channels.of,
             ring=self._ring,
             failed=self._failed,
             ended=self._ended,
@@ -115,8 +117,10 @@ class LiveIncidents(Part):
             )
         else:
             self._recorder.change_rules(rule_set, rules.rules_hash)
-        recorded = rule_set.recorded
-        self.topics = recorded | {self._static_topic} if recorded else frozenset()
+        self._recorded_topics = rule_set.recorded
+        if self._recorded_topics:
+            self._recorded_topics |= {self._static_topic}
+        self.topics = self._recorded_topics | self._recorder.open_topics
 
     def begin(self, run: RunView) -> None:
         """Begin an incident when a block of the loop does."""
@@ -128,7 +132,7 @@ class LiveIncidents(Part):
         if self._recorder is None:
             return
         self._recorder.hear(topic, now_ns, transient_local=source.qos.transient_local)
-        self._channels.hear(topic, source)
+        self._channels.hear(topic, source, self._recorder.next_number)
 
     def on_message(
         self,
@@ -159,6 +163,7 @@ class LiveIncidents(Part):
         if self._recorder is None:
             return
         self._recorder.advance(now_ns)
+        self.topics = self._recorded_topics | (self.topics & self._recorder.open_topics)
         if self._recorder.refused > self._refused:
             self._refused = self._recorder.refused
             self._robot.log.warning(
@@ -195,7 +200,7 @@ class LiveIncidents(Part):
         self._recorded += 1
         self._problem = None
         self._robot.log.info(f"incident {path.name}")
-        delete_for_room(self._robot, self._settings)
+        delete_for_room(self._robot, self._settings, newest=path.name)
 
     def _failed(self, name: str, error: TestudoError) -> None:
         self._lost += 1
@@ -203,13 +208,16 @@ class LiveIncidents(Part):
         self._robot.log.warning(f"incident {name}: ends early: {error}")
 
 
-def delete_for_room(robot: Robot, settings: Settings) -> None:
-    """Delete old incidents where all would take more disk than they may; ``robot`` logs what was deleted."""
+def delete_for_room(robot: Robot, settings: Settings, newest: str | None = None) -> None:
+    """Delete old incidents where all would take more disk than they may; ``robot`` logs what was deleted.
+
+    The one called ``newest`` was just recorded, and stays.
+    """
     folder, max_gb = settings[INCIDENTS], settings[INCIDENTS_MAX]
     if folder is None or max_gb is None or not folder.is_dir():
         return
     try:
-        for one in make_room(folder, round(max_gb * BYTES_PER_GB)):
+        for one in make_room(folder, round(max_gb * BYTES_PER_GB), newest):
             if one.problem is not None:
                 robot.log.warning(f"incident {one.name}: stays, though room is needed: {one.problem}")
                 continue

@@ -63,9 +63,9 @@ class LiveOutages(Part):
         """Name these rules in what is kept from now on."""
         self._rules_hash = rules.rules_hash
 
-    def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:  # noqa: ARG002 - a part's
+    def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:
         """Know the topic's type."""
-        self._channels.hear(topic, source)
+        self._channels.hear(topic, source, now_ns)
 
     def before_publish(self, relayed: Relayed) -> None:
         """Know the source, under whose name the message is kept if it is missed."""
@@ -99,7 +99,9 @@ class LiveOutages(Part):
         self._thread.give(partial(self._write, missed))
 
     def _open_folder(self, from_ns: int, rules_hash: str) -> None:
-        self._open = OutageFolder(self._folder, self._channels.by_topic, from_ns, rules_hash)
+        self._open = OutageFolder(
+            self._folder, self._channels.by_topic, from_ns, rules_hash, of_message=self._channels.of
+        )
 
     def _write(self, missed: Sequence[MissedMessage]) -> None:
         if self._open is not None:
@@ -117,7 +119,7 @@ class LiveOutages(Part):
             return
         path = folder.end()
         self._robot.log.info(f"outage {path.name}: kept for who asks with 'testudo receive --catch-up'")
-        delete_for_room(self._robot, self._settings)
+        delete_for_room(self._robot, self._settings, newest=path.name)
 
     def _failed(self, error: Exception) -> None:
         # The next outage is tried.

@@ -8,7 +8,7 @@ from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from smarttestudo.domain.incident import Missing, MissingReason
-from smarttestudo.incidents.topic_ring import GivenUp
+from smarttestudo.incidents.topic_ring import GivenUp, SourceMessage
 
 
 def unheard(topic: str, from_ns: int, to_ns: int, reason: MissingReason = MissingReason.LATE) -> Missing:
@@ -33,3 +33,9 @@ def missing_for_memory(
                 from_ns=messages[lacking[0]].stamp_ns,
                 to_ns=messages[lacking[-1]].stamp_ns,
             )
+
+
+def without(given_up: Sequence[GivenUp], topic: str, messages: Sequence[SourceMessage]) -> Sequence[GivenUp]:
+    """``given_up`` of ``topic``, without what is in ``messages``."""
+    found = {message.number for message in messages if message.topic == topic}
+    return [one for one in given_up if one.number not in found] if found else given_up

@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
-from smarttestudo.bags.mcap.writer import McapWriter
+from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.domain.incident import IncidentRecord, IncidentTopic
 from smarttestudo.domain.link import MissedMessage
 from smarttestudo.domain.remote_incidents import OUTAGE_NAME, OUTAGE_RULE
@@ -20,6 +20,7 @@ from smarttestudo.incidents.folders import (
     unused_name,
     write_record,
 )
+from smarttestudo.incidents.segments import ChannelOf, channel_of
 
 
 class OutageFolder:
@@ -27,14 +28,22 @@ class OutageFolder:
 
     They come in the order in which they were missed; in the one file, readers find that of their stamps. It
     has its name when the outage is over; until then it is hidden, and a killed run's is completed by the
-    next. ``channels`` are the topics by name, which may grow. Raises ``OutputFileError``.
+    next. ``channels`` are the topics by name, which may grow; ``of_message`` is the channel of a topic's
+    message of some stamp, where that may change. Raises ``OutputFileError``.
     """
 
     def __init__(
-        self, folder: Path, channels: Mapping[str, StoredChannel], from_ns: int, rules_sha256: str
+        self,
+        folder: Path,
+        channels: Mapping[str, StoredChannel],
+        from_ns: int,
+        rules_sha256: str,
+        *,
+        of_message: ChannelOf | None = None,
     ) -> None:
         name = unused_name(folder, OUTAGE_NAME, from_ns)
         self._channels = channels
+        self._of_message = of_message or channel_of(channels)
         self._target = folder / name
         self._path = folder / f".{name}{PARTIAL_SUFFIX}"
         self._file_name = f"{name}_0.mcap"
@@ -60,7 +69,7 @@ class OutageFolder:
 
     def write(self, message: MissedMessage) -> None:
         """Keep a message."""
-        channel = self._channels.get(message.origin.topic)
+        channel = self._of_message(message.origin.topic, message.origin.stamp_ns)
         if channel is None:
             return
         try:
@@ -74,9 +83,7 @@ class OutageFolder:
             contents = {self._file_name: self._writer.close()}
             (content,) = contents.values()
             record = replace(
-                self._record,
-                from_ns=content.first_ns,
-                to_ns=content.last_ns,
+                spanning(self._record, [content] if content.message_count else []),
                 topics={
                     topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in content.messages
                 },
@@ -86,3 +93,13 @@ class OutageFolder:
             return self._path.rename(self._target)
         except OSError as error:
             raise not_written(self._target, "an outage", error) from error
+
+
+def spanning(record: IncidentRecord, contents: Iterable[FileContent]) -> IncidentRecord:
+    """``record`` of an outage, from the first to the last message of its files, which have some."""
+    listed = list(contents)
+    return replace(
+        record,
+        from_ns=min((record.from_ns, *(one.first_ns for one in listed))),
+        to_ns=max((record.to_ns, *(one.last_ns for one in listed))),
+    )

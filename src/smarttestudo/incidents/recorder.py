@@ -4,20 +4,19 @@
 
 from __future__ import annotations
 
-import heapq
 import mmap
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from operator import attrgetter
 from typing import Protocol
 
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.incidents.latched import LatchedSamples, holds_static_frames
-from smarttestudo.incidents.missing import missing_for_memory, unheard
+from smarttestudo.incidents.missing import missing_for_memory, unheard, without
 from smarttestudo.incidents.topic_ring import (
     BlockPool,
     GivenUp,
     IncidentMessage,
+    InOrder,
     SourceMessage,
     TopicRing,
 )
@@ -76,7 +75,7 @@ class IncidentSink(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _OpenIncident:
-    """``topics`` are recorded until ``end_ns``, a steady time; ``missing`` is known to be so far."""
+    """``topics``, latched ones too, are kept until ``end_ns``, a steady time; ``missing`` is known so far."""
 
     incident: Incident
     topics: frozenset[str]
@@ -116,10 +115,13 @@ class IncidentRecorder:
         self._number = 0
         self._rings: dict[str, TopicRing] = {}
         self._latched: dict[str, LatchedSamples] = {}
+        self._lapsed: set[str] = set()
         self._named: frozenset[str] = frozenset()
         self._ring_bytes = 0
         self._latched_bytes: dict[str, int] = {}
-        self._open: list[_OpenIncident] = []
+        self._open: Sequence[_OpenIncident] = ()
+        self.open_topics: frozenset[str] = frozenset()
+        """The topics that windows keep which are open, whatever the rules ask for by now."""
         self.refused = 0
         self.change_rules(rule_set, rules_sha256)
 
@@ -142,6 +144,11 @@ class IncidentRecorder:
     def open_incidents(self) -> int:
         """How many windows are open."""
         return len(self._open)
+
+    @property
+    def next_number(self) -> int:
+        """Number of the message that comes next."""
+        return self._number + 1
 
     @property
     def next_wake_ns(self) -> int | None:
@@ -172,10 +179,15 @@ class IncidentRecorder:
         self._named = frozenset(
             (*rule_set.relayed, *(signal.topic for signal in rule_set.signals), *rule_set.recorded)
         )
+        for topic in [topic for topic in self._latched if not self._may_be_latched(topic)]:
+            # It may not be heard any more.
+            del self._latched[topic]
+            self._latched_bytes.pop(topic, None)
+            self._lapsed.add(topic)
 
     def keeps(self, topic: str) -> bool:
         """Whether messages of ``topic`` are to be taken."""
-        return topic in self._rings or topic in self._latched
+        return topic in self._rings or topic in self._latched or topic in self.open_topics
 
     def hear(self, topic: str, now_ns: int, *, transient_local: bool) -> None:
         """From now on messages of ``topic`` are taken as they come, as far as it is kept."""
@@ -183,9 +195,9 @@ class IncidentRecorder:
         ring = self._rings.get(topic)
         if ring is not None and ring.since is None:
             ring.since = (self._time.now_ns, now_ns)
-        is_latched = transient_local and topic in self._named
-        if self._rings and topic not in self._latched and (is_latched or holds_static_frames(topic)):
-            self._latched[topic] = LatchedSamples(topic)
+        # Also while nothing is recorded: what is latched does not come again with rules that record.
+        if topic not in self._latched and (transient_local or holds_static_frames(topic)):
+            self._hear_latched(topic)
 
     def on_message(self, topic: str, stamp_ns: int, payload: bytes, publisher: Hashable = None) -> None:
         """A message of a topic that is kept came, at ``stamp_ns`` on the clock."""
@@ -214,14 +226,13 @@ class IncidentRecorder:
 
     def lose(self, topic: str, messages: int, since_ns: int, now_ns: int) -> None:
         """So many messages of a topic were lost before they came, between two stamps of the clock."""
-        ring = self._rings.get(topic)
-        if ring is None:
-            return
         self.advance(now_ns)
         lost = Missing(
             topic=topic, reason=MissingReason.LOST, messages=messages, from_ns=since_ns, to_ns=now_ns
         )
-        ring.lose(lost, self._time.now_ns)
+        ring = self._rings.get(topic)
+        if ring is not None:
+            ring.lose(lost, self._time.now_ns)
         for one in self._open:
             if topic in one.topics:
                 one.missing.append(lost)
@@ -240,7 +251,7 @@ class IncidentRecorder:
         steady_ns = self._time.advance(now_ns)
         if self._open and any(one.end_ns < steady_ns for one in self._open):
             over = [one for one in self._open if one.end_ns < steady_ns]
-            self._open = [one for one in self._open if one.end_ns >= steady_ns]
+            self._note_open([one for one in self._open if one.end_ns >= steady_ns])
             for one in over:
                 self._sink.end(one.incident, one.missing)
 
@@ -256,10 +267,24 @@ class IncidentRecorder:
                     from_ns=now_ns,
                     to_ns=one.incident.to_ns,
                 )
-                for topic in sorted(one.topics)
+                for topic in sorted(set(one.incident.recording.topics))
             )
             self._sink.end(one.incident, (*one.missing, *(ended if one.end_ns > self._time.now_ns else ())))
-        self._open = []
+        self._note_open(())
+
+    def _note_open(self, windows: Sequence[_OpenIncident]) -> None:
+        self._open = windows
+        self.open_topics = frozenset().union(*(one.topics for one in windows))
+
+    def _may_be_latched(self, topic: str) -> bool:
+        return topic in self._named or holds_static_frames(topic)
+
+    def _hear_latched(self, topic: str) -> None:
+        if self._may_be_latched(topic):
+            self._latched[topic] = samples = LatchedSamples(topic)
+            if topic in self._lapsed:
+                self._lapsed.remove(topic)
+                samples.complete_since_ns = self._time.now_ns
 
     def _begin(self, trigger: Trigger, recording: RecordRequest) -> None:
         now_ns = self._time.now_ns
@@ -295,15 +320,14 @@ class IncidentRecorder:
             *(one for _, ring in rings for one in ring.lost_since(from_ns)),
             *missing_for_memory(given_up),
         ]
-        self._sink.begin(incident, latched, _InOrder((*held.values(), inside)))
-        self._open.append(
-            _OpenIncident(
-                incident=incident,
-                topics=frozenset(recording.topics),
-                end_ns=now_ns + recording.after_ns,
-                missing=missing,
-            )
+        self._sink.begin(incident, latched, InOrder((*held.values(), inside)))
+        window = _OpenIncident(
+            incident=incident,
+            topics=frozenset((*recording.topics, *self._latched)),
+            end_ns=now_ns + recording.after_ns,
+            missing=missing,
         )
+        self._note_open((*self._open, window))
 
     def _unheard(
         self, incident: Incident, rings: Sequence[tuple[str, TopicRing]], from_ns: int
@@ -327,7 +351,7 @@ class IncidentRecorder:
         self, gone: Mapping[str, Sequence[GivenUp]], inside: Sequence[SourceMessage], from_ns: int
     ) -> dict[str, Sequence[GivenUp]]:
         """Messages of a window that memory gave up, by topic: ``gone`` from the rings less ``inside``."""
-        found = {topic: _without(each, topic, inside) for topic, each in gone.items()}
+        found = {topic: without(each, topic, inside) for topic, each in gone.items()}
         for topic, samples in self._latched.items():
             # A ring knows what came in the window.
             lacking = [
@@ -364,23 +388,7 @@ class IncidentRecorder:
             self._store(message, replaced_ns + self._longest_ns, now_ns)
 
 
-@dataclass(frozen=True, slots=True)
-class _InOrder(Iterable[IncidentMessage]):
-    """The messages of several topics in the order of their numbers."""
-
-    topics: Sequence[Iterable[IncidentMessage]]
-
-    def __iter__(self) -> Iterator[IncidentMessage]:
-        return heapq.merge(*self.topics, key=attrgetter("number"))
-
-
 def _block_bytes(memory_bytes: int) -> int:
     """Whole pages: of others, the system takes the rest, too."""
     pages = -(-max(_LEAST_BLOCK_BYTES, memory_bytes // _BLOCKS) // mmap.PAGESIZE)
     return pages * mmap.PAGESIZE
-
-
-def _without(given_up: Sequence[GivenUp], topic: str, messages: Sequence[SourceMessage]) -> Sequence[GivenUp]:
-    """``given_up`` of ``topic``, without what is in ``messages``."""
-    found = {message.number for message in messages if message.topic == topic}
-    return [one for one in given_up if one.number not in found] if found else given_up

@@ -5,17 +5,20 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME, read_record
+from smarttestudo.bags.mcap.writer import FileContent
 from smarttestudo.bags.mcap.written_file import complete_files
 from smarttestudo.domain.errors import RecordingError, TestudoError
-from smarttestudo.domain.incident import Missing, MissingReason
+from smarttestudo.domain.incident import IncidentRecord, Missing, MissingReason
+from smarttestudo.domain.remote_incidents import OUTAGE_RULE
 from smarttestudo.domain.units import counted, utc_time
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written
 from smarttestudo.incidents.folders import finish_folder, finished_record
+from smarttestudo.incidents.outage_folder import spanning
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,14 +55,44 @@ def complete_incidents(folder: Path) -> Iterator[CompletedIncident]:
 def _completed(path: Path, target: Path) -> CompletedIncident:
     record = read_record(path)
     files, channels = complete_files(path)
-    last_ns = max((content.last_ns for content in files.values()), default=record.triggered_ns)
-    missing = [
-        Missing(topic=topic, reason=MissingReason.KILLED, messages=None, from_ns=last_ns, to_ns=record.to_ns)
-        for topic in record.topics
-        if last_ns < record.to_ns
-    ]
-    record = finished_record(replace(record, missing=(*record.missing, *missing)), files, channels)
+    filled = {name: content for name, content in files.items() if content.message_count}
+    if record.rule == OUTAGE_RULE:
+        record = spanning(record, filled.values())
+        last_ns = record.to_ns
+    else:
+        last_ns = _last_written_ns(record, filled)
+        record = replace(record, missing=(*record.missing, *_cut_off(record, last_ns)))
+    record = finished_record(record, files, channels)
     finish_folder(path, record, files, channels)
     path.rename(target)
     messages = sum(content.message_count for content in files.values())
     return CompletedIncident(name=target.name, messages=messages, last_ns=last_ns)
+
+
+def _cut_off(record: IncidentRecord, last_ns: int) -> Iterator[Missing]:
+    """All that the window lacks after its last message."""
+    for topic in record.topics:
+        if last_ns < record.to_ns:
+            yield Missing(
+                topic=topic, reason=MissingReason.KILLED, messages=None, from_ns=last_ns, to_ns=record.to_ns
+            )
+
+
+def _last_written_ns(record: IncidentRecord, files: Mapping[str, FileContent]) -> int:
+    """Stamp of the message of a window that was written last, in one of ``files``, which have messages.
+
+    It is not the greatest one where the clock was set back.
+    """
+    for name in sorted(files, key=lambda name: (len(name), name), reverse=True):
+        if not _is_of_latched(record, files[name]):
+            return files[name].final_ns
+    return record.triggered_ns
+
+
+def _is_of_latched(record: IncidentRecord, content: FileContent) -> bool:
+    """Whether it is the file of the messages from before the window, which all have the same stamp."""
+    return (
+        content.first_ns == content.last_ns <= max(0, record.from_ns)
+        and content.message_count <= len(record.latched)
+        and content.messages.keys() <= {one.topic for one in record.latched}
+    )

@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import errno
 import os
+import struct
 from array import array
 from bisect import bisect_left
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +19,8 @@ from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.incidents.topic_ring import IncidentMessage
 
+ChannelOf = Callable[[str, int], StoredChannel | None]
+"""Channel of a topic's message of some number; ``None`` where the topic is not known."""
 LATCHED_SHARED_NS = 10_000_000_000
 """How long before its window a file of latched messages may have been begun."""
 
@@ -123,6 +126,11 @@ class Segment:
         self._holders.append((folder, name))
 
 
+def channel_of(channels: Mapping[str, StoredChannel]) -> ChannelOf:
+    """For topics that never change."""
+    return lambda topic, _: channels.get(topic)
+
+
 def link_file(file: Path, name: Path) -> OSError | None:
     """Have ``file`` under one more name; why, if it cannot be."""
     try:
@@ -139,8 +147,9 @@ class SharedMessages:
     an earlier one, that may be up to a segment more than was asked for. Segments end where a window does.
     """
 
-    def __init__(self, channels: Mapping[str, StoredChannel], length_ns: int) -> None:
+    def __init__(self, channels: Mapping[str, StoredChannel], length_ns: int, channel_of: ChannelOf) -> None:
         self._channels = channels
+        self._channel_of = channel_of
         self._length_ns = length_ns
         self._segments: list[Segment] = []
         self._open: Segment | None = None
@@ -189,7 +198,8 @@ class SharedMessages:
         if not latched:
             return
         first_ns = folder.first_stamp_ns
-        start_ns = from_ns if first_ns is None else min(from_ns, first_ns)
+        # A window may begin before the simulated time does, and no stamp can.
+        start_ns = max(0, from_ns if first_ns is None else min(from_ns, first_ns))
         numbers = [message.number for message in latched]
         if self._latched is not None:
             known, stamp_ns, segment = self._latched
@@ -203,7 +213,7 @@ class SharedMessages:
             for message in latched:
                 self._write(segment, message, start_ns)
             segment.close()
-        except OSError:
+        except (OSError, struct.error):
             segment.abandon()
             raise
         folder.put_last_first()
@@ -264,7 +274,7 @@ class SharedMessages:
         return segments
 
     def _write(self, segment: Segment, message: IncidentMessage, stamp_ns: int) -> None:
-        channel = self._channels.get(message.topic)
+        channel = self._channel_of(message.topic, message.number)
         if channel is not None:
             segment.write(channel, message, stamp_ns)
 

@@ -36,16 +36,19 @@ class RemovedIncident:
 class _Folder:
     path: Path
     is_read: bool
+    written_ns: int
     files: dict[_FileKey, int]
 
 
-def make_room(folder: Path, max_bytes: int) -> Iterator[RemovedIncident]:
+def make_room(folder: Path, max_bytes: int, newest: str | None = None) -> Iterator[RemovedIncident]:
     """Delete incidents until all of ``folder`` takes at most ``max_bytes`` on disk, or one is left.
 
-    Those that were read go first, then the others, the oldest first; what several share counts once, and is
-    freed with the last of them. What is not an incident, not whole, or renamed counts and stays, and so does
-    an incident with something else in its folder. Each is told when it is gone, or stays though it is its
-    turn. Raises ``OutputFileError`` where one cannot be deleted.
+    Those that were read go first, then the others, the one first that was written first: names have the clock
+    of the robot, which may have been set back. The one called ``newest``, or else the one written last,
+    stays. What several share counts once, and is freed with the last of them. What is not an incident, not
+    whole, or renamed counts and stays, and so does an incident with something else in its folder. Each is
+    told when it is gone, or stays though it is its turn. Raises ``OutputFileError`` where one cannot be
+    deleted.
     """
     holders: Counter[_FileKey] = Counter()
     sizes: dict[_FileKey, int] = {}
@@ -61,8 +64,9 @@ def make_room(folder: Path, max_bytes: int) -> Iterator[RemovedIncident]:
                 and (path / RECORD_NAME).is_file()
                 and not path.is_symlink()
             ):
-                incidents.append(_Folder(path=path, is_read=(path / READ_NAME).exists(), files=files))
+                incidents.append(_folder(path, files))
         taken = sum(sizes.values())
+        incidents.sort(key=lambda one: (one.path.name == newest, one.written_ns))
         # The newest stays: it is what just happened.
         for one in sorted(incidents[:-1], key=lambda one: not one.is_read):
             if taken <= max_bytes:
@@ -77,6 +81,15 @@ def make_room(folder: Path, max_bytes: int) -> Iterator[RemovedIncident]:
             yield RemovedIncident(name=one.path.name, was_read=one.is_read)
     except OSError as error:
         raise not_written(folder, "room for more incidents", error) from error
+
+
+def _folder(path: Path, files: dict[_FileKey, int]) -> _Folder:
+    return _Folder(
+        path=path,
+        is_read=(path / READ_NAME).exists(),
+        written_ns=(path / RECORD_NAME).stat().st_mtime_ns,
+        files=files,
+    )
 
 
 def _files(folder: Path) -> dict[_FileKey, int]:

@@ -17,7 +17,8 @@ from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import IncidentRecord, incident_folder_name, is_incident_folder_name
 from smarttestudo.domain.remote_incidents import RemoteIncident
-from smarttestudo.files.removal import ForeignFilesError, remove
+from smarttestudo.files.removal import ForeignFilesError, remove, temporary_folder
+from smarttestudo.files.whole_file import PARTIAL_SUFFIX
 
 READ_NAME = "read"
 """An empty file in the folder of an incident that somebody looked at."""
@@ -114,14 +115,18 @@ class IncidentStore:
             (self._path(name) / READ_NAME).touch(exist_ok=True)
 
     def export(self, name: str, target: Path) -> int:
-        """Copy the files of an incident to the new folder ``target``; how many they were."""
+        """Copy an incident to the new folder ``target``, which appears whole; how many files it has."""
         files = self.files(name)
         if target.exists() or target.is_symlink():
             raise RecordingError("exists already", place=str(target), remedy="name another output")
         with errors_at(target):
-            target.mkdir(parents=True)
-            for one in files:
-                shutil.copyfile(one, target / one.name, follow_symlinks=False)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with temporary_folder(target.parent, suffix=PARTIAL_SUFFIX) as workshop:
+                copies = workshop / target.name
+                copies.mkdir()
+                for one in files:
+                    shutil.copyfile(one, copies / one.name, follow_symlinks=False)
+                copies.rename(target)
         return len(files)
 
     def delete(self, name: str) -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import heapq
 import mmap
 from array import array
 from bisect import bisect_left
@@ -11,6 +12,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
+from operator import attrgetter
 from typing import NamedTuple, Protocol, overload
 
 from smarttestudo.domain.incident import Missing
@@ -346,3 +348,13 @@ class TopicRing:
     def _count(self) -> None:
         """Once for each change: all rings are asked for it at each message while memory is short."""
         self.held_bytes = self._payloads.held_bytes + self._messages.held_bytes + self._given_up.held_bytes
+
+
+@dataclass(frozen=True, slots=True)
+class InOrder(Iterable[IncidentMessage]):
+    """The messages of several topics in the order of their numbers."""
+
+    topics: Sequence[Iterable[IncidentMessage]]
+
+    def __iter__(self) -> Iterator[IncidentMessage]:
+        return heapq.merge(*self.topics, key=attrgetter("number"))

@@ -68,9 +68,11 @@ class RuleBlock:
 
     ``bounds`` are those of the receiver's picture that it sets, by topic and property. ``order`` is its place
     among all blocks of the rule set, ``line`` that in its file; ``recordings`` begin when it begins to hold.
+    ``name`` is the one that is written, if one is; a ``label`` may say the line.
     """
 
     order: int
+    name: str | None
     label: str
     line: int
     path: str
@@ -303,6 +305,7 @@ class _Compiler:
         rates = {topic: self._rate(one) for topic, one in branch.settings.items()}
         return RuleBlock(
             order=branch.order,
+            name=branch.block.block.name,
             label=branch.label,
             line=branch.block.block.span.line,
             path=branch.block.path,

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -16,6 +17,8 @@ from smarttestudo.files.input_file import read_input
 from smarttestudo.files.whole_file import not_written, whole_file
 
 _CONTENT = "the decision log"
+_LINE_START = b'{"t":'
+_MAX_LINE_BYTES = 1 << 20
 
 
 class DecisionLogError(TestudoError):
@@ -37,9 +40,11 @@ def decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
 def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
     """Append to a log of decisions: the block is given a function that writes decisions to ``path`` at once.
 
-    A crash loses none. Raises ``OutputFileError`` where that is not possible.
+    A crash loses none. Half a decision, with which a full disk or a power loss ended the log, is cut off.
+    Raises ``OutputFileError`` where that is not possible.
     """
     try:
+        _cut_half_a_line(path)
         file = path.open("a", encoding="utf-8")
     except OSError as error:
         raise not_written(path, _CONTENT, error) from error
@@ -57,6 +62,21 @@ def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], 
         # What could not be written was said when it failed.
         with suppress(OSError):
             file.close()
+
+
+def _cut_half_a_line(path: Path) -> None:
+    if not path.is_file():
+        return
+    with path.open("r+b") as file:
+        end = file.seek(0, os.SEEK_END)
+        start = max(0, end - _MAX_LINE_BYTES)
+        file.seek(start)
+        last = file.read()
+        line_start = last.rfind(b"\n") + 1
+        line = last[line_start:].rstrip(b"\0")
+        # Another file, which somebody named by mistake, stays as it is.
+        if line_start < len(last) and line[: len(_LINE_START)] == _LINE_START[: len(line)]:
+            file.truncate(start + line_start)
 
 
 def read_decisions(path: Path) -> list[Decision]:

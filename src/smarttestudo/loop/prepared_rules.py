@@ -23,11 +23,11 @@ _Deciding = tuple[RuleSet, Sequence[RuleBlock]]
 class SameRules:
     """The blocks that decide one topic before and after, alike but for their places.
 
-    ``blocks`` are those after by the order of those before, ``lines`` the new lines by label and line.
+    ``blocks`` are those after by the order of those before, ``named`` the same by the former label and line.
     """
 
     blocks: Mapping[int, RuleBlock]
-    lines: Mapping[tuple[str, int], int]
+    named: Mapping[tuple[str, int], RuleBlock]
 
 
 class PreparedRules:
@@ -74,7 +74,7 @@ def _same(before: Sequence[RuleBlock], after: Sequence[RuleBlock]) -> SameRules:
     pairs = list(zip(before, after, strict=True))
     return SameRules(
         blocks={one.order: other for one, other in pairs},
-        lines={(one.label, one.line): other.line for one, other in pairs},
+        named={(one.label, one.line): other for one, other in pairs},
     )
 
 
@@ -92,7 +92,7 @@ def _always(rule_set: RuleSet, topic: str) -> object:
 
 
 def _stance(block: RuleBlock, topic: str) -> object:
-    return block.label, block.priority, block.rates.get(topic), block.bounds.get(topic), block.form
+    return block.name, block.priority, block.rates.get(topic), block.bounds.get(topic), block.form
 
 
 def _counterparts(before: RuleSet, after: RuleSet, rest: Rest) -> Callable[[int], int]:

@@ -95,7 +95,7 @@ def _carry_on_settling(knowledge: Knowledge, same: Mapping[str, SameRules]) -> N
         if (rules := same.get(topic)) is not None:
             settling[topic] = waiting.carried_on(partial(_renamed, rules.blocks), knowledge.settle_ns)
             settling_bounds[topic] = knowledge.settling_bounds[topic].carried_on(
-                partial(_with_lines, rules.lines), knowledge.settle_ns
+                partial(_with_renamed_bounds, rules.named), knowledge.settle_ns
             )
     knowledge.settling, knowledge.settling_bounds = settling, settling_bounds
 
@@ -104,13 +104,19 @@ def _renamed(new_blocks: Mapping[int, RuleBlock], request: RequestedRate) -> Req
     if request.block is None:
         return request
     block = new_blocks[request.block]
-    return replace(request, block=block.order, planned=replace(request.planned, line=block.line))
+    return replace(
+        request, block=block.order, planned=replace(request.planned, rule=block.label, line=block.line)
+    )
 
 
-def _with_lines(lines: Mapping[tuple[str, int], int], planned: PlannedRate) -> PlannedRate:
-    """``planned``, its bounds decided by the blocks at their new lines."""
+def _with_renamed_bounds(
+    new_blocks: Mapping[tuple[str, int], RuleBlock], planned: PlannedRate
+) -> PlannedRate:
+    """``planned``, its bounds decided by the blocks as the new rules have them."""
     reasons = {
-        name: one if one.rule is None or one.line is None else replace(one, line=lines[one.rule, one.line])
+        name: one
+        if one.rule is None or one.line is None
+        else replace(one, rule=new_blocks[one.rule, one.line].label, line=new_blocks[one.rule, one.line].line)
         for name, one in planned.bound_reasons.items()
     }
     return replace(planned, bound_reasons=reasons)

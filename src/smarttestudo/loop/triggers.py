@@ -45,4 +45,6 @@ def still_recording(knowledge: Knowledge, rule_set: RuleSet) -> set[int]:
 
 
 def _written(block: RuleBlock) -> object:
-    return block.label, block.form
+    """All that stays when other statements move the block, and comments change."""
+    records = None if block.name is not None else tuple(one.name for one in block.recordings)
+    return block.name, records, block.form

@@ -135,11 +135,14 @@ class LiveRun:
 
     def _follow(self, rules: LiveRules) -> None:
         loop = self.loop
-        recorded = frozenset().union(*(part.topics for part in self._parts))
+        self._part_topics = self._topics_of_parts()
         self._given = frozenset((*rules.output_topics, *loop.knowledge.watched))
         self._topics.follow(
-            rules.output_topics, loop.knowledge.watched, loop.relays.leaders, recorded=recorded
+            rules.output_topics, loop.knowledge.watched, loop.relays.leaders, recorded=self._part_topics
         )
+
+    def _topics_of_parts(self) -> frozenset[str]:
+        return frozenset().union(*(part.topics for part in self._parts))
 
     def _priority_of(self, topic: str) -> float:
         return self.loop.knowledge.profile.topic(topic).priority
@@ -160,6 +163,8 @@ class LiveRun:
             self._sampling.on_wake(now_ns)
         for part in self._waking:
             part.on_wake(now_ns)
+        if self._topics_of_parts() != self._part_topics:
+            self._follow(self.rules)
 
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
         now_ns = self._robot.now_ns()

@@ -50,7 +50,7 @@ class Part:
     """
 
     topics: frozenset[str] = frozenset()
-    """The topics that are to be heard because of it, relayed or not."""
+    """The topics that are to be heard because of it, relayed or not; looked at after ``on_wake`` too."""
 
     hears_topics_only: bool = False
     """Whether ``on_message`` needs to be called for ``topics`` only: others may be relayed without Python."""

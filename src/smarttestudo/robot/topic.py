@@ -186,8 +186,9 @@ class OpenTopic:
     """Subscription and publisher that are open for one topic, following its source.
 
     ``output`` is its output topic, ``None`` if it is only watched. ``unheard`` are publishers whose
-    messages are dropped. Of one that ``is_recorded``, more may wait. ``problem`` says why nothing is open:
-    what opens something may raise ``RosError``; it is not tried again until the source changes.
+    messages are dropped. Of one that ``is_recorded``, more may wait. Unless it ``is_told``, whoever reads it
+    does not know its source. ``problem`` says why nothing is open: what opens something may raise
+    ``RosError``; it is not tried again until the source changes.
     """
 
     def __init__(
@@ -203,6 +204,7 @@ class OpenTopic:
         self._priority = priority
         self.is_wanted = False
         self.is_recorded = False
+        self.is_told = True
         self._opened_for: LiveSource | None = None
         self.subscription: Subscription | None = None
         self._publishers: PublisherPool | None = None
@@ -231,6 +233,25 @@ class OpenTopic:
         else:
             self._unsubscribe()
         return True
+
+    def keeps_subscription(self, *, is_recorded: bool) -> bool:
+        """Whether another output takes nothing from a topic that ``is_recorded`` and was before.
+
+        What is latched must come anew for another output; a topic that is not recorded may be relayed without
+        Python, from this subscription to that output.
+        """
+        is_latched = self._opened_for is not None and self._opened_for.qos.transient_local
+        return self.is_recorded and is_recorded and not is_latched
+
+    def serve(self, output: str | None) -> None:
+        """Have another output topic, or none, by the same subscription. Raises ``RosError``."""
+        self.output = output
+        if self._publishers is not None:
+            self._publishers.close()
+            self._publishers = None
+        if output is not None and self._opened_for is not None:
+            with self._closed_on_error():
+                self._publishers = self._publishers_to(output, self._opened_for)
 
     def publish(self, payload: Payload, publisher: Hashable) -> None:
         """Send a message on the output topic. Raises ``RosError``."""

@@ -114,13 +114,20 @@ class LiveTopics:
         and so is what is latched, if there are any.
         """
         before, self._topics = self._topics, {}
+        given = self._watched | {topic for topic, live in before.items() if live.output is not None}
         self._watched, self._leaders = frozenset(watched), leaders
         self._recorded = frozenset(recorded)
         for topic in dict.fromkeys([*output_topics, *watched, *sorted(recorded)]):
             live, output = before.get(topic), output_topics.get(topic)
-            if live is None or live.output != output:
+            is_recorded = topic in self._recorded
+            if live is None:
                 live = self._new(topic, output)
-            live.is_recorded = topic in self._recorded
+            elif live.output != output:
+                live = self._with_output(live, output, is_recorded=is_recorded)
+            if topic not in given and (output is not None or topic in self._watched):
+                # Only what records it was told of its source, perhaps.
+                live.is_told = False
+            live.is_recorded = is_recorded
             self._topics[topic] = live
         for topic, live in before.items():
             if self._topics.get(topic) is not live:
@@ -131,7 +138,7 @@ class LiveTopics:
         self._look_at_operators(has_changed=has_changed)
         testudos = testudo_nodes(self._robot)
         moved = self._publishers.look(self._topics, has_changed=has_changed)
-        unseen = [topic for topic, live in self._topics.items() if live.source is None]
+        unseen = [topic for topic, live in self._topics.items() if live.source is None or not live.is_told]
         if testudos != self._testudos:
             moved, self._testudos = list(self._topics), testudos
         changes = [self._look_at(self._topics[topic]) for topic in dict.fromkeys([*moved, *unseen])]
@@ -223,6 +230,15 @@ class LiveTopics:
         priority = self._priority_of(topic)
         return OpenTopic(topic, output, self._data_path, partial(self._receive, topic), priority)
 
+    def _with_output(self, live: OpenTopic, output: str | None, *, is_recorded: bool) -> OpenTopic:
+        if not live.keeps_subscription(is_recorded=is_recorded):
+            return self._new(live.topic, output)
+        try:
+            live.serve(output)
+        except RosError as error:
+            self._warn_once(str(error))
+        return live
+
     def _look_at_operators(self, *, has_changed: bool) -> None:
         outputs = {live.output: live for live in self._topics.values() if live.output is not None}
         for output in self._subscribers.look(outputs, has_changed=has_changed):
@@ -279,7 +295,8 @@ class LiveTopics:
         except RosError as error:
             self._warn_once(str(error))
         self._name_unserved(live)
-        return None if source == before else _changed(live.topic, source)
+        is_told, live.is_told = live.is_told, True
+        return None if source == before and is_told else _changed(live.topic, source)
 
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
         if endpoints and not own:

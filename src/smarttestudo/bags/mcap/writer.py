@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -36,14 +36,18 @@ CHUNK_BYTES = 1 << 20
 class FileContent:
     """Content of a file: stamps in ns, messages and bytes of payload by topic.
 
-    ``of_types`` are the messages by topic and type, as a topic may have had several types.
+    ``channels`` are in the order of the file, ``of_types`` are the messages by topic and type, as a topic may
+    have had several types. ``final_ns`` is the stamp of the message that was written last, not the greatest
+    one where the clock was set back.
     """
 
+    channels: Sequence[StoredChannel]
     messages: Mapping[str, int]
     of_types: Mapping[tuple[str, str], int]
     size_bytes: Mapping[str, int]
     first_ns: int
     last_ns: int
+    final_ns: int
 
     @property
     def message_count(self) -> int:
@@ -56,10 +60,12 @@ class McapState:
     """Content so far of a file that is being written.
 
     Schemas have numbers by type, channels by what they are; messages and bytes are counted by channel.
-    ``chunks`` are closed, ``chunk`` is not; ``size_bytes`` is that of the file.
+    ``chunks`` are closed, ``chunk`` is not; ``size_bytes`` is that of the file, ``final_ns`` the stamp of its
+    last message.
     """
 
     size_bytes: int = 0
+    final_ns: int = 0
     schemas: dict[str, int] = field(default_factory=dict)
     channels: dict[StoredChannel, int] = field(default_factory=dict)
     messages: Counter[int] = field(default_factory=Counter)
@@ -72,6 +78,7 @@ class McapState:
         chunk.note(number, stamp_ns, within)
         self.messages[number] += 1
         self.payload_bytes[number] += payload_bytes
+        self.final_ns = stamp_ns
 
     def close_chunk(self) -> None:
         """Keep of the open chunk, all of which is in the file, what a summary needs."""
@@ -91,11 +98,13 @@ class McapState:
             of_types[channel.topic, channel.type_name] += self.messages[number]
             size_bytes[channel.topic] += self.payload_bytes[number]
         return FileContent(
+            channels=tuple(self.channels),
             messages=messages,
             of_types=of_types,
             size_bytes=size_bytes,
             first_ns=min((chunk.first_ns for chunk in filled), default=0),
             last_ns=max((chunk.last_ns for chunk in filled), default=0),
+            final_ns=self.final_ns,
         )
 
 

@@ -62,6 +62,8 @@ if TYPE_CHECKING:
     from smarttestudo.robot.ros.rcl.path import RclPath
 
 
+_NO_LOG = ("log directory", "logging directory", "create logger")
+"""What ROS says where the folder of its logs cannot be made or written."""
 CLOCK_PERIOD_S = 1.0
 """How often to look whether time is simulated; a parameter of the node may change that."""
 
@@ -83,7 +85,7 @@ def open_node(
         with ros_errors():
             rclpy.init(args=arguments, context=context, signal_handler_options=SignalHandlerOptions.NO)
     except RosError as error:
-        raise UsageError(error.cause, place="--ros-args", remedy="see the ROS 2 manual") from error
+        raise _refused(error, ros_arguments) from error
     try:
         with ros_errors(name):
             node = Node(name, context=context)
@@ -101,6 +103,16 @@ def open_node(
             node.destroy_node()
     finally:
         rclpy.try_shutdown(context=context)
+
+
+def _refused(error: RosError, ros_arguments: Sequence[str]) -> TestudoError:
+    """An error that says what to do where ROS does not begin."""
+    if any(part in error.cause for part in _NO_LOG):
+        remedy = "set ROS_LOG_DIR to a folder that can be written"
+        return RosError(error.cause, place="ROS_LOG_DIR", remedy=remedy)
+    if not ros_arguments:
+        return error
+    return UsageError(error.cause, place="--ros-args", remedy="see the ROS 2 manual")
 
 
 class RosNode:
