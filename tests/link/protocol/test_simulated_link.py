@@ -226,6 +226,13 @@ def test_a_link_that_topics_do_not_fill_is_in_the_end_no_limit() -> None:
     both.run(60)
     assert UNLIMITED_KB_PER_S in {budget for _, budget in both.budgets}
     assert max(budget for _, budget in both.budgets if budget is not None) == UNLIMITED_KB_PER_S
+    assert both.sender.state(60 * S).capacity_kb_per_s is None
+
+
+def test_what_a_link_carries_is_told_while_topics_fill_it() -> None:
+    both = ends((0, 50_000), sources=(Source(topic="/image", size_bytes=20_000, rate_hz=5),))
+    both.run(30)
+    assert both.sender.state(30 * S).capacity_kb_per_s == pytest.approx(50, rel=0.1)
 
 
 def test_ages_are_told_right_whatever_the_clocks_say() -> None:

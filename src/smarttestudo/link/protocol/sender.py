@@ -35,6 +35,8 @@ _LAST_SESSION = 2**32 - 2**16
 """A session that somebody else claimed is gone beyond only where many can follow."""
 _USABLE = 0.95
 """The share of the capacity that is planned with; the rest carries what nobody planned."""
+_OUTGROWN = 2.0
+"""A budget of so many times what was measured has grown while the link stood idle."""
 _GROWTH = ((0.5, 1.4), (0.15, 1.07), (0.05, 1.0))
 """Shares of a period in which nothing waited to be sent, and by how much the budget grows after it."""
 _MOST_BYTES_PER_S = UNLIMITED_KB_PER_S * BYTES_PER_KB
@@ -240,12 +242,19 @@ class LinkSender(Generic[_Request]):
         window = self._window
         return LinkState(
             is_connected=self.is_connected(now_ns),
-            capacity_kb_per_s=window.capacity_bytes_per_s / BYTES_PER_KB if window.is_measured else None,
+            capacity_kb_per_s=window.capacity_bytes_per_s / BYTES_PER_KB if self._is_limit else None,
             round_trip_ms=None if window.round_trip_ns is None else window.round_trip_ns / NS_PER_MS,
             outages=self._outages,
             sessions=self._sessions,
             predicted=self._receivers.predicted(now_ns),
         )
+
+    @property
+    def _is_limit(self) -> bool:
+        """Whether the capacity was measured, and topics need so much that it says something by now."""
+        usable = self._window.capacity_bytes_per_s * _USABLE
+        budget = self._budget_bytes_per_s
+        return self._window.is_measured and (budget is None or budget <= _OUTGROWN * usable)
 
     @property
     def budget_kb_per_s(self) -> float | None:
