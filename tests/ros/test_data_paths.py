@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import resource
 import time
 from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
@@ -204,6 +206,30 @@ def test_a_type_that_is_not_installed_is_named(robot: Robot) -> None:
     ):
         with pytest.raises(RosError, match="new_msgs/msg/New is not installed"):
             open_topic()
+
+
+@only_librcl
+def test_a_topic_for_which_no_descriptor_is_left_costs_itself_only(robot: Robot) -> None:
+    path, heard = robot.data_path, Heard()
+    publisher = path.advertise("/words", TEXT, RELIABLE)
+    subscribers = len(robot.own_subscribers("/words"))
+    with no_more_descriptors(), pytest.raises(RosError, match=r"/words: .*open files.*ulimit -n"):
+        path.subscribe("/words", TEXT, RELIABLE, heard)
+    assert len(robot.own_subscribers("/words")) == subscribers
+    path.subscribe("/words", TEXT, RELIABLE, heard)
+    publish_and_await(robot, publisher, heard, "hello")
+
+
+@contextmanager
+def no_more_descriptors() -> Iterator[None]:
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    least_free = os.dup(0)
+    os.close(least_free)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (least_free, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
 
 def test_a_burst_beyond_the_queue_costs_its_oldest_messages_and_their_number_is_known(robot: Robot) -> None:
