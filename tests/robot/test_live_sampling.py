@@ -84,6 +84,11 @@ class Robot:
             self.subscription.arrive(b"%d" % number)
         self.wait_until(until_ns)
 
+    def look_without(self) -> None:
+        """Something needs every message from now on."""
+        self._subscriptions = {}
+        self.sampling.look({}, self.driver.now_ns)
+
     def wait_until(self, at_ns: int) -> None:
         driver = self.driver
         while (wake_ns := min(self._look_ns, self.sampling.wake_ns or at_ns)) < at_ns:
@@ -134,6 +139,20 @@ def test_what_was_skipped_counts_as_sent_by_the_source() -> None:
     robot = Robot("10")
     robot.run(arrivals(1000, 10), 10 * SECOND)
     assert robot.loop.relays.statistics["/imu"].arrived.mean_hz == pytest.approx(1000, rel=0.02)
+
+
+@pytest.mark.parametrize("rate", ["1", "10", "Off"])
+@pytest.mark.parametrize("rests_s", [3.91, 4.0, 5.55])
+def test_what_was_skipped_right_before_every_message_is_looked_at_again_counts_too(
+    rate: str, rests_s: float
+) -> None:
+    robot, times_ns, end_ns = Robot(rate), arrivals(1000, 10), round(rests_s * SECOND)
+    robot.run([at_ns for at_ns in times_ns if at_ns < end_ns], end_ns)
+    wake_ups = robot.subscription.wake_ups
+    robot.look_without()
+    robot.run([at_ns for at_ns in times_ns if at_ns >= end_ns], 10 * SECOND)
+    assert robot.loop.relays.statistics["/imu"].arrived.messages == len(times_ns)
+    assert robot.subscription.wake_ups - wake_ups > 4000
 
 
 def test_a_topic_that_is_off_costs_next_to_nothing_and_its_source_is_still_known() -> None:

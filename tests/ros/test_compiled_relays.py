@@ -10,6 +10,7 @@ import random
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -173,6 +174,21 @@ def test_what_was_held_when_a_topic_comes_back_is_there(fast: Robot, qos: Qos) -
     echo.wait_for(3)
     echo.end()
     assert echo.state.streams[0].held is None
+
+
+def test_what_is_held_of_a_publisher_whose_number_was_forgotten_stays_in_python(
+    fast: Robot, qos: Qos
+) -> None:
+    echo = Echo(fast, qos, Pace.at(0.01))
+    held = PacedStream(publisher=b"gone", due_ns=0, arrivals_ns=(0,), held=text(9), held_ns=0)
+    echo.state = replace(echo.state, streams=[held])
+    echo.begin()
+    assert echo.relay is None
+    assert echo.state.streams == [held]
+    by_python = echo.by_python
+    echo.source.publish(text(1))
+    echo.wait_for(1)
+    assert echo.by_python == by_python + 1
 
 
 def test_closing_a_subscription_or_the_path_ends_its_relay_first(fast: Robot, qos: Qos) -> None:

@@ -6,9 +6,13 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import resource
+import sys
 import time
 from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -204,6 +208,51 @@ def test_a_type_that_is_not_installed_is_named(robot: Robot) -> None:
     ):
         with pytest.raises(RosError, match="new_msgs/msg/New is not installed"):
             open_topic()
+
+
+def test_a_type_that_was_built_for_another_python_is_named(
+    robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "half_msgs" / "msg"
+    package.mkdir(parents=True)
+    generated = Path(sys.modules["std_msgs.msg._string"].__file__ or "").read_text("utf-8")
+    (package / "__init__.py").write_text(generated.replace("std_msgs", package.parent.name), "utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    path, kind = robot.data_path, "half_msgs/msg/String"
+    assert not path.knows(kind)
+    uses: list[Callable[[], object]] = [
+        lambda: path.advertise("/half", kind, RELIABLE),
+        lambda: path.subscribe("/half", kind, RELIABLE, Heard()),
+        lambda: path.decode("/half", kind, text("half")),
+    ]
+    for use in uses:
+        with pytest.raises(RosError, match=r"/half: .*type half_msgs/msg/String cannot be used") as error:
+            use()
+        assert error.value.remedy == "build the ROS package half_msgs with the Python that runs SmartTestudo"
+
+
+@only_librcl
+def test_a_topic_for_which_no_descriptor_is_left_costs_itself_only(robot: Robot) -> None:
+    path, heard = robot.data_path, Heard()
+    publisher = path.advertise("/words", TEXT, RELIABLE)
+    subscribers = len(robot.own_subscribers("/words"))
+    with no_more_descriptors(), pytest.raises(RosError, match=r"/words: .*open files.*ulimit -n"):
+        path.subscribe("/words", TEXT, RELIABLE, heard)
+    assert len(robot.own_subscribers("/words")) == subscribers
+    path.subscribe("/words", TEXT, RELIABLE, heard)
+    publish_and_await(robot, publisher, heard, "hello")
+
+
+@contextmanager
+def no_more_descriptors() -> Iterator[None]:
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    least_free = os.dup(0)
+    os.close(least_free)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (least_free, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
 
 def test_a_burst_beyond_the_queue_costs_its_oldest_messages_and_their_number_is_known(robot: Robot) -> None:

@@ -174,6 +174,31 @@ def test_a_mission_that_cannot_be_driven_is_refused_with_its_place(
     assert "\n" not in str(refused.value)
 
 
+# South of the warehouse nothing is in the way.
+STRAIGHT_THROUGH = [(4.0, -16.0, 0), (10.0, -16.0, 0), (16.0, -16.0, 0), (16.0, -12.0, 1)]
+TWICE = (10.0, -16.0, 0)
+
+
+def mission_through(waypoints: list[tuple[float, float, int]], path: Path) -> Tour:
+    tables = [
+        f"[[waypoints]]\nat_m = [{x_m}, {y_m}]\npause_s = {pause_s}\n" for x_m, y_m, pause_s in waypoints
+    ]
+    path.write_text("".join(tables), encoding="utf-8")
+    return load_mission(path, warehouse())
+
+
+def test_each_visit_of_a_place_has_the_corner_of_its_own_way(tmp_path: Path) -> None:
+    path = tmp_path / "mission.toml"
+    straight = [(9.5, -16.5, 1), TWICE, (10.5, -15.5, 1)]
+    sharp = [(11.0, -15.2, 1), TWICE, (10.3, -15.1, 1)]
+    corner = [(4.0, -16.0, 0), TWICE, (6.0, -12.5, 1), (6.0, -13.0, 1)]
+
+    assert mission_through([*corner, *straight, (4.0, -14.0, 1)], path).route.length_m > 20
+
+    with pytest.raises(MissionError, match=r"the way from waypoint 5 to the next is 1\.28 m"):
+        mission_through([*STRAIGHT_THROUGH, *sharp], path)
+
+
 def test_a_mission_that_is_not_there_is_named(tmp_path: Path) -> None:
     with pytest.raises(MissionError, match="the mission cannot be read: No such file"):
         load_mission(tmp_path / "none.toml", warehouse())

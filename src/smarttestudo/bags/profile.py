@@ -56,7 +56,7 @@ def profile_of_recording(
 
 
 def profile_notices(recording: RecordingReader) -> Iterator[str]:
-    """What a profile of ``recording`` leaves out, a line each."""
+    """Notices of what a profile of ``recording`` leaves out, a line each."""
     sources = _sources(recording)
     for channel in recording.channels:
         first = sources[channel.topic]

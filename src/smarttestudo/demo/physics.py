@@ -10,11 +10,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from smarttestudo.demo.lost_time import LostTime
 from smarttestudo.demo.mission import JPEG_BYTES, route_of
 from smarttestudo.demo.simulate import advertise, left_out
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher, Robot
-from smarttestudo.domain.units import NS_PER_S, ns_from_s
+from smarttestudo.domain.units import ns_from_s
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.messages.messages import RobotMessages, qos_of
 from smarttestudo.simulation.physics.drive import PhysicalRobot, PhysicsRequest, RobotKind, physical_robot
@@ -23,8 +24,6 @@ from smarttestudo.simulation.readings import TimedReading, Topic
 from smarttestudo.simulation.warehouse import warehouse
 
 _LONGEST_WAIT_S = 0.05
-_MOST_BEHIND_NS = NS_PER_S
-_WARNING_NS = 10 * NS_PER_S
 _REMEMBERED = 50
 _RANGE = "sensor_msgs/msg/Range"
 _CDR_HEADER = 4
@@ -103,8 +102,7 @@ class _RealTimeDrive:
         self._robot = robot
         self._physical = physical
         self._stopped = stopped
-        self._lost_ns = 0
-        self._warned_ns: int | None = None
+        self._lost = LostTime(robot, physical.skip, "this machine is too slow for its physics or its camera")
 
     def due_readings(self) -> Iterator[TimedReading]:
         """Yield each reading when it arrives, until the end."""
@@ -112,25 +110,10 @@ class _RealTimeDrive:
         start_ns = self._robot.now_ns()
         end_ns = None if seconds is None else start_ns + ns_from_s(seconds)
         for timed in self._physical.readings(start_ns):
-            self._catch_up(timed)
+            self._lost.give_up(timed)
             if (end_ns is not None and timed.time_ns >= end_ns) or not self._await(timed):
                 return
             yield timed
-
-    def _catch_up(self, timed: TimedReading) -> None:
-        """Give up real time that is lost, so that what comes has the stamps of its time."""
-        now_ns = self._robot.now_ns()
-        behind_ns = now_ns - timed.time_ns
-        if behind_ns <= _MOST_BEHIND_NS:
-            return
-        self._physical.skip(behind_ns)
-        self._lost_ns += behind_ns
-        if self._warned_ns is None or now_ns - self._warned_ns >= _WARNING_NS:
-            self._warned_ns = now_ns
-            self._robot.log.warning(
-                f"Lost {self._lost_ns / NS_PER_S:.1f} s of real time so far, in which the robot stood still: "
-                "this machine is too slow for its physics or its camera"
-            )
 
     def _await(self, timed: TimedReading) -> bool:
         """Wait for the reading's time; whether to go on."""

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from smarttestudo.demo.lost_time import LostTime
 from smarttestudo.demo.mission import JPEG_BYTES, route_of
 from smarttestudo.domain.robot import Publisher, Robot
 from smarttestudo.domain.units import ns_from_s
@@ -48,14 +49,14 @@ def simulate(request: SimulateRequest, robot: Robot, stopped: Callable[[], bool]
     end_ns = None if request.seconds is None else start_ns + ns_from_s(request.seconds)
     drive = "patrol" if request.mission is None else "mission"
     robot.log.info(f"Driving the {drive} with {len(publishers)} topics{left_out(robot, messages)}")
-    mission = MissionRequest(
-        plan=warehouse(),
-        route=route,
-        seed=request.seed,
-        start_ns=start_ns,
-        frames=request.frames,
+    mission = drive_mission(
+        MissionRequest(
+            plan=warehouse(), route=route, seed=request.seed, start_ns=start_ns, frames=request.frames
+        )
     )
-    for timed in drive_mission(mission):
+    lost = LostTime(robot, mission.skip, "this machine slept, or is too slow for the camera")
+    for timed in mission:
+        lost.give_up(timed)
         if (end_ns is not None and timed.time_ns >= end_ns) or not _await(timed, robot, stopped):
             return
         publisher = publishers.get(timed.topic)

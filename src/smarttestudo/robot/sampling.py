@@ -98,6 +98,8 @@ class LiveSampling:
         self._may_rest = may_rest
         self._topics: dict[str, _Topic] = {}
         self._resting: dict[str, _Topic] = {}
+        self._roused: dict[str, _Topic] = {}
+        """Those that work again; what was skipped last is counted with the next message."""
         self._wake_ns = NEVER_NS
         self._has_changed = False
 
@@ -106,19 +108,20 @@ class LiveSampling:
         for name in [
             name for name, topic in self._topics.items() if subscriptions.get(name) is not topic.subscription
         ]:
-            self._topics.pop(name).subscription.resume()
-            self._resting.pop(name, None)
+            self._resume(name, self._topics.pop(name))
         for name, subscription in subscriptions.items():
             sent = subscription.sent
             if sent is None:
                 continue
             topic = self._topics.setdefault(name, _Topic(subscription, now_ns))
+            if name in self._roused and self._roused[name].subscription is not subscription:
+                del self._roused[name]
             self._decide(name, topic, sent, now_ns)
         self._has_changed = True
 
     def received(self, name: str, size_bytes: int) -> None:
         """A message of a topic came and goes to the loop next; what was skipped before it counts as sent."""
-        topic = self._resting.get(name)
+        topic = self._resting.get(name) or self._roused.pop(name, None)
         if topic is None:
             return
         sent = topic.subscription.sent or 0
@@ -154,16 +157,25 @@ class LiveSampling:
         may_rest = self._may_rest and self._loop.may_skip(name)
         rests = may_rest and topic.choice.should_sample(sent, self._target_hz(name), now_ns)
         if rests and name not in self._resting:
-            topic.sent = sent
+            if self._roused.pop(name, None) is not topic:
+                topic.sent = sent
             topic.subscription.pause()
             self._resting[name] = topic
         elif not rests and name in self._resting:
-            del self._resting[name]
-            topic.subscription.resume()
+            self._resume(name, topic)
         elif rests and sent == topic.looked_sent:
             # Nothing was due since the last look, yet how much the source sends must be known.
             topic.subscription.arm()
         topic.looked_sent = sent
+
+    def _resume(self, name: str, topic: _Topic) -> None:
+        rested = self._resting.pop(name, None) is not None
+        if rested:
+            self._roused[name] = topic
+        topic.subscription.resume()
+        if rested:
+            # What was pending came just now; more may have been skipped after it.
+            self._roused[name] = topic
 
     def _target_hz(self, name: str) -> float:
         return self._loop.knowledge.plan[name].rate.hz

@@ -41,14 +41,35 @@ class MissionRequest:
     frames: FrameSize = FrameSize.SMALL
 
 
-def drive_mission(request: MissionRequest) -> Iterator[TimedReading]:
-    """Everything the robot publishes, by arrival time, without end: the robot drives round after round.
+class DrivenMission:
+    """Everything a robot publishes, by arrival time, without end: it drives round after round.
 
     Nothing is computed ahead of what is taken, so that a live run can take readings as their time comes.
     """
+
+    def __init__(self, drive: DifferentialDrive, schedule: DeviceSchedule[DifferentialDrive]) -> None:
+        self._drive = drive
+        self._schedule = schedule
+
+    def __iter__(self) -> Iterator[TimedReading]:
+        """All readings."""
+        return self
+
+    def __next__(self) -> TimedReading:
+        """The reading that arrives next."""
+        return next(self._schedule)
+
+    def skip(self, lost_ns: int) -> None:
+        """Let ``lost_ns`` pass in which the robot stands still."""
+        self._drive.now_ns += lost_ns
+        self._schedule.skip(lost_ns)
+
+
+def drive_mission(request: MissionRequest) -> DrivenMission:
+    """The mission of a robot that starts now."""
     model = DriveModel()
     drive = DifferentialDrive(model, pose=request.route.start, now_ns=request.start_ns)
-    return DeviceSchedule(
+    schedule = DeviceSchedule(
         drive,
         _devices(request, model),
         seed=request.seed,
@@ -56,6 +77,7 @@ def drive_mission(request: MissionRequest) -> Iterator[TimedReading]:
         # A frame is sampled when its sensor is, and so has its stamp.
         together=((OdometryFrame, Odometer), (WheelFrames, WheelEncoders)),
     )
+    return DrivenMission(drive, schedule)
 
 
 def _devices(request: MissionRequest, model: DriveModel) -> Sequence[Device[DifferentialDrive]]:

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -91,25 +90,26 @@ def _number(value: object, key: str, least: float, most: float, place: str) -> f
 
 def _require_room(waypoints: Sequence[Waypoint], path: Path) -> None:
     """Refuse legs that are shorter than the arcs at their ends."""
-    for number, (start, end) in enumerate(itertools.pairwise([*waypoints, waypoints[0]]), start=1):
-        arcs_m = sum(
-            0.0 if one.pause_s or one is waypoints[0] else _arc_m(one, waypoints) for one in (start, end)
-        )
-        leg_m = start.place.distance_m(end.place)
-        if leg_m <= max(arcs_m, _CHECKED_M):
+    arcs_m = [
+        0.0 if waypoint.pause_s or index == 0 else _arc_m(index, waypoints)
+        for index, waypoint in enumerate(waypoints)
+    ]
+    for index, start in enumerate(waypoints):
+        after = (index + 1) % len(waypoints)
+        leg_m = start.place.distance_m(waypoints[after].place)
+        if leg_m <= max(arcs_m[index] + arcs_m[after], _CHECKED_M):
             raise MissionError(
-                f"the way from waypoint {number} to the next is {leg_m:.2f} m, too short for its corners",
+                f"the way from waypoint {index + 1} to the next is {leg_m:.2f} m, too short for its corners",
                 place=str(path),
                 remedy=f"where the robot does not pause it takes corners in arcs of {CORNER_RADIUS_M:g} m; "
                 "move them apart, or let it pause",
             )
 
 
-def _arc_m(waypoint: Waypoint, waypoints: Sequence[Waypoint]) -> float:
-    """How far before and after a corner its arc begins and ends."""
-    index = waypoints.index(waypoint)
+def _arc_m(index: int, waypoints: Sequence[Waypoint]) -> float:
+    """How far before and after the corner at a waypoint its arc begins and ends."""
     before, after = waypoints[index - 1].place, waypoints[(index + 1) % len(waypoints)].place
-    here = waypoint.place
+    here = waypoints[index].place
     turn = math.atan2(after.y_m - here.y_m, after.x_m - here.x_m) - math.atan2(
         here.y_m - before.y_m, here.x_m - before.x_m
     )

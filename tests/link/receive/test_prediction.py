@@ -222,6 +222,15 @@ def test_without_a_usable_rate_of_the_source_predicted_messages_come_ten_times_a
     assert due_ns == [number * 100 * MS for number in range(1, 10)]
 
 
+def test_a_bound_whose_square_no_double_holds_is_an_infinite_covariance() -> None:
+    prediction = Prediction(within={"position": 1e200, "orientation": 1e300}, heartbeat_hz=0.5)
+    predictor = predicting(replace(TOLD, prediction=prediction))
+    predictor.handle(arrived(7 * S), 90 * S)
+    (message,) = predictor.predicted(91 * S)
+    found: Any = STORE.deserialize_cdr(message.payload, ODOMETRY)
+    assert np.isposinf(np.diag(found.pose.covariance.reshape(6, 6))).all()
+
+
 def test_predicted_messages_come_at_the_rate_of_the_source_after_each_that_arrived() -> None:
     predictor = predicting()
     predictor.handle(arrived(7 * S), 0)

@@ -130,7 +130,8 @@ class PoseGauge:
         (part,) = parts
         bound_m = within.get("position", UNKNOWN_M)
         bound_rad = math.radians(within.get("orientation", HALF_TURN))
-        variances = (*(bound_m**2,) * 3, *(bound_rad**2,) * 3)
+        # A power of too large a number raises, a product is infinite.
+        variances = (*(bound_m * bound_m,) * 3, *(bound_rad * bound_rad,) * 3)
         return self._reader.moved(payload, part.at_ns, _numbers(part.state), variances)
 
 

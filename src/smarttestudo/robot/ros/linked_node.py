@@ -7,6 +7,7 @@ from __future__ import annotations
 import itertools
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
 from typing import Any
 
 from smarttestudo.domain.link import OutgoingLink, StreamInfo
@@ -140,7 +141,13 @@ class LinkedPath:
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """Send over the link what is published. Raises ``RosError`` and ``LinkError``."""
         linked = self._link.advertise(_stream(topic, type_name, qos, next(self._numbers[topic])))
-        return _Both(linked, self._path.advertise(topic, type_name, qos)) if self._is_local else linked
+        if not self._is_local:
+            return linked
+        with ExitStack() as undone:
+            undone.callback(linked.close)
+            both = _Both(linked, self._path.advertise(topic, type_name, qos))
+            undone.pop_all()
+        return both
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""

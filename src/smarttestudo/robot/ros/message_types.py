@@ -9,6 +9,7 @@ import re
 from typing import Any
 
 from rclpy.serialization import deserialize_message
+from rclpy.type_support import check_for_type_support
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
@@ -23,7 +24,7 @@ _NESTED_TYPE = re.compile(r"(?:sequence<)?([a-z][a-z0-9_]*)/([A-Z][A-Za-z0-9]*)"
 def message_type(type_name: str, topic: str) -> Any:
     """The class of ``type_name``, as in ``nav_msgs/msg/Odometry``, for use with ``topic``.
 
-    Raises ``RosError`` where it is not installed.
+    Raises ``RosError`` where it is not installed, or cannot be used.
     """
     # Names come from the network: what is imported must be the messages of a package.
     match = _TYPE_NAME.match(type_name)
@@ -31,13 +32,22 @@ def message_type(type_name: str, topic: str) -> Any:
         raise RosError(f"{type_name!r} is not the name of a message type", place=topic)
     package, name = match.groups()
     try:
-        return getattr(importlib.import_module(f"{package}.msg"), name)
+        kind = getattr(importlib.import_module(f"{package}.msg"), name)
     except (ImportError, AttributeError) as error:
         raise RosError(
             f"the message type {type_name} is not installed",
             place=topic,
             remedy=f"install the ROS package {package}, or source the workspace that holds it",
         ) from error
+    try:
+        check_for_type_support(kind)
+    except Exception as error:  # rclpy documents none of those that it raises
+        raise RosError(
+            f"the message type {type_name} cannot be used: {error}",
+            place=topic,
+            remedy=f"build the ROS package {package} with the Python that runs SmartTestudo",
+        ) from error
+    return kind
 
 
 def is_installed(type_name: str) -> bool:

@@ -40,6 +40,19 @@ class SerializedMessage(ctypes.Structure):
     )
 
 
+def bytes_at(address: int, size_bytes: int, part: slice = slice(None)) -> bytes:
+    """A copy of a part of so many bytes."""
+    start, stop, step = part.indices(size_bytes)
+    count = max(stop - start, 0)
+    if step == 1 and count <= _MOST_OF_STRING_AT:
+        return ctypes.string_at(address + start, count)
+    return memoryview((ctypes.c_uint8 * size_bytes).from_address(address))[part].tobytes()
+
+
+_MOST_OF_STRING_AT = 2**31 - 1
+"""What fits into the C int that ``ctypes.string_at`` makes of a size; it is several times as fast."""
+
+
 class _ErrorString(ctypes.Structure):
     _fields_ = (("text", c_char * _ERROR_BYTES),)
 

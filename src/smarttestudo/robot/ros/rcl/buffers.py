@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import ctypes
 
-from smarttestudo.robot.ros.rcl.bindings import RclLibrary, SerializedMessage
+from smarttestudo.robot.ros.rcl.bindings import RclLibrary, SerializedMessage, bytes_at
 
 KEPT_BUFFERS = 2
 """What a topic at a steady rate needs: one message held back, one coming in."""
@@ -87,9 +87,7 @@ class RclPayload:
         return self._size_bytes
 
     def __getitem__(self, part: slice, /) -> bytes:
-        start, stop, step = part.indices(self._size_bytes)
-        data = ctypes.string_at(self._buffer.message.buffer + start, max(stop - start, 0))
-        return data if step == 1 else data[::step]
+        return bytes_at(self._buffer.message.buffer or 0, self._size_bytes, part)
 
     def __del__(self) -> None:
         self._buffers.take_back(self._buffer)

@@ -129,6 +129,13 @@ class RclRelay:
             return False
         self._ended = ended
         start = state()
+        if not numbers.last.keys() >= {
+            stream.publisher for stream in start.streams if stream.held is not None
+        }:
+            # The last number of a publisher was forgotten, and its last word must not be.
+            ended(start)
+            source.take_back()
+            return False
         self._pace = (start.period_ns, start.slack_ns)
         self._relay = relay = library.new(
             RelaySettings(

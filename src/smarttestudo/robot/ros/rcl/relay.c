@@ -419,6 +419,7 @@ int relay_start(relay_t *relay) {
     pthread_mutex_lock(&shared.mutex);
     int has_thread = shared.has_thread || start_thread();
     relay->next = shared.relays;
+    relay->is_stopping = !has_thread;
     if (has_thread) shared.relays = relay;
     pthread_mutex_unlock(&shared.mutex);
     serve_in(relay, 0, 1);
@@ -451,12 +452,13 @@ void relay_set_pace(relay_t *relay, int64_t period_ns, int64_t slack_ns) {
     serve_in(relay, 0, 0);
 }
 
-/* Also has it served at the right time if the clock jumped. */
+/* Also has it served at the right time if the clock jumped. Once it is stopped, its time stands still: what
+   would pass, nobody would publish. */
 void relay_read(relay_t *relay, counts_t *counts) {
     pthread_mutex_lock(&relay->mutex);
-    see(relay, now_ns(relay));
+    if (!relay->is_stopping) see(relay, now_ns(relay));
     *counts = relay->settings.counts;
-    int64_t ns = wait_ns(relay, counts->now_ns);
+    int64_t ns = relay->is_stopping ? NEVER_NS : wait_ns(relay, counts->now_ns);
     pthread_mutex_unlock(&relay->mutex);
     serve_in(relay, ns, 0);
 }

@@ -12,7 +12,7 @@ from smarttestudo.domain.compiled_relay import FlowCounts, PacedStream, RelayCou
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.source_period import INTERVALS_KEPT
 from smarttestudo.pacing.grid import NEVER_NS
-from smarttestudo.robot.ros.rcl.bindings import Allocator, SerializedMessage
+from smarttestudo.robot.ros.rcl.bindings import Allocator, SerializedMessage, bytes_at
 
 LIBRARY = Path(__file__).with_name("relay.so")
 """Where setup.py puts it, if there is a C compiler."""
@@ -88,7 +88,7 @@ class CStream(ctypes.Structure):
 
     def paced_stream(self, gid_bytes: int) -> PacedStream:
         """The same in Python, with a copy of what is held."""
-        held = ctypes.string_at(self.held.buffer, self.held.length) if self.is_held else None
+        held = bytes_at(self.held.buffer or 0, self.held.length) if self.is_held else None
         return PacedStream(
             publisher=bytes(self.gid[:gid_bytes]),
             due_ns=python_ns(self.due_ns),

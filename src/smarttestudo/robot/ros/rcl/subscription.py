@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from ctypes import c_void_p
 from typing import Any
 
@@ -50,19 +51,22 @@ class RclSubscription:
         self._node = node
         self._library = library
         self._topic = topic
-        with ros_errors(topic):
-            self._handle = node.create_subscription(
-                message_type(type_name, topic),
-                topic,
-                _never_called,
-                qos_profile(qos),
-                callback_group=Unattended(),
-                event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
-                raw=True,
-            )
+        with ExitStack() as undone:
+            self.event_fd = _opened_event(topic)
+            undone.callback(os.close, self.event_fd)
+            with ros_errors(topic):
+                self._handle = node.create_subscription(
+                    message_type(type_name, topic),
+                    topic,
+                    _never_called,
+                    qos_profile(qos),
+                    callback_group=Unattended(),
+                    event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
+                    raw=True,
+                )
+            undone.pop_all()
         self.pointer: int = self._handle.handle.pointer
         self.is_heard = False
-        self.event_fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
 
     def wake(self, *, wanted: bool) -> None:
         """Wake for new messages from now on, those that are already there included; or for none."""
@@ -88,6 +92,18 @@ class RclSubscription:
         self.wake(wanted=False)
         self._node.destroy_subscription(self._handle)
         os.close(self.event_fd)
+
+
+def _opened_event(topic: str) -> int:
+    try:
+        return os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+    except OSError as error:
+        # Each topic needs a descriptor, and a shell allows 1024.
+        raise RosError(
+            f"no messages can be waited for: {error.strerror}",
+            place=topic,
+            remedy="raise the limit of open files: ulimit -n",
+        ) from error
 
 
 def _never_called(message: object) -> None:
