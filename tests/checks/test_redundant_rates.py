@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from random import Random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from checks.rule_findings import findings_of
@@ -68,6 +68,7 @@ def rate_at(model: RuleModel, topic: str, truth_of: Mapping[int, bool | None], r
 
 
 @settings(max_examples=120, deadline=None)
+@example(387_138)
 @given(st.integers(0, 2**32))
 def test_no_rate_changes_without_those_that_have_no_effect(seed: int) -> None:
     random = Random(seed)
@@ -128,6 +129,12 @@ ZONE = "CheckValue /odom pose_x < 6"
             "If CheckValue /odom pose_y > 7 Then SetFrequency /odom 40 EndIf",
             0,
             id="over a higher rate of lower priority",
+        ),
+        pytest.param(
+            f"Rule Priority 1 If {ZONE} Then SetFrequency /odom 10 EndIf "
+            "If CheckValue /battery_state level < 0 Then SetFrequency /odom 40 EndIf",
+            0,
+            id="over one that never holds and is feared",
         ),
         pytest.param(f"If {ZONE} Then SetFrequency /odom Desirable EndIf", 0, id="a level"),
         pytest.param(f"Disabled If {ZONE} Then SetFrequency /odom 10 EndIf", 0, id="switched off"),

@@ -53,7 +53,7 @@ def decompress(data: bytes, most_bytes: int, before: bytes) -> bytes:
 
 
 def sender(measured: str = "") -> StatusSender:
-    return StatusSender(lambda path: str(path[-1]) in measured, compress)
+    return StatusSender(lambda path: str(path[-1]) in [*measured], compress)
 
 
 def same(one: Any, other: Any) -> bool:

@@ -60,7 +60,7 @@ def analyse(
     shadows = analyst.near("shadows", lambda one: analyst.shadows(one, covers), possible, index)
     shadowed = {shadow.branch.order for shadow in shadows}
     effort = Effort(LOOKS_AT_REDUNDANT_RATES)
-    redundant = redundant_rates(possible, defaults, floors, effort, recall)
+    redundant = redundant_rates(possible, branches, defaults, floors, effort=effort, recall=recall)
     conflicts = analyst.near("conflicts", lambda one: analyst.conflicts(one, index), possible, index)
     gaps = [analyst.gap(topic, covers, index) for topic in sorted(index.topics - defaults.keys())]
     return Analysis(

@@ -17,21 +17,24 @@ from smarttestudo.language.resolved_rules import Branch, ResolvedFloor, Resolved
 
 
 def redundant_rates(
+    possible: Sequence[Branch],
     branches: Sequence[Branch],
     defaults: Mapping[str, ResolvedRate],
     floors: Mapping[str, ResolvedFloor],
+    *,
     effort: Effort,
     recall: Recall,
 ) -> Iterator[RedundantRate]:
-    """The rates of ``branches`` that equal their topic's default where no other block can be overruled.
+    """The rates of ``possible`` branches that equal their topic's default where none is overruled.
 
+    Any of ``branches`` may be: one that never holds is feared all the same while its values are unknown.
     They can be removed all at once: what is asked of a rate is asked of others that differ from the default.
     Ends when ``effort`` is spent.
     """
     rates = {topic: default.rate for topic, default in defaults.items()}
     alike = [
         one
-        for run in recall.runs(("as default", *rates.items()), partial(_alike, rates), branches)
+        for run in recall.runs(("as default", *rates.items()), partial(_alike, rates), possible)
         for one in run
     ]
     rivals = _rivals(branches, {setting.topic for _, setting in alike}, floors) if alike else {}
