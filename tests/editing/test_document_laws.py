@@ -132,6 +132,31 @@ def assert_others_kept(before: Document, after: Document, others: Sequence[Entry
         assert words(other)[len(words(one)) :].split("\n")[-1].strip() in ("", "EndIf")
 
 
+def test_what_a_rule_says_twice_keeps_the_comment_of_each() -> None:
+    # A comment before the name has the whole rule written anew.
+    text = """begin
+    Rule // of the name
+    "Far" If (
+        CheckValue /odom pose_x > 1
+        // again
+        AND CheckValue /odom pose_x > 1
+    )
+    Then
+        SetFrequency /odom 5  // here
+    Else
+        SetFrequency /odom 5  // there
+    EndIf
+end
+"""
+    document = document_of(text)
+    (entry,) = document.entries
+    rule = statement_of(entry)
+    assert isinstance(rule, Block)
+    changed = replaced(document, entry.id, NewStatement(content=replace(rule, name="New", label="New")))
+    assert '"New"' in changed
+    assert comments(changed) == comments(text)
+
+
 @given(FILES_WITH_RULES, st.data())
 @settings(max_examples=60)
 def test_a_small_change_of_a_rule_keeps_all_its_comments(written: WrittenFile, data: st.DataObject) -> None:

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+from collections import defaultdict, deque
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import TypeVar
 
 from smarttestudo.editing.condition_edits import changed_words, condition_edits
@@ -13,7 +15,7 @@ from smarttestudo.editing.document import Entry
 from smarttestudo.editing.meaning import Meaning, condition_meaning, meaning
 from smarttestudo.editing.text_edit import TextEdit, addition, removal
 from smarttestudo.editing.token_range import TokenRange
-from smarttestudo.language.comments import Comment, Trivia
+from smarttestudo.language.comments import Comment
 from smarttestudo.language.formatter import format_condition, format_heading, format_statement
 from smarttestudo.language.formatter.text import bound_text, duration_text, rate_text
 from smarttestudo.language.parser.headings import quoted
@@ -42,13 +44,13 @@ def with_comments(old: Block, new: Block, *, inside: TokenRange) -> Block:
     above = tuple(
         comment for comment in old.trivia.above if inside.places.range(comment.span)[0] >= inside.start
     )
-    known = {_subject(one): one.trivia for one in (*old.then, *old.otherwise)}
-    written = {meaning(one): one for one in (*old.then, *old.otherwise)}
+    from_else = _gone(old.otherwise, new.otherwise)
+    from_then = _gone(old.then, new.then)
     return replace(
         new,
         condition=with_comments_preserved(old.condition, new.condition),
-        then=tuple(_with_comments(one, known, written) for one in new.then),
-        otherwise=tuple(_with_comments(one, known, written) for one in new.otherwise),
+        then=tuple(_with_comments(one, old.then, from_else) for one in new.then),
+        otherwise=tuple(_with_comments(one, old.otherwise, from_then) for one in new.otherwise),
         has_end_if=old.has_end_if,
         trivia=replace(old.trivia, above=above, blank_above=False),
         if_trivia=old.if_trivia,
@@ -67,7 +69,9 @@ def with_comments_preserved(old: Condition, new: Condition, *, beside: Comment |
         inner = new.operand if isinstance(new, Timed) else new
         kept = with_comments_preserved(old.operand, inner, beside=beside)
         return replace(new, operand=kept) if isinstance(new, Timed) else kept
-    checks = {condition_meaning(one): _without(one, beside) for one in checks_in(old)}
+    checks: dict[Meaning, deque[Check]] = defaultdict(deque)
+    for one in checks_in(old):
+        checks[condition_meaning(one)].append(_without(one, beside))
     found = _with_checks(new, checks)
     if isinstance(old, Group) and isinstance(found, And | Or):
         found = Group(operand=found, span=found.span)
@@ -85,10 +89,12 @@ def _without(condition: _Commented, beside: Comment | None) -> _Commented:
     return replace(condition, trivia=replace(condition.trivia, beside=None))
 
 
-def _with_checks(condition: Condition, checks: Mapping[Meaning, Check]) -> Condition:
+def _with_checks(condition: Condition, checks: Mapping[Meaning, deque[Check]]) -> Condition:
+    """``condition`` with the next of ``checks`` that says the same in the place of each of its own."""
     match condition:
         case Check():
-            return checks.get(condition_meaning(condition), condition)
+            written = checks.get(condition_meaning(condition))
+            return written.popleft() if written else condition
         case Not() | Group() | Timed():
             return replace(condition, operand=_with_checks(condition.operand, checks))
         case And() | Or():
@@ -96,9 +102,18 @@ def _with_checks(condition: Condition, checks: Mapping[Meaning, Check]) -> Condi
             return replace(condition, operands=operands)
 
 
-def _with_comments(new: Action, known: Mapping[Meaning, Trivia], written: Mapping[Meaning, Action]) -> Action:
-    same = written.get(meaning(new))
-    return same or replace(new, trivia=known.get(_subject(new), new.trivia))
+def _gone(old: Sequence[Action], new: Sequence[Action]) -> list[Action]:
+    """Actions of one side of a block that it has no more: they may have gone to the other."""
+    left = set(map(_subject, new))
+    return [one for one in old if _subject(one) not in left]
+
+
+def _with_comments(new: Action, *sides: Sequence[Action]) -> Action:
+    """``new`` with the comments of the action of its subject on the first of ``sides`` that has one."""
+    for one in chain(*sides):
+        if _subject(one) == _subject(new):
+            return one if meaning(one) == meaning(new) else replace(new, trivia=one.trivia)
+    return new
 
 
 def _subject(action: Action) -> Meaning:
