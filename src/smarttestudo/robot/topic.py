@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import DataPath, Endpoint, Publisher, Qos, Receive, Robot, Subscription
+from smarttestudo.robot.publisher_pool import PublisherPool
 
 DEPTH = 10
 # The last messages of all publishers come at once, and one may keep more of them than ten others.
@@ -124,62 +125,6 @@ def topic_link(
         incompatible=tuple(sorted({one.node for one in subscribers if not_offered(source.qos, one)})),
         problem=problem,
     )
-
-
-MAX_PUBLISHERS = 64
-
-
-class PublisherPool:
-    """One publisher for all, or with ``one_each`` one for each publisher of the source.
-
-    The latter is for latched topics: a publisher keeps the last messages only, so that a source's publisher
-    that sends often would push out the single message of another one. Where a link keeps only the newest
-    message, it is so for every topic. ``advertise`` may raise ``RosError``.
-    """
-
-    def __init__(self, advertise: Callable[[], Publisher], *, one_each: bool) -> None:
-        self._advertise = advertise
-        self._one_each = one_each
-        self._of: dict[Hashable, Publisher] = {}
-        # One is there before the first message, so that subscribers find it in time.
-        self._spare: Publisher | None = advertise()
-
-    def publish(self, payload: Payload, publisher: Hashable) -> None:
-        """Send a message of ``publisher``. Raises ``RosError``."""
-        key = publisher if self._one_each else None
-        open_publisher = self._of.get(key)
-        if open_publisher is None:
-            open_publisher = self._open(key)
-        open_publisher.publish(payload)
-
-    @property
-    def only(self) -> Publisher | None:
-        """The publisher of all messages; ``None`` with one for each publisher of the source."""
-        if self._one_each:
-            return None
-        return self._of.get(None) or self._open(None)
-
-    def forget(self, publishers: Iterable[Hashable]) -> None:
-        """These are gone, and what they latched goes with them. Raises ``RosError``."""
-        gone = [self._of.pop(publisher) for publisher in publishers if publisher in self._of]
-        if gone and not self._of and self._spare is None:
-            self._spare = self._advertise()
-        for open_publisher in gone:
-            open_publisher.close()
-
-    def close(self) -> None:
-        """Send nothing more."""
-        for open_publisher in (*self._of.values(), self._spare):
-            if open_publisher is not None:
-                open_publisher.close()
-
-    def _open(self, key: Hashable) -> Publisher:
-        if len(self._of) >= MAX_PUBLISHERS:
-            key = None
-        if key not in self._of:
-            self._of[key] = self._spare or self._advertise()
-            self._spare = None
-        return self._of[key]
 
 
 class OpenTopic:

@@ -23,7 +23,7 @@ from smarttestudo.loop.inputs import ChangeInput, LoopInput, RulesInput, WakeInp
 from smarttestudo.pacing.cdr import child_frames
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.robot.live_rules import LiveRules
-from smarttestudo.robot.topic import PublisherPool
+from smarttestudo.robot.publisher_pool import PublisherPool
 
 
 class VirtualEnd:

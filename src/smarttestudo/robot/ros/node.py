@@ -57,6 +57,7 @@ from smarttestudo.robot.ros.qos import (
 from smarttestudo.robot.ros.rclpy_path import RclpyPath, RclpyPublisher
 from smarttestudo.robot.ros.real_timers import RealTimers
 from smarttestudo.robot.ros.ros_errors import ros_errors
+from smarttestudo.robot.ros.trigger_service import offer_trigger
 
 if TYPE_CHECKING:
     from smarttestudo.robot.ros.rcl.path import RclPath
@@ -315,27 +316,3 @@ def _endpoint(info: Any) -> Endpoint:
         gid=bytes(info.endpoint_gid),
         asks=further_policies(info.qos_profile),
     )
-
-
-def offer_trigger(node: Any, name: str, act: Callable[[], str]) -> None:
-    """Offer a std_srvs/srv/Trigger service that calls ``act``. Raises ``RosError``.
-
-    It succeeds with the message that ``act`` returns, and fails with its ``TestudoError``.
-    """
-    try:
-        from std_srvs.srv import Trigger  # noqa: PLC0415  a robot may lack it
-    except ImportError as error:
-        remedy = "install the ROS package std_srvs"
-        raise RosError("the type of this service is not installed", place=name, remedy=remedy) from error
-
-    def called(_request: Any, response: Any) -> Any:
-        try:
-            response.message = in_utf_8(act())
-            response.success = True
-        except TestudoError as error:
-            response.message = in_utf_8(str(error))
-            response.success = False
-        return response
-
-    with ros_errors(name):
-        node.create_service(Trigger, name, called)
