@@ -157,6 +157,22 @@ end
     assert comments(changed) == comments(text)
 
 
+def test_a_comment_at_the_end_of_a_rule_hides_nothing_behind_it() -> None:
+    text = """begin If // why
+CheckValue /odom pose_x > 1
+Then SetFrequency /odom 5 // here
+Else SetFrequency // there
+/odom 6 end
+"""
+    document = document_of(text)
+    (entry,) = document.entries
+    rule = statement_of(entry)
+    assert isinstance(rule, Block)
+    changed = replaced(document, entry.id, NewStatement(content=replace(rule, otherwise=())))
+    assert parse(changed, "rules.adirf").findings == ()
+    assert "// here\n" in changed
+
+
 @given(FILES_WITH_RULES, st.data())
 @settings(max_examples=60)
 def test_a_small_change_of_a_rule_keeps_all_its_comments(written: WrittenFile, data: st.DataObject) -> None:

@@ -27,6 +27,7 @@ _EXIT_SILENT = 1
 _FOUND_WITHIN_S = 10.0
 _KNOWN_WITHIN_S = 3.0
 _LOOK_S = 0.1
+_SETTLED_S = 0.5
 _NAMED = 8
 _ERASE_LINE = "\r\x1b[K"
 
@@ -108,7 +109,7 @@ def _heard(
     while not stopped():
         robots = incidents.robots(_LOOK_S)
         if robots and arguments.robot is None:
-            return incidents.robots(_KNOWN_WITHIN_S)
+            return _all_heard(incidents)
         if arguments.robot in robots:
             return robots
         if time.monotonic() > end_s:
@@ -121,6 +122,17 @@ def _heard(
         place=", ".join(arguments.connect),
         remedy="start 'testudo run --link' on the robot, and check that it reaches the same place",
     )
+
+
+def _all_heard(incidents: RemoteIncidents) -> Sequence[str]:
+    """The robots, once no further one is heard of for a moment: a router may know some of them later."""
+    robots: Sequence[str] = ()
+    now = incidents.robots(_KNOWN_WITHIN_S)
+    while now != robots:
+        robots = now
+        time.sleep(_SETTLED_S)
+        now = incidents.robots(0)
+    return robots
 
 
 def _chosen(robots: Sequence[str], arguments: argparse.Namespace) -> str:

@@ -154,8 +154,13 @@ def rewritten(entry: Entry, new: Statement | str, line_end: str) -> list[TextEdi
 def _as_text(words: TokenRange, new: str) -> list[TextEdit]:
     if words.text[words.start : words.end] == new:
         return []
+    return [TextEdit(words.start, words.end, _ended(new, words, "\n"))]
+
+
+def _ended(new: str, words: TokenRange, line_end: str) -> str:
+    """``new`` in the place of ``words``, with a line's end where its last comment would hide what follows."""
     hides_next = "//" in new.rpartition("\n")[2] and words.after.strip()
-    return [TextEdit(words.start, words.end, f"{new}\n" if hides_next else new)]
+    return f"{new}{line_end}" if hides_next else new
 
 
 def _lines(statement: Statement, words: TokenRange, line_end: str) -> str:
@@ -250,7 +255,8 @@ def _block(old: Block, new: Block, words: TokenRange, line_end: str) -> list[Tex
     for part in parts:
         if part is None:
             whole = with_comments(old, new, inside=words)
-            return [TextEdit(words.start, words.own_end, _lines(whole, words, line_end))]
+            text = _ended(_lines(whole, words, line_end), words, line_end)
+            return [TextEdit(words.start, words.own_end, text)]
         text_edits += part
     return text_edits
 

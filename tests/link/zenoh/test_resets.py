@@ -34,10 +34,10 @@ class Wire:
         """Cut what is connected; another connection may be made at once."""
         sockets, self._sockets = self._sockets, []
         for one in sockets:
-            with suppress(OSError):
+            # The other end may have closed it already.
+            with one, suppress(OSError):
                 one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _RESET)
                 one.shutdown(socket.SHUT_RDWR)
-                one.close()
 
     def _accept(self) -> None:
         with suppress(OSError):
