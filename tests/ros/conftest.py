@@ -30,6 +30,15 @@ def other_domain(domain: int) -> Iterator[int]:
 
 
 @pytest.fixture
+def in_domain(domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nodes of this process are in the domain."""
+    if importlib.util.find_spec("rclpy") is None:
+        pytest.skip("ROS 2 (rclpy) is not installed")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+
+
+@pytest.fixture
 def data_path(pytestconfig: pytest.Config) -> str:
     """How runtimes relay that name no data path; a test may be parametrized with others."""
     asked: str = pytestconfig.getoption("--data-path")

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import random
 import threading
@@ -47,11 +46,7 @@ def qos(request: pytest.FixtureRequest) -> Qos:
 
 
 @pytest.fixture
-def fast(domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def fast(in_domain: None) -> Iterator[Robot]:
     with open_robot(data_path=DataPathKind.FAST) as opened:
         yield opened
 

@@ -29,11 +29,7 @@ IMAGE = {"type": "sensor_msgs/msg/CompressedImage"}
 
 
 @pytest.fixture
-def without_librcl(domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def without_librcl(in_domain: None, monkeypatch: pytest.MonkeyPatch) -> None:
 
     def not_found(name: str, mode: int = 0) -> None:
         raise OSError(f"{name}: cannot open shared object file")
@@ -62,11 +58,7 @@ def test_librcl_is_an_error_where_it_was_asked_for_and_cannot_be_used() -> None:
 
 
 @pytest.fixture
-def without_compiler(domain: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def without_compiler(in_domain: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(relay_library, "LIBRARY", tmp_path / "relay.so")
 
 

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import resource
 import sys
@@ -41,11 +40,7 @@ NO_STRING = b"\x00\x01\x00\x00\xff\x00\x00\x00"
 
 
 @pytest.fixture(params=[DataPathKind.FAST, DataPathKind.RCL, DataPathKind.RCLPY], ids=lambda kind: kind.value)
-def robot(request: pytest.FixtureRequest, domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def robot(request: pytest.FixtureRequest, in_domain: None) -> Iterator[Robot]:
     with open_robot(data_path=request.param) as opened:
         yield opened
 

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import time
 from collections.abc import Callable, Iterator
 
@@ -87,12 +86,10 @@ def test_changes_one_after_the_other_are_looked_at_five_times_a_second_at_most_a
 
 
 @pytest.fixture(params=[DataPathKind.RCL])
-def robot(request: pytest.FixtureRequest, domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
+def robot(
+    request: pytest.FixtureRequest, in_domain: None, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Robot]:
     """A robot that looks at its graph only when that is told to have changed, wherever changes are told."""
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.setattr(graph_looks, "NET_PERIOD_S", 10 * TIMEOUT_S)
     with open_robot(data_path=request.param) as opened:
         yield opened

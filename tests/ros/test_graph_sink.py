@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import time
 from collections.abc import Iterator
 
@@ -27,11 +26,7 @@ LATCHED = Qos(reliable=True, transient_local=True, depth=1)
 
 
 @pytest.fixture(params=[DataPathKind.RCL, DataPathKind.RCLPY], ids=lambda kind: kind.value)
-def node(request: pytest.FixtureRequest, domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def node(request: pytest.FixtureRequest, in_domain: None) -> Iterator[Robot]:
     with open_robot(data_path=request.param) as opened:
         yield opened
 

@@ -25,11 +25,7 @@ LATCHED = Qos(reliable=True, transient_local=True, depth=100)
 
 
 @pytest.fixture
-def robot(domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def robot(in_domain: None) -> Iterator[Robot]:
     with open_robot() as opened:
         yield opened
 
