@@ -217,7 +217,7 @@ class IncidentFolders:
     def _finish_lost(self, bag: BagFolder, record: IncidentRecord) -> None:
         """Have what was written appear, if nothing was as an incident without messages."""
         bag.path.mkdir(exist_ok=True)
-        files, _ = complete_files(bag.path)
+        files = complete_files(bag.path)
         if not files:
             Segment(bag).close()
             files = bag.contents()

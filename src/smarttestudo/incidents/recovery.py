@@ -54,7 +54,7 @@ def complete_incidents(folder: Path) -> Iterator[CompletedIncident]:
 
 def _completed(path: Path, target: Path) -> CompletedIncident:
     record = read_record(path)
-    files, channels = complete_files(path)
+    files = complete_files(path)
     filled = {name: content for name, content in files.items() if content.message_count}
     if record.rule == OUTAGE_RULE:
         record = spanning(record, filled.values())
@@ -62,8 +62,8 @@ def _completed(path: Path, target: Path) -> CompletedIncident:
     else:
         last_ns = _last_written_ns(record, filled)
         record = replace(record, missing=(*record.missing, *_cut_off(record, last_ns)))
-    record = finished_record(record, files, channels)
-    finish_folder(path, record, files, channels)
+    record = finished_record(record, files, {})
+    finish_folder(path, record, files, {})
     path.rename(target)
     messages = sum(content.message_count for content in files.values())
     return CompletedIncident(name=target.name, messages=messages, last_ns=last_ns)

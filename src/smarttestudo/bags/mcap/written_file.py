@@ -17,7 +17,6 @@ from smarttestudo.bags.mcap.record_bytes import (
     ChunkPlace,
     Op,
     RecordPlace,
-    StoredChannel,
     file_start,
     read_channel,
     read_schema,
@@ -37,8 +36,8 @@ _INDEXED = struct.Struct("<H")
 """The channel whose messages an index has."""
 
 
-def complete_file(path: Path) -> tuple[FileContent, dict[str, StoredChannel]]:
-    """Complete a file: return its content and its channels by topic.
+def complete_file(path: Path) -> FileContent:
+    """Complete a file: return its content.
 
     A file without an end gets one; half a message is cut off, and so is one of which a part never reached the
     disk as the power went, if anything follows on it. Raises ``RecordingError`` for a file of another origin,
@@ -47,21 +46,18 @@ def complete_file(path: Path) -> tuple[FileContent, dict[str, StoredChannel]]:
     try:
         with path.open("rb") as file:
             walk = _walked(file)
-        state = walk.state
-        channels = {channel.topic: channel for channel in state.channels}
-        return state.content() if walk.is_whole else McapWriter(path, state).close(), channels
+        return walk.state.content() if walk.is_whole else McapWriter(path, walk.state).close()
     except (struct.error, ValueError, KeyError) as error:
         raise RecordingError("is damaged", place=str(path)) from error
 
 
-def complete_files(folder: Path) -> tuple[dict[str, FileContent], dict[str, StoredChannel]]:
-    """Complete the files of an incident: return their content by name, and their channels by topic.
+def complete_files(folder: Path) -> dict[str, FileContent]:
+    """Complete the files of an incident: return their content by name, in the order of time.
 
-    The names are in the order of time. A file with less than a beginning is removed: the process was killed,
+    A file with less than a beginning is removed: the process was killed,
     or the power went. Raises as ``complete_file``.
     """
     files: dict[str, FileContent] = {}
-    channels: dict[str, StoredChannel] = {}
     # The file of latched messages was written after those that begin when it does.
     for file in sorted(folder.glob("*.mcap"), key=lambda one: (len(one.name), one.name), reverse=True):
         if file.is_symlink():
@@ -69,9 +65,8 @@ def complete_files(folder: Path) -> tuple[dict[str, FileContent], dict[str, Stor
         if _has_no_beginning(file):
             remove(folder, [file.name])
             continue
-        files[file.name], found = complete_file(file)
-        channels.update(found)
-    return dict(sorted(files.items(), key=lambda entry: (entry[1].first_ns, entry[1].last_ns))), channels
+        files[file.name] = complete_file(file)
+    return dict(sorted(files.items(), key=lambda entry: (entry[1].first_ns, entry[1].last_ns)))
 
 
 def _has_no_beginning(path: Path) -> bool:
