@@ -12,6 +12,7 @@ from typing import TextIO
 
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.source import Span
+from smarttestudo.domain.utf_8 import without_mark
 
 _INDENT = "    "
 _SHOWN_COLUMNS = 100
@@ -25,7 +26,7 @@ _PLURALS = {Severity.ERROR: "errors", Severity.WARNING: "warnings", Severity.INF
 
 def print_findings(findings: Sequence[Finding], texts: Mapping[str, str], stream: TextIO) -> None:
     """Write ``findings`` to ``stream``, in colour on a terminal; ``texts`` are the checked files by path."""
-    lines = {path: _LINE_END.split(text.removeprefix("\ufeff")) for path, text in texts.items()}
+    lines = {path: _LINE_END.split(without_mark(text)[1]) for path, text in texts.items()}
     colour = wants_colour(stream)
     for finding in findings:
         shown = finding_lines(finding, lines.get(finding.path, ()), colour=colour)

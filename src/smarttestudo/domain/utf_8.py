@@ -1,8 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Texts that leave this program in UTF-8."""
+"""Texts that come and leave in UTF-8."""
 
 from __future__ import annotations
+
+BYTE_ORDER_MARK = "\ufeff"
+
+
+def without_mark(text: str) -> tuple[str, str]:
+    """The byte order mark in front of ``text``, "" where there is none, and the rest."""
+    rest = text.removeprefix(BYTE_ORDER_MARK)
+    return text[: len(text) - len(rest)], rest
 
 
 def in_utf_8(text: str) -> str:

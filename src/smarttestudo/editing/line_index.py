@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from itertools import accumulate
 
 from smarttestudo.domain.source import Span
-from smarttestudo.language.parser.lexer import BYTE_ORDER_MARK
+from smarttestudo.domain.utf_8 import without_mark
 from smarttestudo.language.parser.stretches import Stretch
 
 
@@ -23,7 +23,7 @@ class LineIndex:
         self.text = text
         self._stretches = stretches
         self._lines = [stretch.line for stretch in stretches]
-        start = len(BYTE_ORDER_MARK) if text.startswith(BYTE_ORDER_MARK) else 0
+        start = len(without_mark(text)[0])
         self._starts = list(accumulate((len(stretch.text) for stretch in stretches), initial=start))
 
     def offset(self, line: int, column: int) -> int:

@@ -13,6 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.utf_8 import in_utf_8
 
 _MOST_NAMED = 3
 
@@ -76,7 +77,7 @@ def _is_file_or_gone(name: str, folder: int) -> bool:
 
 def _foreign_files(folder: Path, names: list[str]) -> ForeignFilesError:
     more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
-    named = ", ".join(name.encode("utf-8", "replace").decode() for name in names[:_MOST_NAMED])
+    named = ", ".join(map(in_utf_8, names[:_MOST_NAMED]))
     return ForeignFilesError(
         f"holds something else, too: {named}{more}", place=str(folder), remedy="move that elsewhere first"
     )

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from smarttestudo.domain.errors import ProfileError
+from smarttestudo.domain.utf_8 import without_mark
 from smarttestudo.files.input_file import read_input
 
 if sys.version_info >= (3, 11):
@@ -18,7 +19,6 @@ else:
     import tomli as tomllib
 
 MAX_PROFILE_BYTES = 1_000_000
-_BYTE_ORDER_MARK = "\ufeff"
 KeyPath = tuple[str, ...]
 _KEY = re.compile(r"\s*([A-Za-z0-9_.\"'/-]+)\s*=")
 _MANY_DIGITS = re.compile(r"\d[\d_]{999}")
@@ -32,7 +32,7 @@ def parse_toml(text: str, path: Path) -> tuple[dict[str, object], dict[KeyPath, 
 
     Raises ``ProfileError`` with the place for what is no TOML.
     """
-    text = text.removeprefix(_BYTE_ORDER_MARK)
+    _, text = without_mark(text)
     try:
         values: dict[str, object] = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

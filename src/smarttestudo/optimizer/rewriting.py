@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from itertools import accumulate
 
 from smarttestudo.domain.source import Span
+from smarttestudo.domain.utf_8 import without_mark
 from smarttestudo.language.formatter import number_text
-from smarttestudo.language.parser.lexer import BYTE_ORDER_MARK
 from smarttestudo.language.syntax import RuleFile, SetFrequency, tiers_in
 from smarttestudo.optimizer.requirements import StatementKey
 from smarttestudo.optimizer.rule_rates import Optimization
@@ -34,8 +34,7 @@ def rewrite(text: str, file: RuleFile, optimization: Optimization, *, provenance
     ``provenance``, in the place of one that did. A byte order mark stays in front.
     """
     # Places do not count it.
-    written = text.removeprefix(BYTE_ORDER_MARK)
-    mark, text = text[: len(text) - len(written)], written
+    mark, text = without_mark(text)
     starts = list(accumulate((len(line) for line in _LINE.findall(text)), initial=0))
     line_end = "\r\n" if "\r\n" in text else "\n"
     edits = [

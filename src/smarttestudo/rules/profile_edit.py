@@ -12,8 +12,8 @@ import tomlkit
 from tomlkit.items import Comment, Item, Key, Null, Table, Trivia, Whitespace
 
 from smarttestudo.domain.errors import ProfileError
+from smarttestudo.domain.utf_8 import without_mark
 from smarttestudo.files.toml_text import KeyPath, parse_toml
-from smarttestudo.language.parser.lexer import BYTE_ORDER_MARK
 
 Value = str | float | Sequence[float] | None
 """The new value of a key; ``None`` takes it out."""
@@ -36,8 +36,7 @@ def edited_profile(
     values, _ = parse_toml(text, path)
     if _wanted(values, top, topics) == values:
         return text
-    written = text.removeprefix(BYTE_ORDER_MARK)
-    mark = text[: len(text) - len(written)]
+    mark, written = without_mark(text)
     edited = mark + _edited(written, top, topics)
     try:
         after, _ = parse_toml(edited, path)

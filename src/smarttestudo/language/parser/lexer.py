@@ -66,8 +66,6 @@ def _parts(token: Token, words: Sequence[str]) -> list[Token]:
     return parts
 
 
-BYTE_ORDER_MARK = "\ufeff"
-
 _PATTERN = re.compile(
     r"""[^\S\r\n]* (?:
       (?P<word>    (?: (?!\d) [\w~] | / (?![/*]) ) [\w~.\[\]-]* (?: / (?![/*]) [\w~.\[\]-]* )* )

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from operator import attrgetter
 
 from smarttestudo.domain.source import Span
-from smarttestudo.language.parser.lexer import BYTE_ORDER_MARK, lex
+from smarttestudo.domain.utf_8 import without_mark
+from smarttestudo.language.parser.lexer import lex
 from smarttestudo.language.parser.tokens import Token
 from smarttestudo.language.syntax import Statement
 
@@ -48,7 +49,7 @@ class Stretch:
 
 def stretches_of(text: str, before: Sequence[Stretch]) -> Iterator[Stretch]:
     """The stretches of ``text``; what stands where it stood ``before`` is as it was, but for the last."""
-    text = text.removeprefix(BYTE_ORDER_MARK)
+    _, text = without_mark(text)
     before = before[:-1]
     start, line = 0, 1
     is_at_end = False
