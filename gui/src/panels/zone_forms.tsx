@@ -259,7 +259,11 @@ function GoesTo({ zones, topic, canAdd }: { zones: ZoneEditor; topic: string; ca
         <input name="topic" defaultValue={topic} />
       </label>
       <div class="row zone-buttons">
-        <button type="submit" class="small primary" disabled={!canAdd || editor.isBroken.value}>
+        <button
+          type="submit"
+          class="small primary"
+          disabled={!canAdd || editor.isBroken.value || answer.value === null}
+        >
           Add the zone
         </button>
         <Button

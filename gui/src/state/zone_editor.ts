@@ -110,13 +110,15 @@ export class ZoneEditor {
   /** Does one edit as one step of undo; whether it was done. What is refused is told, and drawn as it was. */
   private async change(edit: Edit): Promise<boolean> {
     const known = this.answer.peek()?.text;
-    let isAsked = false;
+    // A new rule fits every text; any other edit names a rule of the text that the map shows.
+    const isNewRule = edit.kind === "zone_new" && edit.into === null;
+    let before = null as string | null;
     await this.editor.edit(() => {
-      // The edit names a rule of the text that the map shows.
-      isAsked = known === this.editor.text.peek();
-      return isAsked ? [edit] : [];
+      const text = this.editor.text.peek();
+      before = isNewRule || known === text ? text : null;
+      return before === null ? [] : [edit];
     });
-    const isDone = isAsked && this.editor.text.peek() !== known;
+    const isDone = before !== null && this.editor.text.peek() !== before;
     await this.ask();
     return isDone;
   }
