@@ -62,7 +62,7 @@ export class RobotLink {
 
   open(): void {
     this.socket.open();
-    window.setInterval(() => (this.nowMs.value = performance.now()), TICK_MS);
+    window.setInterval(() => this.tick(), TICK_MS);
     effect(() => this.noteServer(this.isServerGone.value));
   }
 
@@ -102,6 +102,11 @@ export class RobotLink {
       this.robots.value = null;
       this.forget(null);
     });
+  }
+
+  private tick(): void {
+    // Of a computer that stood still, what the server told meanwhile is read after this.
+    this.nowMs.value = Math.min(performance.now(), this.nowMs.peek() + 2 * TICK_MS);
   }
 
   private noteServer(isGone: boolean): void {

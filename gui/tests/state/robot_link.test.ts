@@ -8,6 +8,7 @@ import { linkOf, robotOf } from "./told_robots";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {
+  vi.restoreAllMocks();
   vi.useRealTimers();
   vi.unstubAllGlobals();
 });
@@ -47,4 +48,21 @@ test("a status stands for the time since the one before, also from a robot that 
   hear(2, 0);
   for (let status = 0; status < 4; status++) hear(2);
   expect(counts(link)).toEqual({ NaN: RING_LENGTH - 101, 2: 101 });
+});
+
+test("a server is not gone because the computer stood still, and is when it says nothing after that", () => {
+  vi.stubGlobal("window", globalThis);
+  vi.stubGlobal("location", { href: "http://localhost/" });
+  const link = linkOf(robotOf("/ada"));
+  vi.stubGlobal("WebSocket", class {});
+  let stoodStillMs = 0;
+  const now = performance.now.bind(performance);
+  vi.spyOn(performance, "now").mockImplementation(() => now() + stoodStillMs);
+  link.open();
+  vi.advanceTimersByTime(1000);
+  stoodStillMs = 60_000;
+  vi.advanceTimersByTime(1000);
+  expect(link.isServerGone.value).toBe(false);
+  vi.advanceTimersByTime(10_000);
+  expect(link.isServerGone.value).toBe(true);
 });
