@@ -46,9 +46,11 @@ export class RobotRules {
     const hash = computed(() => this.link.robot.value?.rules.sha256);
     // A silent robot is not asked anything.
     const heard = computed(() => (this.link.connection.value.kind === "connected" ? this.link.node.value : null));
+    // Before that there is no text, or no profile that says what its levels are.
+    const ready = computed(() => (this.editor.isChecked.value ? heard.value : null));
     const stop = effect(() => {
       void [this.editor.text.value, this.editor.profile.value, hash.value];
-      const node = heard.value;
+      const node = ready.value;
       this.asked++;
       window.clearTimeout(this.timer);
       if (this.comparison.peek().kind !== "none") this.comparison.value = { kind: "none" };
