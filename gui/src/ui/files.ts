@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import type { TextFile } from "../api/client";
 
 const LARGEST_BYTES = 1_000_000;
@@ -24,7 +24,8 @@ export async function fileText(file: File): Promise<TextFile> {
 export function useDroppedFile(take: (file: File) => void): void {
   const taker = useRef(take);
   taker.current = take;
-  useEffect(() => {
+  // At once, so that no drop falls between.
+  useLayoutEffect(() => {
     const over = (event: DragEvent) => {
       if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
     };
