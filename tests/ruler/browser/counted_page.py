@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 from playwright.sync_api import Locator, Page, expect
 
+from ruler.browser.ruler_page import FOCUSED, lowest
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
@@ -38,9 +40,7 @@ class CountedPage:
         # Playwright takes a plain slash for the end of the pattern.
         words = re.escape(label.removesuffix("…")).replace("/", r"\x2f")
         name = re.compile(f"^{words}" + ("" if is_start else "$"))
-        found = (within or self.page).get_by_role(role, name=name)  # type: ignore[arg-type]
-        found.first.wait_for()
-        return found.nth(max(range(found.count()), key=lambda at: _top_px(found.nth(at))))
+        return lowest((within or self.page).get_by_role(role, name=name))  # type: ignore[arg-type]
 
     def click(self, role: str, label: str, *, within: Locator | None = None) -> None:
         """One click on what ``find`` finds."""
@@ -99,16 +99,11 @@ class CountedPage:
 
     def focused(self) -> str:
         """What a screen reader calls the focused thing."""
-        label = "document.activeElement.getAttribute('aria-label') || document.activeElement.textContent"
-        return str(self.page.evaluate(label))
+        return str(self.page.evaluate(FOCUSED))
 
     def await_focus(self, label: str) -> None:
         """Wait until the focus is on what has a label that begins so."""
-        self.page.wait_for_function(
-            "label => (document.activeElement.getAttribute('aria-label') "
-            "|| document.activeElement.textContent).startsWith(label)",
-            arg=label,
-        )
+        self.page.wait_for_function(f"label => {FOCUSED}.startsWith(label)", arg=label)
 
     def sees(self, text: str | re.Pattern[str]) -> None:
         """Wait until the page says so somewhere."""
@@ -123,8 +118,3 @@ class CountedPage:
         self.clicks += clicks
         self.keys += keys
         self.done.append(f"{what} ({self.clicks} clicks, {self.keys} keys)")
-
-
-def _top_px(found: Locator) -> float:
-    box = found.bounding_box()
-    return 0.0 if box is None else box["y"]

@@ -22,6 +22,9 @@ KNOWS_TOUR = "try { localStorage.setItem('tour', 'seen') } catch {}"
 """Of a browser in which somebody took the tour."""
 GRIP_PX = 9
 """From the corner of a block to where it is taken: beside its fields."""
+FOCUSED = """(document.activeElement === document.body ? ""
+    : document.activeElement.getAttribute("aria-label") || document.activeElement.textContent)"""
+"""What a screen reader calls the focused thing; nothing where that is the whole page."""
 
 
 @contextmanager
@@ -101,10 +104,7 @@ class RulerPage:
         """The lowest field or button on the blocks whose label starts so, as in ``Edit value: 0``."""
         # Playwright takes a plain slash for the end of the pattern.
         start = re.compile("^" + re.escape(label).replace("/", r"\x2f"))
-        found = self.blocks.get_by_role("button", name=start)
-        found.first.wait_for()
-        boxes = [found.nth(index).bounding_box() for index in range(found.count())]
-        return found.nth(max(range(len(boxes)), key=lambda index: (boxes[index] or {"y": 0.0})["y"]))
+        return lowest(self.blocks.get_by_role("button", name=start))
 
     def change(self, label: str, value: str) -> None:
         """Click the lowest field with this label, type, press Enter, and see the value on the block.
@@ -132,11 +132,11 @@ class RulerPage:
 
     def focused(self) -> str:
         """What a screen reader calls the focused thing."""
-        return str(
-            self.page.evaluate(
-                "(document.activeElement.getAttribute('aria-label') || document.activeElement.textContent)"
-            )
-        )
+        return str(self.page.evaluate(FOCUSED))
+
+    def await_focus(self, words: str) -> None:
+        """Wait until the focus is on what is called something with these words."""
+        self.page.wait_for_function(f"words => {FOCUSED}.includes(words)", arg=words)
 
     def walk(self, key: str, name: str, steps: int = 60) -> None:
         """Press ``key`` until the focus is on what is called ``name``."""
@@ -166,6 +166,21 @@ class RulerPage:
     def save(self) -> None:
         self.tool("Save").click()
         expect(self.tool("Save")).to_be_disabled()
+
+
+def lowest(found: Locator) -> Locator:
+    """The lowest of these, once there are some; one look at all, as an answer may take one away."""
+    found.first.wait_for()
+    tops_px = found.evaluate_all("all => all.map(each => each.getBoundingClientRect().top)")
+    return found.nth(tops_px.index(max(tops_px)) if tops_px else 0)
+
+
+def see_no_changes(page: Page, name: str) -> None:
+    """Let a page that has the file open see it unchanged, however slow the test is."""
+    state = page.evaluate(
+        "name => fetch(`api/file/state?name=${name}`).then(answer => answer.json())", arg=name
+    )
+    page.route("**/api/file/state?*", lambda route: route.fulfill(json=state))
 
 
 def copied(source: Path, target: Path) -> Path:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from playwright.sync_api import Locator, expect
 
-from ruler.browser.ruler_page import RulerPage
+from ruler.browser.ruler_page import RulerPage, lowest
 from ruler.browser.thesis import DEFAULT_RATES, FIGURE_6_6, enter_table
 
 CHECKS = (("pose_x", ">", "11"), ("pose_x", "<", "15"), ("pose_y", ">", "7"), ("pose_y", "<", "11"))
@@ -77,6 +77,4 @@ def _choose_operator(ruler: RulerPage, operator: str) -> None:
 
 
 def _lowest(ruler: RulerPage, name: str) -> Locator:
-    found = ruler.blocks.get_by_role("figure", name=name)
-    boxes = [found.nth(index).bounding_box() for index in range(found.count())]
-    return found.nth(max(range(len(boxes)), key=lambda index: (boxes[index] or {"y": 0.0})["y"]))
+    return lowest(ruler.blocks.get_by_role("figure", name=name))
