@@ -12,7 +12,7 @@ from playwright.sync_api import Locator, expect
 from ruler.browser.ruler_page import RulerPage
 
 _PLACE = re.compile(r"x (-?[\d.]+) m, y (-?[\d.]+) m")
-_AFTER_TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+AFTER_TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 _AT_REST = """
 () => new Promise(done => {
     let [before, frames] = ["", 0];
@@ -70,7 +70,7 @@ class MapPage:
         """What the map says of a point of the screen."""
         page = self.ruler.page
         page.mouse.move(x_px, y_px)
-        page.evaluate(_AFTER_TWO_FRAMES)
+        page.evaluate(AFTER_TWO_FRAMES)
         found = _PLACE.search(page.get_by_label("Place of the pointer").text_content() or "")
         assert found
         return float(found[1]), float(found[2])
@@ -106,6 +106,7 @@ class MapPage:
 
     def _scale(self) -> _Scale:
         """Read off at two corners of the map, after it has settled."""
+        self.ruler.page.evaluate(_AT_REST)
         box = self.canvas.bounding_box()
         assert box
         left, top = box["x"] + 40, box["y"] + box["height"] - 60

@@ -4,83 +4,30 @@
 
 from __future__ import annotations
 
-import itertools
 import random
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypedDict
 
 import pytest
 from playwright.sync_api import Locator, expect
-from playwright.sync_api import TimeoutError as PlaywrightTimeout
 
+from ruler.browser.block_stacks import (
+    CANVAS,
+    CORNERS,
+    GROUND,
+    STACKS,
+    TEXT_SAYS,
+    WATCH_GLIDING,
+    expect_order,
+    gaps,
+    stacks,
+)
+from ruler.browser.map_page import AFTER_TWO_FRAMES
 from ruler.browser.ruler_page import GRIP_PX, RulerPage
 
 EDITS = 200
 MOST_STATEMENTS = 24
 """Above this many the walk rather removes: from 40 on a part of them is blocks."""
-CANVAS = ".blocklySvg > .blocklyWorkspace > .blocklyBlockCanvas"
-STACKS = """() => [...document.querySelectorAll('CANVAS > .blocklyDraggable')].map(root => {
-    const edge = element => element.getBoundingClientRect();
-    // Blockly moves what has the focus to the front, which is the end of the document.
-    const fromAbove = found => [...found].sort((one, other) => edge(one).top - edge(other).top);
-    const inner = [...root.querySelectorAll('.blocklyDraggable')];
-    const boxes = [root, ...inner].map(block => edge(block.querySelector(':scope > .blocklyPath')));
-    const topics = (part, use) => fromAbove(part.querySelectorAll(`[aria-label^="Edit topic to ${use}"]`))
-        .map(field => field.getAttribute('aria-label').split(': ')[1]);
-    const rule = () => {
-        if (root.matches('.adirf_folded')) return root.textContent.match(/if\\s(\\S+)/)?.[1] ?? '?';
-        const actions = root.querySelectorAll('.adirf_set, .adirf_within, .adirf_record').length;
-        const hasElse = root.querySelector('[aria-label="Remove ELSE"]') !== null;
-        const checks = topics(root, 'check');
-        return checks.length && actions > (hasElse ? 1 : 0) ? checks[0] : '?';
-    };
-    const isRule = root.matches('.adirf_rule, .adirf_folded');
-    const isDefault = root.matches('.adirf_set, .adirf_within, .adirf_keep');
-    return {
-        top: Math.min(...boxes.map(({top}) => top)),
-        bottom: Math.max(...boxes.map(({bottom}) => bottom)),
-        left: Math.min(...boxes.map(({left}) => left)),
-        says: isRule ? [rule()] : isDefault ? topics(root, '') : [],
-    };
-}).sort((one, other) => one.top - other.top)""".replace("CANVAS", CANVAS)
-"""What stands on the canvas, from above: its extent on the screen, and the first topic of each statement.
-
-A rule that lacks a part says ``?``: the text has what it said before. A check alone says nothing.
-"""
-# The first place from the right, above the zoom buttons, where nothing but the ground of the blocks is.
-GROUND = """host => {
-    const { left, right, top, bottom } = host.getBoundingClientRect();
-    for (let x = right - 30; x > left; x -= 15)
-        for (let y = top + 8; y < bottom - 200; y += 15)
-            if (document.elementFromPoint(x, y).matches(".blocklyMainBackground, .blocklySvg")) return [x, y];
-    throw new Error("blocks are everywhere");
-}"""
-TEXT_SAYS = """() => {
-    const text = document.querySelector('.cm-content').cmTile.view.state.doc.toString();
-    const outside = text.replace(/\\bThen\\b[^]*?EndIf/g, '');
-    return [...outside.matchAll(/(?:SetFrequency|KeepAtLeast|KeepWithin) (\\S+)|\\bIf\\b[^/]*(\\S+)/g)]
-        .map(([, default_, check]) => default_ ?? check);
-}"""
-"""The first topic of each statement of the text."""
-IS_SETTLED = f"""() => {{
-    const stacks = ({STACKS})();
-    const gaps = stacks.slice(1).map((stack, index) => stack.top - stacks[index].bottom);
-    const [blocks, text] = [stacks.flatMap(({{says}}) => says), ({TEXT_SAYS})()];
-    return blocks.length === text.length
-        && blocks.every((topic, index) => topic === '?' || topic === text[index])
-        && gaps.every(gap => gap > 4 && Math.abs(gap - gaps[0]) < 1)
-        && stacks.every(({{left}}) => Math.abs(left - stacks[0].left) < 1);
-}}"""
-
-
-class Stack(TypedDict):
-    """Blocks that hang together: their extent on the screen, and the first topic of each statement."""
-
-    top: float
-    bottom: float
-    left: float
-    says: list[str]
 
 
 def test_new_blocks_stand_below_each_other_in_the_order_of_the_text(ruler: RulerPage) -> None:
@@ -90,13 +37,14 @@ def test_new_blocks_stand_below_each_other_in_the_order_of_the_text(ruler: Ruler
     for _ in range(2):
         ruler.button("New rule").click()
     ruler.expect_lines("SetFrequency /odom 10", *["SetFrequency /"] * 4, *["CheckValue /odom pose_x > 0"] * 2)
-    assert _gaps(ruler) == pytest.approx([_gaps(ruler)[0]] * 2, abs=1)
-    assert _gaps(ruler)[0] > 0
+    expect_order(ruler)
+    assert gaps(ruler) == pytest.approx([gaps(ruler)[0]] * 2, abs=1)
+    assert gaps(ruler)[0] > 0
     ruler.button("New rate").click()
     ruler.type_value("/late")
     ruler.expect_lines("SetFrequency /late 10", "CheckValue")
-    _expect_order(ruler)
-    assert [len(stack["says"]) for stack in _stacks(ruler)] == [6, 1, 1]
+    expect_order(ruler)
+    assert [len(stack["says"]) for stack in stacks(ruler)] == [6, 1, 1]
 
 
 def test_a_rule_that_grows_keeps_its_place_and_the_next_gives_way(ruler: RulerPage) -> None:
@@ -105,12 +53,14 @@ def test_a_rule_that_grows_keeps_its_place_and_the_next_gives_way(ruler: RulerPa
         ruler.button("New rule").click()
     ruler.expect_lines(*["CheckValue /odom pose_x > 0"] * 2)
     ruler.page.keyboard.press("Escape")
-    first, second = _stacks(ruler)
+    expect_order(ruler)
+    first, second = stacks(ruler)
     for _ in range(4):
         ruler.blocks.get_by_role("button", name="Add check").first.click()
         ruler.page.keyboard.press("Escape")
     expect(ruler.blocks.get_by_role("button", name="Remove this check")).to_have_count(6)
-    grown, next_one = _stacks(ruler)
+    expect_order(ruler)
+    grown, next_one = stacks(ruler)
     assert grown["top"] == pytest.approx(first["top"], abs=1)
     assert next_one["top"] - grown["bottom"] == pytest.approx(second["top"] - first["bottom"], abs=1)
 
@@ -124,43 +74,40 @@ def test_what_is_typed_in_stays_where_it_is_when_something_comes_above(
     ruler.expect_lines("SetFrequency /odom 10", "CheckValue /odom pose_x > 0")
     name = ruler.field("Edit name of the rule")
     name.click()
+    expect_order(ruler)
     before = _top(ruler.page.locator("input:focus"))
     # Somebody draws a zone, or an edit that was under way is answered: here the text says so.
     _change_text(ruler, "begin", "begin\n    SetFrequency /scan 3")
     expect(ruler.blocks.get_by_role("button", name="Edit topic to send: /scan")).to_be_attached()
+    expect_order(ruler)
     assert _top(ruler.page.locator("input.blocklyHtmlInput")) == pytest.approx(before, abs=1)
     ruler.page.keyboard.press("Escape")
-    _expect_order(ruler)
+    expect_order(ruler)
 
 
 def test_a_block_that_is_dragged_above_another_stands_so_in_the_text(ruler: RulerPage, project: Path) -> None:
     _write_rules(ruler, project, ["a", "b", "c"])
     _drag_to_top_of(ruler, "c", "a")
     ruler.expect_lines("CheckValue /c", "CheckValue /a", "CheckValue /b")
-    _expect_order(ruler)
-    lefts = {round(stack["left"]) for stack in _stacks(ruler)}
+    expect_order(ruler)
+    lefts = {round(stack["left"]) for stack in stacks(ruler)}
     assert len(lefts) == 1
     ruler.tool("Undo").click()
     ruler.expect_lines("CheckValue /a", "CheckValue /b", "CheckValue /c")
-    _expect_order(ruler)
+    expect_order(ruler)
 
 
 def test_blocks_glide_unless_somebody_wants_none_of_it(ruler: RulerPage, project: Path) -> None:
     _write_rules(ruler, project, ["a", "b"])
-    count = (
-        "() => document.querySelectorAll('.blocks-host .blocklyDraggable').values()"
-        ".filter(block => block.getAnimations().length > 0).toArray().length"
-    )
-    for motion, moving in (("no-preference", 1), ("reduce", 0)):
+    checks = ruler.blocks.get_by_role("button", name="Remove this check")
+    ruler.page.evaluate(WATCH_GLIDING)
+    for number, (motion, moving) in enumerate((("no-preference", 1), ("reduce", 0)), start=3):
         ruler.page.emulate_media(reduced_motion=motion)  # type: ignore[arg-type]
-        press = (
-            "() => { window.most = 0; const look = () => { window.most = Math.max(window.most, ("
-            + count
-            + ")()); requestAnimationFrame(look) }; look() }"
-        )
-        ruler.page.evaluate(press)
+        ruler.page.evaluate("window.most = 0")
         ruler.blocks.get_by_role("button", name="Add check").first.click()
-        ruler.page.wait_for_timeout(500)
+        expect(checks).to_have_count(number)
+        expect_order(ruler)
+        ruler.page.evaluate(AFTER_TWO_FRAMES)
         assert ruler.page.evaluate("window.most") == moving
 
 
@@ -211,7 +158,7 @@ class _Walk:
         step()
         self.done[step.__name__] = self.done.get(step.__name__, 0) + 1
         self.ruler.page.keyboard.press("Escape")
-        _expect_order(self.ruler)
+        expect_order(self.ruler)
 
     def topic(self) -> str:
         self.number += 1
@@ -280,13 +227,13 @@ class _Walk:
         host = self.ruler.blocks.locator(".blocks-host").bounding_box()
         assert host is not None
         bottom = host["y"] + host["height"]
-        boxes = [box for each in self.ruler.page.locator(selector).all() if (box := each.bounding_box())]
-        seen = [box for box in boxes if host["y"] < box["y"] < bottom - 2 * GRIP_PX]
+        corners = self.ruler.page.locator(selector).evaluate_all(CORNERS)
+        seen = [(x, y) for x, y in corners if host["y"] < y < bottom - 2 * GRIP_PX]
         if not seen:
             return
-        grip = self.chance.choice(seen)
+        left, top = self.chance.choice(seen)
         mouse = self.ruler.page.mouse
-        mouse.move(grip["x"] + GRIP_PX, grip["y"] + GRIP_PX)
+        mouse.move(left + GRIP_PX, top + GRIP_PX)
         mouse.down()
         x = host["x"] + self.chance.uniform(200, host["width"] - 40)
         mouse.move(x, self.chance.uniform(host["y"] + 10, bottom - 30), steps=6)
@@ -304,9 +251,8 @@ class _Walk:
         return found
 
     def press_tool(self, name: str) -> None:
-        tool = self.ruler.tool(name)
-        if tool.is_enabled():
-            tool.click()
+        """Press it where it is enabled, in one step: an answer on its way may disable it."""
+        self.ruler.tool(name).evaluate("tool => tool.click()")
 
 
 def _new_file(ruler: RulerPage) -> None:
@@ -325,11 +271,12 @@ def _write_rules(ruler: RulerPage, project: Path, topics: list[str]) -> None:
     ruler.home()
     ruler.open("fresh.adirf")
     expect(ruler.blocks.get_by_role("button", name="Duplicate this rule")).to_have_count(len(topics))
+    expect_order(ruler)
 
 
 def _drag_to_top_of(ruler: RulerPage, topic: str, other: str) -> None:
-    stacks = {stack["says"][0]: stack for stack in _stacks(ruler)}
-    grip, target = stacks[f"/{topic}"], stacks[f"/{other}"]
+    by_topic = {stack["says"][0]: stack for stack in stacks(ruler)}
+    grip, target = by_topic[f"/{topic}"], by_topic[f"/{other}"]
     mouse = ruler.page.mouse
     mouse.move(grip["left"] + GRIP_PX, grip["top"] + GRIP_PX)
     mouse.down()
@@ -347,40 +294,24 @@ def _change_text(ruler: RulerPage, line: str, instead: str) -> None:
     )
 
 
-def _stacks(ruler: RulerPage) -> list[Stack]:
-    stacks: list[Stack] = ruler.page.evaluate(f"({STACKS})()")
-    return stacks
-
-
-def _gaps(ruler: RulerPage) -> list[float]:
-    stacks = _stacks(ruler)
-    return [below["top"] - above["bottom"] for above, below in itertools.pairwise(stacks)]
-
-
 def _top(of: Locator) -> float:
     box = of.bounding_box()
     assert box is not None
     return box["y"]
 
 
-def _expect_order(ruler: RulerPage) -> None:
-    """The blocks say what the text says, in its order, with the same gaps."""
-    try:
-        ruler.page.wait_for_function(f"() => ({IS_SETTLED})()", timeout=20_000)
-    except PlaywrightTimeout:
-        says = [each for stack in _stacks(ruler) for each in stack["says"]]
-        assert says == ruler.page.evaluate(f"({TEXT_SAYS})()")
-        raise AssertionError(f"the gaps are {_gaps(ruler)}") from None
-
-
 def _expect_reachable(ruler: RulerPage) -> None:
     """The wheel leads to the first block and to the last one."""
     host = ruler.blocks.locator(".blocks-host").bounding_box()
     assert host is not None
-    for way, edge in ((-1, "top"), (1, "bottom")) if _stacks(ruler) else ():
+    for way, edge in ((-1, "top"), (1, "bottom")) if stacks(ruler) else ():
         ruler.page.mouse.move(host["x"] + host["width"] - 60, host["y"] + 20)
         ruler.page.mouse.wheel(0, way * 20_000)
-        ruler.page.wait_for_timeout(50)
-        stacks = _stacks(ruler)
-        reached = stacks[0]["top"] if edge == "top" else stacks[-1]["bottom"]
-        assert host["y"] <= reached <= host["y"] + host["height"]
+        ruler.page.wait_for_function(
+            f"""([edge, low, high]) => {{
+                const ends = ({STACKS})().map(stack => stack[edge]);
+                const reached = edge === "top" ? ends[0] : ends.at(-1);
+                return low <= reached && reached <= high;
+            }}""",
+            arg=[edge, host["y"], host["y"] + host["height"]],
+        )
