@@ -4,20 +4,18 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
-import signal
-import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Locator, expect
 
 from bags.bag_factory import small_mission, write_bag
-from real_browser import TIMEOUT_MS
+from link.zenoh.ends import until
+from ruler.browser.held_child import child_of_server, first_held
 from ruler.browser.ruler_page import RulerPage
+from smarttestudo.ruler.answers.child_process import ChildWork
 
 RULES = """\
 begin
@@ -30,7 +28,6 @@ begin
     EndIf
 end
 """
-TRIAL = "smarttestudo.ruler.answers.child_process\0trial"
 
 
 @pytest.fixture
@@ -72,6 +69,7 @@ def test_one_scrubber_moves_the_robot_the_rates_the_rules_and_the_mark_in_the_te
     expect(place).to_be_visible()
 
     page.set_viewport_size({"width": 1000, "height": 900})
+    page.wait_for_function("innerWidth === 1000")
     rates = page.get_by_text("Rates (Hz) over time (s)").bounding_box()
     words = place.bounding_box()
     assert rates is not None
@@ -145,8 +143,8 @@ def test_gain_and_loss_stand_on_one_line_and_messages_are_sentences(ruler: Ruler
     ruler.home()
     ruler.open("few.adirf")
     expect(ruler.page.get_by_text("1 finding", exact=True)).to_have_count(1)
-    [finding] = ruler.page.get_by_role("list", name="Findings").locator(".message").all()
-    expect(finding).to_have_text(re.compile(r"^[A-Z/]"))
+    finding = ruler.page.get_by_role("list", name="Findings").locator(".message")
+    expect(finding).to_have_text([re.compile(r"^[A-Z/]")])
     ruler.text.get_by_text("SetFrequency /scan").click()
     ruler.page.keyboard.press("End")
     for _ in "Marginal":
@@ -198,13 +196,13 @@ def test_a_threshold_that_is_dragged_says_when_it_would_have_held(ruler: RulerPa
 def test_cancel_ends_the_replay(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
     ruler.tool("Try on a recording").click()
-    ruler.button("Run the rules on it").click()
-    child = _awaited(_trial_process)
-    os.kill(child, signal.SIGSTOP)  # so that it cannot end by itself
-    expect(ruler.page.get_by_role("progressbar", name="Replaying monday")).to_be_visible()
-    ruler.button("Cancel").click()
-    expect(ruler.page.get_by_text("Cancelled.")).to_be_visible()
-    _awaited(lambda: _trial_process() != child)
+    with first_held(ChildWork.TRIAL) as replay:
+        ruler.button("Run the rules on it").click()
+        child = replay()
+        expect(ruler.page.get_by_role("progressbar", name="Replaying monday")).to_be_visible()
+        ruler.button("Cancel").click()
+        expect(ruler.page.get_by_text("Cancelled.")).to_be_visible()
+        until(lambda: child_of_server(ChildWork.TRIAL) != child)
     _try_rules(ruler)
 
 
@@ -252,41 +250,3 @@ def _press_at(chart: Locator, share: float) -> None:
     box = chart.bounding_box()
     assert box is not None
     chart.click(position={"x": box["width"] * share, "y": box["height"] / 2}, force=True)
-
-
-def _trial_process() -> int | None:
-    """The replay that the server of this test runs; others have forked that."""
-    servers = _children(_children(iter([os.getpid()])))
-    return next((pid for pid in _children(servers) if TRIAL in _command(pid)), None)
-
-
-def _children(parents: Iterator[int]) -> Iterator[int]:
-    known = set(parents)
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdecimal() and _parent(int(entry.name)) in known:
-            yield int(entry.name)
-
-
-def _parent(pid: int) -> int | None:
-    try:
-        return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
-    except OSError:
-        return None
-
-
-def _command(pid: int) -> str:
-    try:
-        return Path(f"/proc/{pid}/cmdline").read_text()
-    except OSError:
-        return ""
-
-
-def _awaited(condition: Callable[[], int | bool | None]) -> int:
-    """What ``condition`` gives once it gives something."""
-    deadline_s = time.monotonic() + TIMEOUT_MS / 1000
-    while time.monotonic() < deadline_s:
-        found = condition()
-        if found:
-            return int(found)
-        time.sleep(0.01)
-    raise AssertionError("it did not happen")
