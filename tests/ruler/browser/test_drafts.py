@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import socket
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -51,19 +50,16 @@ def test_a_tab_that_crashed_loses_nothing(ruler: RulerPage, project: Path) -> No
     _expect_restored(next_page)
 
 
-def test_a_server_that_was_gone_costs_nothing(browser: Browser, project: Path) -> None:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+def test_a_server_that_was_gone_costs_nothing(browser: Browser, project: Path, ruler_port: int) -> None:
     context = browser.new_context()
-    with served(project, port) as url:
+    with served(project, ruler_port) as url:
         ruler = RulerPage(context.new_page(), url)
         ruler.home()
         _open(ruler, project)
     _type_line(ruler)
     ruler.page.keyboard.press("Control+s")
     expect(ruler.page.get_by_text("not saved", exact=True)).to_be_visible()
-    with served(project, port):
+    with served(project, ruler_port):
         ruler.page.reload()
         _expect_restored(ruler)
         ruler.save()

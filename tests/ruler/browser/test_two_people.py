@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import Error, Locator, expect
 
-from ruler.browser.ruler_page import RulerPage, served
+from ruler.browser.ruler_page import RulerPage, see_no_changes, served
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -69,11 +68,7 @@ def test_what_is_saved_by_itself_writes_over_nobody(ruler: RulerPage, bob: Ruler
     bob.home()
     for each in (ruler, bob):
         each.open("plain.adirf")
-    # On a slow machine Bob's page may look at the disk before he types, and take what Ada saved.
-    with bob.page.expect_response("**/api/file/state?*") as looked:
-        pass
-    state = looked.value.json()
-    bob.page.route("**/api/file/state?*", lambda route: route.fulfill(json=state))
+    see_no_changes(bob.page, "plain.adirf")
     _type_line(ruler, ADA)
     expect(_header_note(ruler)).to_have_text("saved by itself")
     assert (project / "plain.adirf").read_text() == _with(ADA)
@@ -131,12 +126,11 @@ def test_a_table_in_a_tab_that_crashed_is_taken_over(ruler: RulerPage, project: 
     assert (project / "wlan.toml").read_text() == TABLE
 
 
-def test_a_server_that_is_back_is_saved_to_without_a_reload(browser: Browser, project: Path) -> None:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+def test_a_server_that_is_back_is_saved_to_without_a_reload(
+    browser: Browser, project: Path, ruler_port: int
+) -> None:
     with browser.new_context() as context:
-        with served(project, port) as url:
+        with served(project, ruler_port) as url:
             rules = RulerPage(context.new_page(), url)
             rules.home()
             rules.open("plain.adirf")
@@ -152,7 +146,7 @@ def test_a_server_that_is_back_is_saved_to_without_a_reload(browser: Browser, pr
             expect(_header_note(page)).to_have_text(note)
         assert (project / "plain.adirf").read_text() == RULES
         _type_line(rules, BOB)
-        with served(project, port):
+        with served(project, ruler_port):
             for page in (rules, table):
                 page.tool("Save").click()
             expect(_header_note(rules)).to_have_text("saved")

@@ -8,10 +8,10 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Route, expect
 
 from axe import violations
-from ruler.browser.ruler_page import RulerPage, served
+from ruler.browser.ruler_page import RulerPage, see_no_changes, served
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -68,8 +68,12 @@ def test_a_project_saves_by_itself_what_has_no_errors(ruler: RulerPage, project:
     ruler.page.get_by_label(SETTING).check()
     ruler.open("plain.adirf")
     expect(ruler.page.get_by_text("saved by itself", exact=True)).to_be_visible()
-    ruler.change("Edit rate: 10", "7")
+    held: list[Route] = []
+    ruler.page.route("**/api/file", lambda route: held.append(route), times=1)  # noqa: PLW0108 - no builtin
+    with ruler.page.expect_request("**/api/file"):
+        ruler.change("Edit rate: 10", "7")
     expect(ruler.page.get_by_text("not saved", exact=True)).to_be_visible()
+    held[0].continue_()
     expect(ruler.page.get_by_text("saved by itself", exact=True)).to_be_visible()
     assert (project / "plain.adirf").read_text() == SLOWER
     ruler.text.get_by_text("SetFrequency").click()
@@ -89,6 +93,7 @@ def test_it_asks_once_where_somebody_else_changed_the_file(ruler: RulerPage, pro
     ruler.home()
     ruler.page.get_by_label(SETTING).check()
     ruler.open("plain.adirf")
+    see_no_changes(ruler.page, "plain.adirf")
     (project / "plain.adirf").write_text(SLOWER)
     ruler.change("Edit rate: 10", "9")
     dialog = ruler.page.get_by_role("dialog", name="Somebody else changed plain.adirf")
@@ -102,11 +107,12 @@ def test_it_asks_once_where_somebody_else_changed_the_file(ruler: RulerPage, pro
     ruler.forgive("409")
 
 
-def test_a_server_that_comes_back_gets_what_was_changed_meanwhile(browser: Browser, project: Path) -> None:
+def test_a_server_that_comes_back_gets_what_was_changed_meanwhile(
+    browser: Browser, project: Path, ruler_port: int
+) -> None:
     (project / "plain.adirf").write_text(RULES)
     context = browser.new_context()
-    with served(project) as url:
-        port = int(url.rsplit(":", 1)[1].split("/")[0])
+    with served(project, ruler_port) as url:
         ruler = RulerPage(context.new_page(), url)
         ruler.home()
         ruler.page.get_by_label(SETTING).check()
@@ -118,7 +124,7 @@ def test_a_server_that_comes_back_gets_what_was_changed_meanwhile(browser: Brows
     ruler.page.keyboard.type("9")
     expect(ruler.page.get_by_text(re.compile("Is 'testudo ruler' still running"))).to_be_visible()
     expect(ruler.page.get_by_text("not saved", exact=True)).to_be_visible()
-    with served(project, port):
+    with served(project, ruler_port):
         expect(ruler.page.get_by_text("saved by itself", exact=True)).to_be_visible()
     assert (project / "plain.adirf").read_text() == MINE
     context.close()
