@@ -47,11 +47,14 @@ def test_the_bar_of_topic_parameters_is_one_row_as_well(ruler: RulerPage, width_
 def test_the_bar_has_four_things_and_a_menu(ruler: RulerPage) -> None:
     ruler.open("zone.adirf")
     bar = ruler.page.get_by_role("toolbar", name="Tools")
-    shown = [button.get_attribute("aria-label") or "Menu" for button in bar.get_by_role("button").all()]
+    ruler.button("Menu").wait_for()
+    named = "all => all.map(each => each.getAttribute('aria-label') || 'Menu')"
+    shown = bar.get_by_role("button").evaluate_all(named)
     assert shown == ["Save", "Undo", "Redo", "Try on a recording", "Optimize and Download", "Menu"]
     ruler.button("Menu").click()
     entries = bar.get_by_role("menu", name="Menu").get_by_role("menuitem")
-    names = [entry.inner_text().splitlines()[0] for entry in entries.all()]
+    entries.first.wait_for()
+    names = [text.splitlines()[0] for text in entries.all_inner_texts()]
     assert names == ["Format", "Import", "Export", "Send to robot", "Documentation", "Keys"]
     for name, keys in (("Save", "Ctrl+S"), ("Undo", "Ctrl+Z"), ("Redo", "Ctrl+Shift+Z")):
         expect(ruler.tool(name)).to_have_attribute("title", f"{name} ({keys})")

@@ -108,7 +108,8 @@ def test_a_change_of_the_blocks_is_not_called_saved_before_it_is_in_the_text(
     _open_rules(ruler, project)
     expect(_header_note(ruler)).to_have_text("saved")
     ruler.page.route("**/api/edit", lambda route: held.append(route), times=1)  # noqa: PLW0108 - no builtin
-    ruler.change("Edit rate: 10", "7")
+    with ruler.page.expect_request("**/api/edit"):
+        ruler.change("Edit rate: 10", "7")
     expect(_header_note(ruler)).to_have_text("not saved")
     ruler.tool("Save").click()
     expect(_header_note(ruler)).to_have_text("not saved")

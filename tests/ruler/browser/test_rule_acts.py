@@ -84,6 +84,8 @@ def test_a_copy_stands_behind_its_rule_with_all_comments(three: RulerPage, proje
 def test_a_rule_moves_with_its_comments(three: RulerPage, project: Path) -> None:
     three.blocks.get_by_role("button", name="Move this rule down").first.click()
     three.expect_lines('Rule "B"', "// Why there is A.", 'Rule "A"')
+    # The blocks follow the text: then the focus is on the rule that moved.
+    three.await_focus("rule, A")
     three.field("Move this rule up").click()
     three.expect_lines("// Why there is A.", 'Rule "A"', 'Rule "B"')
     expect(three.tool("Save")).to_be_disabled()
