@@ -172,6 +172,8 @@ def test_a_marked_block_is_read_in_both_themes(
     if how == "selected":
         ruler.blocks.locator(".blocklyHighlighted").first.click(position={"x": GRIP_PX, "y": GRIP_PX})
         ruler.blocks.locator(".blocklySelected").wait_for()
+    else:
+        ruler.blocks.locator(".blocklyHighlighted").first.wait_for()
     contrasts = ruler.page.evaluate(CONTRASTS)
     assert len(contrasts) > 3
     assert [(text, contrast) for text, contrast in contrasts if contrast < 4.5] == []

@@ -156,6 +156,7 @@ def _draw_zone(ruler: RulerPage, me: CountedPage) -> None:
     me.count_drag("a rectangle")
     me.click("button", "Add the zone")
     ruler.page.get_by_role("group", name="Zone of Zone 1").wait_for()
+    ruler.field("Edit name of the rule: Zone 1")
 
 
 def _type_defaults(me: CountedPage) -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from playwright.sync_api import expect
@@ -58,7 +59,7 @@ def test_the_address_of_a_file_that_is_not_there_leads_home(ruler: RulerPage, pr
     before = set(project.rglob("*"))
     ruler.page.goto(f"{ruler.url}#/rules/gone.adirf")
     expect(ruler.page.get_by_text("project has no gone.adirf")).to_be_visible()
-    assert ruler.page.url.endswith("#/")
+    expect(ruler.page).to_have_url(re.compile("#/$"))
     expect(ruler.page.get_by_role("link", name="gone.adirf")).to_have_count(0)
     assert set(project.rglob("*")) == before
 

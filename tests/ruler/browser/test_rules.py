@@ -199,7 +199,8 @@ def test_rules_that_nobody_checked_are_not_called_good(ruler: RulerPage) -> None
         route.fulfill(status=500, json={"error": {"message": "the disk is gone"}})
 
     page.route("**/api/document", refuse)
-    page.get_by_role("link", name="quality/inspection.adirf", exact=True).click()
+    with page.expect_console_message(lambda message: "500" in message.text):
+        page.get_by_role("link", name="quality/inspection.adirf", exact=True).click()
     ruler.expect_lines("Inspection")
     expect(page.get_by_text("Checking the rules …")).to_be_visible()
     expect(page.get_by_role("tab", name="Findings (…)")).to_be_visible()

@@ -182,6 +182,7 @@ def test_a_copied_rule_keeps_what_it_records_and_bounds(ruler: RulerPage, projec
     rule.click(position={"x": GRIP_PX, "y": GRIP_PX})
     ruler.page.keyboard.press("Control+c")
     ruler.page.keyboard.press("Control+v")
+    expect(ruler.blocks.get_by_role("button", name="Edit name of the rule: Slow")).to_have_count(2)
     ruler.change("Edit name of the rule: Slow", "Copy")
     ruler.expect_lines(
         'Rule "Slow"',

@@ -76,6 +76,7 @@ def test_a_folder_is_tried_worst_first_and_a_row_leads_to_its_try(ruler: RulerPa
     less = _column(ruler, 1)
     assert less == sorted(less, key=float)
     sort.get_by_role("button").press("Enter")
+    expect(sort).to_have_attribute("aria-sort", "descending")
     assert _column(ruler, 1) == less[::-1]
 
     sent, percent, loss, error, missed = _cells(_rows(ruler).filter(has_text="b_long"))
@@ -149,7 +150,7 @@ def _rows(ruler: RulerPage) -> Locator:
 
 
 def _names(rows: Locator) -> list[str]:
-    return [row.get_by_role("rowheader").inner_text() for row in rows.all()[:-1]]
+    return rows.get_by_role("rowheader").all_inner_texts()[:-1]
 
 
 def _cells(row: Locator) -> list[str]:
@@ -157,7 +158,9 @@ def _cells(row: Locator) -> list[str]:
 
 
 def _column(ruler: RulerPage, number: int) -> list[str]:
-    return [_cells(row)[number] for row in _rows(ruler).all()[:-1]]
+    cells = "(rows, at) => rows.map(row => row.querySelectorAll('td')[at].innerText)"
+    column: list[str] = _rows(ruler).evaluate_all(cells, number)
+    return column[:-1]
 
 
 def _progress(status: Locator) -> Locator:
