@@ -27,7 +27,7 @@ _LINE_BREAK = re.compile(r"\r\n|\r|\n")
 
 _ROOM = 10_000
 _SHARES = 64
-_LOOKED_THROUGH = 256
+_LOOKED_THROUGH = 4096
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,7 +120,12 @@ class _Reading:
             return None
         part = self._text[self._start : end]
         for number in range(self._at, min(self._at + _LOOKED_THROUGH, len(self._before) - 1)):
-            if self._before[number].text == part and self._is_here(number):
+            # Of several that read alike, one further on is it where the next follows, too.
+            if (
+                self._before[number].text == part
+                and self._is_here(number)
+                and (number == self._at or self._text.startswith(self._before[number + 1].text, end))
+            ):
                 self._at = number + 1
                 return self._before[number]
         return None
