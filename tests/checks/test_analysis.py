@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from itertools import combinations
 
 from hypothesis import given, settings
 
@@ -56,8 +57,7 @@ def test_two_blocks_clash_exactly_when_some_state_has_both_at_different_rates(te
     states = list(all_states())
     expected = {
         (first.order, second.order)
-        for second in model.branches
-        for first in model.branches[: second.order]
+        for first, second in combinations(model.branches, 2)
         if first.block is not second.block
         and first.block.priority == second.block.priority
         and differ(first, second)

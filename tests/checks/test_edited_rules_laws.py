@@ -44,8 +44,14 @@ def other(random: Random) -> str:
 
 
 def edited(parts: list[str], random: Random) -> list[str]:
-    """One edit: another number, a block more or less, a line break, or two at once."""
+    """One edit: another number, a block more or less, a line break more or less, or two at once."""
     at = random.randrange(len(parts))
+    if random.random() < 0.3:
+        breaks = [i for i, character in enumerate(parts[at]) if character == "\n"]
+        place = random.choice([0, *breaks])
+        is_longer = random.random() < 0.7 or place == 0
+        changed = f"{parts[at][:place]}{chr(10) if is_longer else ' '}{parts[at][place + (not is_longer) :]}"
+        return [*parts[:at], changed, *parts[at + 1 :]]
     digits = [i for i, character in enumerate(parts[at]) if character.isdigit()]
     kind = random.randrange(6)
     if kind <= 2 and digits:
@@ -65,7 +71,7 @@ def test_edited_rules_have_the_findings_that_they_have_by_themselves(seed: int) 
     random = Random(seed)
     parts = [random.choice((block, block, block, other))(random) for _ in range(random.randrange(1, 25))]
     context = random.choice(CONTEXTS)
-    read: ParseResult | None = None
+    read = random.choice((None, parse("", "rules.adirf")))
     checked: CheckedRules | None = None
     for _ in range(random.randrange(2, 9)):
         text = f"begin\n{''.join(parts)}end\n"

@@ -33,6 +33,7 @@ LINES = (
     ")",
     'Rule "Open',
 )
+LINE_BREAKS = ("\n", "\r\n", "\r", "\n\n")
 BLOCKS = (
     "If (CheckValue /odom pose_x > 1) Then\n    SetFrequency /odom 5\nEndIf\n",
     'Rule "Far"\nIf (CheckValue /odom pose_x > 2) Then\nSetFrequency /odom 7\n'
@@ -57,16 +58,19 @@ def pieces() -> st.SearchStrategy[str]:
 @cache
 @st.composite
 def edited_texts(draw: st.DrawFn, *, max_edits: int = 6) -> list[str]:
-    """A text, and that text after each of some edits."""
+    """A text, mostly behind an empty one, and that text after each of some edits; many move its lines."""
     if draw(st.booleans()):
         text = draw(written_files(max_statements=4)).text
     else:
         text = "begin\n{}end\n".format("".join(draw(st.lists(pieces(), max_size=8))))
-    texts = [text]
+    if draw(st.integers(0, 7)) == 0:
+        text = f"\ufeff{text}"
+    texts = draw(st.sampled_from(([text], ["", text], ["", text])))
     for _ in range(draw(st.integers(1, max_edits))):
         starts = [at + 1 for at, character in enumerate(text) if character == "\n"] or [0]
         start = draw(st.sampled_from(starts) | st.integers(0, len(text)))
         end = draw(st.just(start) | st.integers(start, min(len(text), start + 40)))
-        text = text[:start] + draw(pieces()) + text[end:]
+        written = draw(pieces() | st.sampled_from(LINE_BREAKS) | st.just(""))
+        text = text[:start] + written + text[end:]
         texts.append(text)
     return texts

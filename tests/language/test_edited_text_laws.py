@@ -44,3 +44,23 @@ def test_only_the_edited_block_is_read_anew() -> None:
         old = {id(one) for one in before.file.statements}
         assert sum(id(one) not in old for one in after.file.statements) <= 3
         before = after
+
+
+def test_what_is_below_a_line_break_or_a_new_block_is_not_read_anew() -> None:
+    text = f"begin\nSetFrequency /odom 1\n{''.join(map(numbered_block, range(300)))}end\n"
+    generator = random.Random(1)
+    before = parse(text, "rules.adirf", parse("", "rules.adirf"))
+    for edit in range(100):
+        at = text.index("EndIf\n", generator.randrange(len(text) - 100)) + len("EndIf\n")
+        edited = f"{text[:at]}{generator.choice((numbered_block(edit), chr(10)))}{text[at:]}"
+        for one in (edited, text, edited):
+            after = parse(one, "rules.adirf", before)
+            old = {id(statement) for statement in before.numbered.statements}
+            assert sum(id(statement) not in old for statement in after.numbered.statements) <= 3
+            before = after
+        text = edited
+    assert seen(before) == seen(parse(text, "rules.adirf"))
+
+
+def numbered_block(number: int) -> str:
+    return f"// Zone\nIf (CheckValue /odom pose_x > {number}) Then\n    SetFrequency /odom 5\nEndIf\n"

@@ -67,7 +67,7 @@ def _bound_despite_off(rules: RuleModel) -> Iterator[Found]:
     settings = ((bound, one) for topic, bound in bounds.items() for one in rules.settings.get(topic, ()))
     for bound, setting in settings:
         if setting.rate is not None and setting.rate.is_off:
-            where = wording.place(bound.path, bound.statement.span, seen_from=setting.path)
+            where = wording.place(rules.lines, bound.path, bound.statement.span, seen_from=setting.path)
             rate_span = setting.statement.rate.span
             yield Found(
                 path=setting.path,
@@ -85,10 +85,11 @@ def _bound_twice(rules: RuleModel) -> Iterator[Found]:
     for one in rules.bounds:
         earlier = first.setdefault((one.signal, one.branch), one)
         if earlier is not one:
+            line = rules.lines.line(earlier.path, earlier.statement.span)
             yield Found(
                 path=one.path,
                 span=one.statement.span,
-                message=f"{one.signal} is already bound at line {earlier.statement.span.line}; the tighter "
+                message=f"{one.signal} is already bound at line {line}; the tighter "
                 f"bound{_tightest(earlier, one)} counts",
                 hint="keep one of the two",
                 fix=_remove_the_looser(earlier, one),

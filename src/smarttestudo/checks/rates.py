@@ -47,7 +47,7 @@ def _two_defaults(rules: RuleModel) -> Iterator[Found]:
     for one in rules.written_defaults:
         last = rules.defaults[one.topic]
         if one is not last:
-            where = wording.place(last.path, last.span, seen_from=one.path)
+            where = wording.place(rules.lines, last.path, last.span, seen_from=one.path)
             yield Found(
                 path=one.path,
                 span=one.span,
@@ -101,7 +101,7 @@ def _rate_below_floor(rules: RuleModel) -> Iterator[Found]:
     """Rates below a floor."""
     for floor, one in _floored(rules):
         if one.rate is not None and one.rate.yields_to_floor and one.rate.hz < floor.rate.hz:
-            where = wording.place(floor.path, floor.span, seen_from=one.path)
+            where = wording.place(rules.lines, floor.path, floor.span, seen_from=one.path)
             yield Found(
                 path=one.path,
                 span=one.statement.rate.span,
@@ -120,7 +120,7 @@ def _off_despite_floor(rules: RuleModel) -> Iterator[Found]:
     """Off where a floor exists."""
     for floor, one in _floored(rules):
         if one.rate is not None and not one.rate.yields_to_floor:
-            where = wording.place(floor.path, floor.span, seen_from=one.path)
+            where = wording.place(rules.lines, floor.path, floor.span, seen_from=one.path)
             yield Found(
                 path=one.path,
                 span=one.statement.rate.span,

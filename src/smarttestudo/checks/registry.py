@@ -13,6 +13,7 @@ from operator import attrgetter
 from smarttestudo.checks import blocks, bounds, conditions, rates, recordings, topics
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.rule_model import RuleModel, read_rule_model
+from smarttestudo.checks.text_lines import places_of
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.parser.rule_file import ParseResult
@@ -57,17 +58,19 @@ def check_again(
     results: Sequence[ParseResult], context: CheckContext, before: CheckedRules | None
 ) -> CheckedRules:
     """The same findings; statements that the parser read for ``before`` as well are not thought of again."""
-    files = [result.file for result in results]
+    files = [result.numbered for result in results]
     paths = tuple(file.path for file in files)
     is_alike = before is not None and before.paths == paths and before.context == context
     recall = Recall(before.recall if before is not None and is_alike else None)
-    rules = read_rule_model(files, context, recall)
+    lines = {result.numbered.path: result.lines for result in results}
+    rules = read_rule_model(files, context, recall, lines)
     is_whole = context.has_all_files and all(result.is_valid for result in results)
-    findings = [finding for result in results for finding in result.findings]
-    findings.extend(_about_blocks(rules))
+    numbered = list(_about_blocks(rules))
     for check in _ABOUT_ALL:
         if is_whole or not check.needs_all_statements:
-            findings += recall.each(("findings", check.code), check.finding, tuple(check.find(rules)))
+            numbered += recall.each(("findings", check.code), check.finding, tuple(check.find(rules)))
+    findings = [finding for result in results for finding in result.findings]
+    findings += rules.lines.each(recall, "told", rules.lines.told, numbered, places_of)
     places = recall.each("places", _place, findings)
     by_place = [finding for _, _, finding in sorted(zip(places, count(), findings, strict=False))]
     recall.forget_before()
@@ -85,5 +88,5 @@ def _about_blocks(rules: RuleModel) -> Iterator[Finding]:
         alone = rules.of_block(block, rules.branches[first:last])
         return [check.finding(found) for check in _ABOUT_BLOCKS for found in check.find(alone)]
 
-    found = rules.recall.each("findings", about_block, rules.blocks, rules.analysis.truths)
+    found = rules.recall.each("findings", about_block, rules.blocks, list(rules.analysis.truths.values()))
     return chain.from_iterable(found)

@@ -13,6 +13,7 @@ from typing import TypeVar
 from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.fixes import DefaultPlace, default_place
+from smarttestudo.checks.text_lines import TextLines, text_lines
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (
@@ -24,6 +25,7 @@ from smarttestudo.language.normal_form import (
     negation,
     over_states,
 )
+from smarttestudo.language.parser.lines import Lines
 from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.recall import Recall
 from smarttestudo.language.region import Region
@@ -125,7 +127,7 @@ class RuleModel:
     keyword without a blank between. A branch that sets no rate is not among ``branches``, and ``recordings``
     is every Record. Conditions are over states. Of disabled blocks, only ``mentions``, ``disabled`` and
     ``disabled_checks`` tell. ``default_places`` are by file. ``recall`` has what is known of statements that
-    stand where they stood in the text before.
+    the text before had as well. Trees number lines as the parser did; ``lines`` tells which these are.
     """
 
     context: CheckContext
@@ -147,6 +149,7 @@ class RuleModel:
     default_places: Mapping[str, DefaultPlace | None]
     recall: Recall
     sites: SiteReader
+    lines: TextLines
 
     def of_block(self, block: ResolvedBlock, branches: Sequence[Branch]) -> RuleModel:
         """The same of one block alone, as far as checks read it that are about one block."""
@@ -160,11 +163,14 @@ class RuleModel:
 
 
 def read_rule_model(
-    files: Sequence[RuleFile], context: CheckContext, recall: Recall | None = None
+    files: Sequence[RuleFile],
+    context: CheckContext,
+    recall: Recall | None = None,
+    lines: Mapping[str, Lines] | None = None,
 ) -> RuleModel:
     """The statements of ``files``, with the interval analysis of their conditions.
 
-    ``recall`` is of a text of the same files in the same ``context``.
+    ``recall`` is of a text of the same files in the same ``context``; ``lines`` are by their paths.
     """
     recall = recall or Recall()
     resolve = cache(context.resolve)
@@ -173,7 +179,8 @@ def read_rule_model(
     sites = SiteReader(context, resolve)
     blocks = recall.each("blocks over states", _block_over_states, rules.blocks)
     written = [one for one in rules.branches if one.written]
-    of_blocks = [blocks[one.block.order] for one in written]
+    by_order = {one.order: one for one in blocks}
+    of_blocks = [by_order[one.block.order] for one in written]
     branches = recall.each("branches over states", _over_states, written, of_blocks)
     checks = recall.each("checks", sites.of, rules.blocks)
     disabled_checks = recall.each("disabled checks", sites.of, disabled.blocks)
@@ -203,6 +210,7 @@ def read_rule_model(
         default_places={file.path: default_place(file) for file in files},
         recall=recall,
         sites=sites,
+        lines=text_lines(lines or {}, recall),
     )
 
 

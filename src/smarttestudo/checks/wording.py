@@ -6,12 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from smarttestudo.checks.text_lines import TextLines
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span
 from smarttestudo.language.formatter.text import duration_text
 from smarttestudo.language.normal_form import HELD, is_derived
-from smarttestudo.language.resolved_rules import Branch
-from smarttestudo.language.syntax import Block, Check, Timed
+from smarttestudo.language.resolved_rules import Branch, ResolvedBlock
+from smarttestudo.language.syntax import Check, Timed
 
 _LISTED = 5
 _SIGNALS_SHOWN = 8
@@ -64,29 +65,31 @@ def listed(names: Sequence[str]) -> str:
     return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"
 
 
-def place(path: str, span: Span, *, seen_from: str) -> str:
+def place(lines: TextLines, path: str, span: Span, *, seen_from: str) -> str:
     """``line 4``, with the file's name where it is another one than ``seen_from``."""
-    return f"line {span.line}" if path == seen_from else f"{path}:{span.line}"
+    line = lines.line(path, span)
+    return f"line {line}" if path == seen_from else f"{path}:{line}"
 
 
-def block_name(block: Block) -> str:
+def block_name(lines: TextLines, block: ResolvedBlock) -> str:
     """A block's label in quotes, or what stands for one."""
-    return f"the block at line {block.span.line}" if _is_unnamed(block) else f'"{block.label}"'
+    if block.block.is_unnamed:
+        return f"the block at line {lines.line(block.path, block.block.span)}"
+    return f'"{block.block.label}"'
 
 
-def branch_name(branch: Branch) -> str:
+def branch_name(lines: TextLines, branch: Branch) -> str:
     """A branch of a block: the block's name, for an Else with that word."""
-    return (
-        f"the Else of {block_name(branch.block.block)}" if branch.is_else else block_name(branch.block.block)
-    )
+    name = block_name(lines, branch.block)
+    return f"the Else of {name}" if branch.is_else else name
 
 
-def branch_with_place(branch: Branch, *, seen_from: str) -> str:
+def branch_with_place(lines: TextLines, branch: Branch, *, seen_from: str) -> str:
     """A branch's name with its line, and the file if it is another one."""
     block = branch.block
-    if _is_unnamed(block.block) and block.path == seen_from:
-        return branch_name(branch)
-    return f"{branch_name(branch)} ({place(block.path, block.block.span, seen_from=seen_from)})"
+    if block.block.is_unnamed and block.path == seen_from:
+        return branch_name(lines, branch)
+    return f"{branch_name(lines, branch)} ({place(lines, block.path, block.block.span, seen_from=seen_from)})"
 
 
 def places_in(path: str, branches: Iterable[Branch]) -> tuple[Span, ...]:
@@ -97,7 +100,3 @@ def places_in(path: str, branches: Iterable[Branch]) -> tuple[Span, ...]:
 def sentence(text: str) -> str:
     """``text`` with a capital first letter."""
     return text[:1].upper() + text[1:]
-
-
-def _is_unnamed(block: Block) -> bool:
-    return block.name is None and block.label == f"block at line {block.span.line}"

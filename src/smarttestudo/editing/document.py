@@ -17,6 +17,7 @@ from smarttestudo.editing.token_range import TokenRange, comments_above
 from smarttestudo.language.comments import Comment
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.parser.cursor import STATEMENT_STARTS
+from smarttestudo.language.parser.lines import Lines
 from smarttestudo.language.parser.stretches import Stretch
 from smarttestudo.language.parser.tokens import Token, TokenKind
 from smarttestudo.language.recall import Recall
@@ -29,12 +30,13 @@ _ABOUT_NEIGHBOURS = frozenset(
 
 
 Place = tuple[int, int]
-"""Line and column."""
+"""The number of a line, as trees have it, and a column."""
 
 
 def broken_places(result: ParseResult) -> list[Place]:
     """Where errors of syntax are, in order; a statement around one may lack words: it must stay text."""
-    return sorted(finding.span[:2] for finding in result.findings if finding.code not in _ABOUT_NEIGHBOURS)
+    broken = (one for one in result.findings if one.code not in _ABOUT_NEIGHBOURS)
+    return sorted(result.lines.numbered(one.span)[:2] for one in broken)
 
 
 def split_unparsed(tokens: Sequence[Token]) -> Iterator[tuple[int, int]]:
@@ -143,9 +145,9 @@ class CollectionPart:
 class Document:
     """A text with its parse and its statements; ``entries`` are those of all ``parts``.
 
-    ``places`` are its lines and columns as offsets, ``starts`` those where the entries start (the same
-    object for texts where all start alike), ``names`` their ids and keys. ``recall`` has what is known of
-    statements that stand where they stood in the text before.
+    ``places`` are its lines and columns as offsets, ``starts`` those where the entries start, ``names`` their
+    ids and keys. Trees and words number lines as the parser did; the lines of ``result`` tell which these
+    are. ``recall`` has what is known of statements that the text before had as well.
     """
 
     text: str
@@ -160,15 +162,20 @@ class Document:
     @property
     def words(self) -> TokenRange:
         """All words."""
-        return TokenRange.of(self.result.tokens[:-1], self.places)
+        return TokenRange.of(self.result.numbered_tokens[:-1], self.places)
+
+    def numbered(self, place: Span) -> Span:
+        """A place of the text as trees and words have it."""
+        return self.result.lines.numbered(place)
 
     def number_at(self, place: Span) -> int | None:
-        """The number of the statement whose words hold the start of ``place``."""
+        """The number of the statement whose words hold the start of ``place`` in the text."""
+        place = self.numbered(place)
         at = bisect_right(self.starts, place[:2]) - 1
         return at if at >= 0 and place[:2] <= self.entries[at].written.end else None
 
     def entry_at(self, place: Span) -> Entry | None:
-        """The statement whose words hold the start of ``place``."""
+        """The statement whose words hold the start of ``place`` in the text."""
         at = self.number_at(place)
         return None if at is None else self.entries[at]
 
@@ -207,7 +214,7 @@ def read_document(text: str, path: str, before: Document | None = None) -> Docum
         result=result,
         places=places,
         parts=tuple(
-            body.part(f"c{number}", tuple(islice(unplaced, len(body.statements))), places)
+            body.part(f"c{number}", tuple(islice(unplaced, len(body.statements))), places, result.lines)
             for number, body in enumerate(bodies, start=1)
         ),
         entries=tuple(entries),
@@ -245,13 +252,13 @@ class _Body:
     last: Token
     statements: Sequence[WrittenStatement]
 
-    def part(self, name: str, entries: tuple[Entry, ...], places: LineIndex) -> CollectionPart:
+    def part(self, name: str, entries: tuple[Entry, ...], places: LineIndex, lines: Lines) -> CollectionPart:
         return CollectionPart(
             id=name,
             begin=None if self.begin is None else TokenRange.of([self.begin], places),
             start=places.range(self.first.span)[0],
             end=places.range(self.last.span)[1],
-            line=self.first.line,
+            line=lines.line(self.first.line),
             entries=entries,
         )
 
@@ -260,8 +267,8 @@ class _Reader:
     """Reads bodies; a stretch that the parser knew keeps its statements."""
 
     def __init__(self, result: ParseResult, recall: Recall) -> None:
-        self._collections = {one.span[:2]: one for one in reversed(result.file.collections)}
-        self._statements = result.file.statements
+        self._collections = {one.span[:2]: one for one in reversed(result.numbered.collections)}
+        self._statements = result.numbered.statements
         self._broken = broken_places(result)
         known = [one for one in result.stretches if one.statements]
         if self._broken:

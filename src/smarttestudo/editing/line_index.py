@@ -14,7 +14,7 @@ from smarttestudo.language.parser.stretches import Stretch
 
 
 class LineIndex:
-    """Where the lines of ``text`` start, which the parser read in ``stretches``.
+    """Where the lines of ``text`` start, by the numbers that they have in the ``stretches`` of the parser.
 
     A byte order mark counts as an offset, but as no column.
     """

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, chain
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 from typing import Any
 
 from smarttestudo.domain.rate import Rate
@@ -86,7 +86,7 @@ class ResolvedRecord:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResolvedBlock:
-    """A block; ``order`` is its place among all, ``file`` the number of its file, ``form`` its condition."""
+    """A block; ``order`` grows from block to block, ``file`` numbers its file, ``form`` is its condition."""
 
     order: int
     file: int
@@ -104,7 +104,7 @@ class ResolvedBlock:
 class Branch:
     """The Then or the Else of a block, with at least one statement, and the condition under which it applies.
 
-    ``order`` is its place among all branches, ``written`` its rates, and ``settings`` the same by topic.
+    ``order`` grows from branch to branch; ``written`` are its rates, and ``settings`` the same by topic.
     """
 
     order: int
@@ -166,14 +166,11 @@ def resolve_rules(
     """
     recall = recall or Recall()
     read: list[_ReadStatement] = []
-    order = branch_order = 0
     for number, file in enumerate(files):
         counted = [one for one in file.statements if (isinstance(one, Block) and one.is_disabled) is disabled]
-        sizes = recall.each(("sizes", number, disabled), _size, counted)
-        *orders, order = accumulate(map(itemgetter(0), sizes), initial=order)
-        *branch_orders, branch_order = accumulate(map(itemgetter(1), sizes), initial=branch_order)
+        orders = _orders(counted, number)
         reader = _Reader(resolve, number, file.path)
-        read += recall.each(("read", number, disabled), reader.read, counted, orders, branch_orders)
+        read += recall.each(("read", number, disabled), reader.read, counted, orders)
     outside = _all(read, "outside")
     floors: dict[str, ResolvedFloor] = {}
     for one in outside:
@@ -189,11 +186,10 @@ def resolve_rules(
     )
 
 
-def _size(statement: Statement) -> tuple[int, int]:
-    """How many blocks and branches a statement is."""
-    if not isinstance(statement, Block):
-        return 0, 0
-    return 1, bool(statement.then) + bool(statement.otherwise)
+def _orders(statements: Sequence[Statement], file: int) -> Sequence[int]:
+    """Numbers that grow by two or more, and stay as they are while other statements come and go."""
+    places = ((file << 64) + (one.span.line << 32) + (one.span.column << 1) for one in statements)
+    return list(accumulate(places, lambda last, place: max(last + 2, place)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -219,8 +215,8 @@ class _Reader:
         self._file = file
         self._path = path
 
-    def read(self, statement: Statement, order: int, first_branch: int) -> _ReadStatement:
-        """A statement before which there are so many blocks and branches."""
+    def read(self, statement: Statement, order: int) -> _ReadStatement:
+        """A statement that has ``order`` among all."""
         match statement:
             case SetFrequency():
                 rate = self._rate(statement)
@@ -231,15 +227,14 @@ class _Reader:
             case KeepWithin():
                 return _ReadStatement(bounds=(self._bound(statement, None),))
             case Block():
-                return self._block(statement, order, first_branch)
+                return self._block(statement, order)
 
-    def _block(self, statement: Block, order: int, first_branch: int) -> _ReadStatement:
+    def _block(self, statement: Block, order: int) -> _ReadStatement:
         form = normal_form(statement.condition, self._full_name)
         block = ResolvedBlock(order=order, file=self._file, path=self._path, block=statement, form=form)
         sides = [(statement.then, False), (statement.otherwise, True)]
         branches = tuple(
-            self._branch(block, actions, is_else=is_else, order=number)
-            for number, (actions, is_else) in enumerate((one for one in sides if one[0]), start=first_branch)
+            self._branch(block, actions, is_else=is_else) for actions, is_else in sides if actions
         )
         return _ReadStatement(
             blocks=(block,),
@@ -248,12 +243,10 @@ class _Reader:
             bounds=tuple(bound for branch in branches for bound in branch.bounds),
         )
 
-    def _branch(
-        self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool, order: int
-    ) -> Branch:
+    def _branch(self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool) -> Branch:
         written = tuple(self._rate(one) for one in sets_in(actions))
         return Branch(
-            order=order,
+            order=block.order + is_else,
             block=block,
             is_else=is_else,
             form=negation(block.form) if is_else else block.form,

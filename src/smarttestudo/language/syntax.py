@@ -248,6 +248,16 @@ class Block:
     else_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
     end_if_trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
 
+    @property
+    def is_unnamed(self) -> bool:
+        """Whether only its line tells it from others."""
+        return self.name is None and self.label == unnamed_label(self.span.line)
+
+
+def unnamed_label(line: int) -> str:
+    """The label of a block at ``line`` that has neither name nor comment."""
+    return f"block at line {line}"
+
 
 Statement = SetFrequency | KeepAtLeast | KeepWithin | Block
 

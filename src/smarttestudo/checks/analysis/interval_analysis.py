@@ -52,7 +52,8 @@ def analyse(
     truths = analyst.truths(blocks, where_true)
     elses = [branch for branch in branches if branch.is_else]
     of_elses = iter(analyst.boxes("boxes of Else", elses))
-    boxes = [next(of_elses) if one.is_else else where_true[one.block.order] for one in branches]
+    of_blocks = {block.order: boxes for block, boxes in zip(blocks, where_true, strict=True)}
+    boxes = [next(of_elses) if one.is_else else of_blocks[one.block.order] for one in branches]
     setters = recall.each("setters", Setter, branches, boxes)
     possible = [one.branch for one in setters if one.boxes.boxes]
     index = BranchIndex(setters, recall)
@@ -64,13 +65,13 @@ def analyse(
     conflicts = analyst.near("conflicts", lambda one: analyst.conflicts(one, index), possible, index)
     gaps = [analyst.gap(topic, covers, index) for topic in sorted(index.topics - defaults.keys())]
     return Analysis(
-        truths=truths,
+        truths={block.order: truth for block, truth in zip(blocks, truths, strict=True)},
         clashes=tuple(found for found in conflicts if isinstance(found, Clash)),
         shared_borders=tuple(found for found in conflicts if isinstance(found, SharedBorder)),
         shadows=tuple(shadows),
         gaps=tuple(gap for gap in gaps if gap is not None),
         redundant_rates=tuple(one for one in redundant if one.branch.order not in shadowed),
-        unfinished=tuple(blocks[order] for order in sorted(analyst.unfinished)),
+        unfinished=tuple(block for block in blocks if block.order in analyst.unfinished),
     )
 
 

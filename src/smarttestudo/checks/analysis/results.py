@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from smarttestudo.domain.signal import Signal, Truth
@@ -69,7 +69,7 @@ class Analysis:
     hold for states with unknown signals as well; a shadowed branch has none.
     """
 
-    truths: Sequence[Truth]
+    truths: Mapping[int, Truth]
     clashes: tuple[Clash, ...]
     shared_borders: tuple[SharedBorder, ...]
     shadows: tuple[Shadow, ...]

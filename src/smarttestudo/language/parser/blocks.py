@@ -24,6 +24,7 @@ from smarttestudo.language.syntax import (
     Or,
     SetFrequency,
     Timed,
+    unnamed_label,
 )
 
 # Below Python 3.12, looking a member up in its enum costs as much as a call.
@@ -122,7 +123,7 @@ def parse_block(cursor: Cursor) -> Block | None:
     return Block(
         name=head.rule.name,
         priority=head.rule.priority,
-        label=head.rule.name or label_in(head.comments) or f"block at line {first.line}",
+        label=head.rule.name or label_in(head.comments) or unnamed_label(first.line),
         condition=head.condition,
         then=then,
         otherwise=otherwise,

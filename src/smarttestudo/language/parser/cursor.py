@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from itertools import islice, takewhile
 
 from smarttestudo.domain.finding import Finding, Fix, Severity
 from smarttestudo.domain.source import Span
 from smarttestudo.language.comments import NO_TRIVIA, Comment, Trivia
+from smarttestudo.language.parser.lines import Lines
 from smarttestudo.language.parser.stretches import Stretch
 from smarttestudo.language.parser.suggestions import closest, described, did_you_mean, hint_on
 from smarttestudo.language.parser.tokens import KEYWORDS, Token, TokenKind
@@ -22,8 +23,9 @@ MAX_FINDINGS = 1000
 class FindingLog:
     """The errors of one file; a second one in the same statement is mostly an echo of the first."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, lines: Lines) -> None:
         self._path = path
+        self._lines = lines
         self._findings: list[Finding] = []
         self._is_reported = False
         self._left_out = 0
@@ -51,9 +53,9 @@ class FindingLog:
                 severity=Severity.ERROR,
                 message=message,
                 path=self._path,
-                span=span,
+                span=self._lines.span(span),
                 hint=hint,
-                fix=fix,
+                fix=self._lines.fix(fix),
             )
         )
 
@@ -109,13 +111,14 @@ class BrokenStatementError(Exception):
 class Cursor:
     """Looks at one token at a time and never goes back; every look is a step.
 
-    ``is_cut_off`` is whether something was missing at the end of the file, ``is_block_open`` whether the
-    statements read last belong to a block without ``EndIf``, ``timed_depth`` how many ``For`` and ``Within``
-    the last condition nests.
+    ``lines`` are those of the tokens in the text. ``is_cut_off`` is whether something was missing at the end
+    of the file, ``is_block_open`` whether the statements read last belong to a block without ``EndIf``,
+    ``timed_depth`` how many ``For`` and ``Within`` the last condition nests.
     """
 
-    def __init__(self, stretches: Iterable[Stretch], log: FindingLog) -> None:
+    def __init__(self, stretches: Sequence[Stretch], lines: Lines, log: FindingLog) -> None:
         self._stretches = list(stretches)
+        self.lines = lines
         self._at = 0
         self._following = iter(self._stretches[0].tokens)
         self._end_of_file = self._stretches[-1].tokens[-1]

@@ -24,6 +24,7 @@ from smarttestudo.language.parser.cursor import (
     Cursor,
     FindingLog,
 )
+from smarttestudo.language.parser.lines import Lines
 from smarttestudo.language.parser.stretches import Stretch, stretches_of
 from smarttestudo.language.parser.tokens import Token, TokenKind
 from smarttestudo.language.parser.values import parse_hertz, parse_topic
@@ -32,14 +33,16 @@ from smarttestudo.language.syntax import Collection, KeepAtLeast, RuleFile, Stat
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParseResult:
-    """The statements of ``file`` that are whole, and an error for each that is not, in the order of the file.
+    """The statements of a file that are whole, and an error for each that is not, in the order of the file.
 
     ``steps`` is how often the parser looked at a token. ``stretches`` are what the next text is read with.
+    Where ``file`` and ``tokens`` have lines, ``numbered`` and the stretches have the numbers of ``lines``.
     """
 
-    file: RuleFile
+    numbered: RuleFile
     findings: tuple[Finding, ...]
     steps: int
+    lines: Lines
     stretches: tuple[Stretch, ...] = ()
 
     @property
@@ -48,8 +51,18 @@ class ParseResult:
         return not self.findings
 
     @property
+    def file(self) -> RuleFile:
+        """The statements."""
+        return self.lines.told(self.numbered)
+
+    @property
     def tokens(self) -> tuple[Token, ...]:
         """All tokens, and one that stands for the file's end; their comments are all comments of the file."""
+        return self.lines.told(self.numbered_tokens)
+
+    @property
+    def numbered_tokens(self) -> tuple[Token, ...]:
+        """The same as the stretches have them."""
         return tuple(chain.from_iterable(stretch.tokens for stretch in self.stretches))
 
 
@@ -185,20 +198,19 @@ def parse(text: str, path: str, before: ParseResult | None = None) -> ParseResul
 
     ``before`` is that of another text, such as the same before an edit: what both have is not read again.
     """
-    log = FindingLog(path)
     if len(text.encode("utf-8", "surrogatepass")) > MAX_FILE_BYTES:
-        log.report(
-            "file-too-large", "a rule file holds at most 4 MB", span=_START, hint="split it into several"
-        )
-        return ParseResult(file=RuleFile(path=path, collections=()), findings=log.findings(), steps=0)
-    cursor = Cursor(stretches_of(text, before.stretches if before is not None else ()), log)
+        return _too_large(path)
+    read = stretches_of(text, None if before is None else before.stretches)
+    lines = Lines.of(read)
+    log = FindingLog(path, lines)
+    cursor = Cursor(read, lines, log)
     collections = _collections(cursor)
     stretches = cursor.stretches
     for stretch in stretches:
         if stretch.may_hold_foreign_comment:
             _report_foreign_comments(stretch.tokens, log)
     return ParseResult(
-        file=RuleFile(
+        numbered=RuleFile(
             path=path,
             collections=tuple(collections),
             footer=cursor.token.above,
@@ -206,8 +218,18 @@ def parse(text: str, path: str, before: ParseResult | None = None) -> ParseResul
         ),
         findings=log.findings(),
         steps=cursor.steps,
+        lines=lines,
         stretches=stretches,
     )
+
+
+def _too_large(path: str) -> ParseResult:
+    lines = Lines(numbers=(1,), lines=(1,))
+    log = FindingLog(path, lines)
+    message, hint = "a rule file holds at most 4 MB", "split it into several"
+    log.report("file-too-large", message, span=_START, hint=hint)
+    empty = RuleFile(path=path, collections=())
+    return ParseResult(numbered=empty, findings=log.findings(), steps=0, lines=lines)
 
 
 def _collections(cursor: Cursor) -> list[Collection]:

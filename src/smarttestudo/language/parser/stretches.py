@@ -1,14 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Stretches of a text, which are read by themselves; one that stands where it stood is not read again."""
+"""Stretches of a text, which are read by themselves; one that the text had before is not read again."""
 
 from __future__ import annotations
 
 import re
-from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from operator import attrgetter
+from itertools import islice
 
 from smarttestudo.domain.source import Span
 from smarttestudo.domain.utf_8 import without_mark
@@ -26,15 +25,19 @@ _END = re.compile(
 
 _LINE_BREAK = re.compile(r"\r\n|\r|\n")
 
+_ROOM = 10_000
+_SHARES = 64
+_LOOKED_THROUGH = 4096
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stretch:
     """The words from behind one line ``EndIf`` to the next, or to the end of the file.
 
-    ``line`` is its first, ``line_starts`` are where its lines start in it, and ``glued`` are the words that
-    follow a keyword without a blank between. ``may_hold_foreign_comment`` is whether a comment that does not
-    start with ``//`` may be in it. ``statements`` are known where the stretch is whole statements without an
-    error; ``steps`` is how often the parser looked at a token to know them.
+    ``line`` is the number of its first line, ``line_starts`` are where its lines start in it, and ``glued``
+    are the words that follow a keyword without a blank between. ``may_hold_foreign_comment`` is whether a
+    comment that does not start with ``//`` may be in it. ``statements`` are known where the stretch is whole
+    statements without an error; ``steps`` is how often the parser looked at a token to know them.
     """
 
     text: str
@@ -46,41 +49,124 @@ class Stretch:
     statements: tuple[Statement, ...] | None = None
     steps: int = 0
 
+    @property
+    def breaks(self) -> int:
+        """How many line breaks it has."""
+        return len(self.line_starts) - 1
 
-def stretches_of(text: str, before: Sequence[Stretch]) -> Iterator[Stretch]:
-    """The stretches of ``text``; what stands where it stood ``before`` is as it was, but for the last."""
-    _, text = without_mark(text)
-    before = before[:-1]
-    start, line = 0, 1
-    is_at_end = False
-    while not is_at_end:
-        at = bisect_left(before, line, key=attrgetter("line"))
-        known = before[at:] if at < len(before) and before[at].line == line else ()
-        alike = _alike(text, start, known)
-        end = None if alike else _end_of_stretch(text, start)
-        is_at_end = end is None and not alike
-        if not alike:
-            part = text[start:end]
-            is_known = not is_at_end and known and known[0].text == part
-            alike = known[:1] if is_known else (_read(part, line, is_last=is_at_end),)
-        yield from alike
-        start += sum(len(one.text) for one in alike)
-        line = alike[-1].tokens[-1].line + 1
+    @property
+    def next_line(self) -> int:
+        """The first line behind it."""
+        return self.line + self.breaks
 
 
-def _alike(text: str, start: int, before: Sequence[Stretch]) -> Sequence[Stretch]:
-    """The first ones of ``before`` that ``text`` has from ``start`` on.
+def stretches_of(text: str, before: Sequence[Stretch] | None = None) -> list[Stretch]:
+    """The stretches of ``text``; those that it had ``before``, in their order, are as they were.
 
-    Whether a stretch ends depends on the first word of the next one, so that the last that is alike is not
-    among them.
+    In a text that is read for the first time, lines have their numbers in it. In one that is read with what
+    was ``before``, be it nothing, numbers grow from line to line and are left out between stretches, so that
+    lines that come have numbers and those below keep theirs.
     """
-    count = 0
-    for stretch in before:
-        if not text.startswith(stretch.text, start):
-            break
-        start += len(stretch.text)
-        count += 1
-    return before[: max(count - 1, 0)]
+    return list(_Reading(without_mark(text)[1], before).stretches())
+
+
+class _Reading:
+    """Reads a text from its start to its end; the stretches ``before`` from ``_at`` on may come again."""
+
+    def __init__(self, text: str, before: Sequence[Stretch] | None) -> None:
+        self._text = text
+        self._has_room = before is not None
+        self._before = before or ()
+        self._at = 0
+        self._start, self._line = 0, 1
+
+    def stretches(self) -> Iterator[Stretch]:
+        while True:
+            alike = self._alike()
+            if not alike:
+                end = _end_of_stretch(self._text, self._start)
+                alike = [self._recalled(end) or self._read(end)]
+                if end is None:
+                    yield alike[0]
+                    return
+            yield from alike
+            self._start += sum(len(one.text) for one in alike)
+            self._line = alike[-1].next_line
+
+    def _alike(self) -> Sequence[Stretch]:
+        """The stretches from here on that come again one after the other, but for the last.
+
+        Whether a stretch ends depends on the first word of the next one.
+        """
+        end = self._at
+        if end < len(self._before) and self._is_here(end):
+            start = self._start
+            for one in islice(self._before, end, len(self._before) - 1):
+                if not self._text.startswith(one.text, start):
+                    break
+                start += len(one.text)
+                end += 1
+        alike = self._before[self._at : max(end - 1, self._at)]
+        self._at += len(alike)
+        return alike
+
+    def _is_here(self, number: int) -> bool:
+        """Whether a stretch can come again here: the first is read as such, and numbers of lines grow."""
+        return (number == 0) == (self._start == 0) and self._before[number].line >= self._line
+
+    def _recalled(self, end: int | None) -> Stretch | None:
+        """The stretch from here to ``end`` as it was before; the last is read again."""
+        if end is None or self._is_in_its_place(end):
+            return None
+        part = self._text[self._start : end]
+        for number in range(self._at, min(self._at + _LOOKED_THROUGH, len(self._before) - 1)):
+            # Of several that read alike, one further on is it where the next follows, too.
+            if (
+                self._before[number].text == part
+                and self._is_here(number)
+                and (number == self._at or self._text.startswith(self._before[number + 1].text, end))
+            ):
+                self._at = number + 1
+                return self._before[number]
+        return None
+
+    def _is_in_its_place(self, end: int | None) -> bool:
+        """Whether what stands from here to ``end`` is other than before, and what follows is not."""
+        if end is None or self._at + 1 >= len(self._before):
+            return end is None
+        here, behind = self._before[self._at : self._at + 2]
+        return self._text.startswith(behind.text, end) and self._text[self._start : end] != here.text
+
+    def _read(self, end: int | None) -> Stretch:
+        text, line = self._text[self._start : end], self._free_line(end)
+        tokens = tuple(lex(text, line, is_last=end is None))
+        return Stretch(
+            text=text,
+            line=line,
+            line_starts=(0, *(one.end() for one in _LINE_BREAK.finditer(text))),
+            tokens=tokens,
+            glued=tuple(token.span for token in tokens if token.is_glued),
+            may_hold_foreign_comment="#" in text or "/*" in text,
+        )
+
+    def _free_line(self, end: int | None) -> int:
+        """The number for the first line from here to ``end``: if it may be, that of what stood here before.
+
+        Else it takes a little of the room above the next stretch that may come again. Where there is none,
+        what is below is read again.
+        """
+        if end is None:
+            self._at = max(len(self._before) - 1, 0)
+        old = [one.line for one in self._before[self._at : self._at + 2]]
+        if old and self._is_in_its_place(end):
+            self._at += 1
+            if self._start > 0 and old[0] >= self._line:
+                return old[0]
+            del old[0]
+        if self._start == 0 or not self._has_room:
+            return self._line
+        room = old[0] - self._line if old else 0
+        return self._line + (room // _SHARES if room > 0 else _ROOM)
 
 
 def _end_of_stretch(text: str, start: int) -> int | None:
@@ -90,15 +176,3 @@ def _end_of_stretch(text: str, start: int) -> int | None:
         if not text[line_start : end.start()].strip(" \t"):
             return end.end()
     return None
-
-
-def _read(text: str, line: int, *, is_last: bool) -> Stretch:
-    tokens = tuple(lex(text, line, is_last=is_last))
-    return Stretch(
-        text=text,
-        line=line,
-        line_starts=(0, *(end.end() for end in _LINE_BREAK.finditer(text))),
-        tokens=tokens,
-        glued=tuple(token.span for token in tokens if token.is_glued),
-        may_hold_foreign_comment="#" in text or "/*" in text,
-    )

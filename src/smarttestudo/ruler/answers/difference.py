@@ -111,7 +111,7 @@ def _blocks(result: ParseResult) -> dict[str, Block]:
         if not isinstance(statement, Block):
             continue
         name, number = statement.label, 1
-        if statement.label == f"block at line {statement.span.line}":
+        if statement.is_unnamed:
             # A line number moves with the layout, the place among such blocks does not.
             unnamed += 1
             name = f"unnamed rule {unnamed}"

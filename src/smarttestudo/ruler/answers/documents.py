@@ -14,7 +14,7 @@ from smarttestudo.domain import finding as checker
 from smarttestudo.domain.source import Span
 from smarttestudo.editing import CollectionPart, Document, comment_texts
 from smarttestudo.ruler.answers.checked_text import CheckedText
-from smarttestudo.ruler.answers.statement_trees import StatementWriter
+from smarttestudo.ruler.answers.statement_trees import StatementWriter, in_line
 from smarttestudo.ruler.answers.statements import Statement
 
 
@@ -87,9 +87,11 @@ def rule_document(checked: CheckedText) -> RuleDocument:
     document = checked.document
     writer = StatementWriter(document)
     written = [entry.written for entry in document.entries]
-    unplaced = document.recall.each("statements for the page", writer.statement, written, document.names)
+    numbered = document.recall.each("statements for the page", writer.statement, written)
+    lines = [document.result.lines.line(line) for line, _ in document.starts]
+    unplaced = document.recall.each("statements in their lines", in_line, numbered, lines)
     starts = writer.starts(document.starts)
-    placed = map(_at, unplaced, starts)
+    placed = map(_at, unplaced, starts, document.names)
     return RuleDocument(
         collections=tuple(_collection(part, writer, placed) for part in document.parts),
         findings=_placed(checked.findings, document, writer, starts),
@@ -97,9 +99,10 @@ def rule_document(checked: CheckedText) -> RuleDocument:
     )
 
 
-def _at(statement: Statement, start: int) -> Statement:
-    """A statement that starts at an offset."""
-    return replace(statement, offset=start, end_offset=start + statement.end_offset)
+def _at(statement: Statement, start: int, name: tuple[str, str]) -> Statement:
+    """A statement with its id and key that starts at an offset."""
+    end = start + statement.end_offset
+    return replace(statement, id=name[0], key=name[1], offset=start, end_offset=end)
 
 
 def placed_findings(document: Document, findings: Sequence[checker.Finding]) -> tuple[PlacedFinding, ...]:
@@ -124,9 +127,9 @@ def _placed(
         start, end = (
             (starts[at] + one.offset, starts[at] + one.end_offset)
             if at is not None
-            else writer.range(finding.span)
+            else writer.range(document.numbered(finding.span))
         )
-        fix = None if finding.fix is None else _fix(finding.fix, writer)
+        fix = None if finding.fix is None else _fix(finding.fix, document, writer)
         placed.append(replace(one, offset=start, end_offset=end, fix=fix))
     return tuple(placed)
 
@@ -152,7 +155,7 @@ def _finding(
 ) -> PlacedFinding:
     """A finding without its fix, with offsets from ``base`` on."""
     span = finding.span
-    start, end = writer.range(span)
+    start, end = writer.range(document.numbered(span))
     statement = _statement(document, span)
     related = {_statement(document, other): None for other in finding.related}
     return PlacedFinding(
@@ -178,7 +181,7 @@ def _statement(document: Document, span: Span) -> str | None:
     return None if entry is None else entry.id
 
 
-def _fix(fix: checker.Fix, writer: StatementWriter) -> PlacedFix:
-    start, end = writer.range(fix.span)
+def _fix(fix: checker.Fix, document: Document, writer: StatementWriter) -> PlacedFix:
+    start, end = writer.range(document.numbered(fix.span))
     edit = Substitute(offset=start, end_offset=end, replacement=fix.replacement)
     return PlacedFix(title=fix.title, edit=edit)

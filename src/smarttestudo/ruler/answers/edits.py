@@ -141,6 +141,8 @@ class EditedTexts:
         checked = next((each for one, each in last if one == draft), None)
         if checked is None:
             before = next((each for one, each in reversed(last) if one.name == draft.name), None)
+            # Beside a text before, be it empty, one is read with room for lines that come.
+            before = before or check_text(Draft(text="", name=draft.name))
             checked = check_text(draft, before)
             self._last.append((draft, checked))
         return checked

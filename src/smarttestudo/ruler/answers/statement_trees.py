@@ -7,6 +7,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypedDict
 
+from msgspec.structs import replace
+
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
 from smarttestudo.editing import Document, EditError, NewStatement, WrittenStatement, comment_texts
@@ -32,6 +34,7 @@ from smarttestudo.language.syntax import (
     Timed,
     TopicName,
     Until,
+    unnamed_label,
 )
 from smarttestudo.ruler.answers import statements as page
 from smarttestudo.ruler.answers.utf16 import Utf16
@@ -61,20 +64,20 @@ class StatementWriter:
         return self._utf16.offset(characters)
 
     def starts(self, places: Sequence[tuple[int, int]]) -> Sequence[int]:
-        """Where ``places``, lines and columns, are as JavaScript counts it."""
+        """Where ``places`` of trees, lines and columns, are as JavaScript counts it."""
         return self._utf16.offsets(self._places.offsets(places))
 
     def range(self, span: Span) -> tuple[int, int]:
-        """Where ``span`` starts and ends, as JavaScript counts it."""
+        """Where the ``span`` of a tree starts and ends, as JavaScript counts it."""
         start, end = self._places.range(span)
         return self.offset(start), self.offset(end)
 
-    def statement(self, written: WrittenStatement, name: tuple[str, str]) -> page.Statement:
-        """One statement with its id and key, at the start of the text, wherever it stands."""
+    def statement(self, written: WrittenStatement) -> page.Statement:
+        """One statement without id and key, at the start of the text and in the lines of its tree."""
         start, end = self.range(written.span)
         place = _Place(
-            id=name[0],
-            key=name[1],
+            id="",
+            key="",
             comments=tuple(comment_texts(written.comments)),
             offset=0,
             end_offset=end - start,
@@ -143,6 +146,21 @@ class StatementWriter:
 
     def _conditions(self, conditions: Sequence[Condition], base: int) -> tuple[page.Condition, ...]:
         return tuple(self._condition(one, base) for one in conditions)
+
+
+def in_line(statement: page.Statement, line: int) -> page.Statement:
+    """A statement that begins in ``line`` of the text."""
+    by = line - statement.line
+    if not isinstance(statement, page.RuleStatement) or not by:
+        return replace(statement, line=line) if by else statement
+    is_unnamed = statement.name is None and statement.label == unnamed_label(statement.line)
+    return replace(
+        statement,
+        line=line,
+        label=unnamed_label(line) if is_unnamed else statement.label,
+        then=tuple(replace(one, line=one.line + by) for one in statement.then),
+        otherwise=tuple(replace(one, line=one.line + by) for one in statement.otherwise),
+    )
 
 
 def _action(one: Action, place: _Place) -> page.Action:

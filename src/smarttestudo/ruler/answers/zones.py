@@ -78,17 +78,17 @@ def zones_answer(checked: CheckedText) -> ZonesAnswer:
         if isinstance(entry.statement, Block)
     ]
     return ZonesAnswer(
-        rules=tuple(map(_rule_zones, rules)),
+        rules=tuple(_rule_zones(one, checked.document.result.lines.label(one.block)) for one in rules),
         clashes=tuple(_clashes(checked, rules)),
         label=_unused_label(checked.document),
     )
 
 
-def _rule_zones(rule: _Rule) -> RuleZones:
+def _rule_zones(rule: _Rule, label: str) -> RuleZones:
     reading = rule.reading
     return RuleZones(
         id=rule.id,
-        label=f"{rule.block.label} (switched off)" if rule.block.is_disabled else rule.block.label,
+        label=f"{label} (switched off)" if rule.block.is_disabled else label,
         zones=tuple(
             PlacedZone(topic=one.topic, rectangle=one.rectangle, is_shared=_is_shared(one, reading))
             for one in reading.zones
