@@ -55,7 +55,7 @@ def types_text() -> str:
         *trial_routes(TryApi(project, socket.Listeners()), Keepings(project)),
         *robot_incident_routes(RobotIncidents(project, None)),
     ]
-    asked = [socket.Watch, *(route.asked for route in routes if route.asked is not None)]
+    asked: list[type] = [socket.Watch, *(route.asked for route in routes if route.asked is not None)]
     writer = _Writer(_reached(asked))
     for root in (*asked, *(route.answered for route in routes), ErrorAnswer, socket.Push):
         writer.word(root)

@@ -1,84 +1,35 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Redraws docs/images/ruler*.png: the Ruler's page on the examples, in Debian's Chromium, with no network.
+"""Redraws the pictures of the Ruler in docs/images: its page on the examples, in Debian's Chromium, offline.
 
 The recording is the demo's, the robot the simulated one (for its pictures ROS 2 must be installed).
-``--only`` draws the pictures whose names are given.
+``--only`` draws the pictures whose names are given. ``sheets`` are those of docs/contributors/pictures.md.
 """
 
 from __future__ import annotations
 
 import argparse
-import io
 import os
 import re
+import runpy
 import shutil
 import subprocess
-import sys
 import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from PIL import Image
-from playwright.sync_api import Browser, Locator, Page, sync_playwright
+from playwright.sync_api import Locator, Page, sync_playwright
+
+from ruler_stage import ROS, record, robot_running, robots_running, served
+from ruler_studio import SCREENS, Studio, write_sheet
 
 ROOT = Path(__file__).parents[1]
-TESTUDO = [sys.executable, "-m", "smarttestudo"]
-ROS = {
-    **os.environ,
-    "ROS_DOMAIN_ID": "88",
-    "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-    "PYTHONUNBUFFERED": "1",
-}
-LINKED, ALONE = "tcp/127.0.0.1:7457", "tcp/127.0.0.1:7458"
-"""Where an operator's end listens, and where none does."""
 RECORDING = "demo-out/baseline"
-IN_CORRIDOR = r"^{topic}.*4\.\d.*Warehouse Corridor\s*relayed"
-LISTEN = """
-import contextlib, importlib, sys, rclpy, rclpy.executors
-rclpy.init()
-node = rclpy.create_node("operator")
-for topic, kind in zip(sys.argv[1::2], sys.argv[2::2]):
-    package, name = kind.split("/msg/")
-    message = getattr(importlib.import_module(package + ".msg"), name)
-    node.create_subscription(message, topic, lambda _: None, 10)
-with contextlib.suppress(rclpy.executors.ExternalShutdownException):
-    rclpy.spin(node)
-"""
-HEARD = {
-    "/testudo/odom": "nav_msgs/msg/Odometry",
-    "/testudo/cmd_vel": "geometry_msgs/msg/Twist",
-    "/testudo/scan": "sensor_msgs/msg/LaserScan",
-    "/testudo/camera/camera_info": "sensor_msgs/msg/CameraInfo",
-    "/testudo/imu": "sensor_msgs/msg/Imu",
-}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Studio:
-    """Where pictures are drawn: a browser, the address of a Ruler, and the folder that they go to."""
-
-    browser: Browser
-    url: str
-    out: Path
-
-    def open_page(self, *, height: int = 800, width: int = 1280, dark: bool = False) -> Page:
-        """A new tab on the home screen of who knows the page."""
-        page = self.browser.new_page(
-            viewport={"width": width, "height": height}, color_scheme="dark" if dark else "light"
-        )
-        page.add_init_script("localStorage.setItem('tour', 'seen')")
-        page.goto(self.url)
-        return page
-
-    def draw(self, shown: Page | Locator, name: str) -> None:
-        """Write ``ruler-NAME.png``, or ``ruler.png``, in 256 colours: a third of the bytes."""
-        picture = Image.open(io.BytesIO(shown.screenshot(animations="disabled")))
-        path = self.out / ("-".join(["ruler", name]) if name else "ruler")
-        few = picture.convert("RGB").quantize(256, dither=Image.Dither.NONE)
-        few.save(path.with_suffix(".png"), optimize=True)
+WEEK = {"monday": 60, "tuesday": 45, "wednesday": 30, "thursday": 20}
+"""How long the robot drove on each day of a folder of recordings, in seconds."""
+EDITORS = {"editor-3": "warehouse.adirf", "editor-40": "rules_40.adirf", "editor-500": "rules_500.adirf"}
+SHEETS = ("home", *EDITORS, "try", "robot", "incident")
+IN_CORRIDOR = r"^{topic}.*(3\.[5-9]|4\.\d).*Warehouse Corridor\s*relayed"
 
 
 def open_rules(page: Page, name: str) -> Locator:
@@ -133,6 +84,18 @@ def trial(studio: Studio) -> None:
     studio.draw(page, "try")
 
 
+def trial_of_folder(studio: Studio) -> None:
+    """What the rules do to a week of recordings, the worst first."""
+    page = studio.open_page(height=860)
+    open_rules(page, "warehouse.adirf")
+    page.get_by_role("tab", name="Try on a recording", exact=True).click()
+    page.get_by_role("combobox", name="Recording").select_option("week/")
+    button(page, "Run the rules on them").click()
+    total = page.get_by_role("rowheader", name=f"Total of {len(WEEK)} recordings")
+    total.wait_for(timeout=300_000)
+    studio.draw(page, "try-folder")
+
+
 def levels(studio: Studio) -> None:
     """The six levels of /odom on the error at each rate."""
     page = studio.open_page(height=1100)
@@ -146,8 +109,10 @@ def levels(studio: Studio) -> None:
 
 def zones(studio: Studio) -> None:
     """A zone on the demo's map that clashes with another rule."""
-    page = studio.open_page(width=1440, height=900)
+    page = studio.open_page(width=1440, height=1000)
     blocks = open_rules(page, "warehouse.adirf")
+    # The map gets the room of the results.
+    page.get_by_role("separator", name="Height of the results").press("End")
     page.get_by_role("tab", name="Map", exact=True).click()
     page.get_by_label("Background").select_option("Map: warehouse_map.yaml")
     page.get_by_label("Path of").select_option(RECORDING)
@@ -165,7 +130,12 @@ def zones(studio: Studio) -> None:
 
 def incident(studio: Studio) -> None:
     """What a rule recorded of the demo's robot, on the map that its file is drawn on."""
-    page = studio.open_page(height=950)
+    draw_incident(studio, keep_incident(studio).url)
+
+
+def keep_incident(studio: Studio) -> Page:
+    """Keep what a rule would have recorded; the page shows it."""
+    page = studio.open_page()
     open_rules(page, "near_miss.adirf")
     page.get_by_role("tab", name="Map", exact=True).click()
     page.get_by_label("Background").select_option("Map: warehouse_map.yaml")
@@ -174,8 +144,16 @@ def incident(studio: Studio) -> None:
     page.get_by_role("combobox", name="Recording").select_option(RECORDING)
     button(page, "Run the rules on it").click()
     page.get_by_role("button", name="Keep it: near miss").first.click(timeout=300_000)
+    page.get_by_role("region", name="Incidents being kept").get_by_role("link").click(timeout=300_000)
+    page.get_by_role("figure", name="Rate of /scan").wait_for(timeout=300_000)
+    return page
+
+
+def draw_incident(studio: Studio, url: str) -> None:
+    """Draw an incident that is there already."""
+    page = studio.open_page(height=950)
     with page.expect_response(re.compile("api/background$"), timeout=300_000):
-        page.get_by_role("region", name="Incidents being kept").get_by_role("link").click(timeout=300_000)
+        page.goto(url)
     page.get_by_role("figure", name="Rate of /scan").wait_for()
     page.wait_for_timeout(1000)  # the map is drawn over some pictures
     studio.draw(page, "incident")
@@ -183,16 +161,27 @@ def incident(studio: Studio) -> None:
 
 def robot(studio: Studio) -> None:
     """What holds on the simulated robot in the corridor, and its rates."""
-    page = studio.open_page(height=1000)
-    blocks = open_rules(page, "warehouse.adirf")
-    page.get_by_role("tab", name="Robot", exact=True).click()
-    blocks.get_by_text("✓ holds").first.wait_for(timeout=120_000)
-    for topic in ("/odom", "/cmd_vel", "/scan"):
-        settled = re.compile(IN_CORRIDOR.format(topic=topic), re.DOTALL)
-        page.get_by_role("row").filter(has_text=settled).wait_for(timeout=120_000)
+    page = open_robot(studio)
+    wait_for_corridor(page)
     # Looking for the next rule brings both into sight.
+    blocks = page.get_by_role("region", name="Blocks", exact=True)
     blocks.get_by_role("button", name="Edit value: 25.5").focus()
     studio.draw(page, "robot")
+
+
+def open_robot(studio: Studio) -> Page:
+    """Open the rules of the simulated robot beside its state."""
+    page = studio.open_page(height=1000)
+    open_rules(page, "warehouse.adirf")
+    page.get_by_role("tab", name="Robot", exact=True).click()
+    return page
+
+
+def wait_for_corridor(page: Page) -> None:
+    """Wait until the robot has the rates of the corridor, once in a round of 200 s."""
+    for topic in ("/odom", "/cmd_vel", "/scan"):
+        settled = re.compile(IN_CORRIDOR.format(topic=topic), re.DOTALL)
+        page.get_by_role("row").filter(has_text=settled).wait_for(timeout=240_000)
 
 
 def send(studio: Studio) -> None:
@@ -210,7 +199,7 @@ def send(studio: Studio) -> None:
 
 def robots(studio: Studio, silent: subprocess.Popen[str]) -> None:
     """Three robots, of which one falls silent and one has no operator."""
-    page = studio.open_page(height=390)
+    page = studio.open_page(height=420)
     button(page, "Watch Robots").click()
     rows = page.get_by_role("table", name="Robots").locator("tbody").get_by_role("row")
     rows.nth(2).wait_for(timeout=120_000)
@@ -222,53 +211,56 @@ def robots(studio: Studio, silent: subprocess.Popen[str]) -> None:
     studio.draw(page, "robots")
 
 
-@contextmanager
-def running(command: list[str], settings: Mapping[str, str]) -> Iterator[subprocess.Popen[str]]:
-    """A process that ends with the block."""
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=settings) as process:
-        try:
-            yield process
-        finally:
-            process.terminate()
-
-
-@contextmanager
-def served(project: Path, settings: Mapping[str, str]) -> Iterator[str]:
-    """``testudo ruler`` on a folder; yields its address."""
-    command = [*TESTUDO, "ruler", str(project), "--port", "0", "--no-browser"]
-    with running(command, settings) as server:
-        assert server.stdout is not None
-        yield server.stdout.readline().split(": ", 1)[1].split()[0]
-
-
 def draw_robot(studio: Studio, rules: str, settings: Mapping[str, str]) -> None:
-    """Start the simulated robot, a run that follows ``rules``, and an operator."""
-    names = [word for pair in HEARD.items() for word in pair]
-    with ExitStack() as stack:
-        for command in (
-            [*TESTUDO, "run", "--rules", rules, "--budget", "400"],
-            [*TESTUDO, "simulate"],
-            [sys.executable, "-c", LISTEN, *names],
-        ):
-            stack.enter_context(running(command, settings))
-        for draw in (robot, send):
-            draw(studio)
+    """What the page shows of one robot."""
+    with robot_running(rules, settings):
+        robot(studio)
+        send(studio)
 
 
 def draw_robots(studio: Studio, rules: str, settings: Mapping[str, str]) -> None:
-    """Start three runs beside one simulated robot, of which two have a link."""
-    run = [*TESTUDO, "run", "--rules", rules]
-    names = [["--ros-args", "-r", f"__ns:=/{name}"] for name in ("ada", "bob", "cleo")]
-    with ExitStack() as stack:
-        for command in (
-            [*TESTUDO, "simulate"],
-            [*TESTUDO, "receive", "--no-ros", "--openmetrics", "0", "--listen", LINKED],
-            [*run, "--budget", "400", "--robot", "ada", "--link", LINKED, *names[0]],
-            [*run, "--robot", "bob", "--link", ALONE, *names[1]],
-        ):
-            stack.enter_context(running(command, settings))
-        silent = stack.enter_context(running([*run, "--output-topic", "/cleo{topic}", *names[2]], settings))
+    """What the page shows of three."""
+    with robots_running(rules, settings) as silent:
         robots(studio, silent)
+
+
+def editor(studio: Studio, name: str, rules: str) -> None:
+    """A rule file, of which the blocks are drawn one after the other."""
+    page = studio.open_page()
+    open_rules(page, rules)
+    page.wait_for_timeout(2500)
+    studio.draw(page, name)
+
+
+def draw_sheets(studio: Studio, wanted: Sequence[str], rules: str, settings: Mapping[str, str]) -> None:
+    """Draw pages that everybody sees, each opened on four screens, light and dark."""
+    screens = [studio.on(screen) for screen in SCREENS]
+    drawn = {"home": home, "try": trial}
+    for name in wanted:
+        for screen in screens:
+            if name in EDITORS:
+                editor(screen, name, EDITORS[name])
+            elif name in drawn:
+                drawn[name](screen)
+    if "incident" in wanted:
+        url = keep_incident(screens[0]).url
+        for screen in screens:
+            draw_incident(screen, url)
+    if "robot" in wanted:
+        draw_robot_sheet(screens, rules, settings)
+    (studio.out / "sheets").mkdir(exist_ok=True)
+    for name in wanted:
+        write_sheet(studio.shots, name, studio.out / "sheets" / f"{name}.webp")
+
+
+def draw_robot_sheet(screens: Sequence[Studio], rules: str, settings: Mapping[str, str]) -> None:
+    """Draw one robot on all screens while it is in the corridor."""
+    with robot_running(rules, settings):
+        pages = [open_robot(screen) for screen in screens]
+        wait_for_corridor(pages[0])
+        for screen, page in zip(screens, pages, strict=True):
+            page.get_by_role("tabpanel", name="robot").evaluate("panel => panel.scrollIntoView()")
+            screen.draw(page, "robot")
 
 
 ALONE_PICTURES = {
@@ -276,6 +268,7 @@ ALONE_PICTURES = {
     "overview": overview,
     "topics": topics,
     "trial": trial,
+    "folder": trial_of_folder,
     "levels": levels,
     "zones": zones,
     "incident": incident,
@@ -285,13 +278,31 @@ ROBOT_PICTURES = {"robot": draw_robot, "robots": draw_robots}
 
 def asked() -> argparse.Namespace:
     """What the command line asks for."""
-    names = [*ALONE_PICTURES, *ROBOT_PICTURES]
+    names = [*ALONE_PICTURES, *ROBOT_PICTURES, "sheets"]
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images", help="where the pictures go")
+    parser.add_argument("--shots", type=Path, help="where the shots of the sheets stay, as large as they are")
     parser.add_argument("--only", nargs="+", choices=names, default=names, help="draw no others")
+    parser.add_argument("--sheets", nargs="+", choices=SHEETS, default=SHEETS, help="draw no other sheets")
     return parser.parse_args()
+
+
+def copy_of_examples(folder: Path, settings: Mapping[str, str], wanted: Sequence[str]) -> Path:
+    """The examples with the demo's recordings and what the ``wanted`` pictures need beside them."""
+    project = shutil.copytree(ROOT / "examples", folder / "examples")
+    record(project / "demo-out", settings)
+    if "folder" in wanted:
+        (project / "week").mkdir()
+        for seed, (day, seconds) in enumerate(WEEK.items(), start=1):
+            record(folder / day, settings, "--seconds", str(seconds), "--seed", str(seed))
+            shutil.move(folder / day / "baseline", project / "week" / day)
+    if "sheets" in wanted:
+        rule_file = runpy.run_path(str(ROOT / "benchmarks" / "live" / "zone_rules.py"))["rule_file"]
+        for number in (40, 500):
+            (project / f"rules_{number}.adirf").write_text(rule_file(number), encoding="utf-8")
+    return project
 
 
 def main() -> None:
@@ -299,19 +310,22 @@ def main() -> None:
     wanted = asked()
     paths = [str(ROOT / "src"), *filter(None, [os.environ.get("PYTHONPATH")])]
     settings = {**ROS, "PYTHONPATH": os.pathsep.join(paths)}
-    wanted.out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        project = shutil.copytree(ROOT / "examples", Path(folder, "examples"))
-        demo = [*TESTUDO, "demo", "--out", str(project / "demo-out")]
-        subprocess.run(demo, check=True, stdout=subprocess.DEVNULL, env=settings)
+    with tempfile.TemporaryDirectory() as temporary, sync_playwright() as playwright:
+        shots = wanted.shots or Path(temporary, "shots")
+        for folder in (wanted.out, shots):
+            folder.mkdir(parents=True, exist_ok=True)
+        project = copy_of_examples(Path(temporary), settings, wanted.only)
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        with served(project, settings) as url:
-            studio = Studio(browser=browser, url=url, out=wanted.out)
-            for name in wanted.only:
+        for name in wanted.only:
+            # Each has a server of its own, which has heard of no other robots.
+            with served(project, settings) as url:
+                studio = Studio(browser=browser, url=url, out=wanted.out, shots=shots)
                 if name in ALONE_PICTURES:
                     ALONE_PICTURES[name](studio)
-                else:
+                elif name in ROBOT_PICTURES:
                     ROBOT_PICTURES[name](studio, str(project / "warehouse.adirf"), settings)
+                else:
+                    draw_sheets(studio, wanted.sheets, str(project / "warehouse.adirf"), settings)
         browser.close()
 
 

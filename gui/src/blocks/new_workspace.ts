@@ -3,7 +3,7 @@
 import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Statement } from "../api/types";
-import { NARROW } from "../ui/watch";
+import { isNarrow } from "../ui/watch";
 import { addBound, addCheck, addRate, addRecord, toggleElse } from "./block_buttons";
 import { type BlockButtons, defineBlocks } from "./block_types";
 import type { Suggestions } from "./fields";
@@ -36,7 +36,7 @@ export function newWorkspace(
   };
   defineBlocks(suggestions, buttons);
   addAnotherOnShiftEnter(buttons, page.newRate);
-  const isNarrow = matchMedia(NARROW).matches;
+  const isBelow = isNarrow();
   // Else each block measures its texts anew, for which the browser computes styles each time.
   Blockly.utils.dom.startTextWidthCache();
   const workspace = silently(() =>
@@ -47,14 +47,14 @@ export function newWorkspace(
       theme: blocklyTheme(host),
       toolbox: toolbox(),
       // Beside the blocks it would leave them no room.
-      horizontalLayout: isNarrow,
+      horizontalLayout: isBelow,
       media: "./media/",
       trashcan: false,
       // A rule is switched off in the text.
       disable: false,
       sounds: false,
       zoom: {
-        controls: !isNarrow,
+        controls: !isBelow,
         wheel: false,
         pinch: true,
         startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE,

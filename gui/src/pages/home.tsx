@@ -98,6 +98,7 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
         {!hasFiles && (
           <NeedsServer changes>
             <Card
+              isFirstStep
               title="New Rule File"
               text="Build rules from blocks, check them, try them on a recording."
               act={() => setCreating("")}
@@ -161,10 +162,18 @@ function tableOf({ files }: Project): Route {
   return { page: "topics", name: ownProfile(rules.name), rules: rules.name };
 }
 
-function Card({ title, text, act }: { title: string; text: string; act: () => void }) {
+interface CardProps {
+  title: string;
+  text: string;
+  act: () => void;
+  /** Whether somebody begins with it. */
+  isFirstStep?: boolean;
+}
+
+function Card({ title, text, act, isFirstStep = false }: CardProps) {
   const id = useId();
   return (
-    <div class="card">
+    <div class={isFirstStep ? "card first-step" : "card"}>
       <Button label={title} aria-describedby={id} onClick={act} />
       <p id={id}>{text}</p>
     </div>

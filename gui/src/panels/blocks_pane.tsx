@@ -15,30 +15,25 @@ import { Button } from "../ui/button";
 import { onceLoaded } from "../ui/later";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
-import { NARROW, watchSize, watchTheme } from "../ui/watch";
+import { isNarrow, watchNarrow, watchSize, watchTheme } from "../ui/watch";
 import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
 /** The left half: the rules as blocks. */
 export function BlocksPane(props: Omit<Shown, "isServerGone">) {
-  const { editor, api, robotRules, tried, drawValues } = props;
-  const host = useRef<HTMLDivElement>(null);
+  const { editor, robotRules } = props;
   const workspace = useRef<RuleWorkspace | null>(null);
-  const hasOutline = useSignal(!matchMedia(NARROW).matches);
+  const isBelow = useSignal(isNarrow());
+  const hasOutline = useSignal(!isBelow.value);
   const isLoaded = useSignal(false);
-  useEffect(() => {
-    const here = host.current;
-    if (!here) return;
-    // The text can be read and changed before the blocks are there, which take longer.
-    return onceLoaded(import("../blocks/rule_workspace"), ({ RuleWorkspace }) => {
-      const shown = { editor, api, robotRules, tried, drawValues, isServerGone };
-      const opened = openWorkspace(RuleWorkspace, here, shown);
-      workspace.current = opened.workspace;
-      isLoaded.value = true;
-      return opened.close;
-    });
-  }, []);
-  const { isServerGone } = useRobot();
+  useEffect(
+    () =>
+      watchNarrow(() => {
+        isBelow.value = isNarrow();
+        hasOutline.value = !isBelow.value;
+      }),
+    [],
+  );
   // Each key changes what these are made of, and seldom one of them.
   const isBehind = useComputed(
     () => !editor.document.value.parses && editor.shown.value?.text !== editor.text.value,
@@ -81,13 +76,21 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
             {...{ editor, robotRules }}
             onGo={(index) => {
               // On a narrow page it covers the blocks.
-              if (matchMedia(NARROW).matches) hasOutline.value = false;
+              if (isBelow.value) hasOutline.value = false;
               go(index);
             }}
             onFoldAll={(isFolded) => void workspace.current?.foldAll(isFolded)}
           />
         )}
-        <div class="blocks-host" ref={host} />
+        <BlocksHost
+          {...props}
+          // What is beside the blocks of a wide page is above those of a narrow one, from when they are made.
+          key={isBelow.value ? "narrow" : "wide"}
+          opened={(opened) => {
+            workspace.current = opened;
+            isLoaded.value = opened !== null;
+          }}
+        />
       </div>
       {editor.isEmpty.value && (
         <p class="empty-hint">
@@ -97,6 +100,31 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
       )}
     </section>
   );
+}
+
+interface HostProps extends Omit<Shown, "isServerGone"> {
+  /** Null where it is gone again. */
+  opened: (workspace: RuleWorkspace | null) => void;
+}
+
+/** Where Blockly draws. */
+function BlocksHost({ opened, ...props }: HostProps) {
+  const host = useRef<HTMLDivElement>(null);
+  const { isServerGone } = useRobot();
+  useEffect(() => {
+    const here = host.current;
+    if (!here) return;
+    // The text can be read and changed before the blocks are there, which take longer.
+    return onceLoaded(import("../blocks/rule_workspace"), ({ RuleWorkspace }) => {
+      const { workspace, close } = openWorkspace(RuleWorkspace, here, { ...props, isServerGone });
+      opened(workspace);
+      return () => {
+        opened(null);
+        close();
+      };
+    });
+  }, []);
+  return <div class="blocks-host" ref={host} />;
 }
 
 interface Shown {

@@ -6,6 +6,7 @@ import type { FileKind, FoundFile, Project } from "../api/types";
 import { href, type Route } from "../route";
 import type { OpenEditors } from "../state/open_editors";
 import { followersOf } from "../state/robot_trouble";
+import { Breakable } from "../ui/breakable";
 import { Button } from "../ui/button";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
@@ -125,7 +126,7 @@ function FileRows({ rows, unsaved, kind, page, ...props }: RowsProps) {
       {rows.map(({ name, file }) => (
         <li key={name}>
           <a href={href({ page, name })} aria-label={name}>
-            {name.slice(folderOf(name).length)}
+            <Breakable name={name.slice(folderOf(name).length)} />
           </a>
           <span class="file-notes quiet">
             {kind === "rules" && <Followers name={name} />}

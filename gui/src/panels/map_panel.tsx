@@ -11,6 +11,7 @@ import type { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { DRAFT, type ZoneEditor } from "../state/zone_editor";
 import { Button } from "../ui/button";
+import { sentence } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
 import { FloorNotes } from "./floor_bar";
 import { ChosenZoneForm, DraftForm } from "./zone_forms";
@@ -138,7 +139,7 @@ export function ZoneList({ zones }: { zones: ZoneEditor }) {
     <div class="zone-list">
       {answer.value?.zones.clashes.map((clash) => (
         <p key={`${clash.first} ${clash.second} ${clash.message}`} class="problem">
-          Clash: {clash.message}. <span class="quiet">{clash.hint}</span>
+          Clash: {clash.message}. <span class="quiet">{sentence(clash.hint)}.</span>
         </p>
       ))}
       <ul aria-label="Zones">

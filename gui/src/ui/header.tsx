@@ -3,6 +3,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { href } from "../route";
+import { Breakable } from "./breakable";
 import { later } from "./later";
 import { MenuButton, MenuItem } from "./menu_button";
 import { RobotState } from "./robot_state";
@@ -55,16 +56,6 @@ export function Header({ title, note, menu, children }: Props) {
       {help !== null && <DocumentationPanel key={help} anchor={help} onClose={() => setHelp(null)} />}
     </header>
   );
-}
-
-/** A name that goes on in the next line behind its folders and before its ending. */
-function Breakable({ name }: { name: string }) {
-  return name.split(/(?<=\/)|(?=\.\w+$)/).map((part, at) => (
-    <>
-      {at > 0 && <wbr />}
-      {part}
-    </>
-  ));
 }
 
 function useHelpKey(open: () => void): void {

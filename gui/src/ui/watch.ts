@@ -16,11 +16,23 @@ export function watchTheme(changed: () => void): () => void {
 }
 
 /** Of a page that shows one thing below the other. */
-export const NARROW = "(max-width: 900px)";
+const NARROW = "(max-width: 900px)";
+
+/** Whether it is one now. */
+export function isNarrow(): boolean {
+  return matchMedia(NARROW).matches;
+}
+
+/** Calls `changed` when the page gets narrow or wide, as a tablet that is turned; returns how to stop. */
+export function watchNarrow(changed: () => void): () => void {
+  const query = matchMedia(NARROW);
+  query.addEventListener("change", changed);
+  return () => query.removeEventListener("change", changed);
+}
 
 /** Scrolls to what is below everything else on a narrow screen; on a wide one everything is there. */
 export function showOnNarrow(shown: () => Element | null): void {
-  if (matchMedia(NARROW).matches) requestAnimationFrame(() => shown()?.scrollIntoView());
+  if (isNarrow()) requestAnimationFrame(() => shown()?.scrollIntoView());
 }
 
 /** Gives the focus to what `selector` finds first in `host`, where it was on something that is gone. */
