@@ -23,7 +23,7 @@ from smarttestudo.incidents.transfer_messages import AskBytes
 from smarttestudo.link.protocol.background import BackgroundAnswer
 from smarttestudo.link.protocol.chunks import MAX_MESSAGE_BYTES
 from smarttestudo.link.protocol.keys import new_boot
-from smarttestudo.link.protocol.messages import REPORTS
+from smarttestudo.link.protocol.reports import ReportReader
 from smarttestudo.link.protocol.sender import LinkSender
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.command_inbox import CommandInbox
@@ -73,6 +73,7 @@ class RobotEnd:
         self._counts: dict[str, StreamCounts] = {}
         self._origin: Callable[[], MessageOrigin | None] = lambda: None
         self._versions = OtherVersions(warn)
+        self._reports = ReportReader()
         # Neither a message nor an answer waits for the disk.
         self._disk = Worker("link-incidents", lambda error: warn(f"no incident: {said(error)}"))
         self._worker = Worker(
@@ -237,10 +238,10 @@ class RobotEnd:
         if self._has_left and not is_heard(self._data):
             return
         data = sample.payload.to_bytes()
-        self._versions.check(OPERATOR, data)
         try:
-            report = REPORTS.from_bytes(data)
+            report = self._reports.from_bytes(data)
         except LinkError:
+            self._versions.check(OPERATOR, data)
             self.malformed += 1
             return
         self._do(lambda: self._sender.handle_report(report, self._clock()))
