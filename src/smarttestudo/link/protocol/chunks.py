@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from smarttestudo.link.protocol.wire import HEAD_BYTES, Kind, frame, kind_of, malformed
 
@@ -21,12 +22,12 @@ CONTROL_STREAM = 0
 # stream and flags, session, number, offset, size, offered_ns, sent_ns
 _HEADER = struct.Struct(f"<{HEAD_BYTES}sHIIIIqq")
 HEADER_BYTES = _HEADER.size
+_FRAME = frame(Kind.CHUNK, b"")
 _COMPRESSED = MAX_STREAMS
 _KEPT = 2 * MAX_STREAMS
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Chunk:
+class Chunk(NamedTuple):
     """A part of a message: ``body`` stands at ``offset`` of the ``size_bytes`` that travel.
 
     ``session`` counts the connections of the robot's end, ``number`` the messages of the stream. The times
@@ -50,28 +51,22 @@ class Chunk:
         flags = _COMPRESSED * self.is_compressed | _KEPT * self.is_kept
         head = (self.stream | flags, self.session, self.number, self.offset, self.size_bytes)
         # One copy of a body that may be large.
-        return _HEADER.pack(frame(Kind.CHUNK, b""), *head, self.offered_ns, self.sent_ns) + self.body
+        return _HEADER.pack(_FRAME, *head, self.offered_ns, self.sent_ns) + self.body
 
     @staticmethod
     def from_bytes(data: bytes) -> Chunk:
         """The chunk that ``to_bytes`` gave ``data`` for. Raises ``LinkError`` for anything else."""
-        if kind_of(data) != Kind.CHUNK or len(data) < HEADER_BYTES:
+        if not data.startswith(_FRAME) or len(data) < HEADER_BYTES:
+            kind_of(data)
             raise malformed("no chunk")
         _, flags, session, number, offset, size_bytes, offered_ns, sent_ns = _HEADER.unpack_from(data)
         body = data[HEADER_BYTES:]
         if size_bytes > MAX_MESSAGE_BYTES or offset + len(body) > size_bytes or flags >= 2 * _KEPT:
             raise malformed("a chunk that reaches beyond its message")
+        is_compressed, is_kept = bool(flags & _COMPRESSED), bool(flags & _KEPT)
+        stream = flags % MAX_STREAMS
         return Chunk(
-            session=session,
-            stream=flags % MAX_STREAMS,
-            number=number,
-            offset=offset,
-            size_bytes=size_bytes,
-            offered_ns=offered_ns,
-            sent_ns=sent_ns,
-            is_compressed=bool(flags & _COMPRESSED),
-            is_kept=bool(flags & _KEPT),
-            body=body,
+            session, stream, number, offset, size_bytes, offered_ns, sent_ns, is_compressed, is_kept, body
         )
 
 

@@ -106,23 +106,23 @@ class Outbox:
         """The chunk that goes next, with at most ``body_bytes`` of its message."""
         if not self._active:
             return None
-        stream = min(self._active.values(), key=lambda each: _rank(each, now_ns))
+        stream = self._first(now_ns)
         message = stream.begun or stream.begin(now_ns)
         if message.encoded is None:
             message.encoded = self._encode(stream.number, message.payload)
         data = message.encoded.data
         body = data[message.offset : message.offset + body_bytes]
         chunk = Chunk(
-            session=session,
-            stream=stream.number,
-            number=message.number,
-            offset=message.offset,
-            size_bytes=len(data),
-            offered_ns=message.offered_ns,
-            sent_ns=now_ns,
-            is_compressed=message.encoded.is_compressed,
-            is_kept=message.is_kept,
-            body=body,
+            session,
+            stream.number,
+            message.number,
+            message.offset,
+            len(data),
+            message.offered_ns,
+            now_ns,
+            message.encoded.is_compressed,
+            message.is_kept,
+            body,
         )
         message.offset += len(body)
         message.sent_ns = now_ns
@@ -187,6 +187,12 @@ class Outbox:
         """The counts of each stream."""
         for number, stream in self._streams.items():
             yield number, stream.counts(now_ns)
+
+    def _first(self, now_ns: int) -> OutgoingStream:
+        """The stream that goes before the others."""
+        if len(self._active) == 1:
+            return next(iter(self._active.values()))
+        return min(self._active.values(), key=lambda each: _rank(each, now_ns))
 
     def _queue(self, stream: OutgoingStream, message: OutgoingMessage, most_bytes: int) -> None:
         may_overflow = stream.number != CONTROL_STREAM

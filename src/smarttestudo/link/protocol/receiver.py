@@ -19,6 +19,7 @@ from smarttestudo.link.protocol.chunks import (
 )
 from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
+from smarttestudo.link.protocol.reports import ReportWriter
 from smarttestudo.link.protocol.window import ACKNOWLEDGE_BYTES, ACKNOWLEDGE_PERIOD_NS
 
 KEEP_ALIVE_NS = NS_PER_S // 2
@@ -72,6 +73,7 @@ class LinkReceiver:
         self.counts = ReceiverCounts()
         self.streams: dict[int, StreamInfo] = {}
         self._receiver = receiver
+        self._reports = ReportWriter(receiver)
         self._decompress = decompress
         self._predicts = predicts
         self._session = 0
@@ -113,16 +115,16 @@ class LinkReceiver:
     def next_report(self, now_ns: int) -> bytes:
         """The report to send now."""
         self._reported_ns, self._reported_bytes = now_ns, self._session_bytes
-        ages_ms, predicts = {}, frozenset[str]()
-        if now_ns - self._ages_reported_ns >= _AGES_PERIOD_NS or self._session == 0:
-            self._ages_reported_ns, predicts = now_ns, self._predicts
-            ages_ms, self._ages_ms = self._ages_ms, {}
+        if now_ns - self._ages_reported_ns < _AGES_PERIOD_NS and self._session:
+            return self._reports.to_bytes(self._session, self._session_bytes)
+        self._ages_reported_ns = now_ns
+        ages_ms, self._ages_ms = self._ages_ms, {}
         report = Report(
             receiver=self._receiver,
             session=self._session,
             received_bytes=self._session_bytes,
             ages_ms=ages_ms,
-            predicts=predicts,
+            predicts=self._predicts,
         )
         return REPORTS.to_bytes(report)
 

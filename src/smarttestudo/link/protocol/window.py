@@ -11,7 +11,7 @@ packet, and where a sender with little to send must not forget what the link car
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 
@@ -53,8 +53,7 @@ _PROBE_GAIN = 1.25
 _FIRST_TRIP_NS = 50 * NS_PER_MS
 
 
-@dataclass(slots=True)
-class _Flight:
+class _Flight(NamedTuple):
     """Bytes under way: they end at ``total`` of the session."""
 
     total: int
@@ -96,6 +95,8 @@ class Window:
         self._least_seen_ns = 0
         self._drain_until_ns: int | None = None
         self._drained_trip_ns = 0
+        self._size_bytes: int | None = None
+        """The size as it is until something is learned."""
 
     @property
     def in_flight_bytes(self) -> int:
@@ -125,6 +126,11 @@ class Window:
     @property
     def size_bytes(self) -> int:
         """How many bytes may be under way now."""
+        if self._size_bytes is None:
+            self._size_bytes = self._measured_size_bytes()
+        return self._size_bytes
+
+    def _measured_size_bytes(self) -> int:
         trip_ns = _FIRST_TRIP_NS if self.round_trip_ns is None else self.round_trip_ns
         if self._drain_until_ns is not None:
             return max(_LEAST_WINDOW_BYTES, int(self.capacity_bytes_per_s * trip_ns / NS_PER_S / 2))
@@ -180,12 +186,14 @@ class Window:
 
     def raise_capacity(self, bytes_per_s: float) -> None:
         """The link was seen to carry more than was known."""
+        self._size_bytes = None
         self._keep_rate(bytes_per_s)
 
     def acknowledge(self, total_bytes: int, now_ns: int) -> bool:
         """The other end has ``total_bytes`` of the session; whether that can be."""
         if not self.acknowledged_bytes <= total_bytes <= self.sent_bytes:
             return False
+        self._size_bytes = None
         self.acknowledged_bytes = total_bytes
         newest = None
         while self._flights and self._flights[0].total <= total_bytes:

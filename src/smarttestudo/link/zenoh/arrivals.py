@@ -68,7 +68,8 @@ class EventQueue:
                 oldest = self._may_go.popleft() if self._may_go else next(iter(self._events))
                 self._bytes -= _size_bytes(self._events.pop(oldest))
                 self.dropped += 1
-            self._news.set()
+            if len(self._events) == 1:
+                self._news.set()
 
     def wait(self, timeout_s: float) -> list[LinkEvent]:
         """All that waits, as soon as there is something; nothing after ``timeout_s``."""
