@@ -133,7 +133,7 @@ class _Meters:
         self.target_hz = statistics.target.rate_hz
 
     def look(self, link: TopicLink, profile: TopicProfile, now_ns: int) -> None:
-        """Measure anew; the output from its last change of target on."""
+        """Measure anew; the output's rate from its last change of target on."""
         if self.target_hz != self.statistics.target.rate_hz:
             self.target_hz = self.statistics.target.rate_hz
             self.relayed.restart()
@@ -253,7 +253,7 @@ def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts
         stamped_hz=meters.age.stamped_hz if link.has_header else None,
         delay_ms=meters.age.delay_ms if link.has_header else None,
         in_kb_per_s=meters.arrived.kb_per_s,
-        out_kb_per_s=meters.relayed.kb_per_s,
+        out_kb_per_s=meters.relayed.kb_per_s if meters.target_hz else 0.0,
         publishers=link.publishers,
         subscribers=link.subscribers,
         incompatible=link.incompatible,

@@ -22,6 +22,10 @@ from smarttestudo.loop.inputs import MessageInput
 from smarttestudo.robot.topic import not_offered
 
 IMU_10 = "begin SetFrequency /imu 10 end"
+OFF_LATER = (
+    "begin SetFrequency /imu 50 If (CheckValue /imu age < 100 AND CheckValue /late age > 20) "
+    "Then SetFrequency /imu Off EndIf end"
+)
 TF = "tf2_msgs/msg/TFMessage"
 
 
@@ -64,6 +68,23 @@ def test_the_actual_rate_is_that_since_the_target_changed() -> None:
     assert after.actual_hz == pytest.approx(50, rel=0.01)
     assert after.error_percent is None
     assert driver.status_at(29).topics["/imu"].error_percent == pytest.approx(0, abs=1)
+
+
+def test_the_output_has_its_bandwidth_while_its_target_changes_with_each_look() -> None:
+    driver = StatusDriver(rules="begin SetFrequency /imu Full end", source_hz={"/imu": 200})
+    driver.status_at(15)
+    for second, budget_kb_per_s in enumerate((50, 52, 48, 51, 49) * 4, 16):
+        driver.driver.budget(budget_kb_per_s)
+        topic = driver.status_at(second).topics["/imu"]
+        assert topic.actual_hz is None
+    assert topic.out_kb_per_s == pytest.approx(50, rel=0.05)
+
+
+def test_a_topic_that_is_off_takes_no_bandwidth() -> None:
+    driver = StatusDriver(rules=OFF_LATER, source_hz={"/imu": 200})
+    assert driver.status_at(19).topics["/imu"].out_kb_per_s == pytest.approx(25, rel=0.05)
+    topic = driver.status_at(23).topics["/imu"]
+    assert (topic.target_hz, topic.out_kb_per_s) == (0, 0)
 
 
 @pytest.mark.parametrize(
