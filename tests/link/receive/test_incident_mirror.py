@@ -18,8 +18,15 @@ from smarttestudo.domain.remote_incidents import (
     FetchProgress,
     OnProgress,
     RemoteIncident,
+    SilentRobotError,
 )
-from smarttestudo.link.receive.incident_mirror import STALLED_AFTER_S, TURN_S, IncidentMirror, MirrorFolders
+from smarttestudo.link.receive.incident_mirror import (
+    STALLED_AFTER_S,
+    STARTS_WITHIN_S,
+    TURN_S,
+    IncidentMirror,
+    MirrorFolders,
+)
 
 OUTAGE = RemoteIncident(
     robot="ada",
@@ -121,11 +128,48 @@ def test_after_an_error_a_robot_that_comes_back_is_asked_at_once_and_one_that_st
         assert asked[0] == looks_until_asked
 
 
-def two_robots(folder: Path, warned: list[str]) -> tuple[Robots, IncidentMirror, list[str]]:
+def test_a_robot_that_is_still_starting_is_asked_again_at_the_next_look_without_a_word(
+    tmp_path: Path,
+) -> None:
+    warned: list[str] = []
+    robots, mirror, said = one_robot(tmp_path, warned)
+    robots.error = SilentRobotError("ada does not answer this")
+    mirror.poll()
+    robots.now_s = STARTS_WITHIN_S - 1
+    mirror.poll()
+    robots.error, robots.outages = None, [OUTAGE]
+    mirror.poll()
+    assert (said, warned) == ([f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"], [])
+
+
+def test_a_robot_that_does_not_answer_is_named_once_it_is_connected_for_long(
+    tmp_path: Path,
+) -> None:
+    warned: list[str] = []
+    robots, mirror, _ = one_robot(tmp_path, warned)
+    robots.error = SilentRobotError("ada does not answer this")
+    mirror.poll()
+    robots.there = []
+    robots.now_s = 100.0
+    mirror.poll()
+    robots.there = ["ada"]
+    mirror.poll()
+    assert warned == []
+    robots.now_s += STARTS_WITHIN_S
+    mirror.poll()
+    assert warned == ["ada: error: ada does not answer this"]
+
+
+def one_robot(folder: Path, warned: list[str]) -> tuple[Robots, IncidentMirror, list[str]]:
     robots, said = Robots(), list[str]()
-    robots.there, robots.outages = ["ada", "bob"], [OUTAGE]
     folders = MirrorFolders(outages=folder)
     return robots, IncidentMirror(robots, folders, said.append, warned.append, steady_s=robots.steady_s), said
+
+
+def two_robots(folder: Path, warned: list[str]) -> tuple[Robots, IncidentMirror, list[str]]:
+    robots, mirror, said = one_robot(folder, warned)
+    robots.there, robots.outages = ["ada", "bob"], [OUTAGE]
+    return robots, mirror, said
 
 
 def test_a_fetch_that_gets_nothing_is_said_once_and_gives_way_to_other_robots(tmp_path: Path) -> None:

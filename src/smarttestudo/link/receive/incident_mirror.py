@@ -12,7 +12,12 @@ from functools import partial
 from pathlib import Path
 
 from smarttestudo.domain.errors import said
-from smarttestudo.domain.remote_incidents import FetchProgress, RemoteIncident, RemoteIncidents
+from smarttestudo.domain.remote_incidents import (
+    FetchProgress,
+    RemoteIncident,
+    RemoteIncidents,
+    SilentRobotError,
+)
 from smarttestudo.link.worker import Worker
 
 LOOK_PERIOD_S = 2.0
@@ -20,6 +25,8 @@ STALLED_AFTER_S = 30.0
 """A fetch that got nothing for so long gives way to those from other robots."""
 TURN_S = 60.0
 """So does one that began so long ago, where other robots are there."""
+STARTS_WITHIN_S = 20.0
+"""A robot that is connected for less may not answer because its run is still starting."""
 _AGAIN_AFTER_LOOKS = 30
 
 
@@ -68,7 +75,7 @@ class IncidentMirror:
     Robots take turns: a fetch ends where its robot leaves, where nothing comes, and after a minute where
     others are there, and is gone on with later. ``say`` is told of each that is whole, ``warn`` of what
     fails or stalls, which is tried again a minute later, or when the robot has come back. That a robot leaves
-    is no failure. ``steady_s`` is a clock that never jumps.
+    is no failure, nor that it does not answer at first. ``steady_s`` is a clock that never jumps.
     """
 
     def __init__(
@@ -88,6 +95,7 @@ class IncidentMirror:
         self._worker = Worker("link-mirror", lambda error: warn(said(error)), self.poll)
         self._rests: dict[tuple[str, str], int] = {}
         self._there: frozenset[str] = frozenset()
+        self._came_s: dict[str, float] = {}
         self._warned: set[str] = set()
 
     @contextmanager
@@ -102,6 +110,8 @@ class IncidentMirror:
     def poll(self) -> float:
         """Fetch what there is now; after how many seconds to poll again."""
         before, self._there = self._there, frozenset(self._incidents.robots(0))
+        now_s = self._steady_s()
+        self._came_s = {robot: self._came_s.get(robot, now_s) for robot in self._there}
         self._rests = {
             (robot, name): looks - 1
             for (robot, name), looks in self._rests.items()
@@ -139,9 +149,14 @@ class IncidentMirror:
         try:
             act()
         except Exception as error:  # noqa: BLE001 - whatever one robot does, others are fetched from
-            if robot not in self._incidents.robots(0):
+            if robot not in self._incidents.robots(0) or self._may_start(robot, error):
                 return
             self._rest(robot, name, said(error))
+
+    def _may_start(self, robot: str, error: Exception) -> bool:
+        """Whether ``error`` may come of a run that is still starting."""
+        is_new = self._steady_s() - self._came_s[robot] < STARTS_WITHIN_S
+        return is_new and isinstance(error, SilentRobotError)
 
     def _rest(self, robot: str, name: str, why: str) -> None:
         """Try it again a minute later."""
