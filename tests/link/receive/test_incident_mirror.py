@@ -21,6 +21,7 @@ from smarttestudo.domain.remote_incidents import (
     SilentRobotError,
 )
 from smarttestudo.link.receive.incident_mirror import (
+    LOOK_PERIOD_S,
     STALLED_AFTER_S,
     STARTS_WITHIN_S,
     TURN_S,
@@ -56,6 +57,7 @@ class Robots:
         self.fetched: list[str] = []
         self.bytes_per_s = {"ada": 1e9, "bob": 1e9}
         self.leaves_at_s = math.inf
+        self.got_bytes: dict[tuple[str, str], float] = {}
 
     def robots(self, within_s: float) -> Sequence[str]:
         return self.there
@@ -80,13 +82,14 @@ class Robots:
         cancelled: Callable[[], bool],
     ) -> Path | None:
         self.fetched.append(robot)
-        speed, began_s = self.bytes_per_s[robot], self.now_s
-        while (got_bytes := int((self.now_s - began_s) * speed)) < SIZE_BYTES:
+        speed = self.bytes_per_s[robot]
+        while (got_bytes := self.got_bytes.get((robot, name), 0)) < SIZE_BYTES:
             if cancelled():
                 return None
             waits_for = None if speed else "a part of the link that topics leave unused"
-            on_progress(FetchProgress(got_bytes=got_bytes, total_bytes=SIZE_BYTES, waits_for=waits_for))
+            on_progress(FetchProgress(got_bytes=int(got_bytes), total_bytes=SIZE_BYTES, waits_for=waits_for))
             self.now_s += 0.5
+            self.got_bytes[robot, name] = got_bytes + 0.5 * speed
             if self.now_s >= self.leaves_at_s:
                 self.there.remove("ada")
                 self.leaves_at_s = math.inf
@@ -199,14 +202,25 @@ def test_a_robot_that_is_switched_off_while_it_is_fetched_from_keeps_nobody_wait
     assert said[1:] == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
 
 
-def test_robots_take_turns_where_a_fetch_takes_long_and_one_alone_goes_on(tmp_path: Path) -> None:
+def test_robots_take_turns_where_a_fetch_takes_long_and_one_alone_goes_on_at_once(tmp_path: Path) -> None:
     warned: list[str] = []
     robots, mirror, said = two_robots(tmp_path, warned)
     robots.bytes_per_s["ada"] = 50
-    mirror.poll()
+    assert mirror.poll() == 0
     assert said == [f"bob: outage {tmp_path / 'bob' / OUTAGE.name}"]
     assert robots.now_s < TURN_S + 2
     robots.there = ["ada"]
-    mirror.poll()
+    assert mirror.poll() == LOOK_PERIOD_S
     assert said[1:] == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
     assert warned == []
+
+
+def test_what_is_recorded_meanwhile_comes_before_the_rest_of_a_fetch_that_takes_long(tmp_path: Path) -> None:
+    robots, mirror, said = one_robot(tmp_path, [])
+    old, new = (replace(OUTAGE, name=f"{name}-outage", triggered_ns=ns) for name, ns in (("a", 1), ("b", 2)))
+    robots.outages, robots.bytes_per_s["ada"] = [old], 50
+    mirror.poll()
+    robots.outages = [old, new]
+    for _ in range(4):
+        mirror.poll()
+    assert said == [f"ada: outage {tmp_path / 'ada' / one.name}" for one in (new, old)]
