@@ -50,15 +50,18 @@ def test_a_topic_is_subscribed_to_while_an_operator_listens_to_it() -> None:
     graph.joins("/imu", DRIVER)
     live.looks()
     assert graph.subscribed() == set()
+    assert not live.topics.links()["/imu"].is_heard
     assert [publisher.topic for publisher in graph.advertised] == ["/testudo/imu"]
 
     graph.listens("/testudo/imu")
     live.looks(1)
     assert graph.subscribed() == {"/imu"}
+    assert live.topics.links()["/imu"].is_heard
 
     graph.operators.clear()
     live.looks(1)
     assert graph.subscribed() == set()
+    assert not live.topics.links()["/imu"].is_heard
     assert graph.lines == [
         f"/imu: {TEXT}, reliable; not subscribed, because there is no subscriber",
         "/imu: subscribed, because there is a subscriber",

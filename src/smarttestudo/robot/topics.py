@@ -220,7 +220,12 @@ class LiveTopics:
         """Connections of each relayed topic."""
         return {
             topic: topic_link(
-                self._robot, live.output, live.source, self._subscribers.of(live.output), live.problem
+                self._robot,
+                live.output,
+                live.source,
+                self._subscribers.of(live.output),
+                live.problem,
+                is_heard=live.subscription is not None,
             )
             for topic, live in self._topics.items()
             if live.output is not None

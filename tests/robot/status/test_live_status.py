@@ -117,6 +117,30 @@ def test_a_source_that_stops_is_silent() -> None:
     assert (topic.source_hz, topic.actual_hz, topic.error_percent) == (0, 0, None)
 
 
+def test_the_rate_of_a_source_that_is_not_subscribed_to_is_unknown() -> None:
+    driver = StatusDriver(rules=IMU_10, source_hz={"/imu": 30})
+    driver.status_at(12)
+    due_ns = driver.due_ns.pop("/imu")
+    driver.links["/imu"] = {"is_heard": False, "subscribers": 0}
+    for second in (13, 30):
+        topic = driver.status_at(second).topics["/imu"]
+        assert (topic.source_hz, topic.expected_hz, topic.actual_hz) == (None, None, None)
+        assert topic.silence is Silence.NO_SUBSCRIBER
+    driver.links.clear()
+    driver.due_ns["/imu"] = due_ns + 18 * SECOND
+    assert driver.status_at(33).topics["/imu"].source_hz == pytest.approx(30)
+
+
+def test_a_source_is_measured_anew_where_it_was_not_subscribed_to_for_a_second() -> None:
+    driver = StatusDriver(rules=IMU_10, source_hz={"/imu": 30})
+    driver.status_at(12)
+    driver.links["/imu"] = {"is_heard": False}
+    driver.due_ns["/imu"] += SECOND
+    driver.status_at(13)
+    driver.links.clear()
+    assert driver.status_at(16).topics["/imu"].source_hz == pytest.approx(30)
+
+
 def test_the_profile_says_from_when_on_a_source_is_silent() -> None:
     profile = Profile(topics={"/imu": TopicProfile(stale_after_s=30)})
     driver = StatusDriver(rules=IMU_10, source_hz={"/imu": 30}, profile=profile)
