@@ -8,7 +8,8 @@ from collections.abc import Callable, Hashable, Mapping
 
 import pytest
 
-from robot.small_graph import TEXT, SmallGraph
+from robot.small_graph import NODE, TEXT, SmallGraph
+from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.payload import Payload
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.topics import LiveTopics
@@ -50,15 +51,18 @@ def test_a_topic_is_subscribed_to_while_an_operator_listens_to_it() -> None:
     graph.joins("/imu", DRIVER)
     live.looks()
     assert graph.subscribed() == set()
+    assert not live.topics.links()["/imu"].is_heard
     assert [publisher.topic for publisher in graph.advertised] == ["/testudo/imu"]
 
     graph.listens("/testudo/imu")
     live.looks(1)
     assert graph.subscribed() == {"/imu"}
+    assert live.topics.links()["/imu"].is_heard
 
     graph.operators.clear()
     live.looks(1)
     assert graph.subscribed() == set()
+    assert not live.topics.links()["/imu"].is_heard
     assert graph.lines == [
         f"/imu: {TEXT}, reliable; not subscribed, because there is no subscriber",
         "/imu: subscribed, because there is a subscriber",
@@ -89,6 +93,21 @@ def test_it_is_said_once_when_somebody_begins_to_listen_and_when_nobody_does_any
         {("/imu", True)},
         {("/scan", False)},
         {("/imu", False)},
+    ]
+
+
+def test_another_run_of_the_same_robot_is_named_once() -> None:
+    graph = SmallGraph()
+    live = Live(graph, "/imu")
+    graph.joins(DECISIONS_TOPIC, DRIVER, node=NODE)
+    graph.joins(DECISIONS_TOPIC, OTHER, node="/ada/smarttestudo")
+    live.looks()
+    assert lines_with(graph, "relays on this ROS graph") == []
+    graph.joins(DECISIONS_TOPIC, SECOND, node=NODE)
+    live.looks()
+    assert lines_with(graph, "relays on this ROS graph") == [
+        f"another {NODE} relays on this ROS graph, or was killed a moment ago: "
+        "what both relay arrives twice; end one of them"
     ]
 
 

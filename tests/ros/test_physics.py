@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from typing import Any
 import pytest
 
 from ros.live_incidents import record_of, recorded
-from ros.ros_processes import Process, SmallRobot
+from ros.ros_processes import FOLDER, Process, SmallRobot
 from ros.test_rates import IMU, JOINTS, ODOMETRY, SCAN, TWIST, mean_hz, received_by
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -39,6 +40,13 @@ def physics(robot: SmallRobot, *options: str) -> Process:
     simulated = robot.testudo("simulate", "--physics", *options)
     simulated.line_with("with physics (MuJoCo")
     return simulated
+
+
+def test_it_drives_in_the_background_of_a_shell(robot: SmallRobot) -> None:
+    command = (sys.executable, "-m", "smarttestudo", "simulate", "--physics", "--seconds", "1")
+    job = robot.command(sys.executable, str(FOLDER / "in_background.py"), *command)
+    assert job.exit_code() == 0
+    assert "with physics (MuJoCo" in "".join(job.output)
 
 
 @pytest.mark.calm

@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
 from smarttestudo.cli.command_parser import CommandParser
@@ -78,8 +79,9 @@ def _drive_with_physics(
     from smarttestudo.simulation.physics.drive import RobotKind, teleop_of  # noqa: PLC0415  see run
 
     kind = RobotKind(arguments.robot or RobotKind.WAFFLE.value)
-    with key_presses() as keys:
-        teleop = teleop_of(kind) if arguments.teleop else None
+    teleop = teleop_of(kind) if arguments.teleop else None
+    # A process in the background that asks for keys is stopped.
+    with nullcontext(str) if teleop is None else key_presses() as keys:
         if teleop is not None:
             robot.log.info(f"Keys: {teleop.keys}")
         simulate_physics(

@@ -17,6 +17,8 @@ from types import FrameType
 from typing import TextIO
 
 _LONGEST = 64
+_LOCAL_MODES = 3
+"""Place of them in what termios gives."""
 
 
 def is_unicode(stream: TextIO) -> bool:
@@ -26,7 +28,10 @@ def is_unicode(stream: TextIO) -> bool:
 
 @contextmanager
 def key_presses() -> Iterator[Callable[[], str]]:
-    """The keys pressed since the last call; never any where standard input is no terminal."""
+    """The keys pressed since the last call; never any where standard input is no terminal.
+
+    In the background of a shell, whoever asks for them is stopped at once.
+    """
     if not sys.stdin.isatty():
         yield str
         return
@@ -36,10 +41,26 @@ def key_presses() -> Iterator[Callable[[], str]]:
     terminal = sys.stdin.fileno()
     before = termios.tcgetattr(terminal)
     tty.setcbreak(terminal)
+
+    def pressed() -> str:
+        # A shell that had stopped the process has set the terminal to whole lines.
+        if termios.tcgetattr(terminal)[_LOCAL_MODES] & termios.ICANON and _is_in_front(terminal):
+            tty.setcbreak(terminal, termios.TCSADRAIN)
+        return _read(terminal) if select.select([terminal], [], [], 0)[0] else ""
+
     try:
-        yield lambda: _read(terminal) if select.select([terminal], [], [], 0)[0] else ""
+        yield pressed
     finally:
         termios.tcsetattr(terminal, termios.TCSADRAIN, before)
+
+
+def _is_in_front(terminal: int) -> bool:
+    """Whether the process may change ``terminal``, which stops those in the background."""
+    try:
+        return os.tcgetpgrp(terminal) == os.getpgrp()
+    except OSError:
+        # No shell has processes in its background there.
+        return True
 
 
 def _read(terminal: int) -> str:

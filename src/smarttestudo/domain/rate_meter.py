@@ -83,6 +83,12 @@ class RateWindow:
         """Forget what was: the next message begins a window."""
         self._looks.clear()
 
+    def begun_anew(self) -> RateWindow:
+        """Another window of the same flow, which its next message begins."""
+        window = RateWindow()
+        window._messages = self._messages
+        return window
+
     def look(self, now_ns: int, messages: int, position_ns: int, size_bytes: int = 0) -> bool:
         """Take the counts at ``now_ns``; whether messages came. On a clock that jumped back, begin anew."""
         looks = self._looks
@@ -130,7 +136,7 @@ class FlowMeter:
     mean interval of the window); from then on its rate is 0.
     """
 
-    __slots__ = ("_window", "flow", "is_silent", "kb_per_s", "rate_hz", "span_ns")
+    __slots__ = ("_bandwidth", "_window", "flow", "is_silent", "kb_per_s", "rate_hz", "span_ns")
 
     def __init__(self, flow: Flow) -> None:
         self.flow = flow
@@ -138,23 +144,26 @@ class FlowMeter:
         self.rate_hz: float | None = None
         self.kb_per_s = 0.0
         self.span_ns = 0
-        self._window = RateWindow()
+        self._window = self._bandwidth = RateWindow()
 
     def restart(self) -> None:
-        """Measure from the next message on."""
-        self._window.restart()
+        """Measure the rate from the next message on; the bandwidth stays that of the last seconds."""
+        self._window = self._window.begun_anew()
 
     def look(self, now_ns: int, *, stale_after_ns: int | None = None, transient_local: bool = False) -> None:
         """Measure anew."""
         flow = self.flow
-        if self._window.look(now_ns, flow.messages, flow.span_ns, flow.size_bytes):
+        if self._bandwidth.look(now_ns, flow.messages, flow.span_ns, flow.size_bytes):
             self.is_silent = False
+        if self._window is not self._bandwidth:
+            self._window.look(now_ns, flow.messages, flow.span_ns)
         limit_ns = self._limit_ns(stale_after_ns)
         if limit_ns is not None and not transient_local and now_ns - flow.last_ns > limit_ns:
             self.is_silent = True
+            self._window = self._bandwidth
             self._window.restart()
         self.rate_hz = 0.0 if self.is_silent else self._window.rate_hz
-        self.kb_per_s = self._window.kb_per_s(now_ns)
+        self.kb_per_s = self._bandwidth.kb_per_s(now_ns)
         self.span_ns = self._window.span_ns
 
     def _limit_ns(self, stale_after_ns: int | None) -> int | None:

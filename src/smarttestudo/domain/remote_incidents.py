@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from smarttestudo.domain.errors import LinkError
+
 OUTAGE_NAME = "outage"
 OUTAGE_RULE = "(link)"
 """What stands in the place of a rule's name where the link's outage was the reason."""
@@ -56,6 +58,10 @@ class FetchProgress:
     waits_for: str | None = None
 
 
+class SilentRobotError(LinkError):
+    """A robot is connected and does not answer: it has no incidents to offer, or is still starting."""
+
+
 OnProgress = Callable[[FetchProgress], None]
 """Takes the progress, a few times a second, on the thread that fetches."""
 
@@ -71,7 +77,7 @@ class RemoteIncidents(Protocol):
         """Why no robot can be heard now; ``None`` where one could be."""
 
     def list(self, robot: str) -> Sequence[RemoteIncident]:
-        """The incidents of a robot, oldest first. Raises ``TestudoError`` where it does not answer."""
+        """The incidents of a robot, oldest first. Raises ``TestudoError``, as ``SilentRobotError``."""
 
     def fetch(
         self,

@@ -10,10 +10,14 @@ from smarttestudo.domain.robot import Endpoint, Robot
 _OF_ROS = frozenset({"/rosout", "/parameter_events"})
 
 
+def relaying_nodes(robot: Robot) -> list[str]:
+    """The names of the nodes that relay, as they publish decisions; a name as often as nodes have it."""
+    return [endpoint.node for endpoint in robot.publishers(DECISIONS_TOPIC)]
+
+
 def testudo_nodes(robot: Robot) -> frozenset[str]:
-    """The nodes that relay, this one among them: they publish decisions."""
-    nodes = {endpoint.node for endpoint in robot.publishers(DECISIONS_TOPIC)}
-    return frozenset(nodes | {robot.name})
+    """The nodes that relay, this one among them."""
+    return frozenset({*relaying_nodes(robot), robot.name})
 
 
 def visible_topics(robot: Robot) -> dict[str, list[Endpoint]]:

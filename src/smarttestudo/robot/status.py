@@ -122,7 +122,7 @@ class _FrameMeters:
 class _Meters:
     """Both sides of one relay."""
 
-    __slots__ = ("age", "arrived", "frames", "relayed", "statistics", "target_hz")
+    __slots__ = ("age", "arrived", "frames", "is_heard", "relayed", "statistics", "target_hz")
 
     def __init__(self, statistics: RelayStatistics) -> None:
         self.statistics = statistics
@@ -131,13 +131,18 @@ class _Meters:
         self.relayed = FlowMeter(statistics.relayed)
         self.age = MessageAge()
         self.target_hz = statistics.target.rate_hz
+        self.is_heard = True
 
     def look(self, link: TopicLink, profile: TopicProfile, now_ns: int) -> None:
-        """Measure anew; the output from its last change of target on."""
+        """Measure anew; the output's rate from its last change of target on."""
         if self.target_hz != self.statistics.target.rate_hz:
             self.target_hz = self.statistics.target.rate_hz
             self.relayed.restart()
             self.frames.restart()
+        if link.is_heard and not self.is_heard:
+            # What came meanwhile is not known.
+            self.arrived.restart()
+        self.is_heard = link.is_heard
         stale_after_s = profile.stale_after_s
         stale_after_ns = None if stale_after_s is None else ns_from_s(stale_after_s)
         self.arrived.look(now_ns, stale_after_ns=stale_after_ns, transient_local=link.transient_local)
@@ -147,7 +152,9 @@ class _Meters:
 
     @property
     def rates(self) -> _Rates:
-        """Of messages, or of transforms by frame."""
+        """Of messages, or of transforms by frame; unknown where nothing is received of the source."""
+        if not self.is_heard:
+            return _NO_RATES
         if self.frames:
             return self.frames.rates(self.target_hz)
         source_hz = self.arrived.rate_hz
@@ -237,7 +244,8 @@ class LiveStatus:
 def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts: TopicCounts) -> TopicStatus:
     rates = meters.rates
     error = _Error(None, is_explained=True) if planned.within else _error(meters, rates, link)
-    is_still = meters.arrived.is_silent or meters.target_hz == 0
+    is_silent = meters.arrived.is_silent and meters.is_heard
+    is_still = is_silent or meters.target_hz == 0
     return TopicStatus(
         output=link.output,
         type_name=link.type_name,
@@ -245,7 +253,7 @@ def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts
         rule=planned.rule,
         line=planned.line,
         target_hz=meters.target_hz,
-        source_hz=0.0 if meters.arrived.is_silent else rates.source_hz,
+        source_hz=0.0 if is_silent else rates.source_hz,
         expected_hz=rates.expected_hz,
         actual_hz=0.0 if is_still else rates.actual_hz,
         error_percent=error.percent,
@@ -253,7 +261,7 @@ def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts
         stamped_hz=meters.age.stamped_hz if link.has_header else None,
         delay_ms=meters.age.delay_ms if link.has_header else None,
         in_kb_per_s=meters.arrived.kb_per_s,
-        out_kb_per_s=meters.relayed.kb_per_s,
+        out_kb_per_s=meters.relayed.kb_per_s if meters.target_hz else 0.0,
         publishers=link.publishers,
         subscribers=link.subscribers,
         incompatible=link.incompatible,

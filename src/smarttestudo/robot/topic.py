@@ -89,12 +89,14 @@ def not_offered(offered: Qos, subscriber: Endpoint) -> tuple[str, ...]:
 class TopicLink:
     """Connections of a relayed topic on the graph.
 
-    ``incompatible`` are the nodes among the ``subscribers`` of the output that its QoS cannot serve.
+    Unless it ``is_heard``, the source is not subscribed to. ``incompatible`` are the nodes among the
+    ``subscribers`` of the output that its QoS cannot serve.
     """
 
     output: str
     type_name: str | None = None
     publishers: int = 0
+    is_heard: bool = True
     transient_local: bool = False
     has_header: bool = False
     subscribers: int = 0
@@ -108,10 +110,12 @@ def topic_link(
     source: LiveSource | None,
     subscribers: Sequence[Endpoint],
     problem: str | None,
+    *,
+    is_heard: bool = True,
 ) -> TopicLink:
     """The links of a topic whose publishers make ``source``, relayed to ``output``.
 
-    ``problem`` says why it cannot be relayed.
+    ``problem`` says why it cannot be relayed. Unless it ``is_heard``, nothing is received of it.
     """
     if source is None:
         return TopicLink(output=output, subscribers=len(subscribers), problem=problem)
@@ -119,6 +123,7 @@ def topic_link(
         output=output,
         type_name=source.type_name,
         publishers=source.publishers,
+        is_heard=is_heard,
         transient_local=source.qos.transient_local,
         has_header=robot.begins_with_header(source.type_name),
         subscribers=len(subscribers),

@@ -11,7 +11,7 @@ from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Undecodable
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Endpoint, Publisher, Robot, Subscription
-from smarttestudo.domain.visible_topics import testudo_nodes
+from smarttestudo.domain.visible_topics import relaying_nodes
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.topic import (
     LiveSource,
@@ -136,7 +136,7 @@ class LiveTopics:
     def look(self, *, has_changed: bool = False) -> list[SourceChanged]:
         """Follow the graph, which ``has_changed`` or may have: what changed since the last look."""
         self._look_at_operators(has_changed=has_changed)
-        testudos = testudo_nodes(self._robot)
+        testudos = self._testudo_nodes()
         moved = self._publishers.look(self._topics, has_changed=has_changed)
         unseen = [topic for topic, live in self._topics.items() if live.source is None or not live.is_told]
         if testudos != self._testudos:
@@ -220,7 +220,12 @@ class LiveTopics:
         """Connections of each relayed topic."""
         return {
             topic: topic_link(
-                self._robot, live.output, live.source, self._subscribers.of(live.output), live.problem
+                self._robot,
+                live.output,
+                live.source,
+                self._subscribers.of(live.output),
+                live.problem,
+                is_heard=live.subscription is not None,
             )
             for topic, live in self._topics.items()
             if live.output is not None
@@ -297,6 +302,15 @@ class LiveTopics:
         self._name_unserved(live)
         is_told, live.is_told = live.is_told, True
         return None if source == before and is_told else _changed(live.topic, source)
+
+    def _testudo_nodes(self) -> frozenset[str]:
+        relaying, own = relaying_nodes(self._robot), self._robot.name
+        if relaying.count(own) > 1:
+            self._warn_once(
+                f"another {own} relays on this ROS graph, or was killed a moment ago: "
+                "what both relay arrives twice; end one of them"
+            )
+        return frozenset({*relaying, own})
 
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
         if endpoints and not own:

@@ -18,8 +18,16 @@ from smarttestudo.domain.remote_incidents import (
     FetchProgress,
     OnProgress,
     RemoteIncident,
+    SilentRobotError,
 )
-from smarttestudo.link.receive.incident_mirror import STALLED_AFTER_S, TURN_S, IncidentMirror, MirrorFolders
+from smarttestudo.link.receive.incident_mirror import (
+    LOOK_PERIOD_S,
+    STALLED_AFTER_S,
+    STARTS_WITHIN_S,
+    TURN_S,
+    IncidentMirror,
+    MirrorFolders,
+)
 
 OUTAGE = RemoteIncident(
     robot="ada",
@@ -49,6 +57,7 @@ class Robots:
         self.fetched: list[str] = []
         self.bytes_per_s = {"ada": 1e9, "bob": 1e9}
         self.leaves_at_s = math.inf
+        self.got_bytes: dict[tuple[str, str], float] = {}
 
     def robots(self, within_s: float) -> Sequence[str]:
         return self.there
@@ -73,13 +82,14 @@ class Robots:
         cancelled: Callable[[], bool],
     ) -> Path | None:
         self.fetched.append(robot)
-        speed, began_s = self.bytes_per_s[robot], self.now_s
-        while (got_bytes := int((self.now_s - began_s) * speed)) < SIZE_BYTES:
+        speed = self.bytes_per_s[robot]
+        while (got_bytes := self.got_bytes.get((robot, name), 0)) < SIZE_BYTES:
             if cancelled():
                 return None
             waits_for = None if speed else "a part of the link that topics leave unused"
-            on_progress(FetchProgress(got_bytes=got_bytes, total_bytes=SIZE_BYTES, waits_for=waits_for))
+            on_progress(FetchProgress(got_bytes=int(got_bytes), total_bytes=SIZE_BYTES, waits_for=waits_for))
             self.now_s += 0.5
+            self.got_bytes[robot, name] = got_bytes + 0.5 * speed
             if self.now_s >= self.leaves_at_s:
                 self.there.remove("ada")
                 self.leaves_at_s = math.inf
@@ -121,11 +131,48 @@ def test_after_an_error_a_robot_that_comes_back_is_asked_at_once_and_one_that_st
         assert asked[0] == looks_until_asked
 
 
-def two_robots(folder: Path, warned: list[str]) -> tuple[Robots, IncidentMirror, list[str]]:
+def test_a_robot_that_is_still_starting_is_asked_again_at_the_next_look_without_a_word(
+    tmp_path: Path,
+) -> None:
+    warned: list[str] = []
+    robots, mirror, said = one_robot(tmp_path, warned)
+    robots.error = SilentRobotError("ada does not answer this")
+    mirror.poll()
+    robots.now_s = STARTS_WITHIN_S - 1
+    mirror.poll()
+    robots.error, robots.outages = None, [OUTAGE]
+    mirror.poll()
+    assert (said, warned) == ([f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"], [])
+
+
+def test_a_robot_that_does_not_answer_is_named_once_it_is_connected_for_long(
+    tmp_path: Path,
+) -> None:
+    warned: list[str] = []
+    robots, mirror, _ = one_robot(tmp_path, warned)
+    robots.error = SilentRobotError("ada does not answer this")
+    mirror.poll()
+    robots.there = []
+    robots.now_s = 100.0
+    mirror.poll()
+    robots.there = ["ada"]
+    mirror.poll()
+    assert warned == []
+    robots.now_s += STARTS_WITHIN_S
+    mirror.poll()
+    assert warned == ["ada: error: ada does not answer this"]
+
+
+def one_robot(folder: Path, warned: list[str]) -> tuple[Robots, IncidentMirror, list[str]]:
     robots, said = Robots(), list[str]()
-    robots.there, robots.outages = ["ada", "bob"], [OUTAGE]
     folders = MirrorFolders(outages=folder)
     return robots, IncidentMirror(robots, folders, said.append, warned.append, steady_s=robots.steady_s), said
+
+
+def two_robots(folder: Path, warned: list[str]) -> tuple[Robots, IncidentMirror, list[str]]:
+    robots, mirror, said = one_robot(folder, warned)
+    robots.there, robots.outages = ["ada", "bob"], [OUTAGE]
+    return robots, mirror, said
 
 
 def test_a_fetch_that_gets_nothing_is_said_once_and_gives_way_to_other_robots(tmp_path: Path) -> None:
@@ -155,14 +202,25 @@ def test_a_robot_that_is_switched_off_while_it_is_fetched_from_keeps_nobody_wait
     assert said[1:] == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
 
 
-def test_robots_take_turns_where_a_fetch_takes_long_and_one_alone_goes_on(tmp_path: Path) -> None:
+def test_robots_take_turns_where_a_fetch_takes_long_and_one_alone_goes_on_at_once(tmp_path: Path) -> None:
     warned: list[str] = []
     robots, mirror, said = two_robots(tmp_path, warned)
     robots.bytes_per_s["ada"] = 50
-    mirror.poll()
+    assert mirror.poll() == 0
     assert said == [f"bob: outage {tmp_path / 'bob' / OUTAGE.name}"]
     assert robots.now_s < TURN_S + 2
     robots.there = ["ada"]
-    mirror.poll()
+    assert mirror.poll() == LOOK_PERIOD_S
     assert said[1:] == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
     assert warned == []
+
+
+def test_what_is_recorded_meanwhile_comes_before_the_rest_of_a_fetch_that_takes_long(tmp_path: Path) -> None:
+    robots, mirror, said = one_robot(tmp_path, [])
+    old, new = (replace(OUTAGE, name=f"{name}-outage", triggered_ns=ns) for name, ns in (("a", 1), ("b", 2)))
+    robots.outages, robots.bytes_per_s["ada"] = [old], 50
+    mirror.poll()
+    robots.outages = [old, new]
+    for _ in range(4):
+        mirror.poll()
+    assert said == [f"ada: outage {tmp_path / 'ada' / one.name}" for one in (new, old)]

@@ -24,6 +24,7 @@ from smarttestudo.link.protocol.receiver import ReceiverCounts
 from smarttestudo.link.receive.reception import Reception
 from smarttestudo.link.receive.reception_metrics import MAX_TOPICS, ReceptionMetrics
 from smarttestudo.link.receive.status_sink import StatusSink
+from smarttestudo.link.zenoh.arrivals import StreamSaid
 from smarttestudo.pacing.cdr import string_message
 
 STATUSES = replace(ODOM, topic=STATUS_TOPIC, type_name="std_msgs/msg/String")
@@ -97,12 +98,35 @@ def test_the_counts_of_a_robot_that_is_away_stay() -> None:
 def test_a_robots_own_status_is_told_under_the_names_that_it_has_there() -> None:
     statuses = StatusSink(STATUS_TOPIC)
     reception = Reception([statuses])
+    reception.handle(presence(), 0)
     reception.handle(status_message("{"), 0)
     reception.handle(status_message(json_text(to_json(STATUS))), 0)
     reception.handle(message(), 0)
     found = numbers(reception, statuses)
     assert found["testudo_topic_target_hertz", "ada", "/imu"] == 50.0
     assert found["testudo_receive_unreadable_statuses_total",] == 0.0
+
+
+def test_a_status_is_told_while_the_run_that_said_it_is_connected() -> None:
+    statuses = StatusSink(STATUS_TOPIC)
+    reception = Reception([statuses])
+
+    def is_told() -> bool:
+        return ("testudo_topic_target_hertz", "ada", "/imu") in numbers(reception, statuses)
+
+    reception.handle(presence(), 0)
+    reception.handle(StreamSaid(robot="ada", boot="0", number=1, info=STATUSES), 0)
+    reception.handle(status_message(json_text(to_json(STATUS))), 0)
+    assert is_told()
+    reception.handle(presence(is_present=False), 0)
+    assert not is_told()
+    reception.handle(presence(), 0)
+    assert is_told()
+    reception.handle(presence(is_present=False), 0)
+    reception.handle(presence(boot="1"), 0)
+    assert not is_told()
+    reception.handle(status_message(json_text(to_json(STATUS))), 0)
+    assert is_told()
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,10 @@ from smarttestudo.loop.inputs import MessageInput
 from smarttestudo.robot.topic import not_offered
 
 IMU_10 = "begin SetFrequency /imu 10 end"
+OFF_LATER = (
+    "begin SetFrequency /imu 50 If (CheckValue /imu age < 100 AND CheckValue /late age > 20) "
+    "Then SetFrequency /imu Off EndIf end"
+)
 TF = "tf2_msgs/msg/TFMessage"
 
 
@@ -66,6 +70,23 @@ def test_the_actual_rate_is_that_since_the_target_changed() -> None:
     assert driver.status_at(29).topics["/imu"].error_percent == pytest.approx(0, abs=1)
 
 
+def test_the_output_has_its_bandwidth_while_its_target_changes_with_each_look() -> None:
+    driver = StatusDriver(rules="begin SetFrequency /imu Full end", source_hz={"/imu": 200})
+    driver.status_at(15)
+    for second, budget_kb_per_s in enumerate((50, 52, 48, 51, 49) * 4, 16):
+        driver.driver.budget(budget_kb_per_s)
+        topic = driver.status_at(second).topics["/imu"]
+        assert topic.actual_hz is None
+    assert topic.out_kb_per_s == pytest.approx(50, rel=0.05)
+
+
+def test_a_topic_that_is_off_takes_no_bandwidth() -> None:
+    driver = StatusDriver(rules=OFF_LATER, source_hz={"/imu": 200})
+    assert driver.status_at(19).topics["/imu"].out_kb_per_s == pytest.approx(25, rel=0.05)
+    topic = driver.status_at(23).topics["/imu"]
+    assert (topic.target_hz, topic.out_kb_per_s) == (0, 0)
+
+
 @pytest.mark.parametrize(
     ("rules", "source_hz", "link", "silence"),
     [
@@ -94,6 +115,30 @@ def test_a_source_that_stops_is_silent() -> None:
     topic = driver.status_at(20).topics["/imu"]
     assert topic.silence is Silence.SOURCE_SILENT
     assert (topic.source_hz, topic.actual_hz, topic.error_percent) == (0, 0, None)
+
+
+def test_the_rate_of_a_source_that_is_not_subscribed_to_is_unknown() -> None:
+    driver = StatusDriver(rules=IMU_10, source_hz={"/imu": 30})
+    driver.status_at(12)
+    due_ns = driver.due_ns.pop("/imu")
+    driver.links["/imu"] = {"is_heard": False, "subscribers": 0}
+    for second in (13, 30):
+        topic = driver.status_at(second).topics["/imu"]
+        assert (topic.source_hz, topic.expected_hz, topic.actual_hz) == (None, None, None)
+        assert topic.silence is Silence.NO_SUBSCRIBER
+    driver.links.clear()
+    driver.due_ns["/imu"] = due_ns + 18 * SECOND
+    assert driver.status_at(33).topics["/imu"].source_hz == pytest.approx(30)
+
+
+def test_a_source_is_measured_anew_where_it_was_not_subscribed_to_for_a_second() -> None:
+    driver = StatusDriver(rules=IMU_10, source_hz={"/imu": 30})
+    driver.status_at(12)
+    driver.links["/imu"] = {"is_heard": False}
+    driver.due_ns["/imu"] += SECOND
+    driver.status_at(13)
+    driver.links.clear()
+    assert driver.status_at(16).topics["/imu"].source_hz == pytest.approx(30)
 
 
 def test_the_profile_says_from_when_on_a_source_is_silent() -> None:

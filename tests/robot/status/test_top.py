@@ -169,6 +169,21 @@ def test_keys_are_read_without_enter_and_the_terminal_is_as_before(monkeypatch: 
         assert termios.tcgetattr(terminal) == before
 
 
+def test_keys_are_read_without_enter_after_a_shell_had_stopped_the_process(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    controller, terminal = pty.openpty()
+    as_a_shell_has_it = termios.tcgetattr(terminal)
+    with os.fdopen(terminal) as stdin, os.fdopen(controller, "wb", buffering=0) as keyboard:
+        monkeypatch.setattr(sys, "stdin", stdin)
+        with key_presses() as pressed:
+            termios.tcsetattr(terminal, termios.TCSADRAIN, as_a_shell_has_it)
+            assert pressed() == ""
+            keyboard.write(b"q")
+            assert select.select([terminal], [], [], 40)[0]
+            assert pressed() == "q"
+
+
 def test_without_a_terminal_no_key_is_ever_pressed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdin", io.StringIO("q"))
     with key_presses() as pressed:

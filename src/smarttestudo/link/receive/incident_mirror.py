@@ -12,14 +12,21 @@ from functools import partial
 from pathlib import Path
 
 from smarttestudo.domain.errors import said
-from smarttestudo.domain.remote_incidents import FetchProgress, RemoteIncident, RemoteIncidents
+from smarttestudo.domain.remote_incidents import (
+    FetchProgress,
+    RemoteIncident,
+    RemoteIncidents,
+    SilentRobotError,
+)
 from smarttestudo.link.worker import Worker
 
 LOOK_PERIOD_S = 2.0
 STALLED_AFTER_S = 30.0
 """A fetch that got nothing for so long gives way to those from other robots."""
 TURN_S = 60.0
-"""So does one that began so long ago, where other robots are there."""
+"""So does one that began so long ago, to what is newer of its robot, too."""
+STARTS_WITHIN_S = 20.0
+"""A robot that is connected for less may not answer because its run is still starting."""
 _AGAIN_AFTER_LOOKS = 30
 
 
@@ -65,10 +72,10 @@ class _Turn:
 class IncidentMirror:
     """Has what robots recorded in ``folders``, the newest first, on a thread of its own while ``running``.
 
-    Robots take turns: a fetch ends where its robot leaves, where nothing comes, and after a minute where
-    others are there, and is gone on with later. ``say`` is told of each that is whole, ``warn`` of what
+    Robots take turns: a fetch ends where its robot leaves, where nothing comes, and after a minute, and is
+    gone on with when what is newer is there. ``say`` is told of each that is whole, ``warn`` of what
     fails or stalls, which is tried again a minute later, or when the robot has come back. That a robot leaves
-    is no failure. ``steady_s`` is a clock that never jumps.
+    is no failure, nor that it does not answer at first. ``steady_s`` is a clock that never jumps.
     """
 
     def __init__(
@@ -88,6 +95,8 @@ class IncidentMirror:
         self._worker = Worker("link-mirror", lambda error: warn(said(error)), self.poll)
         self._rests: dict[tuple[str, str], int] = {}
         self._there: frozenset[str] = frozenset()
+        self._came_s: dict[str, float] = {}
+        self._has_more = False
         self._warned: set[str] = set()
 
     @contextmanager
@@ -102,14 +111,17 @@ class IncidentMirror:
     def poll(self) -> float:
         """Fetch what there is now; after how many seconds to poll again."""
         before, self._there = self._there, frozenset(self._incidents.robots(0))
+        now_s = self._steady_s()
+        self._came_s = {robot: self._came_s.get(robot, now_s) for robot in self._there}
         self._rests = {
             (robot, name): looks - 1
             for (robot, name), looks in self._rests.items()
             if looks > 1 and (robot in before or robot not in self._there)
         }
+        self._has_more = False
         for robot in sorted(self._there):
             self._try(robot, "", partial(self._look_at, robot))
-        return LOOK_PERIOD_S
+        return 0.0 if self._has_more else LOOK_PERIOD_S
 
     def _look_at(self, robot: str) -> None:
         for one in sorted(self._incidents.list(robot), key=lambda one: -one.triggered_ns):
@@ -119,13 +131,13 @@ class IncidentMirror:
             turn = _Turn(self._steady_s)
             self._try(robot, one.name, partial(self._fetch, one, folder, turn))
             if turn.is_stalled or turn.is_long:
+                self._has_more |= turn.is_long
                 return
 
     def _fetch(self, one: RemoteIncident, folder: Path, turn: _Turn) -> None:
         def is_over() -> bool:
-            there = self._incidents.robots(0)
-            has_turn = one.robot in there and not turn.is_stalled and not (turn.is_long and len(there) > 1)
-            return self._worker.is_closed or not has_turn
+            is_there = one.robot in self._incidents.robots(0)
+            return self._worker.is_closed or not is_there or turn.is_stalled or turn.is_long
 
         path = self._incidents.fetch(one.robot, one.name, folder, turn.note, is_over)
         if path is not None:
@@ -139,9 +151,14 @@ class IncidentMirror:
         try:
             act()
         except Exception as error:  # noqa: BLE001 - whatever one robot does, others are fetched from
-            if robot not in self._incidents.robots(0):
+            if robot not in self._incidents.robots(0) or self._may_start(robot, error):
                 return
             self._rest(robot, name, said(error))
+
+    def _may_start(self, robot: str, error: Exception) -> bool:
+        """Whether ``error`` may come of a run that is still starting."""
+        is_new = self._steady_s() - self._came_s[robot] < STARTS_WITHIN_S
+        return is_new and isinstance(error, SilentRobotError)
 
     def _rest(self, robot: str, name: str, why: str) -> None:
         """Try it again a minute later."""

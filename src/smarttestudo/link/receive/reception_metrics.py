@@ -72,7 +72,8 @@ RECEPTION_METRICS = (
 class ReceptionMetrics:
     """The metrics of the last ``update``. Any thread may ask for them; the rest is for the one that receives.
 
-    A robot's own status, which ``statuses`` gets, is told under the names that it has at the robot.
+    A robot's own status, which ``statuses`` gets, is told under the names that it has at the robot, while the
+    robot is connected.
     """
 
     def __init__(self, statuses: StatusSink) -> None:
@@ -90,8 +91,10 @@ class ReceptionMetrics:
         self._counts |= end.counts()
         while len(self._counts) > MAX_BOOTS:
             del self._counts[next(iter(self._counts))]
-        statuses = dict(islice(self._statuses.statuses().items(), MAX_ROBOTS))
-        self._last = [*self._of_reception(reception, end), *status_metrics(statuses)]
+        connected = {robot for robot, known in reception.robots.items() if known.boots}
+        heard = self._statuses.statuses().items()
+        statuses = islice(((robot, status) for robot, status in heard if robot in connected), MAX_ROBOTS)
+        self._last = [*self._of_reception(reception, end), *status_metrics(dict(statuses))]
 
     def _of_reception(self, reception: Reception, end: OperatorEnd) -> Iterator[Metric]:
         robots = dict(islice(reception.robots.items(), MAX_ROBOTS))

@@ -37,7 +37,10 @@ class StatusSink:
             self._newest[message.robot] = message.payload
 
     def forget(self, robot: str, stream: StreamInfo) -> None:
-        """The last status stays."""
+        """The last status of a run stays until the robot's next run is there."""
+        if stream.topic == self._topic:
+            self._newest.pop(robot, None)
+            self._statuses.pop(robot, None)
 
     def close(self) -> None:
         """Nothing is open."""

@@ -15,7 +15,12 @@ from functools import partial
 from pathlib import Path
 
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.remote_incidents import FetchProgress, OnProgress, RemoteIncident
+from smarttestudo.domain.remote_incidents import (
+    FetchProgress,
+    OnProgress,
+    RemoteIncident,
+    SilentRobotError,
+)
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.fetching import ANSWERED_WITHIN_NS, Fetching, RangeAsk
@@ -136,12 +141,12 @@ class LinkIncidents:
             if time.monotonic() >= end_s:
                 break
             time.sleep(_AGAIN_AFTER_S)
-        cause = self._client.problem or (
-            f"there is no robot {robot!r:.80}"
-            if self.boot(robot) is None
-            else f"{robot} does not answer this"
-        )
-        raise LinkError(
+        kind, cause = LinkError, self._client.problem
+        if cause is None and self.boot(robot) is None:
+            cause = f"there is no robot {robot!r:.80}"
+        elif cause is None:
+            kind, cause = SilentRobotError, f"{robot} does not answer this"
+        raise kind(
             cause,
             place=self._place,
             remedy="start 'testudo run --link --incidents' on the robot, and see 'testudo top --connect'",
