@@ -6,7 +6,7 @@ import itertools
 import random
 import sqlite3
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -250,7 +250,7 @@ def test_a_damaged_chunk_costs_its_messages_and_no_other(tmp_path: Path) -> None
     assert 0.6 * len(MISSION.messages) < len(read.messages) < len(MISSION.messages)
     assert read.messages[-1] == MISSION.messages[-1]
     (notice,) = read.notices
-    assert notice.startswith(f"{path}: damaged chunks left out: 1; 97 % readable, ends at ")
+    assert notice.startswith(f"{path}: damaged chunks: 1; 97 % readable, ends at ")
 
 
 def test_a_damaged_chunk_of_a_cut_file_is_named_once_though_the_file_is_read_twice(tmp_path: Path) -> None:
@@ -267,7 +267,7 @@ def test_a_damaged_chunk_of_a_cut_file_is_named_once_though_the_file_is_read_twi
     assert {(stamp_ns, payload) for _, stamp_ns, payload in messages} <= {
         (message.stamp_ns, message.payload) for message in MISSION.messages
     }
-    assert [notice for notice in notices if "damaged chunks left out: 1; " in notice] == [notices[-1]]
+    assert [notice for notice in notices if "damaged chunks: 1; " in notice] == [notices[-1]]
 
 
 def test_a_damaged_page_of_a_database_costs_its_messages_and_no_other(tmp_path: Path) -> None:
@@ -282,6 +282,87 @@ def test_a_damaged_page_of_a_database_costs_its_messages_and_no_other(tmp_path: 
     assert read.messages[-1] == MISSION.messages[-1]
 
 
+def overwrite_pages(path: Path, numbers: Sequence[int]) -> None:
+    """Fill pages with what is no page of a database."""
+    data = bytearray(path.read_bytes())
+    for number in numbers:
+        data[(number - 1) * 4096 : number * 4096] = b"\xaa" * 4096
+    path.write_bytes(data)
+
+
+def pages_of_messages(path: Path) -> dict[str, int]:
+    """The root pages of the table and its index."""
+    with closing(sqlite3.connect(path)) as database:
+        return dict(database.execute("SELECT type, rootpage FROM sqlite_master WHERE tbl_name = 'messages'"))
+
+
+@pytest.mark.parametrize("has_index", [True, False])
+def test_messages_that_went_with_their_pages_are_missed(tmp_path: Path, *, has_index: bool) -> None:
+    small = [one for one in MISSION.messages if one.topic != "/image"]
+    path = storage_file(write_bag(tmp_path / "bag", BagContent(MISSION.topics, tuple(small))))
+    index = () if has_index else (pages_of_messages(path)["index"],)
+    overwrite_pages(path, (path.stat().st_size // 4096 // 2, *index))
+    with open_recording(path) as recording:
+        read = list(recording.messages())
+        share, (notice,) = recording.readable_share, recording.notices()
+    missing = len(small) - len(read)
+    assert missing > 0
+    assert share == len(read) / len(small)
+    assert f" after {len(read)} messages, {missing} rows cannot be read" in notice
+
+
+def test_a_recording_ends_with_its_last_message_that_can_be_read(tmp_path: Path) -> None:
+    small = [one for one in MISSION.messages if one.topic != "/image"]
+    path = storage_file(write_bag(tmp_path / "bag", BagContent(MISSION.topics, tuple(small))))
+    pages = path.stat().st_size // 4096
+    leaves = [number for number in range(1, pages + 1) if path.read_bytes()[(number - 1) * 4096] == 0x0D]
+    last = next(number for number in reversed(leaves) if small[-1].payload in page_of(path, number))
+    overwrite_pages(path, [last])
+    with open_recording(path) as recording:
+        stamps_ns = [stamp_ns for _, stamp_ns, _ in recording.messages()]
+        assert stamps_ns[-1] < small[-1].stamp_ns
+        assert recording.end_ns == stamps_ns[-1]
+
+
+def page_of(path: Path, number: int) -> bytes:
+    return path.read_bytes()[(number - 1) * 4096 : number * 4096]
+
+
+@pytest.mark.parametrize("is_whole", [True, False])
+def test_rows_of_topics_that_the_database_does_not_name_are_missed(tmp_path: Path, *, is_whole: bool) -> None:
+    path = storage_file(write_bag(tmp_path / "bag", MISSION))
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("DELETE FROM topics WHERE name = '/scan'")
+        late_ns = MISSION.messages[-1].stamp_ns + 10**12
+        database.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (99, ?, x'00')", (late_ns,))
+        database.commit()
+    if not is_whole:
+        overwrite_pages(path, [pages_of_messages(path)["index"]])
+    known = [one for one in MISSION.messages if one.topic != "/scan"]
+    homeless = len(MISSION.messages) - len(known) + 1
+    for with_payloads in (True, False):
+        with open_recording(path) as recording:
+            assert len([*(recording.messages() if with_payloads else recording.sizes())]) == len(known)
+            assert recording.end_ns == known[-1].stamp_ns
+            assert recording.readable_share == len(known) / (len(known) + homeless)
+            assert f"{homeless} messages of topics that the file does not name" in recording.notices()[-1]
+
+
+@pytest.mark.parametrize("has_index", [True, False])
+def test_what_is_behind_damage_in_a_chunk_without_checksum_is_missed(
+    tmp_path: Path, *, has_index: bool
+) -> None:
+    folder = write_bag(tmp_path / "bag", MISSION, storage=StoragePlugin.MCAP)
+    path = storage_file(folder)
+    data = bytearray(path.read_bytes() if has_index else path.read_bytes()[:-8])
+    message = data.index(MISSION.messages[len(MISSION.messages) // 2].payload)
+    data[message - 31 : message] = b"\xaa" * 31
+    path.write_bytes(data)
+    read = read_bag(path)
+    assert 0 < len(read.messages) < len(MISSION.messages)
+    assert any("damaged chunks: 1; " in notice for notice in read.notices)
+
+
 def test_a_message_that_does_not_decompress_costs_itself(tmp_path: Path) -> None:
     packed = write_bag(tmp_path / "bag", MISSION, compression=CompressionMode.MESSAGE)
     content = BagContent(MISSION.topics, tuple(read_stored(storage_file(packed))))
@@ -291,7 +372,7 @@ def test_a_message_that_does_not_decompress_costs_itself(tmp_path: Path) -> None
     path = write_bag(tmp_path / "broken", BagContent(MISSION.topics, messages))
     read = read_bag(path)
     assert read.messages == [*MISSION.messages[:2], *MISSION.messages[3:]]
-    assert read.notices == [f"{third.topic}: 1 messages could not be decompressed and were left out"]
+    assert read.notices == [f"{third.topic}: 1 message that could not be decompressed was left out"]
 
 
 def read_stored(path: Path) -> list[BagMessage]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -22,8 +23,10 @@ from pacing.reckoning.ros_messages import (
     transforms,
 )
 from replays.replay_runs import ReplayRun, replay_content
+from smarttestudo.accuracy.recorded_loss import LossQuestion, measure_loss
 from smarttestudo.cli.main import main
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3
+from smarttestudo.rules.rule_sets import load_rules
 
 SECOND_NS = 1_000_000_000
 BOOL = "std_msgs/msg/Bool"
@@ -68,8 +71,12 @@ def stop_button(_: int, t_s: float) -> bytes:
 
 
 def bounds_of(run: ReplayRun, topic: str) -> dict[str, tuple[float, float, int]]:
-    bounds = run.outcome.topics[topic].bounds
-    return {name: (one.bound, one.worst, one.broken) for name, one in bounds.items()}
+    """The only bound of each property."""
+    found = {}
+    for name, (one,) in run.outcome.topics[topic].bounds.items():
+        assert one.worst is not None
+        found[name] = (one.bound, one.worst, one.broken)
+    return found
 
 
 def test_odometry_is_within_its_bound_after_every_message(tmp_path: Path) -> None:
@@ -169,15 +176,51 @@ def test_a_ceiling_that_breaks_the_bound_is_counted_with_the_worst(tmp_path: Pat
     assert 20 <= len(run.on("/odom")) <= 22
 
 
+def test_each_bound_has_its_own_worst(tmp_path: Path) -> None:
+    run = replay_content(
+        recorded("/odom", ODOMETRY, 50, 20, driven),
+        """SetFrequency /odom Full KeepWithin /odom position 0.5
+        Rule "Late" Priority 5 If (CheckValue /odom pose_y > 2) Then KeepWithin /odom position 0.05 EndIf""",
+        tmp_path,
+    )
+    loose, tight = sorted(run.outcome.topics["/odom"].bounds["position"], key=lambda one: -one.bound)
+    assert (loose.bound, tight.bound, loose.broken, tight.broken) == (0.5, 0.05, 0, 0)
+    assert loose.worst is not None
+    assert tight.worst is not None
+    assert 0.4 < loose.worst <= 0.5
+    assert 0.03 < tight.worst <= 0.05
+
+
+def test_messages_that_cannot_be_read_break_no_bound(tmp_path: Path) -> None:
+    content = recorded("/odom", ODOMETRY, 50, 20, driven)
+    cut = tuple(
+        replace(one, payload=one.payload[:20]) if number % 10 == 5 else one
+        for number, one in enumerate(content.messages)
+    )
+    rules = "SetFrequency /odom 1 KeepWithin /odom position 0.1"
+    run = replay_content(replace(content, messages=cut), rules, tmp_path)
+    assert run.outcome.topics["/odom"].unreadable == 100
+    rule_set = load_rules([tmp_path / "rules.adirf"]).rule_set
+    (sent,) = measure_loss(tmp_path / "bag", run.output, LossQuestion(rule_set=rule_set)).bounds
+    assert bounds_of(run, "/odom") == {"position": (0.1, sent.worst, sent.broken)}
+    assert (sent.messages, sent.unreadable) == (900, 100)
+
+
+def test_a_bound_of_what_cannot_be_read_at_all_has_no_worst(tmp_path: Path) -> None:
+    content = recorded("/odom", ODOMETRY, 50, 2, lambda _stamp_ns, _t_s: b"\x00\x01\x00\x00")
+    run = replay_content(content, "SetFrequency /odom 1 KeepWithin /odom position 0.1", tmp_path)
+    (record,) = run.outcome.topics["/odom"].bounds["position"]
+    assert (record.worst, record.broken) == (None, 0)
+
+
 def test_json_and_text_say_how_bounds_were_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     replay_content(recorded("/odom", ODOMETRY, 50, 2, driven), "SetFrequency /odom Full", tmp_path)
     rules = tmp_path / "bounds.adirf"
     rules.write_text("begin SetFrequency /odom Full KeepWithin /odom position 0.05 end")
     command = ["replay", str(tmp_path / "monitored"), "--rules", str(rules), "--predict", "/odom", "--output"]
     assert main([*command, str(tmp_path / "one"), "--json"]) == 0
-    bounds = json.loads(capsys.readouterr().out)["topics"]["/odom"]["bounds"]
-    assert bounds["position"]["bound"] == 0.05
-    assert bounds["position"]["broken"] == 0
+    (bound,) = json.loads(capsys.readouterr().out)["topics"]["/odom"]["bounds"]["position"]
+    assert (bound["bound"], bound["broken"]) == (0.05, 0)
     assert main([*command, str(tmp_path / "two")]) == 0
     assert "Bounds" in capsys.readouterr().out
 

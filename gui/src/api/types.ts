@@ -130,14 +130,15 @@ export interface BoundReason {
 }
 
 /**
- * How a bound was kept: `worst` is the picture's largest finite error after a message of the source.
+ * How a bound was kept while it was in force, over the messages of the source that could be read.
  *
- * `last` is that after the newest one, infinite where the picture says nothing. `broken` counts the
- * messages after which the picture was more than the bound off, or said nothing.
+ * `worst` is the picture's largest finite error after one, `None` where it never had one. `broken`
+ * counts those after which the picture was more than the bound off, or said nothing. `last` is the error
+ * after the newest message, infinite where the picture, or the message, says nothing.
  */
 export interface BoundRecord {
   bound: number;
-  worst: number;
+  worst: number | null;
   broken: number;
 }
 
@@ -1677,7 +1678,7 @@ export interface TopicOutcome {
   out_kb: number;
   declared: boolean;
   frames: number | null;
-  bounds?: Record<string, BoundRecord>;
+  bounds?: Record<string, BoundRecord[]>;
 }
 
 /** Messages a second of a topic, bin by bin; null where less than half of one is known. */

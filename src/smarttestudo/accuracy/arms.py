@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from smarttestudo.accuracy.track import Message
 from smarttestudo.domain.record import JsonObject
-from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecord
+from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecords
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind
 from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
@@ -128,7 +128,7 @@ class Arm:
     def __init__(self, picture: Picture, name: str, kind: StreamKind, strategy: Strategy) -> None:
         self._picture, self._name, self._strategy = picture, name, strategy
         self._pacer = TopicPacer(kind=kind)
-        self._kept: dict[str, BoundRecord] = {}
+        self._kept: BoundRecords = {}
         self._messages = 0
         self._error: ErrorOverTime | None = None
 
@@ -153,7 +153,7 @@ class Arm:
     def _error_after(self, sample: Sample, passes: Sequence[Pass]) -> float:
         """How far off the picture is; a pacer with bounds keeps it itself, and has compared already."""
         if self._strategy.bound is not None:
-            return self._kept[self._name].last
+            return self._kept[self._name][self._strategy.bound].last
         if any(one.sample is sample for one in passes):
             return 0.0
         return self._picture.errors(sample.readings, None)[self._name]

@@ -231,7 +231,7 @@ class ComparisonMeasurement:
                 unit=specs[name].unit if name in specs else "",
                 error=errors.get(name),
                 bounds=tuple(sorted(bounds.get(name, ()))),
-                broken=records[name].broken if name in records else 0,
+                broken=sum(one.broken for one in records.get(name, ())),
             )
             for name in self.properties[topic]
         }
@@ -245,7 +245,7 @@ class _Run:
     view: View = View.HOLD
     topics: Mapping[str, TopicSamples]
     bounds: Mapping[str, Mapping[str, Collection[float]]] = field(default_factory=dict)
-    records: Mapping[str, Mapping[str, BoundRecord]] = field(default_factory=dict)
+    records: Mapping[str, Mapping[str, Sequence[BoundRecord]]] = field(default_factory=dict)
 
     def size_bytes(self, topic: str) -> int:
         return self.topics[topic].size_bytes if topic in self.topics else 0

@@ -18,7 +18,7 @@ from typing import TypeVar
 
 from smarttestudo.bags import zstd_files
 from smarttestudo.bags.metadata import BagMetadata
-from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile
+from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
 
@@ -155,9 +155,16 @@ class RosbagRecording:
         self.channels: Sequence[Channel] = self._channels.all()
         self.custom_data: Mapping[str, str] = metadata.custom_data
         self.declared_bytes: Mapping[str, int] = self._declared_bytes()
-        filled = [part.file for part in parts if part.file.message_count]
-        self.start_ns = min((file.start_ns for file in filled), default=0)
-        self.end_ns = max((file.end_ns for file in filled), default=0)
+
+    @property
+    def start_ns(self) -> int:
+        """Stamp of the first message that can be read, as far as that is known."""
+        return min((file.start_ns for file in self._filled), default=0)
+
+    @property
+    def end_ns(self) -> int:
+        """Stamp of the last message that can be read, as far as that is known."""
+        return max((file.end_ns for file in self._filled), default=0)
 
     @property
     def message_count(self) -> int | None:
@@ -194,16 +201,20 @@ class RosbagRecording:
         """Losses and oddities, one line each; complete once all messages were read."""
         lost = [f"{part.path}: {notice}" for part in self._parts for notice in part.file.notices()]
         broken = [
-            f"{topic}: {count} messages could not be decompressed and were left out"
+            f"{topic}: {left_out(count, 'that could not be decompressed')}"
             for topic, count in self._broken.items()
         ]
         return [*self._notices, *lost, *broken]
+
+    @property
+    def _filled(self) -> Sequence[StoredFile]:
+        return [part.file for part in self._parts if part.file.message_count]
 
     def _in_time_order(
         self, read: Callable[[StoredFile], Iterator[tuple[Channel, int, _T]]]
     ) -> Iterator[tuple[Channel, int, _T]]:
         """Results of ``read`` of all files, merged."""
-        filled = [part.file for part in self._parts if part.file.message_count]
+        filled = self._filled
         return read(filled[0]) if len(filled) == 1 else _merged(filled, read)
 
     def _messages_of(

@@ -12,7 +12,7 @@ from itertools import islice
 from typing import Protocol
 
 from smarttestudo.domain.recording import Channel, RecordedMessage, readable_until
-from smarttestudo.domain.units import grouped
+from smarttestudo.domain.units import counted
 
 ChannelsByNumber = Mapping[int, Channel]
 """Channels by the number that a file gives each."""
@@ -71,18 +71,31 @@ def read_so_far(file: StoredFile) -> str:
     """How far a damaged file could be read."""
     if not file.message_count:
         return "no message could be read"
-    return f"{readable_until(file.readable_share, file.end_ns)} after {grouped(file.message_count)} messages"
+    until = readable_until(file.readable_share, file.end_ns)
+    return f"{until} after {counted(file.message_count, 'message')}"
+
+
+HOMELESS = "of topics that the file does not name"
+
+
+def left_out(count: int, which: str) -> str:
+    """Notice of so many messages, ``which`` they are: ``3 messages of … were left out``."""
+    return f"{counted(count, 'message')} {which} {'was' if count == 1 else 'were'} left out"
 
 
 class ContinuedFile(ABC):
     """A file that is opened once more, in the way of a damaged one, when reading it fails half-way.
 
-    ``recover`` opens it so, ``message_count`` is what the file says until then.
+    ``recover`` opens it so; ``message_count``, ``start_ns`` and ``end_ns`` are what the file says until then.
     """
 
-    def __init__(self, recover: Callable[[], StoredFile], message_count: int) -> None:
+    def __init__(
+        self, recover: Callable[[], StoredFile], *, message_count: int, start_ns: int, end_ns: int
+    ) -> None:
         self._recover = recover
         self._message_count = message_count
+        self.start_ns = start_ns
+        self.end_ns = end_ns
         self._damage: Sequence[str] = ()
         self._readable_share: float | None = 1.0
 
@@ -97,8 +110,16 @@ class ContinuedFile(ABC):
             with closing(self._recover()) as recovered:
                 yield from islice(recovered.messages(channels), delivered, None)
                 self._damage = recovered.notices() or [f"damaged: {error}"]
-                self._message_count = recovered.message_count
-                self._readable_share = recovered.readable_share
+                self._take_over(recovered)
+
+    def _take_over(self, recovered: StoredFile) -> None:
+        """What ``recovered`` found counts; what the file says it holds tells how much of it that is."""
+        promised, self._message_count = self._message_count, recovered.message_count
+        self._readable_share = recovered.readable_share
+        if promised > recovered.message_count:
+            self._readable_share = recovered.message_count / promised
+        if recovered.message_count:
+            self.start_ns, self.end_ns = recovered.start_ns, recovered.end_ns
 
     def notices(self) -> Sequence[str]:
         """Losses, one line each, once all messages were read."""

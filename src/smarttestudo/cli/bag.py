@@ -153,7 +153,7 @@ class _Summaries(RecordingCommand[BagSummary]):
     def sum(self) -> str:
         """Messages, volume and duration."""
         return (
-            f"{grouped(self._messages)} messages, {grouped(self._size_bytes / BYTES_PER_MB, 1)} MB in "
+            f"{counted(self._messages, 'message')}, {grouped(self._size_bytes / BYTES_PER_MB, 1)} MB in "
             f"{grouped(self._duration_s, 1)} s of recording"
         )
 

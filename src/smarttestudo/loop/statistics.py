@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 
 from smarttestudo.domain.rate_meter import Flow
-from smarttestudo.pacing.bound import BoundRecord
+from smarttestudo.pacing.bound import BoundRecords
 
 MAX_FRAMES = 4096
 
@@ -77,7 +77,7 @@ class RelayStatistics:
 
     ``frames`` are those of each child frame, which the target is about on a topic of transforms. ``bounds``
     say how each bound of the receiver's picture was kept, ``unreadable`` how many messages of a topic with
-    bounds could not be read, and so counted as out of bounds.
+    bounds could not be read, and so are not among those that were judged.
     """
 
     __slots__ = ("arrived", "bounds", "frames", "relayed", "repeated", "target", "unreadable")
@@ -87,6 +87,6 @@ class RelayStatistics:
         self.arrived = Flow()
         self.relayed = Flow()
         self.repeated = 0
-        self.bounds: dict[str, BoundRecord] = {}
+        self.bounds: BoundRecords = {}
         self.unreadable = 0
         self.target = TargetRate(now_ns)

@@ -22,16 +22,21 @@ HEARTBEAT_HZ = 0.5
 
 @dataclass(slots=True)
 class BoundRecord:
-    """How a bound was kept: ``worst`` is the picture's largest finite error after a message of the source.
+    """How a bound was kept while it was in force, over the messages of the source that could be read.
 
-    ``last`` is that after the newest one, infinite where the picture says nothing. ``broken`` counts the
-    messages after which the picture was more than the bound off, or said nothing.
+    ``worst`` is the picture's largest finite error after one, ``None`` where it never had one. ``broken``
+    counts those after which the picture was more than the bound off, or said nothing. ``last`` is the error
+    after the newest message, infinite where the picture, or the message, says nothing.
     """
 
     bound: float
-    worst: float = 0.0
+    worst: float | None = None
     last: Annotated[float, JsonEntry(is_absent=True)] = math.inf
     broken: int = 0
+
+
+BoundRecords = dict[str, dict[float, BoundRecord]]
+"""By property, and then by bound."""
 
 
 class BoundStream(VolatileStream):
@@ -96,7 +101,7 @@ class BoundStreams(Streams[BoundStream]):
         self,
         picture: Picture,
         bounds: Mapping[str, float],
-        records: dict[str, BoundRecord],
+        records: BoundRecords,
         *,
         ceiling: Pace,
         heartbeat_hz: float,
@@ -120,9 +125,9 @@ class BoundStreams(Streams[BoundStream]):
             may_pass = may_pass or now_ns >= stream.ceiling.due_ns
         if is_wanted and may_pass:
             self._pass(sample, streams, now_ns)
-            self._record(dict.fromkeys(errors, 0.0))
+            self._record(sample, dict.fromkeys(errors, 0.0))
             return (Pass(sample),)
-        self._record(errors)
+        self._record(sample, errors)
         for stream in streams:
             stream.hold(sample, now_ns)
             stream.overdue = is_off_bound
@@ -160,18 +165,21 @@ class BoundStreams(Streams[BoundStream]):
         bounds = self.bounds
         return any(error > bounds[name] for name, error in errors.items())
 
-    def _record(self, errors: Mapping[str, float]) -> None:
+    def _record(self, sample: Sample, errors: Mapping[str, float]) -> None:
+        # Nobody can tell how far the picture is from a message that cannot be read.
+        is_judged = None not in sample.readings
         for name, error in errors.items():
             bound = self.bounds[name]
             if bound == math.inf:
                 continue
-            record = self.records.get(name)
+            by_bound = self.records.setdefault(name, {})
+            record = by_bound.get(bound)
             if record is None:
-                record = self.records[name] = BoundRecord(bound)
-            record.bound, record.last = bound, error
-            if error > bound:
+                record = by_bound[bound] = BoundRecord(bound)
+            record.last = error
+            if is_judged and error > bound:
                 record.broken += 1
-            if error > record.worst and error < math.inf:
+            if is_judged and error < math.inf and (record.worst is None or error > record.worst):
                 record.worst = error
 
     def _pass(self, sample: Sample, streams: Sequence[BoundStream], now_ns: int) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import cast
 
-from smarttestudo.pacing.bound import BoundRecord, BoundStreams
+from smarttestudo.pacing.bound import BoundRecords, BoundStreams
 from smarttestudo.pacing.follower import Follower, FollowerNotifier
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.pacing.reckoning.picture import Picture
@@ -32,7 +32,7 @@ class Accuracy:
     picture: Picture
     bounds: Mapping[str, float]
     heartbeat_hz: float
-    records: dict[str, BoundRecord]
+    records: BoundRecords
 
 
 class TopicPacer(Pacer):

@@ -42,7 +42,9 @@ class TopicOutcome:
     out_kb: float
     declared: bool = False
     frames: int | None = None
-    bounds: Annotated[Mapping[str, BoundRecord], JsonEntry(omits_default=True)] = field(default_factory=dict)
+    bounds: Annotated[Mapping[str, tuple[BoundRecord, ...]], JsonEntry(omits_default=True)] = field(
+        default_factory=dict
+    )
     unreadable: Annotated[int, JsonEntry(is_absent=True)] = 0
 
 
@@ -103,7 +105,7 @@ def topic_outcome(statistics: RelayStatistics, *, output_topic: str, declared: b
         out_kb=relayed.size_bytes / BYTES_PER_KB,
         declared=declared,
         frames=len(statistics.frames) or None,
-        bounds=statistics.bounds,
+        bounds={name: tuple(by_bound.values()) for name, by_bound in statistics.bounds.items()},
         unreadable=statistics.unreadable,
     )
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from smarttestudo.bags.bag_summary import BagSummary, BagTopic
 from smarttestudo.bags.incident_mark import incident_subtitle
 from smarttestudo.domain.recording import readable_until
-from smarttestudo.domain.units import BYTES_PER_KB, grouped, utc_time
+from smarttestudo.domain.units import BYTES_PER_KB, counted, grouped, utc_time
 from smarttestudo.report.comparison_tables import BANDWIDTH_NOTE, DECLARED, DECLARED_NOTE
 from smarttestudo.report.table import Align, Cell, Column, Number, Row, Table, Text
 
@@ -47,7 +47,7 @@ def info_table(bag: BagSummary) -> Table:
     span = bag.span
     return Table(
         title=f"{bag.name}: {bag.storage.value}, {grouped(span.duration_s, 3)} s, "
-        f"{grouped(bag.total.messages)} messages\n"
+        f"{counted(bag.total.messages, 'message')}\n"
         f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}"
         f"{incident_subtitle(bag.incident)}{_damage(bag)}",
         columns=(

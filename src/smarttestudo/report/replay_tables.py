@@ -16,8 +16,8 @@ _RATES_NOTE = (
 )
 _BOUNDS_NOTE = (
     "Bound and worst are in the property's unit: m, degrees, or the field's own. Worst is how far the "
-    "operator's picture was off after any message of the source; broken counts the messages after which it "
-    "was more than the bound."
+    "operator's picture was off after any message of the source while the bound was in force; broken counts "
+    "the messages after which it was more than the bound. Messages that cannot be read are not among them."
 )
 _FRAMES_NOTE = "Transforms have the rate for each child frame, and so the means over the frames stand here."
 _DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
@@ -57,7 +57,8 @@ def bounds_table(outcome: ReplayOutcome) -> Table:
             )
         )
         for name, topic in outcome.topics.items()
-        for prop, one in topic.bounds.items()
+        for prop, records in topic.bounds.items()
+        for one in records
     )
     return Table(
         title="Bounds",

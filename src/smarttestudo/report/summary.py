@@ -96,7 +96,7 @@ def fixed_price(loss: LossReport) -> str:
         return ""
     one = max(poorer, key=lambda topic: topic.received.size_bytes)
     return (
-        f"For that, fixed rates bring {grouped(one.fixed.messages)} messages of {one.topic}, "
+        f"For that, fixed rates bring {counted(one.fixed.messages, 'message')} of {one.topic}, "
         f"where rules bring {grouped(one.received.messages)}."
     )
 

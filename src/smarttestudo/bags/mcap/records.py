@@ -7,7 +7,7 @@ from __future__ import annotations
 import io
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import BinaryIO
@@ -68,12 +68,12 @@ class RecordReader:
 
     @property
     def damaged_chunks(self) -> int:
-        """Chunks that no message could be taken from, so far."""
+        """Chunks of which some or all could not be read, so far."""
         return len(self._damaged_bytes_at)
 
     @property
     def damaged_bytes(self) -> int:
-        """The bytes of these chunks."""
+        """The bytes of these chunks that could not be read."""
         return sum(self._damaged_bytes_at.values())
 
     def places(self) -> Iterator[RecordPlace]:
@@ -107,7 +107,9 @@ class RecordReader:
         except BROKEN:
             self._damaged_bytes_at[start] = len(content)
             return
-        yield from _records_in(records)
+        left_bytes = yield from _records_in(records)
+        if is_whole and left_bytes:
+            self._damaged_bytes_at[start] = len(content) * left_bytes // len(records)
 
     def at(self, start: int) -> Iterator[McapRecord]:
         """Records that ``read`` gave for the one that begins at byte ``start``."""
@@ -202,13 +204,17 @@ def _decompress(compression: str, data: bytes) -> bytes:
     raise ValueError(f"unknown compression {compression!r}")
 
 
-def _records_in(content: bytes) -> Iterator[McapRecord]:
+def _records_in(content: bytes) -> Generator[McapRecord, None, int]:
+    """The records; gives how many bytes from the first one on that does not fit are left."""
+    known = 0
     for op, start, end, _ in record_places(io.BytesIO(content), 0, len(content), 0):
         if end > len(content):
-            return
+            break
         record = _parse(op, content[start + FRAME.size : end])
         if record is not None:
             yield record
+        known = end
+    return len(content) - known
 
 
 def _parse(op: int, content: bytes) -> McapRecord | None:

@@ -18,7 +18,14 @@ from mcap.records import McapRecord, Message, Schema
 from smarttestudo.bags.definition_text import normal_definition
 from smarttestudo.bags.mcap.records import MessageHeader, RecordReader
 from smarttestudo.bags.qos import QosReader, is_transient_local
-from smarttestudo.bags.stored_file import ChannelsByNumber, Outline, TimeIndex, read_so_far
+from smarttestudo.bags.stored_file import (
+    HOMELESS,
+    ChannelsByNumber,
+    Outline,
+    TimeIndex,
+    left_out,
+    read_so_far,
+)
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
 from smarttestudo.domain.units import LAST_STAMP_NS, counted, grouped
@@ -46,7 +53,7 @@ class RecoveredMcapFile:
         self._timeless = 0
         self._qos = QosReader()
         self.channels: dict[int, Channel] = {}
-        self.start_ns = self.end_ns = 0
+        self._spans: dict[int, tuple[int, int]] = {}
         with ExitStack() as opened:
             self._records = RecordReader(opened.enter_context(path.open("rb")))
             self._index = opened.enter_context(closing(TimeIndex()))
@@ -55,6 +62,9 @@ class RecoveredMcapFile:
                 raise RecordingError("no rosbag2 topics can be found in it", place=str(path))
             self._resources = opened.pop_all()
         self.message_count = sum(self._counts[number] for number in self.channels)
+        spans = [self._spans[number] for number in self.channels if number in self._spans]
+        self.start_ns = min((first_ns for first_ns, _ in spans), default=0)
+        self.end_ns = max((last_ns for _, last_ns in spans), default=0)
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """Every message of ``channels`` that is whole, in time order."""
@@ -76,14 +86,10 @@ class RecoveredMcapFile:
                 f"cut off or damaged at byte {grouped(self._records.cut_off_at)}: {read_so_far(self)}"
             )
         if self._records.damaged_chunks:
-            notices.append(
-                f"damaged chunks left out: {grouped(self._records.damaged_chunks)}; {read_so_far(self)}"
-            )
+            notices.append(f"damaged chunks: {grouped(self._records.damaged_chunks)}; {read_so_far(self)}")
         homeless = self._counts.total() - self.message_count
         if homeless:
-            notices.append(
-                f"{grouped(homeless)} messages of topics that the file does not name were left out"
-            )
+            notices.append(left_out(homeless, HOMELESS))
         if self._timeless:
             notices.append(f"{counted(self._timeless, 'message')} with a time after 2262 left out")
         return notices
@@ -124,17 +130,11 @@ class RecoveredMcapFile:
                 yield record.channel_id, record.log_time, (record.payload_bytes, record.head)
 
     def _find_messages(self) -> None:
-        seen = False
         for place in self._records.places():
             _, start, *_ = place
             stamps = [stamp_ns for record in self._records.heads(place) for stamp_ns in self._note(record)]
-            if not stamps:
-                continue
-            first_ns, last_ns = min(stamps), max(stamps)
-            self.start_ns = min(self.start_ns, first_ns) if seen else first_ns
-            self.end_ns = max(self.end_ns, last_ns)
-            seen = True
-            self._index.add(key=start, stamp_ns=first_ns, offset=start)
+            if stamps:
+                self._index.add(key=start, stamp_ns=min(stamps), offset=start)
 
     def _note(self, record: McapRecord | MessageHeader) -> Iterator[int]:
         """Take in ``record``; gives its stamp if it is a message."""
@@ -148,8 +148,11 @@ class RecoveredMcapFile:
             case MessageHeader() if record.log_time > LAST_STAMP_NS:
                 self._timeless += 1
             case MessageHeader():
-                self._counts[record.channel_id] += 1
-                yield record.log_time
+                number, stamp_ns = record.channel_id, record.log_time
+                self._counts[number] += 1
+                first_ns, last_ns = self._spans.get(number, (stamp_ns, stamp_ns))
+                self._spans[number] = min(first_ns, stamp_ns), max(last_ns, stamp_ns)
+                yield stamp_ns
 
     def _channel(self, record: ChannelRecord, schema: Schema | None) -> Channel:
         metadata: Mapping[str, str] = record.metadata

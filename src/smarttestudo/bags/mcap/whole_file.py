@@ -64,9 +64,12 @@ class McapFile(ContinuedFile):
         self.channels: ChannelsByNumber = {
             connection.id: _channel(connection) for connection in self._reader.connections
         }
-        self.start_ns = self._reader.start_time
-        self.end_ns = self._reader.end_time - 1
-        super().__init__(partial(RecoveredMcapFile, path), self._reader.message_count)
+        super().__init__(
+            partial(RecoveredMcapFile, path),
+            message_count=self._reader.message_count,
+            start_ns=self._reader.start_time,
+            end_ns=self._reader.end_time - 1,
+        )
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``, without reading payloads."""

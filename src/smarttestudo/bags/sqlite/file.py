@@ -31,7 +31,7 @@ _HEADS = _LENGTHS.replace("x''", "substr(data, 1, ?)")
 def sqlite_outlines(
     path: Path, channels: ChannelsByNumber, head_bytes: int, log: WriteAheadLog | None = None
 ) -> Iterator[Outline]:
-    """The outlines of the messages of ``channels`` in the database at ``path``, in time order.
+    """The outlines of the messages of ``channels``, all of the database at ``path``, in time order.
 
     Raises ``OutlineError`` at a row that is no message, or where SQLite cannot read on.
     """
@@ -39,11 +39,10 @@ def sqlite_outlines(
         with open_database(path, log) as database:
             rows = database.execute(_HEADS, (head_bytes,)) if head_bytes else database.execute(_LENGTHS)
             for number, stamp_ns, size_bytes, head in rows:
-                if size_bytes is None:
-                    raise OutlineError("a row without stamp or payload")
                 channel = channels.get(number)
-                if channel is not None:
-                    yield channel, stamp_ns, size_bytes, head
+                if channel is None or size_bytes is None:
+                    raise OutlineError("a row without topic, stamp or payload")
+                yield channel, stamp_ns, size_bytes, head
     except apsw.Error as error:
         raise OutlineError(str(error)) from error
 
@@ -67,11 +66,15 @@ class SqliteFile(ContinuedFile):
                 self._database = opened.enter_context(open_database(path, log))
                 self.channels: ChannelsByNumber = read_topics(self._database, self._qos)
                 ((count, start_ns, end_ns),) = self._database.execute(_SPAN)
-                self.start_ns, self.end_ns = int(start_ns or 0), int(end_ns or 0)
             except BROKEN as error:
                 raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
             self._resources = opened.pop_all()
-        super().__init__(partial(RecoveredSqliteFile, path, log), int(count))
+        super().__init__(
+            partial(RecoveredSqliteFile, path, log, int(count)),
+            message_count=int(count),
+            start_ns=int(start_ns or 0),
+            end_ns=int(end_ns or 0),
+        )
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``, without reading payloads."""
@@ -94,5 +97,7 @@ class SqliteFile(ContinuedFile):
         for number, stamp_ns, payload in self._database.execute(_MESSAGES.format(condition)):
             if not (isinstance(number, int) and isinstance(stamp_ns, int) and isinstance(payload, bytes)):
                 raise TypeError("a message without stamp or payload")
+            if number not in self.channels:
+                raise TypeError("a message of a topic that the file does not name")
             if number in channels:
                 yield channels[number], stamp_ns, payload

@@ -12,20 +12,32 @@ from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.sqlite.database import BROKEN, DatabaseFile, open_database, read_topics
 from smarttestudo.bags.sqlite.log import WriteAheadLog
 from smarttestudo.bags.sqlite.pages import DamagedRowError, SqlitePages, SqliteRow
-from smarttestudo.bags.stored_file import ChannelsByNumber, Outline, TimeIndex, read_so_far
+from smarttestudo.bags.stored_file import (
+    HOMELESS,
+    ChannelsByNumber,
+    Outline,
+    TimeIndex,
+    left_out,
+    read_so_far,
+)
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage
+from smarttestudo.domain.units import grouped
 
 # More than a row of rosbag2's table ``messages`` has before its payload.
 _ROW_HEAD_BYTES = 64
 
 
 class RecoveredSqliteFile:
-    """Takes the topics from SQLite itself, and the messages from the leaf pages that are still there."""
+    """Takes the topics from SQLite itself, and the messages from the leaf pages that are still there.
 
-    def __init__(self, path: Path, log: WriteAheadLog | None = None) -> None:
+    ``rows`` is how many messages the file held, where SQLite can tell.
+    """
+
+    def __init__(self, path: Path, log: WriteAheadLog | None = None, rows: int | None = None) -> None:
         self._qos = QosReader()
         self._log = log
+        self._rows = rows
         with ExitStack() as opened:
             file = opened.enter_context(closing(DatabaseFile(path, log)))
             try:
@@ -35,6 +47,7 @@ class RecoveredSqliteFile:
             self._index = opened.enter_context(closing(TimeIndex()))
             self.channels: ChannelsByNumber = _read_topics(path, log, self._qos)
             self.start_ns = self.end_ns = self.message_count = self._damaged = 0
+            self._homeless = self._last_row = 0
             self._find_messages()
             self._resources = opened.pop_all()
         self._present_bytes = file.present_bytes
@@ -57,7 +70,7 @@ class RecoveredSqliteFile:
         for _, offset in self._index.places():
             row = self._pages.row_at(offset, _ROW_HEAD_BYTES + head_bytes)
             message = _as_message(row)
-            if message is not None:
+            if message is not None and message[0] in channels:
                 number, stamp_ns, payload = message
                 yield channels[number], stamp_ns, row.sizes[-1], payload[:head_bytes]
 
@@ -66,8 +79,10 @@ class RecoveredSqliteFile:
         notices = [*(self._log.notices() if self._log is not None else ()), *self._qos.notices]
         if self._is_cut_off:
             notices.append(f"cut off: {read_so_far(self)}")
-        elif self._damaged:
-            notices.append(f"damaged: {read_so_far(self)}, {self._damaged} rows cannot be read")
+        elif self._lost:
+            notices.append(f"damaged: {read_so_far(self)}, {grouped(self._lost)} rows cannot be read")
+        if self._homeless:
+            notices.append(left_out(self._homeless, HOMELESS))
         return notices
 
     @property
@@ -75,7 +90,7 @@ class RecoveredSqliteFile:
         """The share of the file's length that is there, or else that of its rows."""
         if self._is_cut_off:
             return self._present_bytes / self._pages.promised_bytes
-        rows = self.message_count + self._damaged
+        rows = self.message_count + self._homeless + self._lost
         return self.message_count / rows if rows else 1.0
 
     def close(self) -> None:
@@ -86,6 +101,12 @@ class RecoveredSqliteFile:
     def _is_cut_off(self) -> bool:
         return self._present_bytes < self._pages.promised_bytes
 
+    @property
+    def _lost(self) -> int:
+        """Rows that are damaged, or gone with their pages: a recorder numbers them from 1 on."""
+        rows = self._last_row if self._rows is None else self._rows
+        return max(self._damaged, rows - self.message_count - self._homeless)
+
     def _find_messages(self) -> None:
         for offset in self._pages.rows():
             try:
@@ -94,13 +115,17 @@ class RecoveredSqliteFile:
                 self._damaged += 1
                 continue
             message = _as_message(row)
-            if message is None or message[0] not in self.channels:
-                continue
-            stamp_ns = message[1]
-            if self._index.add(key=row.rowid, stamp_ns=stamp_ns, offset=offset):
-                self.start_ns = min(self.start_ns, stamp_ns) if self.message_count else stamp_ns
-                self.end_ns = max(self.end_ns, stamp_ns) if self.message_count else stamp_ns
-                self.message_count += 1
+            if message is not None and self._index.add(key=row.rowid, stamp_ns=message[1], offset=offset):
+                self._last_row = max(self._last_row, row.rowid)
+                self._count(*message[:2])
+
+    def _count(self, number: int, stamp_ns: int) -> None:
+        if number not in self.channels:
+            self._homeless += 1
+            return
+        self.start_ns = min(self.start_ns, stamp_ns) if self.message_count else stamp_ns
+        self.end_ns = max(self.end_ns, stamp_ns) if self.message_count else stamp_ns
+        self.message_count += 1
 
 
 def _as_message(row: SqliteRow) -> tuple[int, int, bytes] | None:
