@@ -19,8 +19,8 @@ export class OpenTabs {
       if (data.kind === "here") this.heard.add(data.tab);
       else this.say({ kind: "here", tab: this.own });
     };
-    // Held until the tab is closed or crashes; a browser has locks only where it trusts the address.
-    void navigator.locks?.request(LOCK + own, () => new Promise(() => undefined));
+    // Held until the tab is closed or crashes; a browser has locks only where it trusts the address and keeps anything.
+    void navigator.locks?.request(LOCK + own, () => new Promise(() => undefined)).catch(() => undefined);
   }
 
   /** The other tabs that answer now. */

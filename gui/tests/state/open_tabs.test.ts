@@ -3,7 +3,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { OpenTabs } from "../../src/state/open_tabs";
 
-/** The tabs that are open, and how long each takes to read what the others say. */
+/** The tabs that are open, the locks that are held, and how long a tab takes to read what others say. */
 let channels: Channel[] = [];
 let held: string[] = [];
 let answersAfterMs = 0;
@@ -21,7 +21,7 @@ class Channel {
 }
 
 const locks = {
-  request: (name: string) => void held.push(name),
+  request: async (name: string) => void held.push(name),
   query: async () => ({ held: held.map((name) => ({ name })) }),
 };
 
@@ -68,6 +68,14 @@ test("a tab that was closed costs no more than a moment", async () => {
   await vi.advanceTimersByTimeAsync(150);
   expect([...((await others) ?? [])]).toEqual([]);
   expect(performance.now() - beganMs).toBe(150);
+});
+
+test("a browser that lets pages keep nothing gives no lock, and no error", async () => {
+  const refused = vi.fn(async () => Promise.reject(new Error("denied")));
+  vi.stubGlobal("navigator", { locks: { request: refused } });
+  expect(new OpenTabs("a").own).toBe("a");
+  await vi.runAllTimersAsync();
+  expect(refused).toHaveBeenCalled();
 });
 
 test("where the browser has no locks, those count that answer in a moment", async () => {

@@ -25,26 +25,25 @@ def first_held(work: ChildWork) -> Iterator[Callable[[], int]]:
     The result waits until there is one, and says its number.
     """
     found: queue.SimpleQueue[int] = queue.SimpleQueue()
+    held: list[int] = []
     is_over = threading.Event()
 
     def watch() -> None:
         while not is_over.wait(LOOK_S):
             child = child_of_server(work)
-            if child is not None:
+            if child is None:
+                continue
+            # One that ended meanwhile was another test's.
+            with suppress(ProcessLookupError):
                 os.kill(child, signal.SIGSTOP)
+                held.append(child)
                 found.put(child)
                 return
-
-    held: list[int] = []
-
-    def wait() -> int:
-        held.append(found.get(timeout=TIMEOUT_MS / 1000))
-        return held[0]
 
     watching = threading.Thread(target=watch)
     watching.start()
     try:
-        yield wait
+        yield lambda: found.get(timeout=TIMEOUT_MS / 1000)
     finally:
         is_over.set()
         watching.join()
