@@ -3,8 +3,8 @@
 """CPU of the Ruler's answer to a key in a large rule file, beside reading and checking all of it.
 
 Run it with ``python benchmarks/checking_edits.py [--blocks 500 1000 10000] [--keys 9]``. Behind the middle of
-the file, digits are written into rates; line breaks behind them, which move all that is below; and a rule,
-which makes one more. Each is answered with what is known of the text before. The median of each kind of keys is
+the file, digits are written into rates, line breaks behind them, which move all that is below, and a rule,
+which makes one more. Each is answered with what is known of the text before. The median of each kind is
 printed by what it goes to.
 """
 

@@ -4,12 +4,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from hypothesis import given, settings
+from msgspec.structs import replace
 
 from language.edited_texts import edited_texts
+from smarttestudo.domain.errors import TestudoError
 from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.answers.checked_text import Draft
-from smarttestudo.ruler.answers.edits import EditedTexts
+from smarttestudo.ruler.answers.documents import RuleDocument
+from smarttestudo.ruler.answers.edits import Delete, Duplicate, Edit, EditedTexts, EditRequest, Replace
+from smarttestudo.ruler.answers.statements import RuleStatement
 
 
 @given(edited_texts())
@@ -19,3 +25,31 @@ def test_the_document_of_an_edited_text_is_as_if_it_were_new(texts: list[str]) -
     for text in texts:
         draft = Draft(text=text, name="rules.adirf")
         assert answer_json(kept.document(draft)) == answer_json(EditedTexts().document(draft))
+        assert answer_json(kept.zones(draft)) == answer_json(EditedTexts().zones(draft))
+
+
+@given(edited_texts(max_edits=3))
+@settings(max_examples=100, deadline=None)
+def test_a_statement_of_an_edited_text_is_edited_as_if_the_text_were_new(texts: list[str]) -> None:
+    kept = EditedTexts()
+    for text in texts:
+        draft = Draft(text=text, name="rules.adirf")
+        for edit in edits_of(kept.document(draft)):
+            request = EditRequest(text=text, name=draft.name, edits=(edit, edit))
+            assert edited(kept, request) == edited(EditedTexts(), request)
+
+
+def edits_of(document: RuleDocument) -> Iterator[Edit]:
+    """Some edits of the last statement."""
+    last = [statement for part in document.collections for statement in part.statements][-1:]
+    for one in last:
+        yield from (Delete(id=one.id), Duplicate(id=one.id))
+        if isinstance(one, RuleStatement):
+            yield Replace(id=one.id, statement=replace(one, is_disabled=not one.is_disabled, priority=3))
+
+
+def edited(texts: EditedTexts, request: EditRequest) -> object:
+    try:
+        return answer_json(texts.edit(request))
+    except TestudoError as error:
+        return str(error)

@@ -188,7 +188,7 @@ def resolve_rules(
 
 def _orders(statements: Sequence[Statement], file: int) -> Sequence[int]:
     """Numbers that grow by two or more, and stay as they are while other statements come and go."""
-    places = ((file << 64) + (one.span.line << 32) + (one.span.column << 1) for one in statements)
+    places = ((file << 96) + (one.span.line << 32) + (one.span.column << 1) for one in statements)
     return list(accumulate(places, lambda last, place: max(last + 2, place)))
 
 
