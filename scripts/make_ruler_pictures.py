@@ -111,8 +111,6 @@ def zones(studio: Studio) -> None:
     """A zone on the demo's map that clashes with another rule."""
     page = studio.open_page(width=1440, height=1000)
     blocks = open_rules(page, "warehouse.adirf")
-    # The map gets the room of the results.
-    page.get_by_role("separator", name="Height of the results").press("End")
     page.get_by_role("tab", name="Map", exact=True).click()
     page.get_by_label("Background").select_option("Map: warehouse_map.yaml")
     page.get_by_label("Path of").select_option(RECORDING)
