@@ -44,7 +44,7 @@ def physics(robot: SmallRobot, *options: str) -> Process:
 
 def test_it_drives_in_the_background_of_a_shell(robot: SmallRobot) -> None:
     command = (sys.executable, "-m", "smarttestudo", "simulate", "--physics", "--seconds", "1")
-    job = robot.command(sys.executable, str(FOLDER / "in_background.py"), *command)
+    job = robot.command(sys.executable, str(FOLDER.parent / "in_background.py"), *command)
     assert job.exit_code() == 0
     assert "with physics (MuJoCo" in "".join(job.output)
 

@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import TextIO
+
+from smarttestudo.cli.terminal import is_unicode
 
 Report = Callable[[float], None]
 """Takes the share of the work done, 0 … 1."""
@@ -16,6 +19,28 @@ Progress = Callable[[str], AbstractContextManager[Report]]
 """Shows how far the work of that name is."""
 
 _ERASE_LINE = "\r\x1b[K"
+_USUAL_COLUMNS = 80
+
+
+def written_over(stream: TextIO) -> Callable[[str], None]:
+    """Function that writes a text to the terminal ``stream`` in place of the last one, cut to one row."""
+
+    def write(text: str) -> None:
+        # What goes on in the next row is not erased.
+        most = max(_columns(stream) - 1, 1)
+        if len(text) > most:
+            text = text[: most - 1] + ("…" if is_unicode(stream) else "~")
+        stream.write(f"{_ERASE_LINE}{text}")
+        stream.flush()
+
+    return write
+
+
+def _columns(stream: TextIO) -> int:
+    try:
+        return os.get_terminal_size(stream.fileno()).columns or _USUAL_COLUMNS
+    except OSError:
+        return _USUAL_COLUMNS
 
 
 @contextmanager
@@ -45,20 +70,19 @@ def silent(_label: str) -> Iterator[Report]:
 @contextmanager
 def _plain(label: str, stream: TextIO) -> Iterator[Report]:
     shown = -1
+    write = written_over(stream)
 
     def report(share: float) -> None:
         nonlocal shown
         percent = int(100 * share)
         if percent != shown:
             shown = percent
-            stream.write(f"{_ERASE_LINE}{label} {percent} %")
-            stream.flush()
+            write(f"{label} {percent} %")
 
     try:
         yield report
     finally:
-        stream.write(_ERASE_LINE)
-        stream.flush()
+        write("")
 
 
 @contextmanager

@@ -11,8 +11,10 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
+from typing import TextIO
 
 from smarttestudo.cli.link_options import connect_options, warn
+from smarttestudo.cli.progress import written_over
 from smarttestudo.cli.tables import print_table
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import LinkError, UsageError
@@ -29,7 +31,6 @@ _KNOWN_WITHIN_S = 3.0
 _LOOK_S = 0.1
 _SETTLED_S = 0.5
 _NAMED = 8
-_ERASE_LINE = "\r\x1b[K"
 
 
 def list_remote(arguments: argparse.Namespace) -> int:
@@ -74,7 +75,7 @@ def fetch(arguments: argparse.Namespace) -> int:
             last = progress
             show(progress)
 
-        with _progress_line(arguments.name) as show:
+        with progress_line() as show:
             path = incidents.fetch(robot, arguments.name, arguments.output, note, stopped)
     if arguments.json:
         record = {
@@ -146,21 +147,17 @@ def _chosen(robots: Sequence[str], arguments: argparse.Namespace) -> str:
 
 
 @contextmanager
-def _progress_line(name: str) -> Iterator[OnProgress]:
-    """On a terminal, one line that changes; silent in a pipe."""
-    if not sys.stderr.isatty():
+def progress_line(stream: TextIO | None = None) -> Iterator[OnProgress]:
+    """On a terminal (default: standard error) one line that changes, erased at the end; silent in a pipe."""
+    stream = stream or sys.stderr
+    if not stream.isatty():
         yield lambda _: None
         return
-
-    def show(progress: FetchProgress) -> None:
-        sys.stderr.write(f"{_ERASE_LINE}{name}: {progress_text(progress)}")
-        sys.stderr.flush()
-
+    write = written_over(stream)
     try:
-        yield show
+        yield lambda progress: write(progress_text(progress))
     finally:
-        sys.stderr.write(_ERASE_LINE)
-        sys.stderr.flush()
+        write("")
 
 
 def progress_text(progress: FetchProgress) -> str:

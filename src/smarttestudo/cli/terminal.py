@@ -12,7 +12,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import TextIO
 
@@ -30,7 +30,7 @@ def is_unicode(stream: TextIO) -> bool:
 def key_presses() -> Iterator[Callable[[], str]]:
     """The keys pressed since the last call; never any where standard input is no terminal.
 
-    In the background of a shell, whoever asks for them is stopped at once.
+    Nor are there any in the background of a shell, where who shows something on the terminal is stopped.
     """
     if not sys.stdin.isatty():
         yield str
@@ -40,18 +40,24 @@ def key_presses() -> Iterator[Callable[[], str]]:
 
     terminal = sys.stdin.fileno()
     before = termios.tcgetattr(terminal)
-    tty.setcbreak(terminal)
+    if _is_in_front(terminal) or sys.stdout.isatty():
+        tty.setcbreak(terminal)
 
     def pressed() -> str:
+        if not _is_in_front(terminal):
+            return ""
         # A shell that had stopped the process has set the terminal to whole lines.
-        if termios.tcgetattr(terminal)[_LOCAL_MODES] & termios.ICANON and _is_in_front(terminal):
+        if termios.tcgetattr(terminal)[_LOCAL_MODES] & termios.ICANON:
             tty.setcbreak(terminal, termios.TCSADRAIN)
         return _read(terminal) if select.select([terminal], [], [], 0)[0] else ""
 
     try:
         yield pressed
     finally:
-        termios.tcsetattr(terminal, termios.TCSADRAIN, before)
+        # It may be gone, as after SIGHUP.
+        with suppress(termios.error):
+            if _is_in_front(terminal):
+                termios.tcsetattr(terminal, termios.TCSADRAIN, before)
 
 
 def _is_in_front(terminal: int) -> bool:

@@ -8,6 +8,7 @@ import io
 import os
 import pty
 import select
+import subprocess
 import sys
 import termios
 from dataclasses import replace
@@ -25,6 +26,7 @@ from smarttestudo.domain.link_state import CommandTopic, LinkState
 from smarttestudo.domain.status import Silence, TopicStatus
 
 GOLDEN = Path(__file__).parent / "golden"
+IN_BACKGROUND = Path(__file__).parents[2] / "in_background.py"
 
 
 def look_of(topic: str) -> Style:
@@ -182,6 +184,18 @@ def test_keys_are_read_without_enter_after_a_shell_had_stopped_the_process(
             keyboard.write(b"q")
             assert select.select([terminal], [], [], 40)[0]
             assert pressed() == "q"
+
+
+def test_what_is_shown_elsewhere_goes_on_in_the_background_of_a_shell(tmp_path: Path) -> None:
+    program = (
+        "import sys; sys.stdout = open(sys.argv[1], 'w')\n"
+        "from smarttestudo.cli.terminal import key_presses\n"
+        "with key_presses() as pressed: print(repr(pressed()))"
+    )
+    shown = tmp_path / "shown.txt"
+    command = [sys.executable, str(IN_BACKGROUND), sys.executable, "-c", program, str(shown)]
+    subprocess.run(command, check=True, timeout=100)
+    assert shown.read_text(encoding="utf-8") == "''\n"
 
 
 def test_without_a_terminal_no_key_is_ever_pressed(monkeypatch: pytest.MonkeyPatch) -> None:
