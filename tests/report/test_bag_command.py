@@ -176,6 +176,29 @@ def test_declared_sizes_count_and_are_labelled(desk: Desk, tmp_path: Path) -> No
     assert {name for name, topic in topics.items() if topic["declared"]} == {"/image"}
 
 
+@pytest.mark.parametrize("hours_later", [0, 5])
+def test_silence_in_the_time_of_the_first_run_counts_as_bandwidth_of_nothing(
+    desk: Desk, *, hours_later: int
+) -> None:
+    stamps_ns = [START_NS + number * 100_000_000 for number in range(101)]
+    full = [BagMessage("/odom", stamp_ns, odometry(0, 0)) for stamp_ns in stamps_ns]
+    shift_ns = hours_later * 3600 * 10**9
+    thin = [BagMessage(one.topic, one.stamp_ns + shift_ns, one.payload) for one in full[30:41]]
+    write_bag(Path("full"), BagContent((ODOM,), tuple(full)))
+    write_bag(Path("thin"), BagContent((ODOM,), tuple(thin)))
+    ran = desk.bag("compare", "full", "thin", "--json")
+    size_kb = len(full[0].payload) / 1000
+    # Of another time, it is a run of its own.
+    over_s = 1 if hours_later else 10
+    assert ran.json["topics"]["/odom"]["b"]["kb_per_s"] == pytest.approx(11 * size_kb / over_s)
+    assert ran.json["total"]["b"]["kb_per_s"] == pytest.approx(11 * size_kb / over_s)
+    told = "note: thin: lasts 1.0 s; its KB/s count over the 10.0 s of full\n"
+    assert ran.err == ("" if hours_later else told)
+    assert desk.bag("report", "full", "thin", "--output", "report.html").out.startswith(
+        f"report.html: {'+9' if hours_later else '−89'} % bandwidth"
+    )
+
+
 @pytest.mark.parametrize("rename", ["{}", "/testudo{}", "{}_receive"])
 def test_topics_pair_with_their_relays(desk: Desk, tmp_path: Path, rename: str) -> None:
     write_bag(tmp_path / "a", MISSION)
@@ -187,7 +210,9 @@ def test_topics_pair_with_their_relays(desk: Desk, tmp_path: Path, rename: str) 
     assert odom["b_topic"] == rename.format("/odom")
     assert odom["change_percent"] == 100 * (relay["binned_hz"] / a["/odom"]["binned_hz"] - 1)
     assert odom["a"].items() <= a["/odom"].items()
-    assert odom["b"].items() <= relay.items()
+    over_s = desk.bag("info", "a", "--json").json["duration_s"]
+    kb_per_s = relay["bytes"] / 1000 / over_s
+    assert odom["b"] == {key: relay[key] for key in odom["b"]} | {"kb_per_s": kb_per_s}
 
 
 def test_a_mapping_pairs_topics_of_any_name(desk: Desk, tmp_path: Path) -> None:
@@ -207,8 +232,14 @@ def test_the_sum_of_a_comparison_is_over_the_topics_shown(desk: Desk, tmp_path: 
     write_bag(tmp_path / "a", MISSION)
     write_bag(tmp_path / "b", thinned(5))
     total = desk.bag("compare", "a", "b", "--topics", "/odom", "/scan", "--json").json["total"]
-    rates = [desk.bag("rates", bag, "--topics", "/odom", "/scan", "--json").json["total"] for bag in "ab"]
-    assert [total["a"], total["b"]] == rates
+    a, b = (desk.bag("rates", bag, "--topics", "/odom", "/scan", "--json").json for bag in "ab")
+    kb_per_s = b["total"]["bytes"] / 1000 / a["duration_s"]
+    assert total["a"] == a["total"]
+    assert total["b"] == {
+        **b["total"],
+        "kb_per_s": pytest.approx(kb_per_s),
+        "kbit_per_s": pytest.approx(8 * kb_per_s),
+    }
 
 
 def test_topics_are_chosen_by_name_and_by_pattern(desk: Desk, tmp_path: Path) -> None:

@@ -7,9 +7,11 @@ from __future__ import annotations
 import gzip
 import json
 import socket
+import sqlite3
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -88,6 +90,26 @@ def test_a_try_counts_what_testudo_replay_would_write(page: Page, project: Path,
     assert tried["decision_count"] == len(run.decisions)
     assert tried["percent"] == pytest.approx(100 * (1 - tried["after_kb"] / tried["before_kb"]))
     assert sorted(project.iterdir()) == [project / "broken", project / "monday"]
+
+
+def test_of_a_topic_with_two_types_a_try_counts_the_first(tmp_path: Path) -> None:
+    bag = write_bag(tmp_path / "bag", small_mission())
+    with closing(sqlite3.connect(bag / "bag.db3")) as database:
+        columns = ", ".join(row[1] for row in database.execute("PRAGMA table_info(topics)") if row[1] != "id")
+        others = columns.replace("type,", "'std_msgs/msg/String',")
+        database.execute(f"INSERT INTO topics ({columns}) SELECT {others} FROM topics WHERE name = '/odom'")
+        (second,) = database.execute("SELECT max(id) FROM topics").fetchone()
+        database.execute(
+            "INSERT INTO messages (topic_id, timestamp, data) "
+            "SELECT ?, timestamp + 1, data FROM messages JOIN topics ON topic_id = topics.id "
+            "WHERE name = '/odom' AND topic_id != ?",
+            (second, second),
+        )
+        database.commit()
+    tried = try_rules(Draft(text=RULES, name="rules.adirf"), bag, lambda _: None)
+    assert "/odom: recorded with two types; left out of the second: 100 messages" in tried.notices
+    odom = next(one for one in tried.topics if one.topic == "/odom")
+    assert sum(odom.before_hz_bins) * tried.bin_s == odom.outcome.messages_in == 100
 
 
 def test_a_try_loses_what_testudo_bag_loss_says(page: Page, project: Path, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import {
 import { folderWords } from "../state/tries";
 import { Button } from "../ui/button";
 import { DataTable } from "../ui/data_table";
-import { counted, fixed, readable, sizeWords } from "../ui/numbers";
+import { counted, percent, readable, sizeWords } from "../ui/numbers";
 import { focusIn, showOnNarrow } from "../ui/watch";
 import { errorWords, lossWords, missedWords } from "./headline_words";
 import { StaleNotice } from "./stale_notice";
@@ -97,7 +97,7 @@ function RowTable({ trial, open }: Pick<Props, "trial" | "open">) {
   return (
     <>
       <p class="headline">
-        <strong>{total.percent.toFixed(1)} % less sent</strong>; {sizeWords(total.after_kb)} in all
+        <strong>{percent(total.percent)} % less sent</strong>; {sizeWords(total.after_kb)} in all
       </p>
       {rows.length > shown.length && (
         <p class="quiet">
@@ -119,7 +119,7 @@ function RowTable({ trial, open }: Pick<Props, "trial" | "open">) {
           foot={[
             `Total of ${counted(rows.length, "recording")}`,
             rateWords(sentKbPerS(total)),
-            fixed(total.percent, 1),
+            percent(total.percent),
             "",
             "",
             missedWords(total) || "–",
@@ -146,7 +146,7 @@ function RecordingName({ trial, row, open }: Pick<Props, "trial" | "open"> & { r
 function cellsOf(headline: TryHeadline): string[] {
   return [
     rateWords(sentKbPerS(headline)),
-    fixed(headline.percent, 1),
+    percent(headline.percent),
     lossWords(headline) || "nothing",
     errorWords(headline) || "–",
     missedWords(headline) || "–",

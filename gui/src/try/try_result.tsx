@@ -12,7 +12,7 @@ import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { ZoneEditor } from "../state/zone_editor";
 import { Icon, type IconName } from "../ui/icon";
-import { counted, durationWords, hz, readable, sizeWords } from "../ui/numbers";
+import { counted, durationWords, hz, percent, readable, sizeWords } from "../ui/numbers";
 import { showOnNarrow } from "../ui/watch";
 import { CheckCourses } from "./check_courses";
 import { DecisionTable } from "./decision_table";
@@ -47,7 +47,7 @@ export function TryResult({ editor, api, trial, keepings, changed }: Props) {
   return (
     <div class="try-result" ref={result}>
       <p class="headline" role="status">
-        <strong>{answer.percent.toFixed(1)} % less sent</strong>
+        <strong>{percent(answer.percent)} % less sent</strong>
         {worst && `; ${worst}`}
       </p>
       <p class="quiet">

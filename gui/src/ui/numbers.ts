@@ -62,6 +62,15 @@ export function fixed(value: number, decimals: number): string {
   return thousandsApart(value, { ...digits, signDisplay: "negative" }).replace("-", "−");
 }
 
+const MOST_PERCENT_DECIMALS = 6;
+
+/** Percent, with the decimals that it takes to read as 0 or 100 only where it is that. */
+export function percent(value: number, decimals = 1): string {
+  let enough = decimals;
+  while (enough < MOST_PERCENT_DECIMALS && [0, 100].includes(Math.abs(Number(value.toFixed(enough))))) enough += 1;
+  return fixed(value, [0, 100].includes(Math.abs(Number(value.toFixed(enough)))) ? decimals : enough);
+}
+
 function thousandsApart(value: number, digits: Intl.NumberFormatOptions): string {
   return value.toLocaleString("en", digits).replaceAll(",", " ");
 }

@@ -2,7 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import table from "../../../tests/golden/numbers.json";
-import { durationWords, fixed, hz, kilobytes, numberProblem, readable, typedNumber } from "../../src/ui/numbers";
+import {
+  durationWords,
+  fixed,
+  hz,
+  kilobytes,
+  numberProblem,
+  percent,
+  readable,
+  typedNumber,
+} from "../../src/ui/numbers";
 
 test.each([
   ["3.5", 3.5],
@@ -65,6 +74,13 @@ test.each(table.fixed as [number, number, string][])(
   "%d with %d decimals is read as %s, as in the terminal",
   (value, decimals, text) => {
     expect(fixed(value, decimals)).toBe(text);
+  },
+);
+
+test.each(table.percent as [number, number, string][])(
+  "%d percent with %d decimals is read as %s, as in the terminal",
+  (value, decimals, text) => {
+    expect(percent(value, decimals)).toBe(text);
   },
 );
 

@@ -11,11 +11,17 @@ from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.comparison import Comparison, TopicComparison, compare
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.record import to_json
+from smarttestudo.domain.units import grouped
+
+_MUCH_SHORTER = 0.9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BagComparison:
-    """The recordings ``a`` and ``b`` with their topics paired."""
+    """The recordings ``a`` and ``b`` with their topics paired.
+
+    Where ``b`` is of the time of ``a``, its bandwidths count over that: where it has nothing, nothing came.
+    """
 
     a: BagSummary
     b: BagSummary
@@ -30,7 +36,7 @@ class BagComparison:
     @property
     def notices(self) -> tuple[str, ...]:
         """Losses and oddities of either, a line each."""
-        return (*self.a.notices, *self.b.notices)
+        return (*self.a.notices, *self.b.notices, *shorter_notices(self.a, self.b))
 
     def only(self, names: Collection[str]) -> BagComparison:
         """The same with the pairs of which one topic is in ``names``."""
@@ -77,12 +83,24 @@ def compare_bags(a: BagSummary, b: BagSummary, mapping: Mapping[str, str]) -> Ba
     Raises:
         RecordingError: they have no topic in common.
     """
+    if a.span.shares_time(b.span):
+        b = b.over(max(a.span.duration_s, b.span.duration_s))
     comparison = compare(a.statistics, b.statistics, mapping=mapping)
     if not any(pair.before and pair.after for pair in comparison.topics):
         raise RecordingError(
             f"it has no topic in common with {a.name}", place=b.name, remedy="pair two by --map /a=/b"
         )
     return BagComparison(a=a, b=b, comparison=comparison)
+
+
+def shorter_notices(a: BagSummary, b: BagSummary) -> Iterator[str]:
+    """Says over what the bandwidths of ``b`` count, where it is of the time of ``a`` and much shorter."""
+    longer_s, shorter_s = a.span.duration_s, b.span.duration_s
+    if a.span.shares_time(b.span) and shorter_s < _MUCH_SHORTER * longer_s:
+        yield (
+            f"{b.name}: lasts {grouped(shorter_s, 1)} s; its KB/s count over the "
+            f"{grouped(longer_s, 1)} s of {a.name}"
+        )
 
 
 def _pair_to_json(pair: TopicComparison) -> dict[str, object]:

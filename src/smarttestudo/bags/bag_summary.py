@@ -89,6 +89,11 @@ class BagSummary:
         """The numbers of each topic by its name."""
         return {topic.name: topic.statistics for topic in self.topics}
 
+    def over(self, duration_s: float) -> BagSummary:
+        """The same with bandwidths over ``duration_s``."""
+        topics = (replace(one, statistics=one.statistics.over(duration_s)) for one in self.topics)
+        return replace(self, topics=tuple(topics))
+
     def only(self, names: Collection[str | None]) -> BagSummary:
         """The same with the topics in ``names``."""
         return replace(self, topics=tuple(topic for topic in self.topics if topic.name in names))

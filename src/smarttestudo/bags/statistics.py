@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil
 from typing import Annotated
@@ -29,6 +29,10 @@ class RecordingSpan:
     def duration_s(self) -> float:
         """Seconds from the first message to the last."""
         return (self.end_ns - self.start_ns) / NS_PER_S
+
+    def shares_time(self, other: RecordingSpan) -> bool:
+        """Whether both lasted at one time."""
+        return self.start_ns <= other.end_ns and other.start_ns <= self.end_ns
 
     def seconds_to(self, stamp_ns: int) -> float:
         """Seconds from the recording's start to ``stamp_ns``."""
@@ -55,6 +59,10 @@ class TopicStatistics:
     kb_per_s: float | None
     declared: bool = False
 
+    def over(self, duration_s: float) -> TopicStatistics:
+        """The same with ``kb_per_s`` over ``duration_s`` in place of the recording's."""
+        return replace(self, kb_per_s=_kb_per_s(self.size_bytes, duration_s))
+
     @property
     def kbit_per_s(self) -> float | None:
         """``kb_per_s`` in kilobits of 1000 bits."""
@@ -74,9 +82,13 @@ def topic_statistics(
         end_s=None if last_ns is None else span.seconds_to(last_ns),
         mean_hz=mean_hz(messages, trace.span_ns),
         binned_hz=_binned_hz(messages, first_ns, last_ns),
-        kb_per_s=size_bytes / BYTES_PER_KB / span.duration_s if span.duration_s > 0 else None,
+        kb_per_s=_kb_per_s(size_bytes, span.duration_s),
         declared=declared,
     )
+
+
+def _kb_per_s(size_bytes: int, duration_s: float) -> float | None:
+    return size_bytes / BYTES_PER_KB / duration_s if duration_s > 0 else None
 
 
 def _binned_hz(messages: int, first_ns: int | None, last_ns: int | None) -> float:

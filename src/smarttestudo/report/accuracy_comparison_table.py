@@ -8,7 +8,18 @@ from collections.abc import Iterator, Mapping
 
 from smarttestudo.accuracy.comparison import AccuracyComparison, ArmAccuracy, PropertyAccuracy, View
 from smarttestudo.domain.units import BYTES_PER_KB
-from smarttestudo.report.table import MISSING, Align, Cell, Column, Number, Row, Table, Text
+from smarttestudo.report.table import (
+    MISSING,
+    Align,
+    Cell,
+    Column,
+    Number,
+    Row,
+    Table,
+    Text,
+    percent_cell,
+    percent_text,
+)
 
 _SHOWN_UNITS = {"m": (100.0, "cm"), "rad": (1.0, "rad"), "°": (1.0, "°")}
 _NOTES = (
@@ -47,10 +58,11 @@ def accuracy_sentences(comparison: AccuracyComparison) -> Iterator[str]:
         if not found or before.error is None or not before.error.rmse or not passed.size_bytes:
             continue
         rmse, arm = min(found, key=lambda pair: pair[0])
+        bytes_percent = 100 * arm.topics[topic].size_bytes / passed.size_bytes
         yield (
             f"Beside fixed rates, {arm.name} ({view.value}) shows the {name} of {topic} with "
-            f"{100 * rmse / before.error.rmse:.0f} % of the error, for "
-            f"{100 * arm.topics[topic].size_bytes / passed.size_bytes:.0f} % of the bytes."
+            f"{percent_text(100 * rmse / before.error.rmse, decimals=0)} of the error, for "
+            f"{percent_text(bytes_percent, decimals=0)} of the bytes."
         )
 
 
@@ -84,7 +96,7 @@ def _cells(arm: ArmAccuracy, fixed: ArmAccuracy, topic: str) -> Iterator[Cell]:
         if arm is not fixed and error is not None and before is not None and before.rmse:
             change = 100 * (error.rmse / before.rmse - 1)
         yield Number(factor * error.rmse if error else None, decimals=3)
-        yield Number(change, decimals=1, signed=True)
+        yield percent_cell(change, signed=True)
         yield Number(factor * error.worst if error else None, decimals=3)
         yield Text(_span(one, factor))
         yield Number(one.broken if one.bounds else None, decimals=0)

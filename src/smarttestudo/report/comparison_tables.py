@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from smarttestudo.bags.comparison import Comparison, TopicComparison
 from smarttestudo.bags.statistics import TopicStatistics
-from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.report.table import Align, Column, Number, Row, Table, Text, percent_cell
 
 DECLARED = "declared"
 _TOPIC = Column(heading="Topic", align=Align.LEFT)
@@ -82,7 +82,7 @@ def _frequency_row(pair: TopicComparison, *, has_targets: bool) -> Row:
             Text(pair.topic),
             _frequency(pair.before),
             _frequency(pair.after),
-            Number(pair.change_percent, decimals=1, signed=True),
+            percent_cell(pair.change_percent, signed=True),
             *(target if has_targets else ()),
         )
     )
@@ -94,7 +94,7 @@ def _bandwidth_row(pair: TopicComparison) -> Row:
             Text(pair.topic),
             _bandwidth(pair.before),
             _bandwidth(pair.after),
-            Number(pair.bandwidth_change_percent, decimals=1, signed=True),
+            percent_cell(pair.bandwidth_change_percent, signed=True),
             Text(DECLARED if _is_declared(pair) else "recorded"),
         )
     )
@@ -106,7 +106,7 @@ def _total_row(comparison: Comparison, *, declared: bool) -> Row:
             Text("All topics"),
             Number(comparison.before_kb_per_s),
             Number(comparison.after_kb_per_s),
-            Number(comparison.bandwidth_change_percent, decimals=1, signed=True),
+            percent_cell(comparison.bandwidth_change_percent, signed=True),
             Text("mixed" if declared else "recorded"),
         ),
         is_total=True,

@@ -11,6 +11,7 @@ from smarttestudo.report.markup import Markup, tag
 from smarttestudo.report.rule_styles import RuleStyle, RuleStyles
 from smarttestudo.report.rule_timeline import RuleSpan
 from smarttestudo.report.run_report import RunReport
+from smarttestudo.report.table import percent_text
 from smarttestudo.report.time_chart import Layer
 
 
@@ -74,7 +75,9 @@ def _line(style: str, name: str) -> Markup:
 
 def _rule(style: RuleStyle, seconds: float, total_s: float) -> Markup:
     share = (
-        f"{grouped(seconds)} s · {100 * seconds / total_s:.0f} %" if total_s > 0 else f"{grouped(seconds)} s"
+        f"{grouped(seconds)} s · {percent_text(100 * seconds / total_s, decimals=0)}"
+        if total_s > 0
+        else f"{grouped(seconds)} s"
     )
     sample = _sample(tag("path", class_=f"path {style.css_class}", d="M1 6H33"))
     return _entry(sample, style.name, tag("span", share, class_="quiet"))

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from smarttestudo.bags.bag_comparison import compare_bags
+from smarttestudo.bags.bag_comparison import compare_bags, shorter_notices
 from smarttestudo.bags.comparison import Comparison, TopicComparison, compare
 from smarttestudo.bags.measure import MeasuredRun
 from smarttestudo.bags.statistics import RecordingSpan
@@ -123,15 +123,13 @@ class PairedRuns:
         return (
             *self.a.summary.notices,
             *self.b.summary.notices,
+            *shorter_notices(self.a.summary, self.b.summary),
             *(() if self._share_time else (apart,)),
         )
 
     @property
     def _share_time(self) -> bool:
-        if self.b is None:
-            return True
-        a, b = self.a.summary.span, self.b.summary.span
-        return a.start_ns <= b.end_ns and b.start_ns <= a.end_ns
+        return self.b is None or self.a.summary.span.shares_time(self.b.summary.span)
 
     @property
     def _span_of_b(self) -> RecordingSpan:

@@ -7,7 +7,7 @@ from __future__ import annotations
 from smarttestudo.bags.comparison import change_percent
 from smarttestudo.replays.outcome import ReplayOutcome, TopicOutcome
 from smarttestudo.report.comparison_tables import DECLARED
-from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.report.table import Align, Column, Number, Row, Table, Text, percent_cell
 
 _TOPIC = Column(heading="Topic", align=Align.LEFT)
 _RATES_NOTE = (
@@ -123,5 +123,5 @@ def _volume(name: str, topic: TopicOutcome, *, declared: bool) -> Row:
 
 
 def _volumes(in_kb: float, out_kb: float) -> tuple[Number, Number, Number]:
-    change = Number(change_percent(in_kb, out_kb), decimals=1, signed=True)
+    change = percent_cell(change_percent(in_kb, out_kb), signed=True)
     return Number(in_kb, decimals=1), Number(out_kb, decimals=1), change

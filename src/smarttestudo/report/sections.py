@@ -19,7 +19,7 @@ from smarttestudo.report.markup import Markup, html_table, name_parts, tag
 from smarttestudo.report.rule_styles import RuleStyles
 from smarttestudo.report.run_report import Fact, RunReport
 from smarttestudo.report.summary import bandwidth_text, fixed_price, length_text, position_error
-from smarttestudo.report.table import format_number
+from smarttestudo.report.table import percent_text
 from smarttestudo.report.time_chart import Run, TimeChart, stacked_chart, total_chart
 from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart
 
@@ -91,7 +91,7 @@ def figure(kind: str, caption: Sequence[Markup], drawing: Markup) -> Markup:
 
 def _caption(topic: str, pair: TopicComparison | None) -> list[Markup]:
     change = None if pair is None else pair.change_percent
-    number = "" if change is None else f"{format_number(change, 0, signed=True)} %"
+    number = "" if change is None else percent_text(change, decimals=0, signed=True)
     return [tag("span", *name_parts(topic), class_="words name"), tag("span", number, class_="quiet readout")]
 
 

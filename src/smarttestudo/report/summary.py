@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.bags.comparison import Comparison
 from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_KB, BYTES_PER_MB, counted, grouped
-from smarttestudo.report.table import MISSING, format_number
+from smarttestudo.report.table import MISSING, format_number, percent_text
 
 _KB_PER_MB = 1000
 _FEWER = 0.97
@@ -28,7 +28,7 @@ def summary_sentence(comparison: Comparison, decisions: int, loss: LossReport | 
     known = comparison.before_kb_per_s is not None
     parts = [bandwidth_text(comparison.before_kb_per_s) if known else "too short to tell a bandwidth"]
     if change is not None:
-        parts = [f"{format_number(change, 0, signed=True)} % bandwidth"]
+        parts = [f"{percent_text(change, decimals=0, signed=True)} bandwidth"]
     if decisions:
         parts.append(counted(decisions, "decision"))
     error = None if loss is None else position_error(loss)

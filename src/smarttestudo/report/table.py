@@ -57,6 +57,21 @@ class Number:
 
 Cell = Text | Number
 
+_MOST_PERCENT_DECIMALS = 6
+
+
+def percent_cell(value: float | None, *, decimals: int = 1, signed: bool = False) -> Number:
+    """A cell of percent, with the decimals that it takes to read as 0 or 100 only where it is that."""
+    return Number(value, decimals=_percent_decimals(value, decimals), signed=signed)
+
+
+def _percent_decimals(value: float | None, decimals: int) -> int:
+    size = 0.0 if value is None or not math.isfinite(value) else abs(value)
+    for enough in range(decimals, _MOST_PERCENT_DECIMALS + 1):
+        if round(size, enough) not in {0.0, 100.0}:
+            return enough
+    return decimals
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
@@ -93,6 +108,11 @@ def format_number(value: float | None, decimals: int, *, signed: bool = False) -
     if not any("1" <= digit <= "9" for digit in digits):
         return digits
     return (_MINUS if value < 0 else "+" if signed else "") + digits
+
+
+def percent_text(value: float | None, *, decimals: int = 1, signed: bool = False) -> str:
+    """``value`` as in ``percent_cell``, with the sign of percent."""
+    return f"{format_cell(percent_cell(value, decimals=decimals, signed=signed))} %"
 
 
 def printable(text: str) -> str:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 from smarttestudo.bags.comparison import Comparison, TopicComparison
 from smarttestudo.bags.statistics import TopicStatistics
-from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.report.table import Align, Column, Number, Row, Table, Text, percent_cell
 
 THESIS_CHANGE_PERCENT: Mapping[str, float] = MappingProxyType(
     {
@@ -55,8 +55,8 @@ def frequency_as_in_thesis(comparison: Comparison) -> Table:
                     Text(pair.topic),
                     Number(before.binned_hz),
                     Number(after.binned_hz),
-                    Number(pair.change_percent, decimals=1, signed=True),
-                    Number(THESIS_CHANGE_PERCENT.get(pair.topic), decimals=1, signed=True),
+                    percent_cell(pair.change_percent, signed=True),
+                    percent_cell(THESIS_CHANGE_PERCENT.get(pair.topic), signed=True),
                 )
             )
             for pair, before, after in _in_both(comparison)
@@ -81,7 +81,7 @@ def bandwidth_as_in_thesis(comparison: Comparison) -> Table:
                     Text(pair.topic),
                     _kbit_per_s(before),
                     _kbit_per_s(after),
-                    Number(pair.bandwidth_change_percent, decimals=1, signed=True),
+                    percent_cell(pair.bandwidth_change_percent, signed=True),
                 )
             )
             for pair, before, after in _in_both(comparison)

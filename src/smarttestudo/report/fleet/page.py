@@ -14,10 +14,10 @@ from smarttestudo.report.fleet.sums import Sums, of_recording
 from smarttestudo.report.fleet.tables import (
     bound_table,
     cost_percent,
-    percent_text,
     recording_table,
     robot_table,
     rule_table,
+    share_text,
     topic_table,
     worst,
 )
@@ -29,7 +29,7 @@ from smarttestudo.report.run_report import Fact
 from smarttestudo.report.scripts import many_script
 from smarttestudo.report.sections import provenance_section, section
 from smarttestudo.report.summary import time_text, volume_text
-from smarttestudo.report.table import format_number
+from smarttestudo.report.table import percent_text
 
 _UNREADABLE = "unreadable"
 
@@ -71,7 +71,7 @@ def sentence(totals: FleetTotals) -> str:
     parts += [time_text(totals.all.duration_s), volume_text(totals.all.size_bytes)]
     lost = totals.all.lost_percent
     if lost is not None:
-        parts.append(f"{format_number(lost, 1)} % lost")
+        parts.append(f"{percent_text(lost)} lost")
     if totals.failures.count:
         parts.append(f"{grouped(totals.failures.count)} unreadable")
     return ", ".join(parts)
@@ -134,26 +134,26 @@ def _worst_sentences(totals: FleetTotals) -> Iterator[str]:
             names.append(f"on {_first(totals, totals.robots)}")
         if totals.all.recordings > 1:
             one = totals.worst[0]
-            names.append(f"in {one.a} ({percent_text(of_recording(one).lost_percent)})")
+            names.append(f"in {one.a} ({share_text(of_recording(one).lost_percent)})")
         yield f"Most messages were lost {_and(names)}."
     costly = max(
         totals.topics.items(), key=lambda one: (cost_percent(totals, one[1]) or 0.0, one[0]), default=None
     )
     if costly is not None and cost_percent(totals, costly[1]):
-        share = format_number(cost_percent(totals, costly[1]), 0)
-        yield f"{costly[0]} cost most: {share} % of the bytes{' received' if totals.are_pairs else ''}."
+        share = percent_text(cost_percent(totals, costly[1]), decimals=0)
+        yield f"{costly[0]} cost most: {share} of the bytes{' received' if totals.are_pairs else ''}."
     named = {name: sums for name, sums in totals.rules.items() if name}
     if named:
         name, rule = worst(totals, named)[0][0]
         if rule.lost:
-            yield f"Of the rules, “{name}” lost most ({percent_text(rule.lost_percent)})."
+            yield f"Of the rules, “{name}” lost most ({share_text(rule.lost_percent)})."
         elif not totals.are_pairs:
             yield f"Of the rules, “{name}” cost most ({volume_text(rule.size_bytes)})."
 
 
 def _first(totals: FleetTotals, of: dict[str, Sums]) -> str:
     name, sums = worst(totals, of)[0][0]
-    return f"{name} ({percent_text(sums.lost_percent)})"
+    return f"{name} ({share_text(sums.lost_percent)})"
 
 
 def _and(parts: Sequence[str]) -> str:

@@ -12,7 +12,17 @@ from smarttestudo.report.fleet.sums import Sums, Volume, of_recording, percent
 from smarttestudo.report.fleet.totals import MOST_ROWS, FleetTotals
 from smarttestudo.report.loss_tables import measured
 from smarttestudo.report.summary import volume_unit
-from smarttestudo.report.table import Align, Cell, Column, Number, Row, Table, Text, format_number
+from smarttestudo.report.table import (
+    Align,
+    Cell,
+    Column,
+    Number,
+    Row,
+    Table,
+    Text,
+    percent_cell,
+    percent_text,
+)
 
 DEFAULTS = "Defaults"
 _S_PER_H = 3600
@@ -112,7 +122,7 @@ def topic_table(totals: FleetTotals) -> Table:
                 cells=(
                     Text(name),
                     *_loss_cells(totals, sums),
-                    Number(cost_percent(totals, sums), decimals=1),
+                    percent_cell(cost_percent(totals, sums)),
                     *_volume_cells(totals, sums, unit),
                     Number(sums.recordings, decimals=0),
                 )
@@ -174,7 +184,7 @@ def bound_table(totals: FleetTotals) -> Table:
                 cells=(
                     Text(picture),
                     Number(sums.broken, decimals=0),
-                    Number(percent(sums.broken, sums.messages), decimals=1),
+                    percent_cell(percent(sums.broken, sums.messages)),
                     measured(sums.worst),
                     measured(bound),
                     Text(unit),
@@ -194,9 +204,9 @@ def worst(totals: FleetTotals, of: Mapping[str, _Summed]) -> tuple[Sequence[tupl
     return ranked[:MOST_ROWS], max(len(ranked) - MOST_ROWS, 0)
 
 
-def percent_text(share: float | None) -> str:
+def share_text(percent_of_all: float | None) -> str:
     """A share in words."""
-    return "no messages" if share is None else f"{format_number(share, 1)} %"
+    return "no messages" if percent_of_all is None else percent_text(percent_of_all)
 
 
 def cost_percent(totals: FleetTotals, sums: Sums) -> float | None:
@@ -243,9 +253,8 @@ def _loss_cells(totals: FleetTotals, sums: Sums) -> tuple[Cell, ...]:
 
 
 def _lost_cells(sums: Volume) -> tuple[Cell, ...]:
-    return Number(sums.lost if sums.shared_messages else None, decimals=0), Number(
-        sums.lost_percent, decimals=1
-    )
+    lost = Number(sums.lost if sums.shared_messages else None, decimals=0)
+    return lost, percent_cell(sums.lost_percent)
 
 
 def _more(count: int, noun: str) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from datetime import date, timedelta
 
 from smarttestudo.domain.units import counted, grouped
 from smarttestudo.report.fleet.sums import Sums
-from smarttestudo.report.fleet.tables import percent_text, worst
+from smarttestudo.report.fleet.tables import share_text, worst
 from smarttestudo.report.fleet.totals import FleetTotals
 from smarttestudo.report.fleet.trend import Step, TrendColumn
 from smarttestudo.report.legends import layer_legend
@@ -167,12 +167,12 @@ def _small(
             layers=(Layer(name=key, points=_steps([share or 0.0 for share in values])),),
             stretches=tuple(
                 ChartStretch(
-                    label=_label(totals, columns, number), meaning=f"{_when(column)}: {percent_text(share)}"
+                    label=_label(totals, columns, number), meaning=f"{_when(column)}: {share_text(share)}"
                 )
                 for number, (column, share) in enumerate(zip(columns, values, strict=True))
             ),
         )
-        number = percent_text(of[key].lost_percent)
+        number = share_text(of[key].lost_percent)
         caption = (tag("span", *name_parts(key), class_="words name"), tag("span", number, class_="quiet"))
         charts.append(_figure(chart, SMALL, *caption))
     yield tag("h3", name.capitalize())
@@ -223,5 +223,5 @@ def _told(totals: FleetTotals, column: TrendColumn) -> str:
         counted(sums.messages, "message"),
     ]
     if sums.lost_percent is not None:
-        parts.append(f"{percent_text(sums.lost_percent)} lost")
+        parts.append(f"{share_text(sums.lost_percent)} lost")
     return f"{_when(column)}: {', '.join(parts)}"

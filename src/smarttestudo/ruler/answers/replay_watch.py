@@ -22,7 +22,10 @@ MAX_POINTS = 1000
 
 
 class ArrivalWatch:
-    """Counts the messages of ``recording`` as they are read, and follows its odometry."""
+    """Counts the messages of ``recording`` as they are read, and follows its odometry.
+
+    Of a topic with two types the first counts, as in the replay.
+    """
 
     def __init__(self, recording: RecordingReader, decoder: MessageDecoder, loss: LossWatch) -> None:
         self._decoder = decoder
@@ -30,7 +33,8 @@ class ArrivalWatch:
         self._declared_bytes = recording.declared_bytes
         self._start_ns = self._due_ns = recording.start_ns
         self._step_ns = max((recording.end_ns - recording.start_ns) // MAX_POINTS, 1)
-        self.traces = {channel.topic: TraceAccumulator() for channel in recording.channels}
+        self._sources = {channel.topic: channel for channel in reversed(recording.channels)}
+        self.traces = {topic: TraceAccumulator() for topic in self._sources}
         self.path: list[PathPoint] = []
         odometry = [channel.topic for channel in recording.channels if channel.type_name == ODOMETRY]
         self._odometry = "/odom" if "/odom" in odometry else next(iter(odometry), None)
@@ -38,8 +42,10 @@ class ArrivalWatch:
     def arrived(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """Take one message of the recording."""
         topic = channel.topic
-        self.traces[topic].add(stamp_ns, self._declared_bytes.get(topic, len(payload)))
         self._loss.arrived(channel, stamp_ns, payload)
+        if self._sources[topic] is not channel:
+            return
+        self.traces[topic].add(stamp_ns, self._declared_bytes.get(topic, len(payload)))
         if topic == self._odometry and stamp_ns >= self._due_ns:
             self._due_ns = stamp_ns + self._step_ns
             self._follow(channel, stamp_ns, payload)
