@@ -99,6 +99,14 @@ def test_a_crossing_at_the_last_message_is_seen_by_who_receives_that() -> None:
     assert crossed(sent, sent).received.in_time == 1
 
 
+def test_of_several_values_at_one_stamp_the_last_crosses() -> None:
+    sent = series([0, NS_PER_S, NS_PER_S, 2 * NS_PER_S], [-1.0, 1.0, -1.0, -1.0])
+    assert crossed(sent, sent).crossings == 0
+    sent = series([0, NS_PER_S, NS_PER_S, 2 * NS_PER_S], [-1.0, -1.0, 1.0, 1.0])
+    seen = crossed(sent, sent)
+    assert (seen.crossings, seen.received.in_time) == (1, 1)
+
+
 def test_an_unknown_value_crosses_nothing() -> None:
     assert changes(ABOVE_ZERO.region, series([0, 1, 2, 3], [math.nan, 1, math.nan, 2])) == [(1, True)]
 

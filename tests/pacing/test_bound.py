@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from pacing.reckoning.ros_messages import ODOMETRY, TRANSFORMS, odometry, planar, transforms
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.properties import gauges_for
-from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecords
+from smarttestudo.pacing.bound import HEARTBEAT_HZ, MOST_BOUNDS, BoundRecords
 from smarttestudo.pacing.reckoning.motion import (
     SpatialPose,
     Twist,
@@ -201,6 +201,19 @@ def test_where_the_ceiling_breaks_the_bound_it_is_counted_exactly(
         records = bench.records["position"].values()
         assert sum(record.broken for record in records) == broken
         assert max(record.worst for record in records if record.worst is not None) == worst_m
+
+
+def test_ever_new_bounds_share_records_that_name_the_widest() -> None:
+    bench = Bench(ODOMETRY, 0.05)
+    for number in range(200):
+        bench.bind(0.05 + number % 67 / 100)
+        for step in range(5):
+            pose = planar(0.11 * (5 * number + step), 0, 0)
+            bench.send(NS_PER_S // 50, {"": pose}, Twist(Vector3(0, 0, 0), Vector3(0, 0, 0)))
+    records = bench.records["position"].values()
+    assert len(records) == MOST_BOUNDS
+    assert all(record.broken == 0 and (record.worst or 0.0) <= record.bound for record in records)
+    assert max(record.bound for record in records) == 0.05 + 66 / 100
 
 
 def test_a_robot_that_stands_still_sends_a_heartbeat_and_no_more() -> None:

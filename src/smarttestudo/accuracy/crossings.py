@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 from smarttestudo.accuracy.loss_report import CrossingLoss, Sightings
 from smarttestudo.accuracy.samples import Series
@@ -62,9 +63,15 @@ def crossing_loss(
 
 
 def changes(region: Region, series: Series) -> list[Change]:
-    """The first known truth of a check and each change of it; a value that is unknown changes nothing."""
+    """The first known truth of a check and each change of it; a value that is unknown changes nothing.
+
+    Nor does one that is replaced at the same stamp.
+    """
     found: list[Change] = []
-    for stamp_ns, value in zip(series.stamps_ns, series.values, strict=True):
+    stamps_ns = series.stamps_ns
+    for stamp_ns, value, next_ns in zip_longest(stamps_ns, series.values, stamps_ns[1:]):
+        if stamp_ns == next_ns:
+            continue
         holds = region.contains(value)
         if value == value and (not found or found[-1][1] != holds):  # noqa: PLR0124 - NaN differs from itself
             found.append((stamp_ns, holds))

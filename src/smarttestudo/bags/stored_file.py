@@ -113,7 +113,7 @@ class ContinuedFile(ABC):
                 self._take_over(recovered)
 
     def _take_over(self, recovered: StoredFile) -> None:
-        """What ``recovered`` found counts; what the file says it holds tells how much of it that is."""
+        """Take the numbers of ``recovered``; what the file says it holds tells how much of it that is."""
         promised, self._message_count = self._message_count, recovered.message_count
         self._readable_share = recovered.readable_share
         if promised > recovered.message_count:

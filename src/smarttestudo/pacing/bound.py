@@ -24,6 +24,7 @@ HEARTBEAT_HZ = 0.5
 class BoundRecord:
     """How a bound was kept while it was in force, over the messages of the source that could be read.
 
+    Of a property with many bounds, a record stands for several, and ``bound`` is the widest of them.
     ``worst`` is the picture's largest finite error after one, ``None`` where it never had one. ``broken``
     counts those after which the picture was more than the bound off, or said nothing. ``last`` is the error
     after the newest message, infinite where the picture, or the message, says nothing.
@@ -37,6 +38,18 @@ class BoundRecord:
 
 BoundRecords = dict[str, dict[float, BoundRecord]]
 """By property, and then by bound."""
+
+MOST_BOUNDS = 16
+"""Bounds of a property that have a record of their own: a budget that widens them gives ever new ones."""
+
+
+def _new_record(by_bound: dict[float, BoundRecord], bound: float) -> BoundRecord:
+    """The record of a bound that has none: a new one, or where there are many, that of the next wider one."""
+    if len(by_bound) < MOST_BOUNDS:
+        return by_bound.setdefault(bound, BoundRecord(bound))
+    record = by_bound[min((one for one in by_bound if one > bound), default=max(by_bound))]
+    record.bound = max(record.bound, bound)
+    return record
 
 
 class BoundStream(VolatileStream):
@@ -173,9 +186,7 @@ class BoundStreams(Streams[BoundStream]):
             if bound == math.inf:
                 continue
             by_bound = self.records.setdefault(name, {})
-            record = by_bound.get(bound)
-            if record is None:
-                record = by_bound[bound] = BoundRecord(bound)
+            record = by_bound.get(bound) or _new_record(by_bound, bound)
             record.last = error
             if is_judged and error > bound:
                 record.broken += 1
