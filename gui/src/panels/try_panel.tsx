@@ -102,17 +102,17 @@ function tryRecording({ editor: { rules }, api, tries }: Props, bag: string): Pr
 
 /** Results show as they come. */
 function tryFolder({ editor: { rules }, api, tries }: Props, folder: string): Promise<void> {
-  let share = (_: number) => 0;
+  let share = (_ofOne: number, _number: number) => 0;
   return tries.folderWork.start(
-    async (run, signal) => {
+    async (run, signal, tellShare) => {
       const { files } = await api.project();
       signal.throwIfAborted();
       const trial = new FolderTrial(folder, rules, recordingsIn(folder, files));
-      share = (ofOne) => trial.share(ofOne);
+      share = (ofOne, number) => trial.share(ofOne, number);
       tries.folder.value = trial;
-      return trial.run(api, run, signal);
+      return trial.run(api, run, signal, tellShare);
     },
-    (ofOne) => share(ofOne),
+    (ofOne, number) => share(ofOne, number),
   );
 }
 

@@ -15,8 +15,14 @@ export class BagWork<T> {
   readonly state = signal<WorkState<T>>({ kind: "idle", note: "" });
   private running: AbortController | null = null;
 
-  /** `whole` is how far all of it is when the server is so far with what it does. */
-  async start(ask: (run: string, signal: AbortSignal) => Promise<T>, whole = (share: number) => share): Promise<void> {
+  /**
+   * `ask` may call parts of its work `partOf(run, number)`, and `tellShare` how far all is; `whole` is that
+   * when the server is so far with a part.
+   */
+  async start(
+    ask: (run: string, signal: AbortSignal, tellShare: (share: number) => void) => Promise<T>,
+    whole = (share: number, _part: number) => share,
+  ): Promise<void> {
     this.cancel();
     const control = new AbortController();
     this.running = control;
@@ -24,10 +30,11 @@ export class BagWork<T> {
     const tell = (state: WorkState<T>) => {
       if (this.running === control) this.state.value = state;
     };
-    tell({ kind: "running", share: 0 });
-    const stop = watchProgress(run, (share) => tell({ kind: "running", share: whole(share) }));
+    const tellShare = (share: number) => tell({ kind: "running", share });
+    tellShare(0);
+    const stop = watchProgress(run, (share, part) => tellShare(whole(share, part)));
     try {
-      tell({ kind: "done", answer: await ask(run, control.signal) });
+      tell({ kind: "done", answer: await ask(run, control.signal, tellShare) });
     } catch (error) {
       if (control.signal.aborted) return;
       tell({ kind: "failed", why: refusal(error) });
@@ -44,12 +51,21 @@ export class BagWork<T> {
   }
 }
 
-/** Tells how far the work called `run` is, 0 … 1, until what it returns is called. */
-export function watchProgress(run: string, tell: (share: number) => void): () => void {
+const PART = " part ";
+
+/** What part `number` of the work `run` is called. */
+export function partOf(run: string, number: number): string {
+  return run + PART + number;
+}
+
+/** Tells how far the work called `run`, or a part of it, is, 0 … 1, until what it returns is called. */
+export function watchProgress(run: string, tell: (share: number, part: number) => void): () => void {
   const socket = new WebSocket(new URL("ws", location.href.replace(/^http/, "ws")));
   socket.onmessage = ({ data }) => {
     const push = JSON.parse(String(data)) as Push;
-    if (push.kind === "progress" && push.run === run) tell(push.share);
+    if (push.kind !== "progress") return;
+    const [whole, part] = push.run.split(PART);
+    if (whole === run) tell(push.share, Number(part ?? 0));
   };
   return () => {
     // A socket that is closed while it opens is an error in the browser's console.

@@ -3,6 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { type Api, problemWords, type Rules } from "../api/client";
 import type { FoundFile, TryHeadline } from "../api/types";
+import { partOf } from "./bag_work";
 
 /** What a try on a recording says first. */
 export interface TriedRow {
@@ -41,21 +42,22 @@ export class FolderTrial {
     return bag.startsWith(this.folder) ? bag.slice(this.folder.length) : bag;
   }
 
-  /** How far all are, where the one that is being tried is so far. */
-  share(ofOne: number): number {
-    return Math.min((this.done + ofOne) / this.recordings.length, 1);
+  /** How far all are, where recording `number` was so far when that was told. */
+  share(ofOne: number, number: number): number {
+    return (this.done + (number === this.done ? ofOne : 0)) / this.recordings.length;
   }
 
-  /** Tries one recording after the other; what ends it leaves what is done. */
-  async run(api: Api, run: string, signal: AbortSignal): Promise<this> {
-    for (const { name: bag } of this.recordings) {
+  /** Tries one recording after the other, and tells how far all are; what ends it leaves what is done. */
+  async run(api: Api, run: string, signal: AbortSignal, tellShare: (share: number) => void): Promise<this> {
+    for (const [number, { name: bag }] of this.recordings.entries()) {
       const { headline, problem, remedy } = await api.ask(
         "POST /api/try/headline",
-        { ...this.tried, bag, run },
+        { ...this.tried, bag, run: partOf(run, number) },
         { signal },
       );
       if (headline !== null) this.rows.value = [...this.rows.value, { bag, headline }];
       else this.problems.value = [...this.problems.value, { bag, why: problemWords({ message: problem, remedy }) }];
+      tellShare(this.share(0, this.done));
     }
     return this;
   }

@@ -49,8 +49,10 @@ afterEach(() => vi.unstubAllGlobals());
 test("recordings are tried one by one with the rules that the run began with, and one that is broken costs no other", async () => {
   const asked = server([done(), { headline: null, problem: "it is empty", remedy: "record it again" }, done()]);
   const trial = new FolderTrial("runs/", RULES, ["runs/a", "runs/b", "runs/c"].map(found));
-  await trial.run(new Api(), "7", new AbortController().signal);
-  expect(asked).toEqual(["runs/a", "runs/b", "runs/c"].map((bag) => ({ ...RULES, bag, run: "7" })));
+  const told: number[] = [];
+  await trial.run(new Api(), "7", new AbortController().signal, (share) => told.push(share));
+  expect(asked).toEqual(["runs/a", "runs/b", "runs/c"].map((bag, at) => ({ ...RULES, bag, run: `7 part ${at}` })));
+  expect(told).toEqual([1 / 3, 2 / 3, 1]);
   expect(trial.rows.value.map(({ bag }) => trial.nameOf(bag))).toEqual(["a", "c"]);
   expect(trial.problems.value).toEqual([{ bag: "runs/b", why: "It is empty. Record it again" }]);
   expect(trial.done).toBe(3);
@@ -60,13 +62,15 @@ test("what was tried stays where the run is cancelled, or the server refuses to 
   const [cancelled, refused] = [1, 2].map(() => new FolderTrial("/", RULES, ["a", "b", "c"].map(found)));
   server([done(), "never"]);
   const control = new AbortController();
-  const run = cancelled?.run(new Api(), "7", control.signal);
+  const run = cancelled?.run(new Api(), "7", control.signal, () => undefined);
   await vi.waitUntil(() => cancelled?.done === 1);
-  expect(cancelled?.share(0.5)).toBe(0.5);
+  expect(cancelled?.share(0.5, 1)).toBe(0.5);
+  // What is told late of a recording counts for no other.
+  expect(cancelled?.share(1, 0)).toBe(1 / 3);
   control.abort();
   await expect(run).rejects.toThrow();
   server([done(), 409]);
-  await expect(refused?.run(new Api(), "7", new AbortController().signal)).rejects.toThrow();
+  await expect(refused?.run(new Api(), "7", new AbortController().signal, () => undefined)).rejects.toThrow();
   expect([cancelled, refused].map((trial) => trial?.rows.value.length)).toEqual([1, 1]);
 });
 
