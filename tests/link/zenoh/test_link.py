@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import random
-import secrets
 import struct
 from contextlib import ExitStack
 from dataclasses import replace
@@ -17,13 +16,11 @@ from link.zenoh.ends import (
     ODOM,
     Reader,
     free_endpoint,
-    messages,
     operator_end,
     refuse_warning,
     robot_end,
     until,
 )
-from smarttestudo.domain.link import LinkNeeds
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.arrivals import RobotPresence, StreamSaid
 from smarttestudo.link.zenoh.security import LinkOptions
@@ -133,27 +130,6 @@ def test_an_operator_that_comes_while_another_is_served_gets_what_is_latched_and
             until(lambda: bool(late.payloads()), lambda: other.publish(b"pose"))
             assert late.payloads("/map") == [b"2", b"3", b"4", b"5"]
         assert there.payloads("/map") == [*before, b"5"]
-
-
-def test_messages_come_whole_and_in_order_whichever_thread_sends_them() -> None:
-    # More than the window holds at once: new messages have one thread send, and reports another.
-    payloads = [number.to_bytes(4, "little") + secrets.token_bytes(40_000) for number in range(200)]
-    endpoint = free_endpoint()
-    with operator_end(endpoint) as operator, robot_end(endpoint) as robot:
-        reader = Reader(operator)
-        robot.follow({ODOM.topic: LinkNeeds(is_full=True)})
-        odom = robot.advertise(ODOM)
-        sent: list[bytes] = []
-
-        def publish() -> None:
-            for payload in payloads[len(sent) : len(messages(reader.events)) + 10]:
-                odom.publish(payload)
-                sent.append(payload)
-
-        until(lambda: robot.state.is_connected)
-        until(lambda: len(reader.payloads()) == len(payloads), publish)
-        assert reader.payloads() == payloads
-        assert [one.broken for one in operator.counts().values()] == [0]
 
 
 def test_the_robot_knows_what_became_of_its_messages() -> None:

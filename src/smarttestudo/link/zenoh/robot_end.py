@@ -37,15 +37,13 @@ from smarttestudo.pacing.sample import StreamKind
 
 _LOOK_AGAIN_S = 0.2
 """When to look again what is to be sent, though nothing happened."""
-_END_WITHIN_S = 5.0
 
 
 class RobotEnd:
     """Sends the messages of a robot's streams. No call waits for the link.
 
-    A thread of its own compresses and sends, and so does the one that hears reports. What others want of the
-    sender meanwhile waits in an inbox, which whoever can lock the sender empties: so only ``advertise`` waits
-    for a compression.
+    A thread of its own compresses and sends. What others want of the sender meanwhile waits in an inbox,
+    which whoever can lock the sender empties: so only ``advertise`` waits for a compression.
     """
 
     def __init__(
@@ -68,8 +66,6 @@ class RobotEnd:
             Compressor().encode, fetch_budget_kb_per_s * BYTES_PER_KB
         )
         self._lock = threading.Lock()
-        self._sending = threading.Lock()
-        """Who has it sends the next chunk: they go in order."""
         self._inbox: deque[Callable[[], None]] = deque()
         self._has_left = False
         self._state = LinkState()
@@ -204,25 +200,18 @@ class RobotEnd:
         """Send nothing more; the session is to be closed then."""
         for worker in (self._queries, self._disk, self._worker):
             worker.close()
-        # The thread that hears reports may be sending; it ends with its chunk.
-        if self._sending.acquire(timeout=_END_WITHIN_S):
-            self._sending.release()
 
     def _do(self, act: Callable[[], None]) -> None:
         """Act on the sender, and have the thread send what may be sent then."""
-        if self._act(act):
-            self._worker.wake()
-
-    def _act(self, act: Callable[[], None]) -> bool:
-        """Act on the sender; whether something may be sent then."""
         self._inbox.append(act)
-        if not self._lock.acquire(blocking=False):
-            return True
-        try:
-            self._empty_inbox()
-            return self._sender.has_next(self._clock())
-        finally:
-            self._lock.release()
+        if self._lock.acquire(blocking=False):
+            try:
+                self._empty_inbox()
+                if not self._sender.has_next(self._clock()):
+                    return
+            finally:
+                self._lock.release()
+        self._worker.wake()
 
     def _empty_inbox(self) -> None:
         for _ in range(len(self._inbox)):
@@ -255,9 +244,7 @@ class RobotEnd:
             self._versions.check(OPERATOR, data)
             self.malformed += 1
             return
-        # This thread may wait for the link, and need not wake another first.
-        if self._act(lambda: self._sender.handle_report(report, self._clock())) and not self._send_here():
-            self._worker.wake()
+        self._do(lambda: self._sender.handle_report(report, self._clock()))
 
     def _have_wait(self, waiting: WaitingAsk) -> None:
         ask = waiting.ask
@@ -271,20 +258,8 @@ class RobotEnd:
     def _have_got(self, ask: AskBytes) -> None:
         self._do(lambda: self._sender.background.acknowledge(ask.asker, ask.got_bytes, self._clock()))
 
-    def _send_here(self) -> bool:
-        """Send on this thread what may be sent, unless another one does; whether that was all."""
-        if not self._sending.acquire(blocking=False):
-            return False
-        try:
-            return self._send_chunks()
-        except zenoh.ZError:
-            # The thread of its own meets it, too, and says so.
-            return False
-        finally:
-            self._sending.release()
-
-    def _send_chunks(self) -> bool:
-        """Send all chunks that may be sent; whether no answer may be."""
+    def _send_next(self) -> float:
+        """Send all chunks that may be sent, or an answer; how long to wait then."""
         has_more = True
         while has_more and not self._worker.is_closed:
             with self._lock:
@@ -292,19 +267,12 @@ class RobotEnd:
                 now_ns = self._clock()
                 chunk = self._sender.next_chunk(now_ns)
                 if chunk is None:
-                    return False
+                    answer, wait_s = self._next_answer(now_ns)
+                    break
                 has_more = self._sender.has_next(now_ns)
             self._data.put(chunk)
-        return True
-
-    def _send_next(self) -> float:
-        """Send all chunks that may be sent, or an answer; how long to wait then."""
-        with self._sending:
-            if self._send_chunks():
-                return _LOOK_AGAIN_S
-        with self._lock:
-            now_ns = self._clock()
-            answer, wait_s = self._next_answer(now_ns)
+        else:
+            return _LOOK_AGAIN_S
         if answer is None:
             return wait_s
         assert self._incidents is not None
