@@ -4,20 +4,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.robot import Endpoint, Robot
 
 _OF_ROS = frozenset({"/rosout", "/parameter_events"})
 
 
-def relaying_nodes(robot: Robot) -> list[str]:
-    """The names of the nodes that relay, as they publish decisions; a name as often as nodes have it."""
-    return [endpoint.node for endpoint in robot.publishers(DECISIONS_TOPIC)]
-
-
 def testudo_nodes(robot: Robot) -> frozenset[str]:
-    """The nodes that relay, this one among them."""
-    return frozenset({*relaying_nodes(robot), robot.name})
+    """The nodes that relay, this one among them: they publish decisions."""
+    return relaying_nodes(robot, lambda _: None)
+
+
+def relaying_nodes(robot: Robot, warn: Callable[[str], None]) -> frozenset[str]:
+    """The nodes that relay, this one among them; ``warn`` is told where another one has its name."""
+    relaying = [endpoint.node for endpoint in robot.publishers(DECISIONS_TOPIC)]
+    if relaying.count(robot.name) > 1:
+        warn(
+            f"another {robot.name} relays on this ROS graph, or was killed a moment ago: "
+            "what both relay arrives twice; end one of them"
+        )
+    return frozenset({*relaying, robot.name})
 
 
 def visible_topics(robot: Robot) -> dict[str, list[Endpoint]]:

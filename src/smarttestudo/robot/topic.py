@@ -110,12 +110,10 @@ def topic_link(
     source: LiveSource | None,
     subscribers: Sequence[Endpoint],
     problem: str | None,
-    *,
-    is_heard: bool = True,
 ) -> TopicLink:
     """The links of a topic whose publishers make ``source``, relayed to ``output``.
 
-    ``problem`` says why it cannot be relayed. Unless it ``is_heard``, nothing is received of it.
+    ``problem`` says why it cannot be relayed.
     """
     if source is None:
         return TopicLink(output=output, subscribers=len(subscribers), problem=problem)
@@ -123,7 +121,6 @@ def topic_link(
         output=output,
         type_name=source.type_name,
         publishers=source.publishers,
-        is_heard=is_heard,
         transient_local=source.qos.transient_local,
         has_header=robot.begins_with_header(source.type_name),
         subscribers=len(subscribers),

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 from smarttestudo.domain.errors import RosError
@@ -136,7 +137,7 @@ class LiveTopics:
     def look(self, *, has_changed: bool = False) -> list[SourceChanged]:
         """Follow the graph, which ``has_changed`` or may have: what changed since the last look."""
         self._look_at_operators(has_changed=has_changed)
-        testudos = self._testudo_nodes()
+        testudos = relaying_nodes(self._robot, self._warn_once)
         moved = self._publishers.look(self._topics, has_changed=has_changed)
         unseen = [topic for topic, live in self._topics.items() if live.source is None or not live.is_told]
         if testudos != self._testudos:
@@ -218,18 +219,15 @@ class LiveTopics:
 
     def links(self) -> dict[str, TopicLink]:
         """Connections of each relayed topic."""
-        return {
+        links = {
             topic: topic_link(
-                self._robot,
-                live.output,
-                live.source,
-                self._subscribers.of(live.output),
-                live.problem,
-                is_heard=live.subscription is not None,
+                self._robot, live.output, live.source, self._subscribers.of(live.output), live.problem
             )
             for topic, live in self._topics.items()
             if live.output is not None
         }
+        heard = self.subscriptions()
+        return {topic: replace(link, is_heard=topic in heard) for topic, link in links.items()}
 
     def _new(self, topic: str, output: str | None) -> OpenTopic:
         priority = self._priority_of(topic)
@@ -302,15 +300,6 @@ class LiveTopics:
         self._name_unserved(live)
         is_told, live.is_told = live.is_told, True
         return None if source == before and is_told else _changed(live.topic, source)
-
-    def _testudo_nodes(self) -> frozenset[str]:
-        relaying, own = relaying_nodes(self._robot), self._robot.name
-        if relaying.count(own) > 1:
-            self._warn_once(
-                f"another {own} relays on this ROS graph, or was killed a moment ago: "
-                "what both relay arrives twice; end one of them"
-            )
-        return frozenset({*relaying, own})
 
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
         if endpoints and not own:
