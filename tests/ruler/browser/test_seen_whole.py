@@ -8,14 +8,16 @@ import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, ViewportSize, expect
 
 from bags.bag_factory import small_mission, write_bag
 from ruler.browser.ruler_page import RulerPage
 from ruler.browser.screens import FOLDED
 
-LAPTOP, TELEPHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 844}
-LYING, STANDING = {"width": 1180, "height": 820}, {"width": 820, "height": 1180}
+LAPTOP: ViewportSize = {"width": 1280, "height": 800}
+TELEPHONE: ViewportSize = {"width": 390, "height": 844}
+LYING: ViewportSize = {"width": 1180, "height": 820}
+STANDING: ViewportSize = {"width": 820, "height": 1180}
 LINES_OF_PARTS = """of => [...of.childNodes].filter(part => part.nodeType === Node.TEXT_NODE).map(part => {
     const range = document.createRange();
     range.selectNode(part);
