@@ -55,7 +55,7 @@ _T = TypeVar("_T", Clash, SharedBorder, Shadow)
 def _of_each(
     rules: RuleModel, name: str, make: Callable[[TextLines, _T], Found], things: Sequence[_T]
 ) -> Iterator[Found]:
-    """What is found in each of ``things``, whose blocks are told by their lines."""
+    """Findings, one for each of ``things``, whose blocks are told by their lines."""
     return iter(rules.lines.each(rules.recall, name, partial(make, rules.lines), things, _block_places))
 
 

@@ -25,7 +25,7 @@ from smarttestudo.language.normal_form import (
     negation,
     over_states,
 )
-from smarttestudo.language.parser.lines import Lines
+from smarttestudo.language.parser.line_numbers import LineNumbers
 from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.recall import Recall
 from smarttestudo.language.region import Region
@@ -166,7 +166,7 @@ def read_rule_model(
     files: Sequence[RuleFile],
     context: CheckContext,
     recall: Recall | None = None,
-    lines: Mapping[str, Lines] | None = None,
+    lines: Mapping[str, LineNumbers] | None = None,
 ) -> RuleModel:
     """The statements of ``files``, with the interval analysis of their conditions.
 

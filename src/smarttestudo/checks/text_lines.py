@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.source import Span
-from smarttestudo.language.parser.lines import Lines
+from smarttestudo.language.parser.line_numbers import LineNumbers
 from smarttestudo.language.recall import Recall
 
 _T = TypeVar("_T")
@@ -24,7 +24,7 @@ Place = tuple[str, Span]
 class TextLines:
     """The lines of files by their path; a file that is not among them has those of its tree."""
 
-    by_path: Mapping[str, Lines]
+    by_path: Mapping[str, LineNumbers]
 
     def line(self, path: str, span: Span) -> int:
         """The line in its file at which ``span`` starts."""
@@ -51,7 +51,7 @@ class TextLines:
         things: Sequence[_S],
         places_in: Callable[[_S], Iterable[Place]],
     ) -> Sequence[_T]:
-        """What ``make`` makes of each of ``things`` and of the lines of the ``places_in`` it."""
+        """Results of ``make``, one for each of ``things``; made anew where lines of the ``places_in`` it moved."""
 
         def lines_of(thing: Any, _: TextLines) -> int:
             lines = 0
@@ -66,7 +66,7 @@ class TextLines:
 _LINE_BITS = 32
 
 
-def text_lines(by_path: Mapping[str, Lines], recall: Recall) -> TextLines:
+def text_lines(by_path: Mapping[str, LineNumbers], recall: Recall) -> TextLines:
     """The lines of files; the same object for texts whose lines are alike."""
     lines = TextLines(by_path=by_path)
     before = recall.before("text lines")

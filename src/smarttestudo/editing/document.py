@@ -17,7 +17,7 @@ from smarttestudo.editing.token_range import TokenRange, comments_above
 from smarttestudo.language.comments import Comment
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.parser.cursor import STATEMENT_STARTS
-from smarttestudo.language.parser.lines import Lines
+from smarttestudo.language.parser.line_numbers import LineNumbers
 from smarttestudo.language.parser.stretches import Stretch
 from smarttestudo.language.parser.tokens import Token, TokenKind
 from smarttestudo.language.recall import Recall
@@ -252,7 +252,9 @@ class _Body:
     last: Token
     statements: Sequence[WrittenStatement]
 
-    def part(self, name: str, entries: tuple[Entry, ...], places: LineIndex, lines: Lines) -> CollectionPart:
+    def part(
+        self, name: str, entries: tuple[Entry, ...], places: LineIndex, lines: LineNumbers
+    ) -> CollectionPart:
         return CollectionPart(
             id=name,
             begin=None if self.begin is None else TokenRange.of([self.begin], places),

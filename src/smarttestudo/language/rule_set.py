@@ -246,13 +246,12 @@ class _Compiler:
 
     def rule_set(self, files: Sequence[RuleFile]) -> RuleSet:
         resolved = resolve_rules(files, self._resolve)
-        numbers = {branch.order: number for number, branch in enumerate(resolved.branches)}
-        first = {branch.block.order: numbers[branch.order] for branch in reversed(resolved.branches)}
+        first = {one.block.order: number for number, one in reversed([*enumerate(resolved.branches)])}
         rules = RuleSet(
             defaults={one.topic: self._rate(one) for one in resolved.written_defaults},
             default_lines={topic: one.span.line for topic, one in resolved.defaults.items()},
             floors_hz=resolved.floors_hz,
-            blocks=tuple(self._block(one, numbers[one.order]) for one in resolved.branches),
+            blocks=tuple(self._block(one, number) for number, one in enumerate(resolved.branches)),
             written=tuple(self._as_written(one, first[one.order]) for one in resolved.blocks),
             bounds=self._tightest(resolved.always_bounds),
         )

@@ -11,7 +11,7 @@ from itertools import islice, takewhile
 from smarttestudo.domain.finding import Finding, Fix, Severity
 from smarttestudo.domain.source import Span
 from smarttestudo.language.comments import NO_TRIVIA, Comment, Trivia
-from smarttestudo.language.parser.lines import Lines
+from smarttestudo.language.parser.line_numbers import LineNumbers
 from smarttestudo.language.parser.stretches import Stretch
 from smarttestudo.language.parser.suggestions import closest, described, did_you_mean, hint_on
 from smarttestudo.language.parser.tokens import KEYWORDS, Token, TokenKind
@@ -23,7 +23,7 @@ MAX_FINDINGS = 1000
 class FindingLog:
     """The errors of one file; a second one in the same statement is mostly an echo of the first."""
 
-    def __init__(self, path: str, lines: Lines) -> None:
+    def __init__(self, path: str, lines: LineNumbers) -> None:
         self._path = path
         self._lines = lines
         self._findings: list[Finding] = []
@@ -116,7 +116,7 @@ class Cursor:
     ``timed_depth`` how many ``For`` and ``Within`` the last condition nests.
     """
 
-    def __init__(self, stretches: Sequence[Stretch], lines: Lines, log: FindingLog) -> None:
+    def __init__(self, stretches: Sequence[Stretch], lines: LineNumbers, log: FindingLog) -> None:
         self._stretches = list(stretches)
         self.lines = lines
         self._at = 0

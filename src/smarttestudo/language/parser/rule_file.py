@@ -24,7 +24,7 @@ from smarttestudo.language.parser.cursor import (
     Cursor,
     FindingLog,
 )
-from smarttestudo.language.parser.lines import Lines
+from smarttestudo.language.parser.line_numbers import LineNumbers
 from smarttestudo.language.parser.stretches import Stretch, stretches_of
 from smarttestudo.language.parser.tokens import Token, TokenKind
 from smarttestudo.language.parser.values import parse_hertz, parse_topic
@@ -42,7 +42,7 @@ class ParseResult:
     numbered: RuleFile
     findings: tuple[Finding, ...]
     steps: int
-    lines: Lines
+    lines: LineNumbers
     stretches: tuple[Stretch, ...] = ()
 
     @property
@@ -201,7 +201,7 @@ def parse(text: str, path: str, before: ParseResult | None = None) -> ParseResul
     if len(text.encode("utf-8", "surrogatepass")) > MAX_FILE_BYTES:
         return _too_large(path)
     read = stretches_of(text, None if before is None else before.stretches)
-    lines = Lines.of(read)
+    lines = LineNumbers.of(read)
     log = FindingLog(path, lines)
     cursor = Cursor(read, lines, log)
     collections = _collections(cursor)
@@ -224,7 +224,7 @@ def parse(text: str, path: str, before: ParseResult | None = None) -> ParseResul
 
 
 def _too_large(path: str) -> ParseResult:
-    lines = Lines(numbers=(1,), lines=(1,))
+    lines = LineNumbers(numbers=(1,), lines=(1,))
     log = FindingLog(path, lines)
     message, hint = "a rule file holds at most 4 MB", "split it into several"
     log.report("file-too-large", message, span=_START, hint=hint)

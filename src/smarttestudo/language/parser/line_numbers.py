@@ -20,7 +20,7 @@ _T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Lines:
+class LineNumbers:
     """The ``numbers`` of the first lines of stretches, and which ``lines`` of the text these are.
 
     A tree that stays while the text above it changes keeps its numbers. Both grow from stretch to stretch.
@@ -30,10 +30,10 @@ class Lines:
     lines: Sequence[int]
 
     @staticmethod
-    def of(stretches: Sequence[Stretch]) -> Lines:
+    def of(stretches: Sequence[Stretch]) -> LineNumbers:
         """The lines of a text that was read in ``stretches``."""
         *lines, _ = accumulate((one.breaks for one in stretches), initial=1)
-        return Lines(numbers=[one.line for one in stretches], lines=lines)
+        return LineNumbers(numbers=[one.line for one in stretches], lines=lines)
 
     def line(self, number: int) -> int:
         """The line that has ``number``; one more than the last of a stretch is the first of the next."""
