@@ -51,7 +51,7 @@ class TextLines:
         things: Sequence[_S],
         places_in: Callable[[_S], Iterable[Place]],
     ) -> Sequence[_T]:
-        """Results of ``make``, one for each of ``things``; made anew where lines of the ``places_in`` it moved."""
+        """Results of ``make`` for ``things``, each made anew where lines of the ``places_in`` it moved."""
 
         def lines_of(thing: Any, _: TextLines) -> int:
             lines = 0
