@@ -14,7 +14,9 @@ import argparse
 import gc
 import statistics
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
+from itertools import cycle, islice
 from typing import TypeVar
 
 from live.zone_rules import rule_file
@@ -36,21 +38,12 @@ def measured(work: Callable[[], _T]) -> tuple[_T, float]:
     return result, (time.process_time() - start_s) * 1000
 
 
-def digits(text: str, keys: int) -> Iterator[str]:
-    """The text after each key: a digit behind a rate, always of another rule."""
+def typed(signs: Iterable[str], text: str, keys: int) -> Iterator[str]:
+    """The text after each key: one of ``signs`` behind a rate, always of another rule."""
     at = len(text) // 2
-    for key in range(keys):
+    for sign in islice(cycle(signs), keys):
         at = text.index("\n", text.index("SetFrequency", text.index("EndIf", at)))
-        text = f"{text[:at]}{key % 9 + 1}{text[at:]}"
-        yield text
-
-
-def line_breaks(text: str, keys: int) -> Iterator[str]:
-    """The text after each key: a line break behind a rate, always of another rule."""
-    at = len(text) // 2
-    for _ in range(keys):
-        at = text.index("\n", text.index("SetFrequency", text.index("EndIf", at)))
-        text = f"{text[:at]}\n{text[at:]}"
+        text = f"{text[:at]}{sign}{text[at:]}"
         yield text
 
 
@@ -64,7 +57,11 @@ def blocks_more(text: str, keys: int) -> Iterator[str]:
         yield f"{text[:at]}{rule if key % 2 else broken}\n{text[at:]}"
 
 
-KEYS = {"a digit": digits, "a line break": line_breaks, "a rule more or less": blocks_more}
+KEYS: Mapping[str, Callable[[str, int], Iterator[str]]] = {
+    "a digit": partial(typed, "123456789"),
+    "a line break": partial(typed, "\n"),
+    "a rule more or less": blocks_more,
+}
 
 
 def answered(text: str, before: CheckedText) -> tuple[CheckedText, dict[str, float]]:
