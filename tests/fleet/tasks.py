@@ -57,12 +57,14 @@ def always_dies(number: int) -> int:
 
 
 def waits_to_be_ended(folder: Path, number: int) -> int:
-    """Leaves a file that goes if the worker is ended in an orderly way."""
+    """Leaves a file that goes if the worker is ended in an orderly way; that takes a while."""
     mark = folder / f"unfinished-{number}"
-    mark.touch()
     try:
+        mark.touch()
         if number > 0:
             time.sleep(30)
     finally:
-        mark.unlink()
+        if number > 0:
+            time.sleep(0.2)
+        mark.unlink(missing_ok=True)
     return number

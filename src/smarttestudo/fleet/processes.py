@@ -179,5 +179,7 @@ def _work(connection: Connection, task: Callable[[Item], Result]) -> None:
             connection.send(answer)
 
 
-def _leave(_number: int, _frame: FrameType | None) -> None:
+def _leave(number: int, _frame: FrameType | None) -> None:
+    # Another one must not break off the removal of what is not finished.
+    signal.signal(number, signal.SIG_IGN)
     raise SystemExit
