@@ -25,7 +25,7 @@ from smarttestudo.domain.errors import RosError, UsageError, said
 from smarttestudo.domain.link import Sink
 from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
 from smarttestudo.domain.units import NS_PER_S, utc_time
-from smarttestudo.domain.visible_topics import testudo_nodes
+from smarttestudo.domain.visible_topics import relaying_nodes
 from smarttestudo.link.foxglove import open_foxglove_sink
 from smarttestudo.link.protocol.messages import MAX_PREDICTED
 from smarttestudo.link.receive.arrival_log import ArrivalLog
@@ -196,7 +196,7 @@ def _sending(commands: CommandOutbox, pattern: str) -> Iterator[Sending]:
             commands,
             warn,
             pattern=pattern,
-            own_nodes=lambda: {*testudo_nodes(robot), f"/{_receiving_node()}"},
+            own_nodes=lambda: {*relaying_nodes(robot), f"/{_receiving_node()}"},
             clock=suspended_too_ns,
         )
         worker = Worker(

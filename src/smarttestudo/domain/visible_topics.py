@@ -12,15 +12,13 @@ from smarttestudo.domain.robot import Endpoint, Robot
 _OF_ROS = frozenset({"/rosout", "/parameter_events"})
 
 
-def testudo_nodes(robot: Robot) -> frozenset[str]:
-    """The nodes that relay, this one among them: they publish decisions."""
-    return relaying_nodes(robot, lambda _: None)
+def relaying_nodes(robot: Robot, warn: Callable[[str], None] | None = None) -> frozenset[str]:
+    """The nodes that relay, this one among them: they publish decisions.
 
-
-def relaying_nodes(robot: Robot, warn: Callable[[str], None]) -> frozenset[str]:
-    """The nodes that relay, this one among them; ``warn`` is told where another one has its name."""
+    ``warn`` is told where another one has the name of this one.
+    """
     relaying = [endpoint.node for endpoint in robot.publishers(DECISIONS_TOPIC)]
-    if relaying.count(robot.name) > 1:
+    if warn is not None and relaying.count(robot.name) > 1:
         warn(
             f"another {robot.name} relays on this ROS graph, or was killed a moment ago: "
             "what both relay arrives twice; end one of them"
@@ -30,7 +28,7 @@ def relaying_nodes(robot: Robot, warn: Callable[[str], None]) -> frozenset[str]:
 
 def visible_topics(robot: Robot) -> dict[str, list[Endpoint]]:
     """The publishers of each topic, without hidden topics, those of ROS and those of SmartTestudo nodes."""
-    testudos = testudo_nodes(robot)
+    testudos = relaying_nodes(robot)
     names = [name for name in robot.topics() if is_visible(name)]
     published = {
         name: [endpoint for endpoint in robot.publishers(name) if endpoint.node not in testudos]

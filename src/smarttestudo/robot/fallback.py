@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.robot import Robot
-from smarttestudo.domain.visible_topics import is_visible, testudo_nodes
+from smarttestudo.domain.visible_topics import is_visible, relaying_nodes
 from smarttestudo.language.rule_set import fallback_rules
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.output_topics import OutputTopic, is_output_topic, output_topics
@@ -35,7 +35,7 @@ class Fallback:
         seen = len(self._output_topics)
         unknown = [topic for topic in self._robot.topics() if self._may_join(topic)]
         if unknown:
-            testudos = testudo_nodes(self._robot)
+            testudos = relaying_nodes(self._robot)
             for topic in sorted(unknown):
                 if self._nodes(topic) - testudos:
                     self._join(topic)

@@ -227,7 +227,7 @@ class LiveTopics:
             if live.output is not None
         }
         heard = self.subscriptions()
-        return {topic: replace(link, is_heard=topic in heard) for topic, link in links.items()}
+        return {name: one if name in heard else replace(one, is_heard=False) for name, one in links.items()}
 
     def _new(self, topic: str, output: str | None) -> OpenTopic:
         priority = self._priority_of(topic)

@@ -104,7 +104,7 @@ class BackgroundAnswers(Generic[_Request]):
     @property
     def is_empty(self) -> bool:
         """Whether nobody waits."""
-        return not self._askers or not any(asker.waiting for asker in self._askers.values())
+        return not any(asker.waiting for asker in self._askers.values())
 
     @property
     def in_flight_bytes(self) -> int:
