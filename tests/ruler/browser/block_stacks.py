@@ -58,6 +58,7 @@ TEXT_SAYS = """() => {
 """The first topic of each statement of the text."""
 # A block glides from the picture after it was moved on, so that a look in each picture sees it.
 WATCH_GLIDING = """() => {
+    window.most = 0;
     const look = () => {
         const blocks = [...document.querySelectorAll('.blocks-host .blocklyDraggable')];
         const moving = blocks.filter(block => block.getAnimations().length > 0).length;

@@ -43,6 +43,14 @@ begin
 end
 """
 
+NOTE_AND_WARNING = """\
+begin
+    SetFrequency /odom 10
+    Rule "Same" If CheckValue /odom pose_x > 0 Then SetFrequency /odom 10
+    Rule "Never" If (CheckValue /odom pose_x > 0 AND CheckValue /odom pose_x < 0) Then SetFrequency /odom 4
+end
+"""
+
 DECIDES = """\
 begin
     SetFrequency /odom 5
@@ -102,6 +110,16 @@ def test_findings_begin_below_each_other_and_have_more_room_than_their_buttons(r
     fix = rows.last.get_by_role("button", name=re.compile("^pace .camera.camera_info with"))
     assert messages[-1]["width"] > _box(fix)["width"]
     assert not _is_cut(fix)
+
+
+def test_a_warning_begins_where_a_note_does(ruler: RulerPage, project: Path) -> None:
+    (project / "mixed.adirf").write_text(NOTE_AND_WARNING)
+    ruler.home()
+    ruler.open("mixed.adirf")
+    rows = ruler.page.get_by_role("list", name="Findings").get_by_role("listitem")
+    expect(rows.filter(has_text="Note")).not_to_have_count(0)
+    expect(rows.filter(has_text="Warning")).not_to_have_count(0)
+    assert len({_box(row.locator(".message"))["x"] for row in rows.all()}) == 1
 
 
 def test_nothing_covers_a_field_of_the_topic_parameters_on_a_laptop(ruler: RulerPage) -> None:
