@@ -70,18 +70,27 @@ export class FloorLayer extends Layer {
     const [width = 0, height = 0] = frame.size;
     const step = niceStep(frame.viewState.resolution * LINE_GAP_PX);
     context.font = `11px ${this.palette.font}`;
-    context.fillStyle = this.palette.quiet;
     const [left = 0, low = 0, right = 0, high = 0] = frame.extent ?? [];
     for (const x of multiples(step, left, right)) {
       const [at] = toPixel(frame, x, 0);
       this.line(context, x === 0, [at, 0, at, height]);
-      context.fillText(shown(x, step), at + LABEL_MARGIN_PX, height - LABEL_MARGIN_PX);
+      this.label(context, shown(x, step), at + LABEL_MARGIN_PX, height - LABEL_MARGIN_PX);
     }
     for (const y of multiples(step, low, high)) {
       const [, at] = toPixel(frame, 0, y);
       this.line(context, y === 0, [0, at, width, at]);
-      context.fillText(shown(y, step), LABEL_MARGIN_PX, at - LABEL_MARGIN_PX);
+      this.label(context, shown(y, step), LABEL_MARGIN_PX, at - LABEL_MARGIN_PX);
     }
+  }
+
+  private label(context: CanvasRenderingContext2D, words: string, x: number, y: number): void {
+    // Walls have the colour of text: an edge parts the number from them.
+    context.strokeStyle = this.palette.surface;
+    context.lineWidth = 3;
+    context.lineJoin = "round";
+    context.strokeText(words, x, y);
+    context.fillStyle = this.palette.text;
+    context.fillText(words, x, y);
   }
 
   private line(context: CanvasRenderingContext2D, isAxis: boolean, ends: [number, number, number, number]): void {
