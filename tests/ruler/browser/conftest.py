@@ -46,6 +46,13 @@ def ruler_port() -> Iterator[int]:
         yield port
 
 
+@pytest.fixture
+def robot_port() -> Iterator[int]:
+    """Of a robot that leaves and comes back: nobody else gets it meanwhile."""
+    with first_free("port", PORTS, _nobody_listens) as port:
+        yield port
+
+
 def _nobody_listens(port: int) -> bool:
     try:
         with socket.create_server(("127.0.0.1", port)):

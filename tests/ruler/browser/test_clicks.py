@@ -68,7 +68,7 @@ def test_the_rule_is_built_without_a_mouse(ruler: RulerPage, project: Path) -> N
     somebody.press("Enter")
     _name(somebody, "shelf")
     somebody.press("Enter")
-    ruler.blocks.wait_for()
+    expect(ruler.button("New rule")).to_be_enabled()
     build_rule_without_a_mouse(somebody)
     somebody.press("Control+s")
     somebody.sees("Saved shelf.adirf")

@@ -173,6 +173,8 @@ def test_axe_finds_nothing_beside_a_robot(page: RulerPage, world: World, runtime
     assert violations(page.page) == []
     page.button("Cancel").click()
     expect(page.tool("Send to robot")).to_be_focused()
+    # The page has asked all that it asks by then.
+    expect(page.page.get_by_text("The robot has other rules")).to_be_visible()
     operator.end()
 
 
@@ -196,10 +198,12 @@ def test_sent_rules_are_compared_tried_and_kept_with_the_keyboard_alone(
     page.walk("Tab", "Send")
     keyboard.press("Enter")
     expect(page.page.get_by_text(re.compile(r"In force for \d+ s"))).to_be_visible()
-    operator.line_with("heard")
+    expect(page.page.get_by_role("row", name=IMU_ROW).get_by_role("cell").nth(1)).to_have_text("20")
     page.walk("Tab", "Keep these rules")
     keyboard.press("Enter")
     expect(page.page.get_by_text("/smarttestudo keeps these rules")).to_be_visible()
+    # Two seconds of messages: the robot would wait ten for who keeps the rules.
+    operator.line_with("heard")
     runtime.line_with("pushed rules confirmed")
     # The page has asked all that it asks by then.
     expect(page.button("Write to its file")).to_be_visible()
@@ -343,7 +347,8 @@ def _reopen(page: RulerPage) -> None:
 def _append(page: RulerPage, line: str, text: str) -> None:
     page.text.get_by_text(line, exact=True).click()
     page.page.keyboard.press("End")
-    page.page.keyboard.type(text)
+    # Keys with a pause between them would be several steps of undo.
+    page.page.keyboard.insert_text(text)
 
 
 def _send(page: RulerPage) -> None:

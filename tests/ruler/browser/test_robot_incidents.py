@@ -13,7 +13,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from axe import violations
-from link.zenoh.ends import free_endpoint, refuse_warning
+from link.zenoh.ends import refuse_warning
 from ruler.browser.ruler_page import RulerPage
 from ruler.incident_projects import NEAR_MISS, write_incidents
 from smarttestudo.link.zenoh import open_robot_end
@@ -26,8 +26,8 @@ GONE = re.compile("there is no robot 'ada'|it cannot be reached")
 class Robot:
     """A robot, ada, whose incidents can be had while it is there."""
 
-    def __init__(self, folder: Path) -> None:
-        self.endpoint = free_endpoint()
+    def __init__(self, folder: Path, port: int) -> None:
+        self.endpoint = f"tcp/127.0.0.1:{port}"
         self._folder = folder
         self._open = ExitStack()
 
@@ -42,9 +42,9 @@ class Robot:
 
 
 @pytest.fixture
-def ada(tmp_path: Path) -> Iterator[Robot]:
+def ada(tmp_path: Path, robot_port: int) -> Iterator[Robot]:
     write_incidents(tmp_path / "robot")
-    ada = Robot(tmp_path / "robot" / "incidents")
+    ada = Robot(tmp_path / "robot" / "incidents", robot_port)
     ada.come()
     yield ada
     ada.leave()

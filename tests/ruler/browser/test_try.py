@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, expect
 
+from axe import TWO_PICTURES
 from bags.bag_factory import small_mission, write_bag
 from link.zenoh.ends import until
 from ruler.browser.held_child import child_of_server, first_held
@@ -70,6 +71,8 @@ def test_one_scrubber_moves_the_robot_the_rates_the_rules_and_the_mark_in_the_te
 
     page.set_viewport_size({"width": 1000, "height": 900})
     page.wait_for_function("innerWidth === 1000")
+    # Charts follow the width of the window with the next picture.
+    page.evaluate(TWO_PICTURES)
     rates = page.get_by_text("Rates (Hz) over time (s)").bounding_box()
     words = place.bounding_box()
     assert rates is not None

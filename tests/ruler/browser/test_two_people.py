@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from playwright.sync_api import Error, Locator, expect
+from playwright.sync_api import Error, Locator, Route, expect
 
 from ruler.browser.ruler_page import RulerPage, see_no_changes, served
 
@@ -64,7 +64,9 @@ def test_of_two_people_who_save_the_second_is_asked_and_both_texts_stay(
 
 
 def test_what_is_saved_by_itself_writes_over_nobody(ruler: RulerPage, bob: RulerPage, project: Path) -> None:
-    ruler.page.get_by_role("checkbox", name="Save by itself").check()
+    # Bob's page reads the setting once.
+    with ruler.page.expect_response("**/api/project/settings"):
+        ruler.page.get_by_role("checkbox", name="Save by itself").check()
     bob.home()
     for each in (ruler, bob):
         each.open("plain.adirf")
@@ -72,7 +74,13 @@ def test_what_is_saved_by_itself_writes_over_nobody(ruler: RulerPage, bob: Ruler
     _type_line(ruler, ADA)
     expect(_header_note(ruler)).to_have_text("saved by itself")
     assert (project / "plain.adirf").read_text() == _with(ADA)
+    # A save between two keys would ask in the middle of the line.
+    held: list[Route] = []
+    bob.page.route("**/api/file", lambda route: held.append(route))  # noqa: PLW0108 - no builtin
     _type_line(bob, BOB)
+    bob.page.unroute("**/api/file")
+    for route in held:
+        route.continue_()
     dialog = bob.page.get_by_role("dialog", name="Somebody else changed plain.adirf")
     expect(dialog).to_be_visible()
     bob.page.unroute("**/api/file/state?*")
