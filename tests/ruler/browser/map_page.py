@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 from playwright.sync_api import Locator, expect
 
-from ruler.browser.ruler_page import RulerPage
+from ruler.browser.ruler_page import AFTER_TWO_FRAMES, RulerPage
 
 _PLACE = re.compile(r"x (-?[\d.]+) m, y (-?[\d.]+) m")
-AFTER_TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 _AT_REST = """
 () => new Promise(done => {
     let [before, frames] = ["", 0];

@@ -22,8 +22,7 @@ from ruler.browser.block_stacks import (
     gaps,
     stacks,
 )
-from ruler.browser.map_page import AFTER_TWO_FRAMES
-from ruler.browser.ruler_page import GRIP_PX, RulerPage
+from ruler.browser.ruler_page import AFTER_TWO_FRAMES, GRIP_PX, RulerPage
 
 EDITS = 200
 MOST_STATEMENTS = 24
@@ -282,6 +281,8 @@ def _write_rules(ruler: RulerPage, project: Path, topics: list[str]) -> None:
 
 
 def _drag_to_top_of(ruler: RulerPage, topic: str, other: str) -> None:
+    # Marks of findings come with the next picture, and make room for themselves.
+    ruler.page.evaluate(AFTER_TWO_FRAMES)
     by_topic = {stack["says"][0]: stack for stack in stacks(ruler)}
     grip, target = by_topic[f"/{topic}"], by_topic[f"/{other}"]
     mouse = ruler.page.mouse
