@@ -68,8 +68,10 @@ def test_a_copy_has_what_was_typed_just_before(three: RulerPage, project: Path) 
     three.field("Edit rate: 4").click()
     three.page.keyboard.press("Control+a")
     three.page.keyboard.type("7")
-    # The block of the open field is drawn above the others, behind them in the page.
-    three.blocks.get_by_role("button", name="Duplicate this rule").last.click()
+    # By its name: the block of the open field comes behind the others in the page a picture later.
+    name = three.page.get_by_role("button", name="Edit name of the rule: A", exact=True)
+    rule = three.blocks.locator(".adirf_rule").filter(has=name)
+    rule.get_by_role("button", name="Duplicate this rule").click()
     three.field("Edit name of the rule: A 2")
     assert saved(three, project).count("SetFrequency /odom 7") == 2
 
@@ -98,6 +100,7 @@ def test_by_keyboard_alone(three: RulerPage, project: Path) -> None:
     three.walk("ArrowRight", "Switch this rule off", steps=8)
     keyboard.press("Enter")
     expect(three.blocks.get_by_text("⊘ switched off")).to_have_count(1)
+    three.await_focus("rule, A")
     three.walk("ArrowRight", "Switch this rule on", steps=8)
     three.walk("ArrowRight", "Duplicate this rule", steps=3)
     keyboard.press("Enter")
