@@ -7,9 +7,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Route, expect
 
-from ruler.browser.ruler_page import RulerPage
+from ruler.browser.ruler_page import AFTER_TWO_FRAMES, RulerPage
 
 THREE = """\
 begin
@@ -74,6 +74,20 @@ def test_a_copy_has_what_was_typed_just_before(three: RulerPage, project: Path) 
     rule.get_by_role("button", name="Duplicate this rule").click()
     three.field("Edit name of the rule: A 2")
     assert saved(three, project).count("SetFrequency /odom 7") == 2
+
+
+def test_what_is_opened_while_a_copy_is_made_stays_open(three: RulerPage) -> None:
+    held: list[Route] = []
+    three.page.route("**/api/edit", lambda route: held.append(route), times=1)  # noqa: PLW0108 - no builtin
+    with three.page.expect_request("**/api/edit"):
+        three.blocks.get_by_role("button", name="Duplicate this rule").first.click()
+    three.page.get_by_role("treeitem", name="Recipes").click()
+    recipe = three.page.get_by_role("listbox", name="Recipes blocks").get_by_role("option").first
+    recipe.wait_for()
+    held[0].continue_()
+    three.field("Edit name of the rule: A 2")
+    three.page.evaluate(AFTER_TWO_FRAMES)
+    assert recipe.is_visible()
 
 
 def test_a_copy_stands_behind_its_rule_with_all_comments(three: RulerPage, project: Path) -> None:
