@@ -54,6 +54,12 @@ export function isTyping(): boolean {
   return Blockly.WidgetDiv.isVisible() && (!input || input.value !== input.defaultValue);
 }
 
+/** Whether somebody went on with another part of the page, such as the list of blocks or the text. */
+export function isElsewhere(workspace: Blockly.WorkspaceSvg): boolean {
+  const { activeElement } = document;
+  return activeElement !== document.body && !workspace.getParentSvg().contains(activeElement);
+}
+
 function openInput(): HTMLInputElement | null {
   return Blockly.WidgetDiv.getDiv()?.querySelector("input") ?? null;
 }

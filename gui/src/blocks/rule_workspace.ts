@@ -16,7 +16,7 @@ import type { RuleState } from "./live_states";
 import type { MenuPage } from "./menus";
 import { fingerprint, toBlock, toStatement } from "./model";
 import { newWorkspace } from "./new_workspace";
-import { closeField, isTyping, openField } from "./open_field";
+import { closeField, isElsewhere, isTyping, openField } from "./open_field";
 import { blocklyTheme } from "./palette";
 import { type ActedOn, actedOn } from "./rule_acts";
 import {
@@ -235,7 +235,8 @@ export class RuleWorkspace {
       done = isKnown ? actedOn(all, at, act) : null;
       return done === null ? [] : [done.edit];
     });
-    if (done !== null && !this.left) this.goToBlock((done as ActedOn).at);
+    if (done === null || this.left || isElsewhere(this.workspace)) return;
+    this.goToBlock((done as ActedOn).at);
   }
 
   setReadOnly(readOnly: boolean): void {

@@ -17,6 +17,7 @@ export class RuleProfile {
   /** Uses the profile that was chosen for the rules, else the likeliest; what is chosen meanwhile stays. */
   async recall(rules: Rules): Promise<void> {
     const { wanted } = this;
+    this.isKnown.value = false;
     try {
       const { name, gone } = await this.api.profileFor(rules);
       if (this.wanted !== wanted) return;

@@ -30,6 +30,21 @@ test("a profile that is gone is named beside the one in its place", async () => 
   expect([profile.used.value?.name, profile.gone.value, profile.isKnown.value]).toEqual(["lte.toml", "old.toml", true]);
 });
 
+test("a profile that was known is not while it is asked again which one goes with the rules", async () => {
+  const reads = server();
+  const profile = new RuleProfile(new Api());
+  const chosen = profile.use("wifi.toml");
+  await vi.waitFor(() => expect(reads.has("wifi.toml")).toBe(true));
+  reads.get("wifi.toml")?.();
+  await chosen;
+  const recalled = profile.recall(RULES);
+  expect(profile.isKnown.value).toBe(false);
+  await vi.waitFor(() => expect(reads.has("lte.toml")).toBe(true));
+  reads.get("lte.toml")?.();
+  await recalled;
+  expect([profile.used.value?.name, profile.isKnown.value]).toEqual(["lte.toml", true]);
+});
+
 test("who chooses another profile while the likeliest is read is told of none that is gone", async () => {
   const reads = server();
   const profile = new RuleProfile(new Api());

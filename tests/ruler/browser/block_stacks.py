@@ -56,17 +56,15 @@ TEXT_SAYS = """() => {
         .map(([, default_, check]) => default_ ?? check);
 }"""
 """The first topic of each statement of the text."""
-# A block glides from the picture after it was moved on, so that a look in each picture sees it.
 WATCH_GLIDING = """() => {
-    window.most = 0;
-    const look = () => {
-        const blocks = [...document.querySelectorAll('.blocks-host .blocklyDraggable')];
-        const moving = blocks.filter(block => block.getAnimations().length > 0).length;
-        window.most = Math.max(window.most, moving);
-        requestAnimationFrame(look);
+    window.gliding = new Set();
+    const { animate } = Element.prototype;
+    Element.prototype.animate = function (...how) {
+        if (this.matches('.blocks-host .blocklyDraggable')) window.gliding.add(this);
+        return animate.apply(this, how);
     };
-    look();
 }"""
+"""Counts blocks as they begin to glide: a busy browser may draw no picture before they have arrived."""
 IS_SETTLED = f"""() => {{
     const stacks = ({STACKS})();
     const gaps = stacks.slice(1).map((stack, index) => stack.top - stacks[index].bottom);

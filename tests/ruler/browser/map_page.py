@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 from playwright.sync_api import Locator, expect
 
-from ruler.browser.ruler_page import RulerPage
+from ruler.browser.ruler_page import AFTER_TWO_FRAMES, RulerPage
 
 _PLACE = re.compile(r"x (-?[\d.]+) m, y (-?[\d.]+) m")
-AFTER_TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 _AT_REST = """
 () => new Promise(done => {
     let [before, frames] = ["", 0];
@@ -50,7 +49,10 @@ class MapPage:
         self.canvas = ruler.page.get_by_role("application", name="Zones on the map")
         self.canvas.wait_for()
         expect(ruler.page.get_by_text("Loading the map …")).to_have_count(0)
-        # Zones and tools come after it, and all that is there is fitted in anew.
+        # Zones come with an answer, and all that is there is fitted in anew.
+        zones = ruler.page.locator(".zone-list")
+        none = zones.get_by_text("No rule depends on the position")
+        expect(zones.get_by_role("button").or_(none).first).to_be_visible()
         ruler.page.evaluate(_AT_REST)
 
     @property

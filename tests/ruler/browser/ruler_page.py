@@ -22,6 +22,7 @@ KNOWS_TOUR = "try { localStorage.setItem('tour', 'seen') } catch {}"
 """Of a browser in which somebody took the tour."""
 GRIP_PX = 9
 """From the corner of a block to where it is taken: beside its fields."""
+AFTER_TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 FOCUSED = """(document.activeElement === document.body ? ""
     : document.activeElement.getAttribute("aria-label") || document.activeElement.textContent)"""
 """What a screen reader calls the focused thing; nothing where that is the whole page."""
@@ -169,8 +170,12 @@ class RulerPage:
 
 
 def lowest(found: Locator) -> Locator:
-    """The lowest of these, once there are some; one look at all, as an answer may take one away."""
+    """The lowest of these, once there are some; one look at all, as an answer may take one away.
+
+    What got the focus just now goes behind the others of the page with the next picture.
+    """
     found.first.wait_for()
+    found.page.evaluate(AFTER_TWO_FRAMES)
     tops_px = found.evaluate_all("all => all.map(each => each.getBoundingClientRect().top)")
     return found.nth(tops_px.index(max(tops_px)) if tops_px else 0)
 

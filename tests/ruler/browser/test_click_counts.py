@@ -101,7 +101,8 @@ def test_a_file_with_everything_is_made_without_a_mouse(ruler: RulerPage, projec
     me.press("Enter")
     me.type("shelf")
     me.press("Enter")
-    ruler.blocks.wait_for()
+    # What cannot be pressed yet is none of the keys' stops.
+    expect(ruler.button("New rate")).to_be_enabled()
     me.walk("Tab", "New rate")
     me.press("Enter")
     _type_defaults(me)
@@ -145,6 +146,7 @@ def _type_zone(ruler: RulerPage, me: CountedPage) -> None:
     for side_m in ("2", "9", "1", "3"):
         me.type(side_m)
         me.press("Tab")
+    expect(ruler.button("Add the zone")).to_be_enabled()
     me.walk("Tab", "Add the zone")
     me.press("Enter")
     ruler.page.get_by_role("group", name="Zone of Zone 1").wait_for()

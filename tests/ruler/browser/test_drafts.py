@@ -38,9 +38,7 @@ def test_every_key_stroke_is_there_after_a_reload(ruler: RulerPage, project: Pat
 def test_a_tab_that_crashed_loses_nothing(ruler: RulerPage, project: Path) -> None:
     _type(ruler, project)
     crashed = ruler.page
-    crashed.wait_for_function(
-        "word => Object.values(localStorage).some(each => each.includes(word))", arg=TYPED
-    )
+    _await_draft(ruler)
     with crashed.expect_event("crash"), suppress(Error):
         crashed.goto("chrome://crash")
     next_page = RulerPage(crashed.context.new_page(), ruler.url)
@@ -56,6 +54,7 @@ def test_a_server_that_was_gone_costs_nothing(browser: Browser, project: Path, r
         ruler = RulerPage(context.new_page(), url)
         ruler.home()
         _open(ruler, project)
+        expect(ruler.button("New rate")).to_be_enabled()
     _type_line(ruler)
     ruler.page.keyboard.press("Control+s")
     expect(ruler.page.get_by_text("not saved", exact=True)).to_be_visible()
@@ -100,6 +99,7 @@ def test_a_restored_file_that_somebody_else_changed_is_compared_first(
 
 def test_two_tabs_keep_what_was_typed_in_each(ruler: RulerPage, project: Path) -> None:
     _type(ruler, project)
+    _await_draft(ruler)
     other = RulerPage(ruler.page.context.new_page(), ruler.url)
     other.home()
     other.open("plain.adirf")
@@ -153,6 +153,13 @@ def _type_line(ruler: RulerPage, line: str = TYPED) -> None:
     ruler.text.get_by_text("SetFrequency", exact=False).first.click()
     ruler.page.keyboard.press("End")
     ruler.page.keyboard.type(f"\n{line}")
+
+
+def _await_draft(ruler: RulerPage) -> None:
+    """Wait until the browser keeps what was typed, which it does a moment later."""
+    ruler.page.wait_for_function(
+        "word => Object.values(localStorage).some(each => each.includes(word))", arg=TYPED
+    )
 
 
 def _notice(ruler: RulerPage) -> Locator:

@@ -36,7 +36,7 @@ def test_a_rule_folds_to_a_line_that_says_what_it_sets(ruler: RulerPage, project
     expect(ruler.blocks.get_by_role("button", name="Edit name of the rule")).to_have_count(2)
     _choose(ruler, "Fold all")
     expect(ruler.blocks.locator(".adirf_folded")).to_have_count(3)
-    expect(ruler.blocks.locator(".adirf_folded").nth(1)).to_contain_text("switched off")
+    expect(_line(ruler, 2)).to_contain_text("switched off")
     # Nothing of this is in the text.
     expect(ruler.tool("Undo")).to_be_disabled()
     ruler.button("New rate").click()

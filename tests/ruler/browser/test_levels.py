@@ -64,6 +64,7 @@ def test_a_name_takes_hold_of_its_own_line_and_does_not_jump(ruler: RulerPage, p
     (project / "radio.toml").write_text(close)
     ruler.page.get_by_role("link", name="radio.toml").click()
     cells = [_cell(ruler, level) for level in ("Unacceptable", "Marginal", "Acceptable", "Excessive")]
+    _await_axis(ruler)
     name = ruler.page.get_by_text("Unacceptable 10 Hz").bounding_box()
     other = _line(ruler, "Marginal").bounding_box()
     assert name is not None
@@ -129,7 +130,13 @@ def _cell(ruler: RulerPage, level: str) -> Locator:
     return ruler.page.get_by_label(f"{level} (Hz) of /odom", exact=True)
 
 
+def _await_axis(ruler: RulerPage) -> None:
+    """Wait until the levels stand on the axis, which is drawn a picture after they are there."""
+    ruler.page.wait_for_function("() => document.querySelector('.level-area')?.clientWidth > 0")
+
+
 def _drag(ruler: RulerPage, line: Locator, right_px: float) -> None:
+    _await_axis(ruler)
     box = line.bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] - 20

@@ -7,9 +7,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Route, expect
 
-from ruler.browser.ruler_page import RulerPage
+from ruler.browser.ruler_page import AFTER_TWO_FRAMES, RulerPage
 
 THREE = """\
 begin
@@ -68,10 +68,26 @@ def test_a_copy_has_what_was_typed_just_before(three: RulerPage, project: Path) 
     three.field("Edit rate: 4").click()
     three.page.keyboard.press("Control+a")
     three.page.keyboard.type("7")
-    # The block of the open field is drawn above the others, behind them in the page.
-    three.blocks.get_by_role("button", name="Duplicate this rule").last.click()
+    # By its name: the block of the open field comes behind the others in the page a picture later.
+    name = three.page.get_by_role("button", name="Edit name of the rule: A", exact=True)
+    rule = three.blocks.locator(".adirf_rule").filter(has=name)
+    rule.get_by_role("button", name="Duplicate this rule").click()
     three.field("Edit name of the rule: A 2")
     assert saved(three, project).count("SetFrequency /odom 7") == 2
+
+
+def test_what_is_opened_while_a_copy_is_made_stays_open(three: RulerPage) -> None:
+    held: list[Route] = []
+    three.page.route("**/api/edit", lambda route: held.append(route), times=1)  # noqa: PLW0108 - no builtin
+    with three.page.expect_request("**/api/edit"):
+        three.blocks.get_by_role("button", name="Duplicate this rule").first.click()
+    three.page.get_by_role("treeitem", name="Recipes").click()
+    recipe = three.page.get_by_role("listbox", name="Recipes blocks").get_by_role("option").first
+    recipe.wait_for()
+    held[0].continue_()
+    three.field("Edit name of the rule: A 2")
+    three.page.evaluate(AFTER_TWO_FRAMES)
+    assert recipe.is_visible()
 
 
 def test_a_copy_stands_behind_its_rule_with_all_comments(three: RulerPage, project: Path) -> None:
@@ -98,6 +114,7 @@ def test_by_keyboard_alone(three: RulerPage, project: Path) -> None:
     three.walk("ArrowRight", "Switch this rule off", steps=8)
     keyboard.press("Enter")
     expect(three.blocks.get_by_text("⊘ switched off")).to_have_count(1)
+    three.await_focus("rule, A")
     three.walk("ArrowRight", "Switch this rule on", steps=8)
     three.walk("ArrowRight", "Duplicate this rule", steps=3)
     keyboard.press("Enter")

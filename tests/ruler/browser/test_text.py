@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -197,14 +198,19 @@ def _type_while_topics_wait(ruler: RulerPage, project: Path, typed: str) -> Call
     ruler.open("speed.adirf")
     ruler.field("Edit topic to send: /scan")
     waiting: list[Route] = []
+    # What is asked once the first answer came waits for nobody.
+    is_over = threading.Event()
 
     def hold(route: Route) -> None:
-        waiting.append(route)
+        if is_over.is_set():
+            route.continue_()
+        else:
+            waiting.append(route)
 
     def answer() -> None:
+        is_over.set()
         for route in waiting:
             route.continue_()
-        ruler.page.unroute("**/api/vocabulary")
 
     ruler.page.route("**/api/vocabulary", hold)
     with ruler.page.expect_request("**/api/vocabulary"):

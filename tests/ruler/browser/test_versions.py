@@ -117,6 +117,8 @@ def test_a_server_that_comes_back_gets_what_was_changed_meanwhile(
         ruler.home()
         ruler.page.get_by_label(SETTING).check()
         ruler.open("plain.adirf")
+        expect(ruler.button("New rate")).to_be_enabled()
+        expect(ruler.page.get_by_text("saved by itself", exact=True)).to_be_visible()
         ruler.text.get_by_text("SetFrequency").click()
     ruler.page.keyboard.press("End")
     ruler.page.keyboard.press("Backspace")

@@ -72,7 +72,8 @@ def test_the_text_can_be_changed_before_the_blocks_are_loaded(browser: Browser, 
             held.append(route)
 
         page.route("**/assets/rule_workspace-*.js", hold)
-        page.goto(f"{url}#/rules/warehouse.adirf")
+        with page.expect_request("**/assets/rule_workspace-*.js"):
+            page.goto(f"{url}#/rules/warehouse.adirf")
         text = page.get_by_role("textbox", name="Rules as text")
         text.click()
         page.keyboard.press("Control+Home")
