@@ -101,6 +101,19 @@ def test_what_does_not_fit_is_explained_with_what_would(
     assert not output.exists()
 
 
+def test_the_budget_that_is_proposed_fits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rules, profile = tmp_path / "rules.adirf", tmp_path / "profile.toml"
+    rules.write_text("begin SetFrequency /odom Marginal end")
+    topic = '[topics."/odom"]\nmessage_kb = 0.5\ntiers_hz = [1.001, 2, 3, 4, 5, 6]\n'
+    profile.write_text("budget_kb_per_s = 0.5\n" + topic)
+    assert main(["optimize", str(rules), "--profile", str(profile)]) == 1
+    said = capsys.readouterr().err
+    assert "need at least 0.51 KB/s, 0.01 more than the budget of 0.5" in said
+    assert "hint: a budget of 0.51 KB/s would do" in said
+    profile.write_text("budget_kb_per_s = 0.51\n" + topic)
+    assert main(["optimize", str(rules), "--profile", str(profile)]) == 0
+
+
 def test_what_does_not_fit_has_no_rates_in_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rules, profile = write_inspection(tmp_path), write_profile(tmp_path, golden.SCARCE_KB_PER_S)
     assert main(["optimize", str(rules), "--profile", str(profile), "--json"]) == 1

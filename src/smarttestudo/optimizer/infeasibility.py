@@ -11,7 +11,7 @@ from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.optimizer.changes import Change
 from smarttestudo.optimizer.model import Model, Requirement
 from smarttestudo.optimizer.rule_rates import SolvedSubproblem
-from smarttestudo.optimizer.wording import kb_text, listed, wanted_text
+from smarttestudo.optimizer.wording import enough_kb_text, kb_text, listed, wanted_text
 
 CODE = "infeasible"
 _TOPICS_NAMED = 4
@@ -50,13 +50,13 @@ def infeasibility(
     )
     over = solved.needs_kb_per_s - budget_kb_per_s
     message = (
-        f"{name} at least {kb_text(solved.needs_kb_per_s)} KB/s, {kb_text(over)} more than the budget of "
-        f"{kb_text(budget_kb_per_s)}: {_takers(solved, model)}"
+        f"{name} at least {enough_kb_text(solved.needs_kb_per_s)} KB/s, "
+        f"{enough_kb_text(over)} more than the budget of {kb_text(budget_kb_per_s)}: {_takers(solved, model)}"
     )
     remedies = [change_text(change) for change in changes or ()]
     if changes is not None and not changes:
         remedies.append("no lower levels of these topics fit")
-    remedies.append(f"a budget of {kb_text(solved.needs_kb_per_s)} KB/s would do")
+    remedies.append(f"a budget of {enough_kb_text(solved.needs_kb_per_s)} KB/s would do")
     return Infeasibility(solved=solved, changes=changes or (), message=message, remedies=tuple(remedies))
 
 
