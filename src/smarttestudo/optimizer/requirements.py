@@ -48,7 +48,7 @@ class Subproblem:
     ``ceilings_hz`` are ceilings that are written as levels, ``unmeasured_bounds`` bounds of topics that count
     by their rate. ``kept`` are the requirements of the defaults for topics that a block sets, which go on
     below the ceiling in Hz that it sets. ``below_default`` are topics with bounds whose ceiling is a default
-    that is solved first.
+    that is solved first; ``unlimited`` is what this was before that default was known.
     """
 
     label: str | None
@@ -60,6 +60,7 @@ class Subproblem:
     unmeasured_bounds: tuple[tuple[StatementKey, float], ...] = ()
     kept: Mapping[str, float] = field(default_factory=dict)
     below_default: frozenset[str] = frozenset()
+    unlimited: Subproblem | None = None
 
     @property
     def place(self) -> str:
@@ -77,11 +78,12 @@ class Subproblem:
         """The same, with the rates that the defaults got as the ceilings of ``below_default``."""
         if not self.below_default:
             return self
+        unlimited = self.unlimited or self
         limited = {
             name: one.limited(defaults_hz[topic_of(name)]) if topic_of(name) in self.below_default else one
-            for name, one in self.requirements.items()
+            for name, one in unlimited.requirements.items()
         }
-        return replace(self, requirements=limited)
+        return replace(self, requirements=limited, unlimited=unlimited)
 
 
 def topic_of(name: str) -> str:
