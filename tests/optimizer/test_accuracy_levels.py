@@ -90,6 +90,37 @@ def test_a_level_alone_gets_no_default_that_would_limit_it(
     assert lines == rules.format(level="0.1", more="").splitlines()
 
 
+IN_A_BLOCK = (
+    "    If CheckValue /odom pose_x > 3 Then\n        KeepWithin /odom position Competitive\n    EndIf\n"
+)
+NO_BOUND = RULES.replace("    KeepWithin /odom position {level}  // as seen from afar\n", "")
+
+
+def test_a_bound_in_a_block_gets_no_default_that_would_limit_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rules = NO_BOUND.replace("    SetFrequency /odom Full\n", "")
+    assert run(tmp_path, "optimize", rules_text=rules, more=IN_A_BLOCK, budget=30) == 0
+    _, *lines = capsys.readouterr().out.splitlines()
+    assert lines == rules.format(more=IN_A_BLOCK.replace("Competitive", "0.02")).splitlines()
+
+
+@pytest.mark.parametrize(
+    ("model", "level", "budget"),
+    [("quper", "Desirable", 7), ("maxmin", "Desirable", 7), ("budget", "Marginal", 20)],
+)
+def test_the_rate_that_a_default_got_is_the_ceiling_of_a_bound_in_a_block(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], model: str, level: str, budget: float
+) -> None:
+    rules = NO_BOUND.replace("Full", level)
+    options = ["--model", model, "--json"]
+    assert run(tmp_path, "optimize", *options, rules_text=rules, more=IN_A_BLOCK, budget=budget) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["defaults"] == {"/odom": budget}
+    (block,) = answer["blocks"]
+    assert block["used_kb_per_s"] == budget
+
+
 def test_a_level_that_does_not_fit_is_refused_with_the_level_that_does(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -77,14 +77,17 @@ def test_what_is_measured_is_what_a_replay_under_the_bound_sends(tmp_path: Path,
     assert round(needs_hz[0] / 20 * len(content.messages)) == len(run.on("/odom")) - waits
 
 
-def test_accuracies_of_a_given_profile_are_measured_in_place_of_proposed_ones(tmp_path: Path) -> None:
+@pytest.mark.parametrize("chosen", [(2, 1, 0.5, 0.2, 0.1, 0.05), (1e-4, 1e-5, 1e-6, 2e-7, 1.5e-7, 1e-9)])
+def test_accuracies_of_a_given_profile_are_measured_in_place_of_proposed_ones(
+    tmp_path: Path, chosen: tuple[float, ...]
+) -> None:
     levels = tmp_path / "levels.toml"
-    levels.write_text('[topics."/odom"]\ntiers_m = [2, 1, 0.5, 0.2, 0.1, 0.05]\n')
+    levels.write_text(f'[topics."/odom"]\ntiers_m = {list(chosen)}\n')
     entry = profiled(tmp_path, hurry(), "--accuracies-of", str(levels))["/odom"]
     position = entry.accuracies[LevelledProperty.POSITION]
-    assert position.bounds == (2, 1, 0.5, 0.2, 0.1, 0.05)
+    assert position.bounds == chosen
     assert position.needs_hz is not None
-    assert 0.5 <= position.needs_hz[0] < position.needs_hz[-1]
+    assert 0.5 <= position.needs_hz[0] < position.needs_hz[-1] or chosen[0] < 1e-3
     assert entry.accuracies[LevelledProperty.ORIENTATION].bounds == (20, 10, 5, 3, 2, 1)
 
 

@@ -101,6 +101,60 @@ def test_what_does_not_fit_is_explained_with_what_would(
     assert not output.exists()
 
 
+def test_the_budget_that_is_proposed_fits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rules, profile = tmp_path / "rules.adirf", tmp_path / "profile.toml"
+    rules.write_text("begin SetFrequency /odom Marginal end")
+    topic = '[topics."/odom"]\nmessage_kb = 0.5\ntiers_hz = [1.001, 2, 3, 4, 5, 6]\n'
+    profile.write_text("budget_kb_per_s = 0.5\n" + topic)
+    assert main(["optimize", str(rules), "--profile", str(profile)]) == 1
+    said = capsys.readouterr().err
+    assert "need at least 0.51 KB/s, 0.01 more than the budget of 0.5" in said
+    assert "hint: a budget of 0.51 KB/s would do" in said
+    profile.write_text("budget_kb_per_s = 0.51\n" + topic)
+    assert main(["optimize", str(rules), "--profile", str(profile)]) == 0
+
+
+BESIDE = """
+begin
+    SetFrequency /scan Marginal
+    {default}
+    If CheckValue /scan distance < 1 Then {block} EndIf
+end"""
+PROFILE_BESIDE = """budget_kb_per_s = {budget}
+[topics."/scan"]
+message_kb = 1
+source_hz = 25
+tiers_hz = [1, 10, 20, 30, 40, 50]
+[topics."/odom"]
+message_kb = 1
+source_hz = 25
+tiers_hz = [1, 10, 20, 30, 40, 50]
+tiers_m = [0.5, 0.2, 0.1, 0.05, 0.02, 0.01]
+tiers_m_need_hz = [1, 2, 4, 8, 16, 24]
+"""
+
+
+@pytest.mark.parametrize(
+    ("default", "block", "enough"),
+    [
+        ("SetFrequency /odom Off", "SetFrequency /odom 5", 15),
+        ("SetFrequency /odom Marginal", "KeepWithin /odom position Competitive SetFrequency /scan 12", 20),
+    ],
+)
+def test_the_budget_that_is_proposed_fits_though_the_defaults_take_more_of_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], default: str, block: str, enough: float
+) -> None:
+    rules, profile = tmp_path / "rules.adirf", tmp_path / "profile.toml"
+    rules.write_text(BESIDE.format(default=default, block=block))
+    profile.write_text(PROFILE_BESIDE.format(budget=9))
+    assert main(["optimize", str(rules), "--profile", str(profile)]) == 1
+    assert f"hint: a budget of {enough} KB/s would do" in capsys.readouterr().err
+    profile.write_text(PROFILE_BESIDE.format(budget=enough))
+    assert main(["optimize", str(rules), "--profile", str(profile)]) == 0
+    profile.write_text(PROFILE_BESIDE.format(budget=enough - 0.01))
+    assert main(["optimize", str(rules), "--profile", str(profile)]) == 1
+
+
 def test_what_does_not_fit_has_no_rates_in_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rules, profile = write_inspection(tmp_path), write_profile(tmp_path, golden.SCARCE_KB_PER_S)
     assert main(["optimize", str(rules), "--profile", str(profile), "--json"]) == 1

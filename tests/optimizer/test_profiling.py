@@ -70,6 +70,29 @@ def test_of_a_topic_too_slow_for_tiers_and_of_empty_messages_the_profile_reads_b
     assert profile.topic("/scan").message_kb is None
 
 
+@pytest.mark.parametrize("last_ns", [1_700_000_000 * S, 1_000_000_100])
+def test_of_stamps_that_no_source_has_the_profile_reads_back_without_a_rate(
+    tmp_path: Path, last_ns: int
+) -> None:
+    path = tmp_path / "jumped"
+    with create_recording(path, storage=Storage.MCAP) as writer:
+        writer.write(MAP, S, bytes(1000))
+        writer.write(MAP, last_ns, bytes(1000))
+    output = tmp_path / "profile.toml"
+    assert main(["profile", "--bag", str(path), "-o", str(output)]) == 0
+    entry = load_profile(output).topic("/map")
+    assert (entry.message_kb, entry.source_hz, entry.tiers_hz) == (1, None, None)
+    assert "did the clock jump?" in output.read_text()
+
+
+def test_the_profile_of_a_recording_with_a_strange_name_reads_back(tmp_path: Path, bag: Path) -> None:
+    strange, output = tmp_path / "two\nlines \x01", tmp_path / "profile.toml"
+    bag.rename(strange)
+    assert main(["profile", "--bag", str(strange), "-o", str(output)]) == 0
+    assert load_profile(output).topic("/map").message_kb == 1
+    assert output.read_text().startswith("# Measured by testudo profile in two?lines ?: ")
+
+
 def test_publishers_are_said_where_the_recording_lists_what_each_of_them_offered(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -13,7 +13,7 @@ from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import Model, Requirement
 from smarttestudo.optimizer.quality import interval_hz, skipped_thresholds, tier_of
 from smarttestudo.optimizer.rule_rates import SolvedSubproblem
-from smarttestudo.optimizer.wording import hz_text, kb_text, listed
+from smarttestudo.optimizer.wording import enough_kb_text, hz_text, kb_text, listed
 
 KB_PER_MB = 1000.0
 WHAT_IFS_SHOWN = 3
@@ -177,7 +177,7 @@ def _higher(
         again = solve_again({row.topic: replace(requirement, wanted=higher)}, 0.0)
         if again.rates_hz is None:
             missing = again.needs_kb_per_s - budget_kb_per_s
-            yield f"{row.topic} {higher.value} would need {kb_text(missing)} KB/s more."
+            yield f"{row.topic} {higher.value} would need {enough_kb_text(missing)} KB/s more."
         elif again.rates_hz[row.topic] > row.rate_hz:
             yield f"{row.topic} {higher.value} would fit, with {hz_text(again.rates_hz[row.topic])} Hz."
 

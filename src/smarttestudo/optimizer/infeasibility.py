@@ -11,7 +11,7 @@ from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.optimizer.changes import Change
 from smarttestudo.optimizer.model import Model, Requirement
 from smarttestudo.optimizer.rule_rates import SolvedSubproblem
-from smarttestudo.optimizer.wording import kb_text, listed, wanted_text
+from smarttestudo.optimizer.wording import enough_kb_text, kb_text, listed, wanted_text
 
 CODE = "infeasible"
 _TOPICS_NAMED = 4
@@ -39,24 +39,31 @@ class Infeasibility:
 
 
 def infeasibility(
-    solved: SolvedSubproblem, budget_kb_per_s: float, changes: Sequence[Change] | None, *, model: Model
+    solved: SolvedSubproblem,
+    budget_kb_per_s: float,
+    changes: Sequence[Change] | None,
+    *,
+    model: Model,
+    enough_kb_per_s: float | None = None,
 ) -> Infeasibility:
     """The words on ``solved``, which does not fit, and on the ``changes`` that would make it fit.
 
-    ``changes`` are ``None`` where they were not looked for.
+    ``changes`` are ``None`` where they were not looked for, ``enough_kb_per_s``, the budget that would do, is
+    ``None`` where that was not.
     """
     name = (
         f'"{solved.subproblem.label}" needs' if solved.subproblem.label is not None else "the defaults need"
     )
     over = solved.needs_kb_per_s - budget_kb_per_s
     message = (
-        f"{name} at least {kb_text(solved.needs_kb_per_s)} KB/s, {kb_text(over)} more than the budget of "
-        f"{kb_text(budget_kb_per_s)}: {_takers(solved, model)}"
+        f"{name} at least {enough_kb_text(solved.needs_kb_per_s)} KB/s, "
+        f"{enough_kb_text(over)} more than the budget of {kb_text(budget_kb_per_s)}: {_takers(solved, model)}"
     )
     remedies = [change_text(change) for change in changes or ()]
     if changes is not None and not changes:
         remedies.append("no lower levels of these topics fit")
-    remedies.append(f"a budget of {kb_text(solved.needs_kb_per_s)} KB/s would do")
+    if enough_kb_per_s is not None:
+        remedies.append(f"a budget of {enough_kb_text(enough_kb_per_s)} KB/s would do")
     return Infeasibility(solved=solved, changes=changes or (), message=message, remedies=tuple(remedies))
 
 

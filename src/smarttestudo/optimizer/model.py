@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty, rounded_up
@@ -251,6 +251,14 @@ class Requirement:
         if isinstance(self.wanted, Tier):
             return bounds_hz(model, self.needs, self.wanted)
         return self.wanted, self.wanted
+
+    def limited(self, ceiling_hz: float) -> Requirement:
+        """The same requirement, of a bound below another ceiling that is lower."""
+        if not isinstance(self.needs, BoundNeeds):
+            return self
+        limit_hz = min(self.needs.limit_hz, ceiling_hz)
+        wanted = self.wanted if isinstance(self.wanted, Tier) else min(self.wanted, limit_hz)
+        return Requirement(needs=replace(self.needs, limit_hz=limit_hz), wanted=wanted)
 
     def bound(self, rate_hz: float, model: Model) -> float | None:
         """The bound that ``rate_hz`` stands for; ``None`` where no level of a bound is asked for."""

@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
 from smarttestudo.domain.intervals import Intervals
-from smarttestudo.domain.rate import RATE_STEP_HZ
+from smarttestudo.domain.rate import MAX_RATE_HZ, MIN_SOURCE_HZ, RATE_STEP_HZ
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.units import BYTES_PER_KB
 from smarttestudo.optimizer.accuracy_measure import AccuracyMeasure, levelled_properties
@@ -120,6 +120,7 @@ _TIERS_FROM_LOSS = (
 )
 _NEEDS_ORIGIN = f"with hold, a heartbeat of {HEARTBEAT_HZ:g} Hz and no ceiling, for movements as these"
 _DIGITS = 3
+_SMALL = 1e-3
 _MS_PER_S = 1000.0
 
 
@@ -140,6 +141,8 @@ def profile_text(
     Topics in ``proposals`` get those tiers, the others shares of their rate.
     """
     proposals = proposals or {}
+    # A comment in TOML is one line of what can be seen.
+    measured_in = "".join(letter if letter.isprintable() else "?" for letter in measured_in)
     total_kb_per_s = sum(one.kb for one in measures.values()) / duration_s if duration_s > 0 else 0.0
     lines = [
         f"# Measured by testudo profile in {measured_in}: {duration_s:.1f} s, {len(measures)} topics,"
@@ -169,6 +172,9 @@ def _entries(measure: TopicMeasure, proposal: TierProposal | None) -> Iterator[s
         yield "# one message or one stamp only: no rate, no levels"
         return
     source_hz = rounded(measure.source_hz)
+    if not MIN_SOURCE_HZ <= source_hz <= MAX_RATE_HZ:
+        yield f"# no rate, no levels: {source_hz:g} Hz is none that a source has; did the clock jump?"
+        return
     yield f"source_hz = {_number(source_hz)}  # {_intervals(measure)}"
     proposal = proposal or _by_shares(source_hz)
     if min(proposal.tiers_hz) < RATE_STEP_HZ:
@@ -207,4 +213,4 @@ def _numbers(numbers: Iterable[float]) -> str:
 
 
 def _number(number: float) -> str:
-    return f"{round(number, 6)!r}"
+    return f"{round(number, 6) if number >= _SMALL else float(f'{number:.6g}')!r}"

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cache
 
@@ -47,7 +47,8 @@ class Subproblem:
     A topic takes what its bounds need where that was measured of all of them; its rate is its ceiling then.
     ``ceilings_hz`` are ceilings that are written as levels, ``unmeasured_bounds`` bounds of topics that count
     by their rate. ``kept`` are the requirements of the defaults for topics that a block sets, which go on
-    below the ceiling in Hz that it sets.
+    below the ceiling in Hz that it sets. ``below_default`` are topics with bounds whose ceiling is a default
+    that is solved first; ``unlimited`` is what this was before that default was known.
     """
 
     label: str | None
@@ -58,6 +59,8 @@ class Subproblem:
     ceilings_hz: tuple[tuple[StatementKey, float], ...] = ()
     unmeasured_bounds: tuple[tuple[StatementKey, float], ...] = ()
     kept: Mapping[str, float] = field(default_factory=dict)
+    below_default: frozenset[str] = frozenset()
+    unlimited: Subproblem | None = None
 
     @property
     def place(self) -> str:
@@ -70,6 +73,17 @@ class Subproblem:
         others = {name: hz for name, hz in defaults_hz.items() if topic_of(name) not in topics}
         kept = {name: min(defaults_hz[name], limit_hz) for name, limit_hz in self.kept.items()}
         return {**others, **kept}
+
+    def limited(self, defaults_hz: Mapping[str, float]) -> Subproblem:
+        """The same, with the rates that the defaults got as the ceilings of ``below_default``."""
+        if not self.below_default:
+            return self
+        unlimited = self.unlimited or self
+        limited = {
+            name: one.limited(defaults_hz[topic_of(name)]) if topic_of(name) in self.below_default else one
+            for name, one in unlimited.requirements.items()
+        }
+        return replace(self, requirements=limited, unlimited=unlimited)
 
 
 def topic_of(name: str) -> str:
@@ -111,6 +125,7 @@ class _Draft:
     requirements: dict[str, Requirement] = field(default_factory=dict)
     kept: dict[str, float] = field(default_factory=dict)
     bound_topics: set[str] = field(default_factory=set)
+    below_default: set[str] = field(default_factory=set)
 
 
 class _Collector:
@@ -149,7 +164,8 @@ class _Collector:
     def _defaults(self) -> tuple[Subproblem, tuple[str, ...]]:
         written = self._rules.written_defaults
         named = self._rules.defaults
-        decided = {*named, *self._bounds}
+        # A default that is appended would be the ceiling of the bounds in blocks.
+        decided = {*named, *self._bounds, *_bound_without_rate(self._rules.branches)}
         appended = tuple(
             topic for topic in self._profile.topics if topic not in decided and self._appends(topic)
         )
@@ -194,6 +210,10 @@ class _Collector:
         rate = self._rates[topic] if own_rate is None else own_rate
         bounds = {**self._bounds.get(topic, {}), **own_bounds}
         if self._is_measured(topic, bounds):
+            required = defaults.requirements.get(topic)
+            if own_rate is None and required is not None and isinstance(required.wanted, Tier):
+                draft.below_default.add(topic)
+                rate = RateWord.FULL
             limit_hz = self._ceiling_hz(topic, rate)
             kept = [
                 name
@@ -265,6 +285,7 @@ class _Collector:
             ceilings_hz=tuple(ceilings_hz),
             unmeasured_bounds=tuple(unmeasured),
             kept=draft.kept,
+            below_default=frozenset(draft.below_default),
         )
 
     def _ceiling_hz(self, topic: str, value: _WrittenRate) -> float:
@@ -292,6 +313,11 @@ class _Collector:
             floor_hz = self._floors_hz.get(topic, 0.0)
             self._needs[topic] = needs_of(topic, self._profile, keep_at_least_hz=floor_hz)
         return self._needs[topic]
+
+
+def _bound_without_rate(branches: Iterable[Branch]) -> set[str]:
+    """Topics that a side of a block bounds without a rate of its own: their default is the ceiling."""
+    return {one.topic for branch in branches for one in branch.bounds if one.topic not in branch.settings}
 
 
 def _is_known(accuracy: AccuracyTiers | None, bound: float | Tier) -> bool:

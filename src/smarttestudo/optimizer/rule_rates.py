@@ -24,6 +24,8 @@ from smarttestudo.optimizer.requirements import (
     topic_of,
 )
 
+_BUDGET_STEP_KB_PER_S = 0.005
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SolvedSubproblem:
@@ -134,7 +136,13 @@ def solve_requirements(
     }
     loads = _DefaultLoads(requirements.defaults, rates_hz)
     blocks = [
-        solve_subproblem(subproblem, loads.beside(subproblem), budget_kb_per_s, model=model, solver=solver)
+        solve_subproblem(
+            subproblem.limited(rates_hz),
+            loads.beside(subproblem),
+            budget_kb_per_s,
+            model=model,
+            solver=solver,
+        )
         for subproblem in requirements.blocks
     ]
     solved = [one for one in (defaults, *blocks) if one.rates_hz is not None]
@@ -197,6 +205,34 @@ class _DefaultLoads:
             for name, limit_hz in subproblem.kept.items()
         ]
         return math.fsum((*self._all, *own, *kept))
+
+
+def enough_kb_per_s(solved: SolvedSubproblem, done: Optimization, solver: Solver) -> float:
+    """The least budget with which ``solved`` of ``done`` would fit, at most 0.005 KB/s above it.
+
+    Of a greater budget, the defaults beside a block take more, too.
+    """
+    low = solved.needs_kb_per_s
+    if solved.subproblem.label is None:
+        return low
+    defaults = done.defaults.subproblem
+
+    def needed(rates_hz: Mapping[str, float]) -> float:
+        own = solved.subproblem.limited(rates_hz)
+        least = [(one.needs.size_kb, one.bounds_hz(done.model)[0]) for one in own.requirements.values()]
+        return _DefaultLoads(defaults, rates_hz).beside(own) + used_kb_per_s(least)
+
+    def is_enough(budget: float) -> bool:
+        found = solve_subproblem(defaults, 0.0, budget, model=done.model, solver=solver)
+        return found.rates_hz is not None and fits(needed(found.rates_hz), budget)
+
+    if is_enough(low):
+        return low
+    high = needed({name: one.bounds_hz(done.model)[1] for name, one in defaults.requirements.items()})
+    while high - low > _BUDGET_STEP_KB_PER_S:
+        middle = (low + high) / 2
+        low, high = (low, middle) if is_enough(middle) else (middle, high)
+    return high
 
 
 def solve_subproblem(

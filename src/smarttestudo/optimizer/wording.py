@@ -4,15 +4,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.units import grouped
+from smarttestudo.optimizer.problem import fits
 
 
 def kb_text(kb_per_s: float) -> str:
     """``157 665.72``: at most two decimals, thousands apart."""
     return _without_zeros(grouped(kb_per_s, 2))
+
+
+def enough_kb_text(kb_per_s: float) -> str:
+    """The same, rounded up: what is needed fits a budget of the number that is named."""
+    nearest = round(kb_per_s, 2)
+    return kb_text(nearest if fits(kb_per_s, nearest) else math.ceil(100 * kb_per_s) / 100)
 
 
 def hz_text(rate_hz: float) -> str:

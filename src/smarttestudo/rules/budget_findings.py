@@ -33,7 +33,7 @@ from smarttestudo.optimizer.joint.check import (
 from smarttestudo.optimizer.joint.repair import Setting
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.rule_rates import budget_of
-from smarttestudo.optimizer.wording import hz_text, kb_text
+from smarttestudo.optimizer.wording import enough_kb_text, hz_text, kb_text
 from smarttestudo.rules.optimize import infeasible_subproblems, lowered_where_too_much
 from smarttestudo.rules.rule_sets import has_tiers
 from smarttestudo.rules.tier_rates import optimize_tiers
@@ -128,7 +128,7 @@ class _Reporter:
 
     def _over_budget(self, situation: Situation, hint: str) -> Finding:
         message = (
-            f"{_blocks_hold(situation)}the topics take {kb_text(situation.kb_per_s)} KB/s, "
+            f"{_blocks_hold(situation)}the topics take {enough_kb_text(situation.kb_per_s)} KB/s, "
             f"{self._over(situation.kb_per_s)}"
         )
         return self._finding(
@@ -154,7 +154,7 @@ class _Reporter:
     def _start_up(self, checked: JointCheck, rule_set: RuleSet) -> Finding:
         load = checked.start_up_kb_per_s
         cause = ", while nothing is known and every block may hold," if rule_set.blocks else ""
-        message = f"at start-up{cause} the topics take {kb_text(load)} KB/s, {self._over(load)}"
+        message = f"at start-up{cause} the topics take {enough_kb_text(load)} KB/s, {self._over(load)}"
         hint = "run with --budget, which cuts rates by priority, or lower the highest rates"
         return self._finding("start-up-over-budget", Severity.WARNING, message, hint=hint)
 
@@ -167,7 +167,7 @@ class _Reporter:
         return self._finding("budget-fits", Severity.INFO, message, blocks=worst.blocks)
 
     def _over(self, kb_per_s: float) -> str:
-        return f"{kb_text(kb_per_s - self._budget)} more than the budget of {kb_text(self._budget)}"
+        return f"{enough_kb_text(kb_per_s - self._budget)} more than the budget of {kb_text(self._budget)}"
 
     def _finding(
         self,

@@ -30,6 +30,7 @@ from smarttestudo.optimizer.rule_rates import (
     Optimization,
     SolvedSubproblem,
     budget_of,
+    enough_kb_per_s,
     optimize_rules,
     solve_subproblem,
 )
@@ -154,7 +155,13 @@ def infeasible_subproblems(done: Optimization) -> tuple[Infeasibility, ...]:
     """
     subproblems = done.blocks if done.defaults.feasible else (done.defaults,)
     return tuple(
-        infeasibility(solved, done.budget_kb_per_s, _changes(solved, done), model=done.model)
+        infeasibility(
+            solved,
+            done.budget_kb_per_s,
+            _changes(solved, done),
+            model=done.model,
+            enough_kb_per_s=enough_kb_per_s(solved, done, GreedySolver()),
+        )
         for solved in subproblems
         if not solved.feasible
     )

@@ -18,7 +18,7 @@ from smarttestudo.domain.budget import MAX_BUDGET_KB_PER_S
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.domain.profile import LevelUnit, Profile, TopicProfile
-from smarttestudo.domain.rate import MAX_RATE_HZ, RATE_STEP_HZ, Tier
+from smarttestudo.domain.rate import MAX_RATE_HZ, MIN_SOURCE_HZ, RATE_STEP_HZ, Tier
 from smarttestudo.files.toml_text import KeyPath, parse_toml, read_toml_text
 
 
@@ -37,7 +37,7 @@ _BUDGET = _Range(least=0.0, most=MAX_BUDGET_KB_PER_S, unit=" KB/s")
 _SETTLE = _Range(least=0.0, most=1e6, unit=" s")
 _STALE = _Range(least=1e-3, most=1e6, unit=" s")
 _MESSAGE = _Range(least=1e-6, most=1e6, unit=" KB")
-_SOURCE = _Range(least=1e-6, most=MAX_RATE_HZ, unit=" Hz")
+_SOURCE = _Range(least=MIN_SOURCE_HZ, most=MAX_RATE_HZ, unit=" Hz")
 _PRIORITY = _Range(least=1e-6, most=1e6, remedy="only its ratio to the others counts")
 _ACCURACY = _Range(least=1e-9, most=1e9, remedy="the unit is in the key's name")
 
