@@ -4,12 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Set
 
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher
+from smarttestudo.domain.units import NS_PER_S
 
 MAX_PUBLISHERS = 64
+FOUND_WITHIN_NS = 2 * NS_PER_S
+"""How long the graph may lack a publisher that was heard: its message may come before it is discovered."""
 
 
 class PublisherPool:
@@ -24,6 +27,8 @@ class PublisherPool:
         self._advertise = advertise
         self._one_each = one_each
         self._of: dict[Hashable, Publisher] = {}
+        self._lacking: dict[Hashable, int] = {}
+        """Those that were heard and that the graph lacks, with the time from which on it was seen to."""
         # One is there before the first message, so that subscribers find it in time.
         self._spare: Publisher | None = advertise()
 
@@ -41,6 +46,27 @@ class PublisherPool:
         if self._one_each:
             return None
         return self._of.get(None) or self._open(None)
+
+    def forget_undiscovered(
+        self, known: Set[Hashable], found: Callable[[], Set[Hashable]], now_ns: int
+    ) -> None:
+        """Forget those that were heard, and were gone before a look at the graph. Raises ``RosError``.
+
+        ``known`` are forgotten when they go. ``found``, which costs more, are those that are there now; where
+        there are none, the one that came last stays.
+        """
+        if not self._one_each or self._of.keys() <= known:
+            self._lacking.clear()
+            return
+        there = found()
+        lacking = [one for one in self._of if one is not None and one not in known and one not in there]
+        self._lacking = {one: self._lacking.get(one, now_ns) for one in lacking}
+        last = None if there else next(reversed(self._of))
+        self.forget(
+            one
+            for one, since_ns in self._lacking.items()
+            if one != last and now_ns - since_ns >= FOUND_WITHIN_NS
+        )
 
     def forget(self, publishers: Iterable[Hashable]) -> None:
         """These are gone, and what they latched goes with them. Raises ``RosError``."""

@@ -143,6 +143,7 @@ class LiveTopics:
         if testudos != self._testudos:
             moved, self._testudos = list(self._topics), testudos
         changes = [self._look_at(self._topics[topic]) for topic in dict.fromkeys([*moved, *unseen])]
+        self._forget_undiscovered()
         return [change for change in changes if change is not None]
 
     def listeners(self) -> list[ListenersChanged]:
@@ -300,6 +301,14 @@ class LiveTopics:
         self._name_unserved(live)
         is_told, live.is_told = live.is_told, True
         return None if source == before and is_told else _changed(live.topic, source)
+
+    def _forget_undiscovered(self) -> None:
+        now_ns = self._robot.steady_ns()
+        for topic, live in self._topics.items():
+            try:
+                live.forget_undiscovered(partial(self._robot.publishers, topic), now_ns)
+            except RosError as error:
+                self._warn_once(str(error))
 
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
         if endpoints and not own:
