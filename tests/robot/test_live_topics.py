@@ -12,7 +12,7 @@ from robot.small_graph import NODE, TEXT, SmallGraph
 from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.payload import Payload
 from smarttestudo.loop.relay import Relayed
-from smarttestudo.robot.publisher_pool import FOUND_WITHIN_NS
+from smarttestudo.robot.gone_publishers import FOUND_WITHIN_NS
 from smarttestudo.robot.topics import LiveTopics
 
 DRIVER, SECOND, OTHER = b"driver", b"second", b"other"

@@ -8,11 +8,9 @@ from collections.abc import Callable, Hashable, Iterable, Set
 
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.robot.gone_publishers import GonePublishers
 
 MAX_PUBLISHERS = 64
-FOUND_WITHIN_NS = 2 * NS_PER_S
-"""How long the graph may lack a publisher that was heard: its message may come before it is discovered."""
 
 
 class PublisherPool:
@@ -27,8 +25,7 @@ class PublisherPool:
         self._advertise = advertise
         self._one_each = one_each
         self._of: dict[Hashable, Publisher] = {}
-        self._lacking: dict[Hashable, int] = {}
-        """Those that were heard and that the graph lacks, with the time from which on it was seen to."""
+        self._gone = GonePublishers()
         # One is there before the first message, so that subscribers find it in time.
         self._spare: Publisher | None = advertise()
 
@@ -56,17 +53,10 @@ class PublisherPool:
         there are none, the one that came last stays.
         """
         if not self._one_each or self._of.keys() <= known:
-            self._lacking.clear()
             return
         there = found()
-        lacking = [one for one in self._of if one is not None and one not in known and one not in there]
-        self._lacking = {one: self._lacking.get(one, now_ns) for one in lacking}
-        last = None if there else next(reversed(self._of))
-        self.forget(
-            one
-            for one, since_ns in self._lacking.items()
-            if one != last and now_ns - since_ns >= FOUND_WITHIN_NS
-        )
+        heard = tuple(self._of)
+        self.forget(self._gone.among(heard, known | there, now_ns, is_somebody_there=bool(there)))
 
     def forget(self, publishers: Iterable[Hashable]) -> None:
         """These are gone, and what they latched goes with them. Raises ``RosError``."""
