@@ -90,11 +90,11 @@ class LatchedSamples:
 
     @property
     def publishers(self) -> Sequence[Hashable]:
-        """Those with a message that counts, in the order of these; none where it counts for frames."""
+        """Publishers with a message that counts, in the order of these; none where frames have them."""
         return () if self._frames is not None else tuple(self._counting)
 
     def end(self, publishers: Iterable[Hashable], now_ns: int) -> None:
-        """What these sent counts no more."""
+        """Let messages of these count no more."""
         for publisher in publishers:
             self._replace(publisher, now_ns)
 

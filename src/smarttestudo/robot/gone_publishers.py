@@ -23,9 +23,9 @@ class GonePublishers:
     def among(
         self, heard: Sequence[Hashable], known: Set[Hashable], now_ns: int, *, is_somebody_there: bool
     ) -> list[Hashable]:
-        """Those of ``heard`` that are not ``known`` to the graph for long enough, at a steady time.
+        """Publishers among ``heard`` that the graph has lacked for long enough, at a steady time.
 
-        Where nobody is there any more, the last of ``heard`` is not among them: it has the last word. Nor is
+        It shows those that are ``known``. Where nobody is there any more, the last of ``heard`` is not among them: it has the last word. Nor is
         ``None``, who stands for publishers that cannot be told apart.
         """
         lacking = (one for one in heard if one is not None and one not in known)
