@@ -25,8 +25,8 @@ class GonePublishers:
     ) -> list[Hashable]:
         """Publishers among ``heard`` that the graph has lacked for long enough, at a steady time.
 
-        It shows those that are ``known``. Where nobody is there any more, the last of ``heard`` is not among them: it has the last word. Nor is
-        ``None``, who stands for publishers that cannot be told apart.
+        It shows those that are ``known``. Where nobody is there any more, the last of ``heard`` stays: it has
+        the last word. So does ``None``, who stands for publishers that cannot be told apart.
         """
         lacking = (one for one in heard if one is not None and one not in known)
         self._lacking = {one: self._lacking.get(one, now_ns) for one in lacking}
