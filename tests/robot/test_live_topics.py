@@ -221,6 +221,17 @@ def test_what_was_latched_between_two_looks_goes_with_its_publisher_too() -> Non
     assert graph.for_late_subscribers("/testudo/map") == [b"floor"]
 
 
+def test_what_still_waits_for_a_link_is_not_forgotten_with_a_publisher_that_the_graph_never_showed() -> None:
+    graph = SmallGraph()
+    graph.keeps_newest = True
+    live = Live(graph, "/map")
+    graph.listens("/testudo/map", reliable=True, transient_local=True)
+    graph.joins("/map", DRIVER, transient_local=True)
+    live.looks()
+    comes_and_goes(live, SECOND, b"stairs")
+    assert graph.for_late_subscribers("/testudo/map") == [b"stairs"]
+
+
 def test_of_publishers_that_all_came_and_went_between_two_looks_the_last_message_stays() -> None:
     graph = SmallGraph()
     live = Live(graph, "/map")
