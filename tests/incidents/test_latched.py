@@ -56,6 +56,20 @@ def test_publishers_that_come_and_go_do_not_pile_up() -> None:
     assert [message.number for message in samples.counting_at(5000)] == list(range(4000, 5000))
 
 
+def test_what_publishers_that_are_gone_latched_is_kept_for_windows_from_before_that_alone() -> None:
+    samples = LatchedSamples("/map")
+    for number, publisher in enumerate("abab"):
+        samples.add(SourceMessage(number, "/map", number, b""), publisher, number)
+    samples.forget_before(5)
+    both_bytes = samples.held_bytes
+    samples.end("a", 10)
+    assert [message.number for message in samples.counting_at(10)] == [2, 3]
+    assert [message.number for message in samples.counting_at(11)] == [3]
+    assert samples.publishers == ("b",)
+    samples.forget_before(11)
+    assert samples.held_bytes == both_bytes // 2
+
+
 def test_what_was_given_up_is_counted_while_a_window_may_ask_for_it() -> None:
     samples = LatchedSamples("/map")
     for number in range(4):

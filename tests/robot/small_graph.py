@@ -85,6 +85,7 @@ class SmallGraph(UnaskedRobot):
         self.published: list[tuple[str, bytes]] = []
         self.lines: list[str] = []
         self.asked: Counter[str] = Counter()
+        self.time_ns = 1
 
     # What a test does and sees.
 
@@ -164,7 +165,7 @@ class SmallGraph(UnaskedRobot):
         return self
 
     def steady_ns(self) -> int:
-        return 1
+        return self.time_ns
 
     def now_ns(self) -> int:
         return 1

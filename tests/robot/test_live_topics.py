@@ -12,6 +12,7 @@ from robot.small_graph import NODE, TEXT, SmallGraph
 from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.payload import Payload
 from smarttestudo.loop.relay import Relayed
+from smarttestudo.robot.gone_publishers import FOUND_WITHIN_NS
 from smarttestudo.robot.topics import LiveTopics
 
 DRIVER, SECOND, OTHER = b"driver", b"second", b"other"
@@ -196,6 +197,70 @@ def test_what_a_publisher_latched_goes_when_it_goes_unless_it_was_the_last() -> 
     graph.sends("/map", OTHER, b"roof")
     live.looks()
     assert graph.for_late_subscribers("/testudo/map") == [b"roof"]
+
+
+def comes_and_goes(live: Live, gid: bytes, payload: bytes) -> None:
+    """Somebody latches a message and is gone before the next look."""
+    live.graph.joins("/map", gid, transient_local=True)
+    live.graph.sends("/map", gid, payload)
+    live.graph.leaves("/map", gid)
+    live.looks()
+    live.graph.time_ns += FOUND_WITHIN_NS
+    live.looks()
+
+
+def test_what_was_latched_between_two_looks_goes_with_its_publisher_too() -> None:
+    graph = SmallGraph()
+    live = Live(graph, "/map")
+    graph.listens("/testudo/map", reliable=True, transient_local=True)
+    graph.joins("/map", DRIVER, transient_local=True)
+    live.looks()
+    graph.sends("/map", DRIVER, b"floor")
+    for number in range(100):
+        comes_and_goes(live, b"brief %d" % number, b"stairs")
+    assert graph.for_late_subscribers("/testudo/map") == [b"floor"]
+
+
+def test_what_still_waits_for_a_link_is_not_forgotten_with_a_publisher_that_the_graph_never_showed() -> None:
+    graph = SmallGraph()
+    graph.keeps_newest = True
+    live = Live(graph, "/map")
+    graph.listens("/testudo/map", reliable=True, transient_local=True)
+    graph.joins("/map", DRIVER, transient_local=True)
+    live.looks()
+    comes_and_goes(live, SECOND, b"stairs")
+    assert graph.for_late_subscribers("/testudo/map") == [b"stairs"]
+
+
+def test_of_publishers_that_all_came_and_went_between_two_looks_the_last_message_stays() -> None:
+    graph = SmallGraph()
+    live = Live(graph, "/map")
+    graph.listens("/testudo/map", reliable=True, transient_local=True)
+    graph.joins("/map", DRIVER, transient_local=True)
+    live.looks()
+    graph.leaves("/map", DRIVER)
+    live.looks()
+    for gid in (SECOND, OTHER):
+        comes_and_goes(live, gid, gid)
+    assert graph.for_late_subscribers("/testudo/map") == [OTHER]
+    graph.joins("/map", DRIVER, transient_local=True)
+    graph.sends("/map", DRIVER, b"roof")
+    live.looks()
+    assert graph.for_late_subscribers("/testudo/map") == [b"roof"]
+
+
+def test_what_a_publisher_latched_stays_while_the_graph_has_not_found_it_yet() -> None:
+    graph = SmallGraph()
+    live = two_publishers(graph)
+    (early,) = (one for one in graph.subscriptions if one.topic == "/map")
+    early.receive(b"roof", OTHER)
+    graph.time_ns += FOUND_WITHIN_NS - 1
+    live.looks()
+    graph.joins("/map", OTHER, transient_local=True)
+    live.looks()
+    graph.time_ns += FOUND_WITHIN_NS
+    live.looks()
+    assert b"roof" in graph.for_late_subscribers("/testudo/map")
 
 
 def test_what_another_smarttestudo_sends_on_a_topic_of_the_robot_is_not_relayed() -> None:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 
@@ -16,6 +16,15 @@ STATIC_FRAMES = "tf_static"
 _MAX_SAMPLES = 1000
 _GIVEN_UP_BYTES = 200
 """About what is kept of a message that was given up."""
+
+
+Gone = Callable[[Sequence[Hashable]], Iterable[Hashable]]
+"""Which of the publishers that have something latched are gone."""
+
+
+def nobody(_publishers: Sequence[Hashable]) -> Iterable[Hashable]:
+    """Say that all are there, as far as is known."""
+    return ()
 
 
 def holds_static_frames(topic: str) -> bool:
@@ -78,6 +87,16 @@ class LatchedSamples:
             sample.keys += 1
         while len(self._counting) > _MAX_SAMPLES:
             self._replace(next(iter(self._counting)), now_ns)
+
+    @property
+    def publishers(self) -> Sequence[Hashable]:
+        """Publishers with a message that counts, in the order of these; none where frames have them."""
+        return () if self._frames is not None else tuple(self._counting)
+
+    def end(self, publishers: Iterable[Hashable], now_ns: int) -> None:
+        """Let messages of these count no more."""
+        for publisher in publishers:
+            self._replace(publisher, now_ns)
 
     def forget_before(self, from_ns: int) -> None:
         """Drop what was replaced before ``from_ns``; no window begins earlier."""

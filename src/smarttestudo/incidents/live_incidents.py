@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from smarttestudo.domain.errors import TestudoError
@@ -30,6 +32,7 @@ from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
 from smarttestudo.incidents.recovery import complete_incidents
 from smarttestudo.incidents.ring_files import RingFiles
 from smarttestudo.incidents.space import make_room
+from smarttestudo.robot.gone_publishers import GonePublishers
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
 from smarttestudo.robot.part import Part, PartContext, RunView
@@ -60,6 +63,7 @@ class LiveIncidents(Part):
         self._locks = [FolderLock(folder, "--incidents")]
         # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
         self._taken: dict[str, tuple[Subscription, int, int]] = {}
+        self._gone: defaultdict[str, GonePublishers] = defaultdict(GonePublishers)
         self._recorded_topics: frozenset[str] = frozenset()
         self._refused = 0
         # The thread that writes changes these.
@@ -131,7 +135,13 @@ class LiveIncidents(Part):
         """Have the topic's type, and know from when on it is heard."""
         if self._recorder is None:
             return
-        self._recorder.hear(topic, now_ns, transient_local=source.qos.transient_local)
+        gone = partial(
+            self._gone[topic].among,
+            known=source.gids,
+            now_ns=self._robot.steady_ns(),
+            is_somebody_there=source.publishers > 0,
+        )
+        self._recorder.hear(topic, now_ns, transient_local=source.qos.transient_local, gone=gone)
         self._channels.hear(topic, source, self._recorder.next_number)
 
     def on_message(

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from smarttestudo.domain.incident import Missing, MissingReason
-from smarttestudo.incidents.latched import LatchedSamples, holds_static_frames
+from smarttestudo.incidents.latched import Gone, LatchedSamples, holds_static_frames, nobody
 from smarttestudo.incidents.missing import missing_for_memory, unheard, without
 from smarttestudo.incidents.topic_ring import (
     BlockPool,
@@ -189,15 +189,17 @@ class IncidentRecorder:
         """Whether messages of ``topic`` are to be taken."""
         return topic in self._rings or topic in self._latched or topic in self.open_topics
 
-    def hear(self, topic: str, now_ns: int, *, transient_local: bool) -> None:
-        """From now on messages of ``topic`` are taken as they come, as far as it is kept."""
+    def hear(self, topic: str, now_ns: int, *, transient_local: bool, gone: Gone = nobody) -> None:
+        """Take messages of ``topic`` as they come, if kept; what ``gone`` ones latched counts no more."""
         self._time.advance(now_ns)
-        ring = self._rings.get(topic)
-        if ring is not None and ring.since is None:
+        if (ring := self._rings.get(topic)) is not None and ring.since is None:
             ring.since = (self._time.now_ns, now_ns)
         # Also while nothing is recorded: what is latched does not come again with rules that record.
         if topic not in self._latched and (transient_local or holds_static_frames(topic)):
             self._hear_latched(topic)
+        if (samples := self._latched.get(topic)) is not None:
+            samples.end(gone(samples.publishers), self._time.now_ns)
+            self._forget_replaced(topic, samples)
 
     def on_message(self, topic: str, stamp_ns: int, payload: bytes, publisher: Hashable = None) -> None:
         """A message of a topic that is kept came, at ``stamp_ns`` on the clock."""
@@ -208,8 +210,7 @@ class IncidentRecorder:
         samples = self._latched.get(topic)
         if samples is not None:
             samples.add(message, publisher, now_ns)
-            samples.forget_before(now_ns - self._longest_ns)
-            self._latched_bytes[topic] = samples.held_bytes
+            self._forget_replaced(topic, samples)
         ring = self._rings.get(topic)
         if ring is not None:
             before = ring.held_bytes
@@ -278,6 +279,10 @@ class IncidentRecorder:
 
     def _may_be_latched(self, topic: str) -> bool:
         return topic in self._named or holds_static_frames(topic)
+
+    def _forget_replaced(self, topic: str, samples: LatchedSamples) -> None:
+        samples.forget_before(self._time.now_ns - self._longest_ns)
+        self._latched_bytes[topic] = samples.held_bytes
 
     def _hear_latched(self, topic: str) -> None:
         if self._may_be_latched(topic):

@@ -4,10 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Set
 
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher
+from smarttestudo.robot.gone_publishers import GonePublishers
 
 MAX_PUBLISHERS = 64
 
@@ -24,6 +25,7 @@ class PublisherPool:
         self._advertise = advertise
         self._one_each = one_each
         self._of: dict[Hashable, Publisher] = {}
+        self._gone = GonePublishers()
         # One is there before the first message, so that subscribers find it in time.
         self._spare: Publisher | None = advertise()
 
@@ -41,6 +43,20 @@ class PublisherPool:
         if self._one_each:
             return None
         return self._of.get(None) or self._open(None)
+
+    def forget_undiscovered(
+        self, known: Set[Hashable], found: Callable[[], Set[Hashable]], now_ns: int
+    ) -> None:
+        """Forget those that were heard, and were gone before a look at the graph. Raises ``RosError``.
+
+        ``known`` are forgotten when they go. ``found``, which costs more, are those that are there now; where
+        there are none, the one that came last stays.
+        """
+        if not self._one_each or self._of.keys() <= known:
+            return
+        there = found()
+        heard = tuple(self._of)
+        self.forget(self._gone.among(heard, known | there, now_ns, is_somebody_there=bool(there)))
 
     def forget(self, publishers: Iterable[Hashable]) -> None:
         """These are gone, and what they latched goes with them. Raises ``RosError``."""

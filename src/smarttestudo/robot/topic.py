@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
@@ -163,6 +163,16 @@ class OpenTopic:
             self._open()
         elif before is not None and self._publishers is not None and source.publishers:
             self._publishers.forget(before.gids - source.gids)
+
+    def forget_undiscovered(self, found: Callable[[], Sequence[Endpoint]], now_ns: int) -> None:
+        """Drop what publishers latched that came and went between two looks. Raises ``RosError``.
+
+        ``found`` gives the publishers that are there now.
+        """
+        # What still waits for a link would go with its publisher.
+        if self._publishers is not None and self.source is not None and not self._path.keeps_newest:
+            known = self.source.gids
+            self._publishers.forget_undiscovered(known, lambda: {one.gid for one in found()}, now_ns)
 
     def want(self, *, is_wanted: bool) -> bool:
         """Subscribe, or do so no longer; whether that is a change. Raises ``RosError``."""

@@ -143,6 +143,9 @@ class LiveTopics:
         if testudos != self._testudos:
             moved, self._testudos = list(self._topics), testudos
         changes = [self._look_at(self._topics[topic]) for topic in dict.fromkeys([*moved, *unseen])]
+        now_ns = self._robot.steady_ns()
+        for live in self._topics.values():
+            self._forget_undiscovered(live, now_ns)
         return [change for change in changes if change is not None]
 
     def listeners(self) -> list[ListenersChanged]:
@@ -300,6 +303,12 @@ class LiveTopics:
         self._name_unserved(live)
         is_told, live.is_told = live.is_told, True
         return None if source == before and is_told else _changed(live.topic, source)
+
+    def _forget_undiscovered(self, live: OpenTopic, now_ns: int) -> None:
+        try:
+            live.forget_undiscovered(partial(self._robot.publishers, live.topic), now_ns)
+        except RosError as error:
+            self._warn_once(str(error))
 
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
         if endpoints and not own:

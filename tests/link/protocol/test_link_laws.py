@@ -149,6 +149,23 @@ def test_a_sender_that_nobody_hears_keeps_the_newest_only() -> None:
     assert sender.counts(0)["/a"].replaced == len(ends.payloads["/a"]) - 1
 
 
+def test_counts_of_a_topic_go_on_when_one_of_its_publishers_leaves() -> None:
+    sender: LinkSender[None] = LinkSender()
+    first, second = sender.open(stream(), 0), sender.open(stream(publisher=1), 0)
+    assert first is not None
+    assert second is not None
+    for number in range(10):
+        sender.put(first, b"one", number)
+        sender.put(second, b"other", number)
+    before = sender.counts(10)["/a"]
+    sender.close(second, 11)
+    after = sender.counts(11)["/a"]
+    assert (before.replaced, after.replaced) == (18, 18)
+    assert (before.queued_bytes, after.queued_bytes) == (8, 3)
+    sender.close(first, 12)
+    assert sender.counts(12)["/a"] == replace(after, queued_bytes=0)
+
+
 def stream(**changes: Any) -> StreamInfo:
     qos = Qos(reliable=True, transient_local=False, depth=1)
     return replace(StreamInfo(topic="/a", type_name="x/msg/Y", qos=qos), **changes)

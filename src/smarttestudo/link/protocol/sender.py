@@ -58,6 +58,8 @@ class LinkSender(Generic[_Request]):
         self._outbox.open(CONTROL_STREAM)
         self._infos: dict[int, StreamInfo] = {}
         self._closed: set[int] = set()
+        self._counts_closed: dict[str, StreamCounts] = {}
+        """The counts of closed streams, by topic."""
         """Numbers that were announced, and have no stream now."""
         self._needs: Mapping[str, LinkNeeds] = {}
         self._window = Window()
@@ -96,7 +98,11 @@ class LinkSender(Generic[_Request]):
 
     def close(self, stream: int, now_ns: int) -> None:
         """Send nothing more of a stream."""
-        if self._infos.pop(stream, None) is not None:
+        info = self._infos.pop(stream, None)
+        if info is not None:
+            one = dict(self._outbox.counts(now_ns))[stream]
+            had = self._counts_closed.get(info.topic, StreamCounts())
+            self._counts_closed[info.topic] = _sum(had, replace(one, queued_bytes=0, is_losing=False))
             self._outbox.close(stream)
             self._closed.add(stream)
             self._announce(stream, now_ns)
@@ -271,20 +277,11 @@ class LinkSender(Generic[_Request]):
 
     def counts(self, now_ns: int) -> dict[str, StreamCounts]:
         """Messages by topic."""
-        counts: dict[str, StreamCounts] = {}
+        counts = {**self._counts_closed}
         for number, one in self._outbox.counts(now_ns):
             info = self._infos.get(number)
-            if info is None:
-                continue
-            had = counts.get(info.topic, StreamCounts())
-            counts[info.topic] = replace(
-                had,
-                sent=had.sent + one.sent,
-                replaced=had.replaced + one.replaced,
-                overflowed=had.overflowed + one.overflowed,
-                queued_bytes=had.queued_bytes + one.queued_bytes,
-                is_losing=had.is_losing or one.is_losing,
-            )
+            if info is not None:
+                counts[info.topic] = _sum(counts.get(info.topic, StreamCounts()), one)
         return counts
 
     def age_ms(self, topic: str) -> float | None:
@@ -377,3 +374,13 @@ class LinkSender(Generic[_Request]):
             self._times_said_ns, self._said_period_ns = now_ns, period_ns
             said = LinkTimes(round_trip_ms=trip_ns / NS_PER_MS, report_period_ms=period_ns / NS_PER_MS)
             self._outbox.put(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)
+
+
+def _sum(one: StreamCounts, other: StreamCounts) -> StreamCounts:
+    return StreamCounts(
+        sent=one.sent + other.sent,
+        replaced=one.replaced + other.replaced,
+        overflowed=one.overflowed + other.overflowed,
+        queued_bytes=one.queued_bytes + other.queued_bytes,
+        is_losing=one.is_losing or other.is_losing,
+    )
