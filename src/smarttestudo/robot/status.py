@@ -27,7 +27,7 @@ from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.loop.statistics import FrameFlows, RelayStatistics
 from smarttestudo.pacing.cdr import HEADER_BYTES, STAMP_BYTES, header_stamp
 from smarttestudo.pacing.sample import StreamKind
-from smarttestudo.robot.topic import TopicLink
+from smarttestudo.robot.topic_link import TopicLink
 
 TOLERANCE_PERCENT = 5.0
 _CPU_OVER_NS = NS_PER_S * 9 // 10

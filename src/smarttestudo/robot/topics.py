@@ -14,15 +14,8 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Endpoint, Publisher, Robot, Subscription
 from smarttestudo.domain.visible_topics import relaying_nodes
 from smarttestudo.loop.relay import Relayed
-from smarttestudo.robot.topic import (
-    LiveSource,
-    OpenTopic,
-    TopicLink,
-    live_source,
-    not_offered,
-    suits,
-    topic_link,
-)
+from smarttestudo.robot.topic import LiveSource, OpenTopic, live_source, suits
+from smarttestudo.robot.topic_link import TopicLink, not_offered, topic_link
 
 LOOKS_PER_ROUND = 5
 

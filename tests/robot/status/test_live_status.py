@@ -19,7 +19,7 @@ from smarttestudo.domain.robot import Endpoint, Qos
 from smarttestudo.domain.status import Silence
 from smarttestudo.domain.status_json import status_from_text
 from smarttestudo.loop.inputs import MessageInput
-from smarttestudo.robot.topic import not_offered
+from smarttestudo.robot.topic_link import not_offered
 
 IMU_10 = "begin SetFrequency /imu 10 end"
 OFF_LATER = (

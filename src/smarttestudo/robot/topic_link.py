@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Connections of a relayed topic on the graph, and which subscribers its output cannot serve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from smarttestudo.domain.robot import Endpoint, Qos, Robot
+from smarttestudo.robot.topic import LiveSource
+
+
+def not_offered(offered: Qos, subscriber: Endpoint) -> tuple[str, ...]:
+    """Policies that ``subscriber`` requests beyond ``offered``; if there are any, it receives nothing."""
+    unmet = {
+        "reliable delivery": subscriber.reliable and not offered.reliable,
+        "transient local durability": subscriber.transient_local and not offered.transient_local,
+    }
+    return (*(policy for policy, is_unmet in unmet.items() if is_unmet), *subscriber.asks)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicLink:
+    """Connections of a relayed topic on the graph.
+
+    Unless it ``is_heard``, the source is not subscribed to. ``incompatible`` are the nodes among the
+    ``subscribers`` of the output that its QoS cannot serve.
+    """
+
+    output: str
+    type_name: str | None = None
+    publishers: int = 0
+    is_heard: bool = True
+    transient_local: bool = False
+    has_header: bool = False
+    subscribers: int = 0
+    incompatible: tuple[str, ...] = ()
+    problem: str | None = None
+
+
+def topic_link(
+    robot: Robot,
+    output: str,
+    source: LiveSource | None,
+    subscribers: Sequence[Endpoint],
+    problem: str | None,
+) -> TopicLink:
+    """The links of a topic whose publishers make ``source``, relayed to ``output``.
+
+    ``problem`` says why it cannot be relayed.
+    """
+    if source is None:
+        return TopicLink(output=output, subscribers=len(subscribers), problem=problem)
+    return TopicLink(
+        output=output,
+        type_name=source.type_name,
+        publishers=source.publishers,
+        transient_local=source.qos.transient_local,
+        has_header=robot.begins_with_header(source.type_name),
+        subscribers=len(subscribers),
+        incompatible=tuple(sorted({one.node for one in subscribers if not_offered(source.qos, one)})),
+        problem=problem,
+    )
