@@ -16,8 +16,9 @@ class StreamCounts:
     """Messages of one topic at the robot's end of a link, since the start.
 
     ``sent`` went out whole. ``replaced`` gave way to newer ones before their first byte was sent;
-    ``overflowed`` were dropped because the queue of the topic was full, once an operator's end had been
-    there; where it ``is_losing``, some of these within the last minute. ``queued_bytes`` wait now.
+    ``overflowed`` were dropped because the queue of the topic was full, or waited for publishers that are
+    gone, of which there were too many, once an operator's end had been there; where it ``is_losing``, some of
+    these within the last minute. ``queued_bytes`` wait now.
     """
 
     sent: Annotated[
@@ -48,6 +49,16 @@ class StreamCounts:
         Count, Metered("topic_link_queued", "bytes", "What waits for the link of the topic.")
     ] = 0
     is_losing: Annotated[bool, JsonEntry(name="losing")] = False
+
+    def __add__(self, other: StreamCounts) -> StreamCounts:
+        """The counts of both."""
+        return StreamCounts(
+            sent=self.sent + other.sent,
+            replaced=self.replaced + other.replaced,
+            overflowed=self.overflowed + other.overflowed,
+            queued_bytes=self.queued_bytes + other.queued_bytes,
+            is_losing=self.is_losing or other.is_losing,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

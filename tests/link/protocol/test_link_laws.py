@@ -16,11 +16,12 @@ from hypothesis import strategies as st
 from link.protocol.simulated_link import Ends, Link, S, Source
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import LinkNeeds, Prediction, ReceivedMessage, StreamInfo
+from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, Chunk
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, LinkTimes, Report
 from smarttestudo.link.protocol.receiver import LinkReceiver
-from smarttestudo.link.protocol.sender import LinkSender
+from smarttestudo.link.protocol.sender import MAX_ENDING, LinkSender
 from smarttestudo.link.protocol.wire import WIRE_VERSION, Kind
 
 rates = st.sampled_from([0.0, 5_000.0, 60_000.0, 400_000.0, 3_000_000.0])
@@ -164,6 +165,52 @@ def test_counts_of_a_topic_go_on_when_one_of_its_publishers_leaves() -> None:
     assert (before.queued_bytes, after.queued_bytes) == (8, 3)
     sender.close(first, 12)
     assert sender.counts(12)["/a"] == replace(after, queued_bytes=0)
+
+
+@pytest.mark.parametrize("is_latched", [False, True])
+def test_the_last_words_of_a_publisher_arrive_although_it_left_in_an_outage(*, is_latched: bool) -> None:
+    sender: LinkSender[None] = LinkSender()
+    receiver = LinkReceiver("robot", 7, lambda data, _most: data)
+    qos = Qos(reliable=True, transient_local=is_latched, depth=1)
+    number = sender.open(stream(qos=qos), 0)
+    assert number is not None
+    assert exchange(sender, receiver, 0) == []
+    sender.disconnect()
+    sender.put(number, b"motor fault", S)
+    sender.close(number, 2 * S)
+    sender.put(number, b"nobody says this", 2 * S)
+    assert exchange(sender, receiver, 60 * S) == [b"motor fault"]
+    assert exchange(sender, receiver, 61 * S) == []
+    assert receiver.streams == {}
+    assert sender.counts(61 * S)["/a"] == StreamCounts(sent=1)
+
+
+def test_of_too_many_publishers_that_left_in_an_outage_the_first_are_counted_as_lost() -> None:
+    sender: LinkSender[None] = LinkSender()
+    receiver = LinkReceiver("robot", 7, lambda data, _most: data)
+    exchange(sender, receiver, 0)
+    sender.disconnect()
+    for publisher in range(MAX_ENDING + 3):
+        number = sender.open(stream(publisher=publisher), S)
+        assert number is not None
+        sender.put(number, b"%d" % publisher, S)
+        sender.close(number, S)
+    assert sender.counts(S)["/a"].overflowed == 3
+    arrived = exchange(sender, receiver, 60 * S)
+    assert sorted(arrived) == sorted(b"%d" % publisher for publisher in range(3, MAX_ENDING + 3))
+    assert sender.counts(60 * S)["/a"] == StreamCounts(sent=MAX_ENDING, overflowed=3)
+
+
+def exchange(sender: LinkSender[None], receiver: LinkReceiver, now_ns: int) -> list[bytes]:
+    """Reports and chunks of a link without delay; the messages that arrive."""
+    arrived = []
+    for _ in range(3):
+        sender.handle_report(REPORTS.from_bytes(receiver.next_report(now_ns)), now_ns)
+        while (data := sender.next_chunk(now_ns)) is not None:
+            found = receiver.receive(data, now_ns)
+            if isinstance(found, ReceivedMessage):
+                arrived.append(found.payload)
+    return arrived
 
 
 def stream(**changes: Any) -> StreamInfo:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Hashable, Iterator
+from dataclasses import replace
 
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage
 from smarttestudo.domain.link_state import StreamCounts
@@ -56,12 +57,23 @@ class Outbox:
         latched = None if depth is None else deque[OutgoingMessage](maxlen=depth)
         self._streams[stream] = OutgoingStream(stream, LinkNeeds(), latched)
 
-    def close(self, stream: int) -> None:
-        """Forget a stream and what waits in it."""
-        closed = self._streams.pop(stream, None)
+    def end(self, stream: int) -> None:
+        """Have a stream latch nothing any more; what waits in it is sent."""
+        self._streams[stream].latched = None
+
+    def is_drained(self, stream: int) -> bool:
+        """Whether nothing of a stream is to be sent, or sent again; so it is before the first session."""
+        one = self._streams[stream]
+        return not self._had_session or not (one.has_work or any(each.is_kept for each in one.unacknowledged))
+
+    def close(self, stream: int, now_ns: int) -> StreamCounts:
+        """Forget a stream; returns its last counts, in which what waited has overflowed."""
+        closed = self._streams.pop(stream)
         self._active.pop(stream, None)
-        if closed is not None:
-            self._give_up(*closed.waiting, *closed.unacknowledged)
+        waiting = [*closed.waiting]
+        closed.overflowed += len(waiting) if self._had_session else 0
+        self._give_up(*waiting, *closed.unacknowledged)
+        return replace(closed.counts(now_ns), queued_bytes=0, is_losing=False)
 
     def skip(self, stream: int) -> None:
         """Leave out a number, so that the next message does not follow on the last one."""

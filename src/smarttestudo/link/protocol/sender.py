@@ -28,6 +28,8 @@ STALLED_AFTER_NS = NS_PER_S
 FIRST_STALLED_AFTER_NS = 15 * NS_PER_S
 """The same for the first bytes, which may be many for a link of which nothing is known."""
 BUDGET_PERIOD_NS = NS_PER_S // 4
+MAX_ENDING = 64
+"""How many streams may still have something to send whose publishers are gone."""
 
 _KEPT_SHARE = 0.99
 """How much an earlier message counts beside the newest: about the last hundred say what compression saves."""
@@ -57,10 +59,12 @@ class LinkSender(Generic[_Request]):
         self._outbox = Outbox(self._encoded)
         self._outbox.open(CONTROL_STREAM)
         self._infos: dict[int, StreamInfo] = {}
+        self._ending: dict[int, None] = {}
+        """Streams whose publisher is gone, of which something waits, the first first."""
         self._closed: set[int] = set()
+        """Numbers that were announced, and have no stream now."""
         self._counts_closed: dict[str, StreamCounts] = {}
         """The counts of closed streams, by topic."""
-        """Numbers that were announced, and have no stream now."""
         self._needs: Mapping[str, LinkNeeds] = {}
         self._window = Window()
         self.background: BackgroundAnswers[_Request] = BackgroundAnswers(self._live, fetch_budget_bytes_per_s)
@@ -97,15 +101,14 @@ class LinkSender(Generic[_Request]):
         return number
 
     def close(self, stream: int, now_ns: int) -> None:
-        """Send nothing more of a stream."""
-        info = self._infos.pop(stream, None)
-        if info is not None:
-            one = dict(self._outbox.counts(now_ns))[stream]
-            had = self._counts_closed.get(info.topic, StreamCounts())
-            self._counts_closed[info.topic] = _sum(had, replace(one, queued_bytes=0, is_losing=False))
-            self._outbox.close(stream)
-            self._closed.add(stream)
-            self._announce(stream, now_ns)
+        """Have nothing more put into a stream; it ends once what waits in it has arrived."""
+        if stream not in self._infos or stream in self._ending:
+            return
+        self._outbox.end(stream)
+        self._ending[stream] = None
+        self._close_drained(now_ns)
+        if len(self._ending) > MAX_ENDING:
+            self._close(next(iter(self._ending)), now_ns)
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         """Serve topics so from now on."""
@@ -143,7 +146,7 @@ class LinkSender(Generic[_Request]):
         """
         if not self.is_connected(now_ns):
             self._outbox.cut()
-        if stream in self._infos:
+        if stream in self._infos and stream not in self._ending:
             self._outbox.put(stream, payload, now_ns, lane, origin)
 
     def take_missed(self, now_ns: int, *, is_last: bool = False) -> list[MissedMessage]:
@@ -179,6 +182,7 @@ class LinkSender(Generic[_Request]):
             info = self._infos.get(number)
             if info is not None:
                 self._ages_ms[info.topic] = age_ms
+        self._close_drained(now_ns)
         self._say_times(now_ns)
         self._look_at_budget(now_ns)
 
@@ -281,12 +285,25 @@ class LinkSender(Generic[_Request]):
         for number, one in self._outbox.counts(now_ns):
             info = self._infos.get(number)
             if info is not None:
-                counts[info.topic] = _sum(counts.get(info.topic, StreamCounts()), one)
+                counts[info.topic] = counts.get(info.topic, StreamCounts()) + one
         return counts
 
     def age_ms(self, topic: str) -> float | None:
         """How old the last message of ``topic`` was when it arrived."""
         return self._ages_ms.get(topic)
+
+    def _close_drained(self, now_ns: int) -> None:
+        for stream in [one for one in self._ending if self._outbox.is_drained(one)]:
+            self._close(stream, now_ns)
+
+    def _close(self, stream: int, now_ns: int) -> None:
+        """Send nothing more of a stream; what waits in it overflows."""
+        info = self._infos.pop(stream)
+        del self._ending[stream]
+        had = self._counts_closed.get(info.topic, StreamCounts())
+        self._counts_closed[info.topic] = had + self._outbox.close(stream, now_ns)
+        self._closed.add(stream)
+        self._announce(stream, now_ns)
 
     def _note_idle(self, now_ns: int) -> None:
         self._window.idle()
@@ -320,7 +337,7 @@ class LinkSender(Generic[_Request]):
         self._said_period_ns = ACKNOWLEDGE_PERIOD_NS
         before, self._window = self._window, Window(self._window.capacity_bytes_per_s)
         self._window.is_measured = before.is_measured
-        self._outbox.close(CONTROL_STREAM)
+        self._outbox.close(CONTROL_STREAM, now_ns)
         self._outbox.open(CONTROL_STREAM)
         self._outbox.restart(now_ns)
         self._introduce(now_ns)
@@ -374,13 +391,3 @@ class LinkSender(Generic[_Request]):
             self._times_said_ns, self._said_period_ns = now_ns, period_ns
             said = LinkTimes(round_trip_ms=trip_ns / NS_PER_MS, report_period_ms=period_ns / NS_PER_MS)
             self._outbox.put(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)
-
-
-def _sum(one: StreamCounts, other: StreamCounts) -> StreamCounts:
-    return StreamCounts(
-        sent=one.sent + other.sent,
-        replaced=one.replaced + other.replaced,
-        overflowed=one.overflowed + other.overflowed,
-        queued_bytes=one.queued_bytes + other.queued_bytes,
-        is_losing=one.is_losing or other.is_losing,
-    )
