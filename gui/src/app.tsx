@@ -3,7 +3,7 @@
 
 import type { Signal } from "@preact/signals";
 import type { ComponentType } from "preact";
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusalOf } from "./api/client";
 import type { Project } from "./api/types";
 import { HomePage } from "./pages/home";
@@ -120,7 +120,8 @@ function useUnsavedWarning(editors: OpenEditors | null): void {
 
 function useRoute(): Route {
   const [route, setRoute] = useState(readRoute);
-  useEffect(() => {
+  // At once: an effect waits for a picture, and an address that changes before it would not be followed.
+  useLayoutEffect(() => {
     const follow = () => setRoute(readRoute());
     addEventListener("hashchange", follow);
     return () => removeEventListener("hashchange", follow);

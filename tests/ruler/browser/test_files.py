@@ -13,6 +13,12 @@ from axe import violations
 from ruler.browser.ruler_page import RulerPage
 
 ROS1_MAGIC = b"#ROSBAG V2.0\n"
+GOES_ON_AT_ONCE = """addEventListener("DOMContentLoaded", () => {
+    const change = () => history.state ?? (history.replaceState(1, ""), location.hash = "#/rules/zone.adirf");
+    new MutationObserver(change).observe(document.getElementById("app"), {childList: true, subtree: true});
+    if (document.getElementById("app").childElementCount > 0) change();
+})"""
+"""An address that changes while the first page is drawn."""
 
 
 def test_files_are_counted_found_and_put_into_folders(ruler: RulerPage, project: Path) -> None:
@@ -79,3 +85,9 @@ def test_the_first_tab_leads_past_the_header(ruler: RulerPage) -> None:
     expect(ruler.button("Skip to the content")).to_be_focused()
     ruler.page.keyboard.press("Enter")
     expect(ruler.page.get_by_role("heading", level=1)).to_be_focused()
+
+
+def test_an_address_that_changes_while_the_page_starts_is_followed(ruler: RulerPage) -> None:
+    ruler.page.add_init_script(GOES_ON_AT_ONCE)
+    ruler.page.goto(ruler.url)
+    expect(ruler.text).to_contain_text("CheckValue /odom pose_x")
