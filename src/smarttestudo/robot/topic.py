@@ -116,7 +116,7 @@ class OpenTopic:
 
         ``found`` gives the publishers that are there now.
         """
-        # What still waits for a link would go with its publisher.
+        # Before the first session of a link, what waits for it would go with its publisher.
         if self._publishers is not None and self.source is not None and not self._path.keeps_newest:
             known = self.source.gids
             self._publishers.forget_undiscovered(known, lambda: {one.gid for one in found()}, now_ns)
