@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import pytest
 
-from report.test_bag_command import Ran
+from report.bag_desk import Ran
 from smarttestudo.cli.main import main
 
 

@@ -14,7 +14,7 @@ from rosbags.rosbag2 import StoragePlugin
 from bags.bag_factory import small_mission, write_bag
 from fleet.commands import Command
 from fleet.dask_processes import DaskProcesses, dask_processes
-from report.test_bag_command import thinned
+from report.bag_desk import thinned
 
 RULES = "begin\n    SetFrequency /odom 5\n    SetFrequency /scan 1\nend\n"
 

@@ -24,7 +24,7 @@ from docs.code_blocks import blocks_of
 from fleet.commands import Command
 from fleet.dask_processes import DaskProcesses
 from fleet.fleet_factory import day_of, write_fleet
-from report.test_bag_command import Ran, thinned
+from report.bag_desk import Ran, thinned
 
 PAGE = "docs/how-to/many-recordings.md"
 RULES = """begin

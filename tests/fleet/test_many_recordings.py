@@ -16,7 +16,7 @@ from bags.bag_factory import small_mission, write_mcap_file
 from docs.code_blocks import blocks_of
 from fleet.commands import COMMANDS, Command
 from fleet.dask_processes import DaskProcesses
-from report.test_bag_command import Ran
+from report.bag_desk import Ran
 
 # Marks this module as one that starts processes.
 assert subprocess

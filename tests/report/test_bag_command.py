@@ -4,14 +4,12 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import json
 import math
 import statistics
 import struct
 from collections import Counter, defaultdict
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +18,7 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from bags.bag_factory import (
     GRIPPER,
+    KINDS,
     ODOM,
     SCAN,
     START_NS,
@@ -27,74 +26,22 @@ from bags.bag_factory import (
     BagMessage,
     BagTopic,
     odometry,
-    small_mission,
     write_bag,
     write_humble_file,
     write_split_bag,
 )
 from bags.bag_reading import read_with_rosbags
-from smarttestudo.cli.main import main
+from report.bag_desk import MISSION, Desk, thinned
 
-MISSION = small_mission()
 GOLDEN = Path(__file__).parent / "golden"
 DECLARED = {"smarttestudo.declared_bytes": json.dumps({"/image": 6_220_000})}
-KINDS = [
-    *itertools.product(StoragePlugin, (CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE)),
-    (StoragePlugin.MCAP, CompressionMode.STORAGE),
-]
 BAG_EXPECTED = "give a rosbag2 folder, a .db3 or an .mcap file"
-
-
-@dataclass(frozen=True)
-class Ran:
-    code: int
-    out: str
-    err: str
-
-    @property
-    def json(self) -> Any:
-        return json.loads(self.out)
-
-    @property
-    def csv(self) -> list[dict[str, str]]:
-        return list(csv.DictReader(self.out.splitlines()))
-
-
-class Desk:
-    """A folder in which ``testudo bag`` is run."""
-
-    def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
-        self._capsys = capsys
-
-    def bag(self, *arguments: str) -> Ran:
-        self._capsys.readouterr()
-        code = main(["bag", *arguments])
-        captured = self._capsys.readouterr()
-        return Ran(code, captured.out, captured.err)
-
-    def refuses(self, *arguments: str) -> str:
-        ran = self.bag(*arguments)
-        assert (ran.code, ran.out) == (1, "")
-        assert ran.err.count("\n") == 1
-        return ran.err.rstrip("\n")
 
 
 @pytest.fixture
 def desk(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Desk:
     monkeypatch.chdir(tmp_path)
     return Desk(capsys)
-
-
-def thinned(every: int, rename: str = "{}") -> BagContent:
-    """Each ``every``-th message of the mission's topics, which get other names."""
-    seen: Counter[str] = Counter()
-    kept = []
-    for message in MISSION.messages:
-        if seen[message.topic] % every == 0:
-            kept.append(BagMessage(rename.format(message.topic), message.stamp_ns, message.payload))
-        seen[message.topic] += 1
-    topics = [BagTopic(rename.format(topic.name), topic.type_name, topic.qos) for topic in MISSION.topics]
-    return BagContent(tuple(topics), tuple(kept))
 
 
 def naive_numbers(messages: list[BagMessage]) -> dict[str, dict[str, float | None]]:

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""``testudo bag``, run in a folder, and recordings for it."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+from bags.bag_factory import BagContent, BagMessage, BagTopic, small_mission
+from smarttestudo.cli.main import main
+
+MISSION = small_mission()
+
+
+@dataclass(frozen=True)
+class Ran:
+    code: int
+    out: str
+    err: str
+
+    @property
+    def json(self) -> Any:
+        return json.loads(self.out)
+
+    @property
+    def csv(self) -> list[dict[str, str]]:
+        return list(csv.DictReader(self.out.splitlines()))
+
+
+class Desk:
+    """A folder in which ``testudo bag`` is run."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
+        self._capsys = capsys
+
+    def bag(self, *arguments: str) -> Ran:
+        self._capsys.readouterr()
+        code = main(["bag", *arguments])
+        captured = self._capsys.readouterr()
+        return Ran(code, captured.out, captured.err)
+
+    def refuses(self, *arguments: str) -> str:
+        ran = self.bag(*arguments)
+        assert (ran.code, ran.out) == (1, "")
+        assert ran.err.count("\n") == 1
+        return ran.err.rstrip("\n")
+
+
+def thinned(every: int, rename: str = "{}") -> BagContent:
+    """Each ``every``-th message of the mission's topics, which get other names."""
+    seen: Counter[str] = Counter()
+    kept = []
+    for message in MISSION.messages:
+        if seen[message.topic] % every == 0:
+            kept.append(BagMessage(rename.format(message.topic), message.stamp_ns, message.payload))
+        seen[message.topic] += 1
+    topics = [BagTopic(rename.format(topic.name), topic.type_name, topic.qos) for topic in MISSION.topics]
+    return BagContent(tuple(topics), tuple(kept))
