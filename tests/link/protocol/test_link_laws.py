@@ -18,6 +18,7 @@ from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import LinkNeeds, Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.robot import Qos
+from smarttestudo.link.protocol.acknowledgements import NOTHING_RECEIVED, Acknowledgement
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, Chunk
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, LinkTimes, Report
 from smarttestudo.link.protocol.receiver import LinkReceiver
@@ -104,9 +105,8 @@ def test_what_was_never_sent_cannot_be_acknowledged(session: int, received_bytes
     ends = Ends(Link(((0.0, 1_000.0),)), (Source(topic="/a", size_bytes=5_000, rate_hz=5),))
     ends.run(1)
     before = ends.sender.state(1 * S)
-    ends.sender.handle_report(
-        Report(receiver=receiver, session=session, received_bytes=received_bytes), 1 * S
-    )
+    received = Acknowledgement(session=session, received_bytes=received_bytes)
+    ends.sender.handle_report(Report(receiver=receiver, received=received), 1 * S)
     after = ends.sender.state(1 * S)
     assert after.capacity_kb_per_s == before.capacity_kb_per_s
 
@@ -129,6 +129,7 @@ def test_random_bytes_are_a_report_or_refused(data: bytes) -> None:
 def test_a_chunk_is_what_travelled(session: int, stream: int, stamp_ns: int, body: bytes) -> None:
     chunk = Chunk(
         session=session,
+        session_offset=session ^ 1,
         stream=stream,
         number=3,
         offset=7,
@@ -247,6 +248,7 @@ def test_a_session_that_somebody_else_claimed_does_not_end_the_link() -> None:
     ends = Ends(Link(((0.0, 1e6),)), (Source(topic="/a", size_bytes=500, rate_hz=10),))
     forged = Chunk(
         session=2**31,
+        session_offset=0,
         stream=5,
         number=0,
         offset=0,
@@ -271,15 +273,22 @@ def test_messages_arrive_once_each_and_follow_on_each_other_beyond_the_last_numb
     before: int, after: int
 ) -> None:
     receiver = LinkReceiver("robot", 7, lambda data, _most: data)
-    told = Announcement(stream=1, info=stream())
-    receiver.receive(chunk_of(CONTROL_STREAM, 0, CONTROL.to_bytes(told)), 0)
+    sent_bytes = 0
+
+    def receive(number_of_stream: int, number: int, body: bytes) -> Announcement | ReceivedMessage | None:
+        nonlocal sent_bytes
+        data = chunk_of(number_of_stream, number, body, sent_bytes)
+        sent_bytes += len(data)
+        return receiver.receive(data, 0)
+
+    receive(CONTROL_STREAM, 0, CONTROL.to_bytes(Announcement(stream=1, info=stream())))
     numbers = [number % 2**32 for number in range(2**32 - before, 2**32 + after)]
     for number in numbers:
-        got = [receiver.receive(chunk_of(1, number, b"x"), 0) for _ in range(2)]
+        got = [receive(1, number, b"x") for _ in range(2)]
         assert isinstance(got[0], ReceivedMessage)
         assert got[0].begins_anew == (number == numbers[0])
         assert got[1] is None
-    assert receiver.receive(chunk_of(1, numbers[0], b"x"), 0) is None
+    assert receive(1, numbers[0], b"x") is None
     assert receiver.counts.repeated == len(numbers) + 1
 
 
@@ -287,10 +296,11 @@ def test_no_claim_of_a_session_leaves_none_for_the_next_outages() -> None:
     sender: LinkSender[None] = LinkSender()
     sender.open(stream(), 0)
     for session in (0, 2**32 - 2**16 - 1, 2**32 - 2, 2**32 - 1):
-        sender.handle_report(Report(receiver=7, session=session, received_bytes=0), 0)
+        received = Acknowledgement(session=session, received_bytes=0)
+        sender.handle_report(Report(receiver=7, received=received), 0)
     for _ in range(10):
         sender.disconnect()
-        sender.handle_report(Report(receiver=7, session=0, received_bytes=0), 0)
+        sender.handle_report(Report(receiver=7, received=NOTHING_RECEIVED), 0)
         assert sender.next_chunk(0) is not None
 
 
@@ -322,10 +332,11 @@ def test_whoever_hears_the_robot_knows_its_streams_whatever_was_closed_in_an_out
     assert receiver.streams == opened
 
 
-def chunk_of(number_of_stream: int, number: int, body: bytes) -> bytes:
+def chunk_of(number_of_stream: int, number: int, body: bytes, session_offset: int) -> bytes:
     """A message that travels in one chunk."""
     chunk = Chunk(
         session=1,
+        session_offset=session_offset,
         stream=number_of_stream,
         number=number,
         offset=0,

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from link.protocol.simulated_link import Ends, Link, S, Source
 from smarttestudo.domain.link import LinkNeeds, MissedMessage
+from smarttestudo.link.protocol.acknowledgements import NOTHING_RECEIVED
 from smarttestudo.link.protocol.messages import Report
 
 MS = S // 1000
@@ -151,7 +152,7 @@ def test_who_comes_while_another_is_served_changes_nothing_for_that_one(
     cuts = cut_for(lengths_ms)
     ends = CutEnds(Link(((0, 1_000_000),)), SOURCES, cuts=cuts)
     for number, join_ms in enumerate(joins_ms):
-        report = Report(receiver=100 + number, session=0, received_bytes=0)
+        report = Report(receiver=100 + number, received=NOTHING_RECEIVED)
         for cycle in range(len(cuts)):
             ends.at(cycle * 6 * S + join_ms * MS, partial(ends.sender.handle_report, report))
     found = run(ends)

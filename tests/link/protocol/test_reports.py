@@ -10,20 +10,28 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.errors import LinkError
+from smarttestudo.link.protocol.acknowledgements import Acknowledgement, LostSpan
 from smarttestudo.link.protocol.messages import REPORTS, Report
 from smarttestudo.link.protocol.reports import ReportReader, ReportWriter
 from smarttestudo.link.protocol.wire import Kind, frame, zigzag
 
 receivers = st.sampled_from((0, 5, 2**64 - 1))
 sessions = st.sampled_from((0, 1, 2**32 - 1))
-plain_reports = st.builds(
-    Report, receiver=receivers, session=sessions, received_bytes=st.integers(0, 2**64 - 1)
+spans = st.lists(st.builds(LostSpan, st.integers(0, 9), st.integers(0, 2**40)), max_size=2).map(tuple)
+acknowledgements = st.builds(
+    Acknowledgement,
+    session=sessions,
+    received_bytes=st.integers(0, 2**64 - 1),
+    lost=st.just(()) | spans,
+    is_cut=st.booleans(),
 )
+ended = st.just(()) | st.lists(acknowledgements, max_size=2).map(tuple)
+plain_reports = st.builds(Report, receiver=receivers, received=acknowledgements, ended=ended)
 full_reports = st.builds(
     Report,
     receiver=receivers,
-    session=sessions,
-    received_bytes=st.integers(0, 2**64 - 1),
+    received=acknowledgements,
+    ended=ended,
     ages_ms=st.dictionaries(st.integers(0, 9), st.floats(0, 1e9), max_size=2),
     predicts=st.frozensets(st.sampled_from(("/odom", "/tf"))),
 )
@@ -32,16 +40,18 @@ forged = st.builds(
     lambda receiver, session, rest: frame(Kind.REPORT, zigzag(receiver) + zigzag(session) + rest),
     receivers,
     st.sampled_from((-1, 0, 1, 2**32)),
-    st.binary(max_size=14) | st.integers(-(2**65), 2**65).map(lambda number: zigzag(number) + bytes(2)),
+    st.binary(max_size=14) | st.integers(-(2**65), 2**65).map(lambda number: zigzag(number) + bytes(5)),
 )
 
 
-@given(receivers, st.lists(st.tuples(sessions, st.integers(0, 2**63))))
-def test_a_report_is_written_as_any_other(receiver: int, said: list[tuple[int, int]]) -> None:
+@given(receivers, st.lists(st.tuples(acknowledgements, ended)))
+def test_a_report_is_written_as_any_other(
+    receiver: int, said: list[tuple[Acknowledgement, tuple[Acknowledgement, ...]]]
+) -> None:
     writer = ReportWriter(receiver)
-    for session, received_bytes in said:
-        report = Report(receiver=receiver, session=session, received_bytes=received_bytes)
-        assert writer.to_bytes(session, received_bytes) == REPORTS.to_bytes(report)
+    for received, before in said:
+        report = Report(receiver=receiver, received=received, ended=before)
+        assert writer.to_bytes(received, before) == REPORTS.to_bytes(report)
 
 
 @given(st.lists(plain_reports.map(REPORTS.to_bytes) | full_reports.map(REPORTS.to_bytes) | forged))

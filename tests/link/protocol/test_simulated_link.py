@@ -13,6 +13,7 @@ from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
 from smarttestudo.domain.link import LinkNeeds, StreamInfo
 from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.robot import Qos
+from smarttestudo.link.protocol.acknowledgements import NOTHING_RECEIVED
 from smarttestudo.link.protocol.messages import Report
 from smarttestudo.link.protocol.outbox import MAX_QUEUED_BYTES
 from smarttestudo.link.protocol.sender import LinkSender
@@ -202,7 +203,7 @@ def test_what_overflows_while_nobody_was_ever_there_is_not_lost_on_the_link() ->
     sender = LinkSender[None]()
     stream = filled_queue(sender)
     assert sender.counts(0)["/camera"] == StreamCounts(queued_bytes=MAX_QUEUED_BYTES)
-    sender.handle_report(Report(receiver=1, session=0, received_bytes=0), 0)
+    sender.handle_report(Report(receiver=1, received=NOTHING_RECEIVED), 0)
     assert sender.counts(0)["/camera"] == StreamCounts(queued_bytes=MAX_QUEUED_BYTES)
     sender.disconnect()
     sender.put(stream, bytes(100_000), 5 * S)
@@ -213,7 +214,7 @@ def test_what_overflows_while_nobody_was_ever_there_is_not_lost_on_the_link() ->
 
 def test_a_topic_that_has_lost_nothing_for_a_minute_is_not_losing_any_more() -> None:
     sender = LinkSender[None]()
-    sender.handle_report(Report(receiver=1, session=0, received_bytes=0), 0)
+    sender.handle_report(Report(receiver=1, received=NOTHING_RECEIVED), 0)
     stream = filled_queue(sender)
     sender.put(stream, bytes(100_000), 7 * S)
     told = [sender.counts(now_ns)["/camera"] for now_ns in (7 * S, 67 * S - 1, 67 * S)]

@@ -29,6 +29,7 @@ from pacing.reckoning.ros_messages import (
 from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.domain.link import Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
+from smarttestudo.link.protocol.acknowledgements import Acknowledgement
 from smarttestudo.link.protocol.messages import REPORTS, Report
 from smarttestudo.link.receive.prediction import Predictor
 from smarttestudo.link.receive.reception import Reception
@@ -312,7 +313,10 @@ def test_a_report_says_what_is_predicted_and_an_older_one_says_nothing(
     topics: frozenset[str], has_ages: bool
 ) -> None:
     report = Report(
-        receiver=1, session=2, received_bytes=3, ages_ms={4: 5.0} if has_ages else {}, predicts=topics
+        receiver=1,
+        received=Acknowledgement(session=2, received_bytes=3),
+        ages_ms={4: 5.0} if has_ages else {},
+        predicts=topics,
     )
     assert REPORTS.from_bytes(REPORTS.to_bytes(report)) == report
     assert REPORTS.from_bytes(REPORTS.to_bytes(replace(report, predicts=frozenset()))).predicts == frozenset()

@@ -13,6 +13,7 @@ import zstandard
 
 from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, operator_end, robot_end, stranger_at, until
 from smarttestudo.domain.link import StreamInfo
+from smarttestudo.link.protocol.acknowledgements import Acknowledgement
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, MAX_STREAMS, Chunk
 from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot, new_boot
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
@@ -26,20 +27,29 @@ pytestmark = pytest.mark.process
 RANDOM = random.Random(7)
 
 
-def chunk(stream: int, data: bytes, number: int = 0, *, is_compressed: bool = False) -> bytes:
-    """A whole message in a chunk."""
-    return Chunk(
-        session=1,
-        stream=stream,
-        number=number,
-        offset=0,
-        size_bytes=len(data),
-        offered_ns=0,
-        sent_ns=0,
-        is_compressed=is_compressed,
-        is_kept=True,
-        body=data,
-    ).to_bytes()
+class Chunks:
+    """Chunks of one session, each of which follows on the one before."""
+
+    def __init__(self) -> None:
+        self._sent_bytes = 0
+
+    def of(self, stream: int, data: bytes, number: int = 0, *, is_compressed: bool = False) -> bytes:
+        """A whole message in a chunk."""
+        chunk = Chunk(
+            session=1,
+            session_offset=self._sent_bytes,
+            stream=stream,
+            number=number,
+            offset=0,
+            size_bytes=len(data),
+            offered_ns=0,
+            sent_ns=0,
+            is_compressed=is_compressed,
+            is_kept=True,
+            body=data,
+        ).to_bytes()
+        self._sent_bytes += len(chunk)
+        return chunk
 
 
 def counts(operator: OperatorEnd, boot: Boot) -> ReceiverCounts:
@@ -57,22 +67,29 @@ def still_works(robot: RobotEnd, reader: Reader) -> None:
 def test_what_is_malformed_instead_of_chunks_is_counted() -> None:
     endpoint = free_endpoint()
     with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
-        reader = Reader(operator)
+        reader, boot, chunks = Reader(operator), new_boot("liar", 1), Chunks()
         still_works(robot, reader)
         bomb = zstandard.ZstdCompressor().compress(bytes(100_000_000))
         strange = [b"", b"\x01", *(RANDOM.randbytes(size) for size in (10, 100, 2_000, 60_000) * 20)]
         # A random first byte that is a version of ours would make it a chunk.
-        strange = [b"\x00" + data for data in strange] + [
-            chunk(CONTROL_STREAM, bomb, is_compressed=True),
-            chunk(CONTROL_STREAM, RANDOM.randbytes(100), is_compressed=True),
-            chunk(CONTROL_STREAM, CONTROL.to_bytes(Announcement(stream=1, info=replace(ODOM, topic="x y")))),
-            chunk(CONTROL_STREAM, b"[" * 100_000),
-            chunk(77, b"of no stream"),
-        ]
+        strange = [b"\x00" + data for data in strange]
         for data in strange:
             other.put(robot.boot.data_key, data, congestion_control=zenoh.CongestionControl.BLOCK)
         until(lambda: counts(operator, robot.boot).malformed == len(strange), reader.read)
-        still_works(robot, reader)
+        no_topic = CONTROL.to_bytes(Announcement(stream=1, info=replace(ODOM, topic="x y")))
+        strange = [
+            chunks.of(CONTROL_STREAM, bomb, is_compressed=True),
+            chunks.of(CONTROL_STREAM, RANDOM.randbytes(100), is_compressed=True),
+            chunks.of(CONTROL_STREAM, no_topic),
+            chunks.of(CONTROL_STREAM, b"[" * 100_000),
+            chunks.of(77, b"of no stream"),
+        ]
+        with other.liveliness().declare_token(boot.key):
+            until(lambda: boot in operator.counts(), reader.read)
+            for data in strange:
+                other.put(boot.data_key, data, congestion_control=zenoh.CongestionControl.BLOCK)
+            until(lambda: counts(operator, boot).malformed == len(strange), reader.read)
+            still_works(robot, reader)
 
 
 def test_chunks_for_robots_that_are_not_there_are_counted() -> None:
@@ -80,7 +97,7 @@ def test_chunks_for_robots_that_are_not_there_are_counted() -> None:
     with operator_end(endpoint) as operator, stranger_at(endpoint) as other:
         keys = (new_boot("nobody", 5).data_key, "testudo/*/*/data", "testudo/a/b/data")
         for key in keys:
-            until(lambda: operator.unknown > 0, lambda: other.put(key, chunk(1, b"x")))  # noqa: B023
+            until(lambda: operator.unknown > 0, lambda: other.put(key, Chunks().of(1, b"x")))  # noqa: B023
             operator.unknown = 0
         assert operator.wait(0) == []
 
@@ -92,7 +109,7 @@ def test_what_is_malformed_instead_of_reports_is_counted() -> None:
         still_works(robot, reader)
         before = robot.counts()
         strange = [b"", b"\xff" * 40, *(b"\x00" + RANDOM.randbytes(size) for size in (1, 30, 900_000))]
-        report = REPORTS.to_bytes(Report(receiver=1, session=1, received_bytes=0))
+        report = REPORTS.to_bytes(Report(receiver=1, received=Acknowledgement(session=1, received_bytes=0)))
         strange += [report + b"\0", report + b"[" * 200_000, report[:-1]]
         for data in strange:
             other.put(robot.boot.report_key, data, congestion_control=zenoh.CongestionControl.BLOCK)
@@ -110,12 +127,13 @@ def test_a_report_of_what_was_never_sent_changes_nothing() -> None:
         )
         reader = Reader(operator)
         still_works(robot, reader)
-        until(lambda: any(report.session for report in heard), reader.read)
+        until(lambda: any(report.received.session for report in heard), reader.read)
         listener.undeclare()
         own = heard[-1]
         for receiver in (own.receiver, own.receiver ^ 1):
-            for session in (own.session, own.session + 1, 2**32 - 1):
-                lie = Report(receiver=receiver, session=session, received_bytes=2**63, ages_ms={9**9: 1.0})
+            for session in (own.received.session, own.received.session + 1, 2**32 - 1):
+                received = Acknowledgement(session=session, received_bytes=2**63)
+                lie = Report(receiver=receiver, received=received, ages_ms={9**9: 1.0})
                 other.put(robot.boot.report_key, REPORTS.to_bytes(lie))
         still_works(robot, reader)
         capacity = robot.state.capacity_kb_per_s
@@ -126,14 +144,14 @@ def test_a_report_of_what_was_never_sent_changes_nothing() -> None:
 def test_a_robot_that_names_a_million_topics_has_as_many_as_a_robot_may() -> None:
     endpoint = free_endpoint()
     with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
-        reader, boot = Reader(operator), new_boot("liar", 1)
+        reader, boot, chunks = Reader(operator), new_boot("liar", 1), Chunks()
         still_works(robot, reader)
         with other.liveliness().declare_token(boot.key):
             until(lambda: boot in operator.counts(), reader.read)
             for number in range(20_000):
                 info = StreamInfo(topic=f"/t{number}", type_name=MAP.type_name, qos=MAP.qos)
                 said = CONTROL.to_bytes(Announcement(stream=1 + number % (MAX_STREAMS + 1_000), info=info))
-                data = chunk(CONTROL_STREAM, said, number)
+                data = chunks.of(CONTROL_STREAM, said, number)
                 other.put(boot.data_key, data, congestion_control=zenoh.CongestionControl.BLOCK)
             until(lambda: counts(operator, boot).malformed > 1_000, reader.read)
             named = {

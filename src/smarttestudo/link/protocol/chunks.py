@@ -16,11 +16,13 @@ MAX_PARTIAL_BYTES = 4 * MAX_MESSAGE_BYTES
 """The size of all unfinished messages together."""
 NUMBERS = 2**32
 """After so many messages of a stream, their numbers begin again."""
+SESSION_OFFSETS = 2**32
+"""After so many bytes of a session, their offsets begin again."""
 CONTROL_STREAM = 0
 """The stream in which the robot's end says what the others are."""
 
-# stream and flags, session, number, offset, size, offered_ns, sent_ns
-_HEADER = struct.Struct(f"<{HEAD_BYTES}sHIIIIqq")
+# stream and flags, session, offset in the session, number, offset, size, offered_ns, sent_ns
+_HEADER = struct.Struct(f"<{HEAD_BYTES}sHIIIIIqq")
 HEADER_BYTES = _HEADER.size
 _FRAME = frame(Kind.CHUNK, b"")
 _COMPRESSED = MAX_STREAMS
@@ -30,12 +32,14 @@ _KEPT = 2 * MAX_STREAMS
 class Chunk(NamedTuple):
     """A part of a message: ``body`` stands at ``offset`` of the ``size_bytes`` that travel.
 
-    ``session`` counts the connections of the robot's end, ``number`` the messages of the stream. The times
-    are the robot's clock: when the loop relayed the message, and when the chunk was sent. A message that
-    ``is_kept`` is never too old to be delivered.
+    ``session`` counts the connections of the robot's end, ``session_offset`` the bytes that were sent of it
+    before, modulo ``SESSION_OFFSETS``, and ``number`` the messages of the stream. The times are the robot's
+    clock: when the loop relayed the message, and when the chunk was sent. A message that ``is_kept`` is never
+    too old to be delivered.
     """
 
     session: int
+    session_offset: int
     stream: int
     number: int
     offset: int
@@ -49,9 +53,10 @@ class Chunk(NamedTuple):
     def to_bytes(self) -> bytes:
         """The chunk as it travels."""
         flags = _COMPRESSED * self.is_compressed | _KEPT * self.is_kept
-        head = (self.stream | flags, self.session, self.number, self.offset, self.size_bytes)
+        place = (self.stream | flags, self.session, self.session_offset)
+        part = (self.number, self.offset, self.size_bytes)
         # One copy of a body that may be large.
-        return _HEADER.pack(_FRAME, *head, self.offered_ns, self.sent_ns) + self.body
+        return _HEADER.pack(_FRAME, *place, *part, self.offered_ns, self.sent_ns) + self.body
 
     @staticmethod
     def from_bytes(data: bytes) -> Chunk:
@@ -59,15 +64,29 @@ class Chunk(NamedTuple):
         if not data.startswith(_FRAME) or len(data) < HEADER_BYTES:
             kind_of(data)
             raise malformed("no chunk")
-        _, flags, session, number, offset, size_bytes, offered_ns, sent_ns = _HEADER.unpack_from(data)
+        _, flags, session, session_offset, *part, offered_ns, sent_ns = _HEADER.unpack_from(data)
+        number, offset, size_bytes = part
         body = data[HEADER_BYTES:]
         if size_bytes > MAX_MESSAGE_BYTES or offset + len(body) > size_bytes or flags >= 2 * _KEPT:
             raise malformed("a chunk that reaches beyond its message")
-        is_compressed, is_kept = bool(flags & _COMPRESSED), bool(flags & _KEPT)
-        stream = flags % MAX_STREAMS
         return Chunk(
-            session, stream, number, offset, size_bytes, offered_ns, sent_ns, is_compressed, is_kept, body
+            session,
+            session_offset,
+            flags % MAX_STREAMS,
+            number,
+            offset,
+            size_bytes,
+            offered_ns,
+            sent_ns,
+            bool(flags & _COMPRESSED),
+            bool(flags & _KEPT),
+            body,
         )
+
+    @property
+    def is_last(self) -> bool:
+        """Whether its message ends with it."""
+        return self.offset + len(self.body) == self.size_bytes
 
 
 @dataclass(slots=True)

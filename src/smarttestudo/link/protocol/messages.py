@@ -17,6 +17,7 @@ from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.parameter import Values
 from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
+from smarttestudo.link.protocol.acknowledgements import MAX_ENDED, MAX_LOST_SPANS, Acknowledgement
 from smarttestudo.link.protocol.chunks import MAX_STREAMS
 from smarttestudo.link.protocol.wire import FrameType, Kind
 
@@ -41,7 +42,7 @@ _TYPE_NAME = re.compile(r"[A-Za-z]\w{0,99}/msg/[A-Za-z]\w{0,99}", re.ASCII)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
-    """The state of the operator's end: ``received_bytes`` of chunks of ``session``, 0 where it knows none.
+    """The state of the operator's end: what it ``received`` of the newest session, and of ``ended`` ones.
 
     ``receiver`` is a random number that tells it from others. ``ages_ms`` says how old the last message of
     each stream was when it arrived; it is there about once a second, and so is what it ``predicts``: the
@@ -49,8 +50,8 @@ class Report:
     """
 
     receiver: int
-    session: int
-    received_bytes: int
+    received: Acknowledgement
+    ended: Sequence[Acknowledgement] = ()
     ages_ms: Mapping[int, float] = field(default_factory=dict)
     predicts: frozenset[str] = frozenset()
 
@@ -159,7 +160,10 @@ def _check_report(report: Report) -> None:
         _require_duration(age_ms)
     _require(len(report.predicts) <= MAX_PREDICTED, "too many topics")
     _require_topics(report.predicts)
-    _require(0 <= report.session < 2**32 and report.received_bytes >= 0, "no session")
+    _require(len(report.ended) <= MAX_ENDED, "too many sessions")
+    for one in (report.received, *report.ended):
+        _require(0 <= one.session < 2**32 and one.received_bytes >= 0, "no session")
+        _require(len(one.lost) <= MAX_LOST_SPANS, "too many lost messages")
 
 
 def _check_control(said: Announcement | LinkTimes) -> None:

@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage
 from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.link.protocol.chunks import CONTROL_STREAM, NUMBERS, Chunk
+from smarttestudo.link.protocol.acknowledgements import Acknowledgement
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, NUMBERS, SESSION_OFFSETS, Chunk
 from smarttestudo.link.protocol.outgoing_stream import Encode, OutgoingMessage, OutgoingStream
 
 MAX_QUEUED_BYTES = 1_000_000
@@ -24,6 +26,15 @@ MAX_GIVEN_UP_BYTES = 16_000_000
 """The size of all messages kept that gave way, until something arrives; the oldest beyond it are missed."""
 MAX_WAITING = 1024
 """How many messages of one stream may wait at once, those of a topic that is sent whole apart."""
+MAX_UNSETTLED_BYTES = 16_000_000
+"""The size of all messages of ended sessions of which it is not known whether they arrived."""
+
+
+class _EndedSession(NamedTuple):
+    """Messages that were under way as a session ended, each after where it ended."""
+
+    number: int
+    messages: list[tuple[int, OutgoingMessage]]
 
 
 class Outbox:
@@ -34,7 +45,7 @@ class Outbox:
     ``MAX_QUEUED_BYTES`` a stream; what overflows is counted, once there was a session.
 
     What gives way while nothing arrives at the other end is ``missed`` there, and so is what was under way
-    and is not sent again.
+    as a session ended and had not arrived by then, as the other end says in the next (``settle``).
     """
 
     def __init__(self, encode: Encode) -> None:
@@ -46,6 +57,10 @@ class Outbox:
         """Since when something waits."""
         self.missed: deque[MissedMessage] = deque()
         """Missed messages with an origin, to be taken from here."""
+        self._under_way: deque[tuple[int, OutgoingMessage]] = deque()
+        """Messages that were sent whole, and are kept or have an origin, each after where it ended."""
+        self._ended: deque[_EndedSession] = deque()
+        self._ended_bytes = 0
         self._given_up: deque[OutgoingMessage] = deque()
         self._given_up_bytes = 0
         self._is_cut = False
@@ -63,8 +78,8 @@ class Outbox:
 
     def is_drained(self, stream: int) -> bool:
         """Whether nothing of a stream is to be sent, or sent again; so it is before the first session."""
-        one = self._streams[stream]
-        return not self._had_session or not (one.has_work or any(each.is_kept for each in one.unacknowledged))
+        is_under_way = any(one.stream == stream and one.is_kept for _, one in self._under_way)
+        return not self._had_session or not (is_under_way or self._streams[stream].has_work)
 
     def close(self, stream: int, now_ns: int) -> StreamCounts:
         """Forget a stream; returns its last counts, in which what waited has overflowed."""
@@ -72,7 +87,10 @@ class Outbox:
         self._active.pop(stream, None)
         waiting = [*closed.waiting]
         closed.overflowed += len(waiting) if self._had_session else 0
-        self._give_up(*waiting, *closed.unacknowledged)
+        self._give_up(*waiting)
+        for _, message in self._under_way:
+            # It arrives, or is lost.
+            message.is_kept &= message.stream != stream
         return replace(closed.counts(now_ns), queued_bytes=0, is_losing=False)
 
     def skip(self, stream: int) -> None:
@@ -98,7 +116,7 @@ class Outbox:
         open_stream = self._streams[stream]
         number, open_stream.next_number = open_stream.next_number, (open_stream.next_number + 1) % NUMBERS
         is_kept = open_stream.latched is not None or stream == CONTROL_STREAM or open_stream.needs.is_full
-        message = OutgoingMessage(number, payload, now_ns, is_kept, lane, origin)
+        message = OutgoingMessage(stream, number, payload, now_ns, is_kept, lane, origin)
         if open_stream.latched is not None:
             open_stream.latched.append(message)
         is_patient = self._had_session and not self._is_cut and now_ns - self._waits_since_ns <= PATIENCE_NS
@@ -126,6 +144,7 @@ class Outbox:
         body = data[message.offset : message.offset + body_bytes]
         chunk = Chunk(
             session,
+            self._sent_bytes % SESSION_OFFSETS,
             stream.number,
             message.number,
             message.offset,
@@ -137,29 +156,21 @@ class Outbox:
             body,
         )
         message.offset += len(body)
-        message.sent_ns = now_ns
+        self._sent_bytes += HEADER_BYTES + len(body)
         if message.offset >= len(data):
             self._finish(stream, message)
         return chunk
 
-    def sent_until(self, chunk: Chunk, total_bytes: int) -> None:
-        """``chunk`` was sent, and with it ``total_bytes`` of the session."""
-        self._sent_bytes = total_bytes
-        stream = self._streams.get(chunk.stream)
-        if stream is not None and stream.unacknowledged and stream.unacknowledged[-1].number == chunk.number:
-            stream.unacknowledged[-1].sent_total = total_bytes
-
-    def acknowledge(self, total_bytes: int, dropped_before_ns: int | None = None) -> None:
-        """The other end has ``total_bytes`` of the session.
-
-        It dropped those that were sent before ``dropped_before_ns``, unless they are kept.
-        """
-        for stream in self._streams.values():
-            while stream.unacknowledged and 0 < stream.unacknowledged[0].sent_total <= total_bytes:
-                message = stream.unacknowledged.popleft()
-                is_dropped = dropped_before_ns is not None and message.sent_ns < dropped_before_ns
-                if is_dropped and not message.is_kept:
-                    self._miss(message)
+    def acknowledge(self, received: Acknowledgement) -> None:
+        """The other end has so much of the session."""
+        total_bytes = received.received_bytes
+        while self._under_way and self._under_way[0][0] <= total_bytes:
+            end_bytes, message = self._under_way.popleft()
+            # One that is kept is lost only as the session ends.
+            if message.is_kept or received.has(end_bytes):
+                message.origin = None
+            else:
+                self._miss(message)
         if self._acknowledged_bytes < total_bytes or total_bytes == self._sent_bytes:
             self._acknowledged_bytes, self._is_cut = total_bytes, False
             self._given_up.clear()
@@ -174,24 +185,38 @@ class Outbox:
     def give_up_all(self) -> None:
         """Nothing is sent any more."""
         for stream in self._streams.values():
-            self._give_up(*stream.waiting, *stream.unacknowledged)
+            self._give_up(*stream.waiting)
+        self._give_up(*(message for _, message in self._under_way))
 
-    def restart(self, now_ns: int) -> None:
-        """Another session begins: latched messages go again, and kept ones that may not have arrived."""
+    def settle(self, session: int, ended: Iterable[Acknowledgement] = ()) -> None:
+        """The other end is in ``session``; of those before it has what ``ended`` says, of others nothing."""
+        arrived = {one.session: one for one in ended}
+        while self._ended and self._ended[0].number < session:
+            self._settle_first(arrived.get(self._ended[0].number))
+
+    def settle_all(self) -> None:
+        """Nobody will say what arrived of ended sessions."""
+        while self._ended:
+            self._settle_first(None)
+
+    def restart(self, ended: int, now_ns: int) -> None:
+        """Session ``ended`` is over: latched messages go again, and kept ones that may not have arrived."""
         self._miss_given_up()
+        again = self._end_session(ended)
         # What waited in the outage, and gives way because so much did, was missed as well.
         self._waited_before_ns = now_ns if self._had_session else 0
         self._had_session, self._is_cut = True, False
         self._sent_bytes = self._acknowledged_bytes = 0
         for stream in self._streams.values():
-            self._restart(stream)
+            self._restart(stream, again.get(stream.number, []))
             if stream.has_work:
                 self._active[stream.number] = stream
 
     def send_latched_again(self) -> None:
         """Have latched messages go once more, for an end that may lack them."""
+        under_way = [message for _, message in self._under_way]
         for stream in self._streams.values():
-            stream.queue_latched_again()
+            stream.queue_latched_again(under_way)
             if stream.has_work:
                 self._active[stream.number] = stream
 
@@ -235,15 +260,39 @@ class Outbox:
         stream.begun, stream.is_floor_begun = None, False
         stream.sent += 1
         if message.is_kept or message.origin is not None:
-            stream.unacknowledged.append(message)
+            self._under_way.append((self._sent_bytes, message))
         if not stream.has_work:
             del self._active[stream.number]
 
-    def _restart(self, stream: OutgoingStream) -> None:
+    def _end_session(self, number: int) -> dict[int, list[OutgoingMessage]]:
+        """Wait for word of what was under way; returns what of it is to be sent again, by stream."""
+        again: dict[int, list[OutgoingMessage]] = {}
+        ended = _EndedSession(number, [])
+        for end_bytes, message in self._under_way:
+            if message.origin is not None:
+                ended.messages.append((end_bytes, message))
+                message.unsettled += 1
+                self._ended_bytes += len(message.payload)
+            if message.is_kept:
+                again.setdefault(message.stream, []).append(message)
+        self._under_way.clear()
+        if ended.messages:
+            self._ended.append(ended)
+        while self._ended_bytes > MAX_UNSETTLED_BYTES:
+            self._settle_first(None)
+        return again
+
+    def _settle_first(self, arrived: Acknowledgement | None) -> None:
+        for end_bytes, message in self._ended.popleft().messages:
+            self._ended_bytes -= len(message.payload)
+            message.unsettled -= 1
+            if arrived is not None and arrived.has(end_bytes):
+                message.origin = None
+            elif not message.is_kept:
+                self._miss(message)
+
+    def _restart(self, stream: OutgoingStream, again: list[OutgoingMessage]) -> None:
         begun, stream.begun, stream.is_floor_begun = stream.begun, None, False
-        again = [message for message in stream.unacknowledged if message.is_kept]
-        self._miss(*(message for message in stream.unacknowledged if not message.is_kept))
-        stream.unacknowledged.clear()
         if begun is not None and begun.is_kept:
             again.append(begun)
         elif begun is not None and begun.lane in stream.lanes:
@@ -263,7 +312,7 @@ class Outbox:
             stream.queue.appendleft(message)
             stream.queued_bytes += len(message.payload)
         for message in (*stream.queue, *stream.slots.values()):
-            message.offset = message.sent_total = 0
+            message.offset = 0
 
     def _give_up(self, *messages: OutgoingMessage) -> None:
         """These are not sent, or not known to arrive."""
@@ -286,7 +335,10 @@ class Outbox:
 
     def _miss(self, *messages: OutgoingMessage) -> None:
         for message in messages:
-            if message.origin is not None:
+            if message.unsettled:
+                # It may have arrived; it is not sent again.
+                message.is_kept = False
+            elif message.origin is not None:
                 self.missed.append(MissedMessage(origin=message.origin, payload=message.payload))
 
 

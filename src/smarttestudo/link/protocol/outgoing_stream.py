@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Collection, Hashable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -35,11 +35,13 @@ def plain(_stream: int, payload: bytes) -> Encoded:
 
 @dataclass(slots=True, eq=False)
 class OutgoingMessage:
-    """A message that waits or is being sent; ``data`` is what travels, from the first chunk on.
+    """A message that waits or is being sent; ``encoded`` is what travels, from the first chunk on.
 
-    One that has an ``origin`` is kept where it is missed.
+    One that ``is_kept`` is sent again until it arrives. One that has an ``origin`` goes to who keeps what is
+    missed. ``unsettled`` counts the sessions that ended before it was known whether it arrived in them.
     """
 
+    stream: int
     number: int
     payload: bytes
     offered_ns: int
@@ -48,8 +50,7 @@ class OutgoingMessage:
     origin: MessageOrigin | None = None
     encoded: Encoded | None = None
     offset: int = 0
-    sent_total: int = 0
-    sent_ns: int = 0
+    unsettled: int = 0
 
 
 @dataclass(slots=True, eq=False)
@@ -64,7 +65,6 @@ class OutgoingStream:
     slots_bytes: int = 0
     queue: deque[OutgoingMessage] = field(default_factory=deque)
     begun: OutgoingMessage | None = None
-    unacknowledged: deque[OutgoingMessage] = field(default_factory=deque)
     queued_bytes: int = 0
     floor_due_ns: int = 0
     is_floor_begun: bool = False
@@ -119,21 +119,18 @@ class OutgoingStream:
             self.floor_due_ns = max(self.floor_due_ns, now_ns - period_ns) + period_ns
         return message
 
-    def queue_latched_again(self) -> None:
+    def queue_latched_again(self, under_way: Collection[OutgoingMessage]) -> None:
         """Have all latched messages go once more, in their order; who has them knows their numbers."""
-        if not self.latched:
-            return
-        latched = frozenset(self.latched)
-        for message in latched.difference(self.queue, self.unacknowledged, [self.begun]):
+        latched = frozenset(self.latched or ())
+        for message in latched.difference(self.queue, under_way, [self.begun]):
             # It arrived or gave way, and what became of it is known.
             message.origin = None
         if self.begun in latched:
             self.begun, self.is_floor_begun = None, False
-        self.unacknowledged = deque(one for one in self.unacknowledged if one not in latched)
-        self.queue = deque([*(one for one in self.queue if one not in latched), *self.latched])
+        self.queue = deque([*(one for one in self.queue if one not in latched), *(self.latched or ())])
         self.queued_bytes = sum(len(one.payload) for one in self.queue)
         for message in latched:
-            message.offset = message.sent_total = 0
+            message.offset = 0
 
     def put_slot(self, message: OutgoingMessage) -> None:
         """Have a message wait that newer ones of its lane may replace."""

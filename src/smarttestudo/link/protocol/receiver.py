@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
+from smarttestudo.link.protocol.acknowledgements import ReceivedSessions
 from smarttestudo.link.protocol.chunks import (
     CONTROL_STREAM,
     MAX_MESSAGE_BYTES,
@@ -76,8 +77,7 @@ class LinkReceiver:
         self._reports = ReportWriter(receiver)
         self._decompress = decompress
         self._predicts = predicts
-        self._session = 0
-        self._session_bytes = 0
+        self._sessions = ReceivedSessions()
         self._parts = Reassembler()
         self._offset = LeastOfWindow(CLOCK_WINDOW_NS)
         self._round_trip_ns = 0
@@ -85,6 +85,8 @@ class LinkReceiver:
         self._ages_ms: dict[int, float] = {}
         self.report_period_ns = ACKNOWLEDGE_PERIOD_NS
         """How often to report while something comes."""
+        self.has_news = False
+        """Whether anything came since the last report."""
         self._reported_bytes = 0
         self._reported_ns: int | None = None
         self._ages_reported_ns = 0
@@ -103,46 +105,47 @@ class LinkReceiver:
         """When the next report is due."""
         if self._reported_ns is None:
             return 0
-        if self._session_bytes - self._reported_bytes >= ACKNOWLEDGE_BYTES:
+        if self._sessions.received_bytes - self._reported_bytes >= ACKNOWLEDGE_BYTES:
             return self._reported_ns
         return self._reported_ns + (self.report_period_ns if self.has_news else KEEP_ALIVE_NS)
 
-    @property
-    def has_news(self) -> bool:
-        """Whether anything came since the last report."""
-        return self._session_bytes != self._reported_bytes
-
     def next_report(self, now_ns: int) -> bytes:
         """The report to send now."""
-        self._reported_ns, self._reported_bytes = now_ns, self._session_bytes
-        if now_ns - self._ages_reported_ns < _AGES_PERIOD_NS and self._session:
-            return self._reports.to_bytes(self._session, self._session_bytes)
+        self._reported_ns, self._reported_bytes = now_ns, self._sessions.received_bytes
+        self.has_news = False
+        received, ended = self._sessions.newest, self._sessions.ended
+        if now_ns - self._ages_reported_ns < _AGES_PERIOD_NS and received.session:
+            return self._reports.to_bytes(received, ended)
         self._ages_reported_ns = now_ns
         ages_ms, self._ages_ms = self._ages_ms, {}
         report = Report(
             receiver=self._receiver,
-            session=self._session,
-            received_bytes=self._session_bytes,
+            received=received,
+            ended=ended,
             ages_ms=ages_ms,
             predicts=self._predicts,
         )
         return REPORTS.to_bytes(report)
 
     def _receive(self, chunk: Chunk, size_bytes: int, now_ns: int) -> Announcement | ReceivedMessage | None:
-        if chunk.session < self._session:
-            # Of a connection that was given up; what must not be lost comes again.
+        self.has_news = True
+        before = self._sessions.session
+        is_next = self._sessions.take(chunk, size_bytes)
+        if self._sessions.session != before:
+            self.counts.broken += self._parts.broken
+            self._parts, self._reported_bytes = Reassembler(), 0
+            self.report_period_ns = ACKNOWLEDGE_PERIOD_NS
+        if not is_next:
+            # Of a connection that was given up or cut; what must not be lost comes again.
             self.counts.late += 1
             return None
-        if chunk.session > self._session:
-            self.counts.broken += self._parts.broken
-            self._session, self._session_bytes, self._parts = chunk.session, 0, Reassembler()
-            self.report_period_ns = ACKNOWLEDGE_PERIOD_NS
-        self._session_bytes += size_bytes
         self.counts.received_bytes += size_bytes
         offset_ns = now_ns - chunk.sent_ns
         transit_ns = offset_ns - self._offset.add(offset_ns, now_ns)
         data = self._parts.add(chunk)
         if data is None:
+            if chunk.is_last and not chunk.is_kept:
+                self._sessions.lack()
             return None
         if chunk.is_compressed:
             data = self._decompress(data, MAX_MESSAGE_BYTES)
@@ -172,6 +175,8 @@ class LinkReceiver:
     def _message(self, chunk: Chunk, payload: bytes, transit_ns: int) -> ReceivedMessage | None:
         info = self.streams.get(chunk.stream)
         if info is None:
+            if not chunk.is_kept:
+                self._sessions.lack()
             self.counts.malformed += 1
             return None
         before = self._newest.get(chunk.stream)
@@ -180,6 +185,7 @@ class LinkReceiver:
             self.counts.repeated += 1
             return None
         if transit_ns > LATE_AFTER_NS + 4 * self._round_trip_ns and not chunk.is_kept:
+            self._sessions.lack()
             self.counts.late += 1
             return None
         self._newest[chunk.stream] = chunk.number

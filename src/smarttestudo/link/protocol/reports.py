@@ -4,48 +4,57 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from smarttestudo.link.protocol.acknowledgements import NOTHING_RECEIVED, Acknowledgement
 from smarttestudo.link.protocol.messages import REPORTS, Report
 from smarttestudo.link.protocol.wire import Kind, Reader, frame, zigzag
 
-_NOTHING_ELSE = bytes(2)
-"""How a report ends that has neither ages nor predictions."""
 _MAX_RECEIVED = 2**64
 
 
-def _head(receiver: int, session: int) -> bytes:
-    return frame(Kind.REPORT, zigzag(receiver) + zigzag(session))
+class _Frame:
+    """The bytes before and after the number of received ones, in reports that say nothing else."""
+
+    def __init__(self, receiver: int, received: Acknowledgement, ended: Sequence[Acknowledgement]) -> None:
+        self.receiver = receiver
+        self.said = (received.session, received.lost, received.is_cut, ended)
+        self.head = frame(Kind.REPORT, zigzag(receiver) + zigzag(received.session))
+        self.tail = REPORTS.to_bytes(self.report(0))[len(self.head) + len(zigzag(0)) :]
+
+    def report(self, received_bytes: int) -> Report:
+        """The report that so many bytes were received."""
+        session, lost, is_cut, ended = self.said
+        received = Acknowledgement(session=session, received_bytes=received_bytes, lost=lost, is_cut=is_cut)
+        return Report(receiver=self.receiver, received=received, ended=ended)
 
 
 class ReportWriter:
     """Gives what ``REPORTS.to_bytes`` gives for the reports of one ``receiver``, in less time."""
 
     def __init__(self, receiver: int) -> None:
-        self._receiver = receiver
-        self._session = 0
-        self._head = _head(receiver, 0)
+        self._frame = _Frame(receiver, NOTHING_RECEIVED, ())
 
-    def to_bytes(self, session: int, received_bytes: int) -> bytes:
-        """The report that so many bytes of a session were received, and nothing else."""
-        if session != self._session:
-            self._session, self._head = session, _head(self._receiver, session)
-        return self._head + zigzag(received_bytes) + _NOTHING_ELSE
+    def to_bytes(self, received: Acknowledgement, ended: Sequence[Acknowledgement]) -> bytes:
+        """The report of what was received, and of nothing else."""
+        if self._frame.said != (received.session, received.lost, received.is_cut, ended):
+            self._frame = _Frame(self._frame.receiver, received, ended)
+        return self._frame.head + zigzag(received.received_bytes) + self._frame.tail
 
 
 class ReportReader:
     """Gives what ``REPORTS.from_bytes`` gives, in less time where reports come from one receiver."""
 
     def __init__(self) -> None:
-        self._receiver = self._session = 0
-        self._head = _head(0, 0)
+        self._frame = _Frame(0, NOTHING_RECEIVED, ())
 
     def from_bytes(self, data: bytes) -> Report:
         """The report of these bytes. Raises ``LinkError`` for anything else."""
-        if data.startswith(self._head):
-            reader = Reader(data, len(self._head))
+        if data.startswith(self._frame.head):
+            reader = Reader(data, len(self._frame.head))
             received_bytes = reader.zigzag()
-            if reader.rest() == _NOTHING_ELSE and 0 <= received_bytes < _MAX_RECEIVED:
-                return Report(receiver=self._receiver, session=self._session, received_bytes=received_bytes)
+            if reader.rest() == self._frame.tail and 0 <= received_bytes < _MAX_RECEIVED:
+                return self._frame.report(received_bytes)
         report = REPORTS.from_bytes(data)
-        self._receiver, self._session = report.receiver, report.session
-        self._head = _head(report.receiver, report.session)
+        self._frame = _Frame(report.receiver, report.received, report.ended)
         return report

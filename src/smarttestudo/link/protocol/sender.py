@@ -9,12 +9,13 @@ from collections.abc import Collection, Hashable, Mapping
 from dataclasses import replace
 from typing import Generic, TypeVar
 
-from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
+from smarttestudo.link.protocol.acknowledgements import Acknowledgement
 from smarttestudo.link.protocol.background import BackgroundAnswer, BackgroundAnswers
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
+from smarttestudo.link.protocol.budget_estimator import BudgetEstimator
 from smarttestudo.link.protocol.messages import CONTROL, Announcement, LinkTimes, Report
 from smarttestudo.link.protocol.outbox import Outbox
 from smarttestudo.link.protocol.outgoing_stream import Encode, Encoded, plain
@@ -27,21 +28,11 @@ STALLED_AFTER_NS = NS_PER_S
 """Bytes that were under way for so long, and four round trips, met an outage."""
 FIRST_STALLED_AFTER_NS = 15 * NS_PER_S
 """The same for the first bytes, which may be many for a link of which nothing is known."""
-BUDGET_PERIOD_NS = NS_PER_S // 4
 MAX_ENDING = 64
 """How many streams may still have something to send whose publishers are gone."""
 
-_KEPT_SHARE = 0.99
-"""How much an earlier message counts beside the newest: about the last hundred say what compression saves."""
 _LAST_SESSION = 2**32 - 2**16
 """A session that somebody else claimed is gone beyond only where many can follow."""
-_USABLE = 0.95
-"""The share of the capacity that is planned with; the rest carries what nobody planned."""
-_OUTGROWN = 2.0
-"""A budget of so many times what was measured has grown while the link stood idle."""
-_GROWTH = ((0.5, 1.4), (0.15, 1.07), (0.05, 1.0))
-"""Shares of a period in which nothing waited to be sent, and by how much the budget grows after it."""
-_MOST_BYTES_PER_S = UNLIMITED_KB_PER_S * BYTES_PER_KB
 _Request = TypeVar("_Request")
 
 
@@ -75,18 +66,15 @@ class LinkSender(Generic[_Request]):
         self._anew: set[str] = set()
         self._receivers = Receivers(LOST_AFTER_NS)
         self._receiver: int | None = None
-        self._left_receiver: int | None = None
+        self._served_receiver: int | None = None
+        """The receiver of the last session, though its connection may be cut."""
         self._heard_ns = 0
+        self._restarted_ns = 0
         self._outages = 0
         self._ages_ms: dict[str, float] = {}
-        self._budget_bytes_per_s: float | None = None
-        self._budget_ns = 0
-        self._idle_ns = 0
-        """For how long nothing waited to be sent, since ``_budget_ns``."""
-        self._idle_since_ns: int | None = None
+        self._budget = BudgetEstimator()
         self._times_said_ns = 0
         self._said_period_ns = ACKNOWLEDGE_PERIOD_NS
-        self._payload_bytes = self._wire_bytes = 1.0
 
     def open(self, info: StreamInfo, now_ns: int) -> int | None:
         """The number of a new stream; ``None`` where there are too many."""
@@ -151,6 +139,8 @@ class LinkSender(Generic[_Request]):
 
     def take_missed(self, now_ns: int, *, is_last: bool = False) -> list[MissedMessage]:
         """The messages missed since the last call; if it ``is_last``, what waits for nobody, too."""
+        if is_last:
+            self._outbox.settle_all()
         if is_last and not self.is_connected(now_ns):
             self._outbox.give_up_all()
             self._outbox.cut()
@@ -163,28 +153,12 @@ class LinkSender(Generic[_Request]):
         if has_joined:
             self._introduce(now_ns)
         is_silent = self._receiver is None or now_ns - self._heard_ns > LOST_AFTER_NS
-        if report.receiver != self._receiver and not is_silent:
-            if has_joined:
-                self._outbox.send_latched_again()
-            return
-        must_restart = report.receiver != self._receiver or report.session == 0
-        if must_restart and report.receiver == self._left_receiver:
-            self._learn_of_cut(report, now_ns)
-        self._receiver, self._heard_ns = report.receiver, now_ns
-        if self._session < report.session < _LAST_SESSION:
-            # Somebody else's chunks were taken for ours; ours count again from the next session on.
-            self._session, must_restart = report.session, True
-        if not must_restart and report.session == self._session:
-            must_restart = self._acknowledge(report.received_bytes, now_ns)
-        if must_restart:
+        if report.receiver == self._receiver or is_silent:
+            self._serve(report, now_ns)
+        elif report.received.is_cut and self._may_restart(report.received, now_ns):
             self._restart(now_ns)
-        for number, age_ms in report.ages_ms.items():
-            info = self._infos.get(number)
-            if info is not None:
-                self._ages_ms[info.topic] = age_ms
-        self._close_drained(now_ns)
-        self._say_times(now_ns)
-        self._look_at_budget(now_ns)
+        elif has_joined:
+            self._outbox.send_latched_again()
 
     def next_chunk(self, now_ns: int) -> bytes | None:
         """The chunk to send now; ``None`` while nothing waits, nobody is there, or enough is under way."""
@@ -199,12 +173,9 @@ class LinkSender(Generic[_Request]):
         if chunk is None:
             self._note_idle(now_ns)
             return None
-        if self._idle_since_ns is not None:
-            self._idle_ns += now_ns - self._idle_since_ns
-            self._idle_since_ns = None
+        self._budget.sent(now_ns)
         data = chunk.to_bytes()
         self._window.sent(len(data), now_ns)
-        self._outbox.sent_until(chunk, self._window.sent_bytes)
         self.background.live_sent(len(data), now_ns, self._window)
         if self._outbox.is_empty:
             self._note_idle(now_ns)
@@ -241,18 +212,16 @@ class LinkSender(Generic[_Request]):
 
     def disconnect(self) -> None:
         """The operator's end is gone; the next that reports gets a new session."""
-        if self._receiver is not None:
-            self._left_receiver = self._receiver
         self._receiver = None
         self._receivers = Receivers(LOST_AFTER_NS)
         self._outbox.cut()
 
     def state(self, now_ns: int) -> LinkState:
         """The state of the link."""
-        window = self._window
+        window, is_limit = self._window, self._budget.is_limit(self._window)
         return LinkState(
             is_connected=self.is_connected(now_ns),
-            capacity_kb_per_s=window.capacity_bytes_per_s / BYTES_PER_KB if self._is_limit else None,
+            capacity_kb_per_s=window.capacity_bytes_per_s / BYTES_PER_KB if is_limit else None,
             round_trip_ms=None if window.round_trip_ns is None else window.round_trip_ns / NS_PER_MS,
             outages=self._outages,
             sessions=self._sessions,
@@ -260,24 +229,9 @@ class LinkSender(Generic[_Request]):
         )
 
     @property
-    def _is_limit(self) -> bool:
-        """Whether the capacity was measured, and topics need so much that it says something by now."""
-        usable = self._window.capacity_bytes_per_s * _USABLE
-        budget = self._budget_bytes_per_s
-        return self._window.is_measured and (budget is None or budget <= _OUTGROWN * usable)
-
-    @property
     def budget_kb_per_s(self) -> float | None:
-        """The budget of all relayed topics now, before compression; ``None`` while it is not known.
-
-        ``UNLIMITED_KB_PER_S`` where the link is no limit.
-        """
-        if self._budget_bytes_per_s is None:
-            return None
-        if self._budget_bytes_per_s >= _MOST_BYTES_PER_S:
-            return UNLIMITED_KB_PER_S
-        budget_kb_per_s = self._budget_bytes_per_s * self._payload_bytes / self._wire_bytes / BYTES_PER_KB
-        return min(budget_kb_per_s, UNLIMITED_KB_PER_S)
+        """The budget of all relayed topics now, as ``BudgetEstimator`` has it."""
+        return self._budget.kb_per_s
 
     def counts(self, now_ns: int) -> dict[str, StreamCounts]:
         """Messages by topic."""
@@ -291,6 +245,31 @@ class LinkSender(Generic[_Request]):
     def age_ms(self, topic: str) -> float | None:
         """How old the last message of ``topic`` was when it arrived."""
         return self._ages_ms.get(topic)
+
+    def _serve(self, report: Report, now_ns: int) -> None:
+        received = report.received
+        must_restart = report.receiver != self._receiver or received.session == 0
+        is_served = report.receiver == self._served_receiver
+        if is_served:
+            self._outbox.settle(received.session, report.ended)
+        if must_restart and is_served:
+            self._learn_of_cut(received, now_ns)
+        self._receiver = self._served_receiver = report.receiver
+        self._heard_ns = now_ns
+        if self._session < received.session < _LAST_SESSION:
+            # Somebody else's chunks were taken for ours; ours count again from the next session on.
+            self._restart(now_ns, after=received.session)
+        elif must_restart or self._acknowledge(received, now_ns):
+            self._restart(now_ns)
+        if not is_served:
+            self._outbox.settle_all()
+        for number, age_ms in report.ages_ms.items():
+            info = self._infos.get(number)
+            if info is not None:
+                self._ages_ms[info.topic] = age_ms
+        self._close_drained(now_ns)
+        self._say_times(now_ns)
+        self._budget.look(self._window, now_ns)
 
     def _close_drained(self, now_ns: int) -> None:
         for stream in [one for one in self._ending if self._outbox.is_drained(one)]:
@@ -307,39 +286,48 @@ class LinkSender(Generic[_Request]):
 
     def _note_idle(self, now_ns: int) -> None:
         self._window.idle()
-        self._idle_since_ns = self._idle_since_ns or now_ns
+        self._budget.idle(now_ns)
 
     def _live(self, now_ns: int) -> Window | None:
         """The window of the topics, while anybody receives them."""
         return self._window if self.is_connected(now_ns) else None
 
-    def _learn_of_cut(self, report: Report, now_ns: int) -> None:
+    def _learn_of_cut(self, received: Acknowledgement, now_ns: int) -> None:
         """A receiver whose connection was cut is back, and knows what had arrived by then."""
         if self._receiver is None:
             self._outages += now_ns - self._heard_ns > self._stalled_after_ns
-        if report.session == self._session and report.received_bytes <= self._window.sent_bytes:
-            self._outbox.acknowledge(report.received_bytes)
+        if received.session == self._session and received.received_bytes <= self._window.sent_bytes:
+            self._outbox.acknowledge(received)
 
-    def _acknowledge(self, received_bytes: int, now_ns: int) -> bool:
+    def _acknowledge(self, received: Acknowledgement, now_ns: int) -> bool:
         """The receiver has so much of this session; whether another is to begin: the rest is lost."""
         is_stalled = self.is_stalled(now_ns)
         if is_stalled:
             self._outbox.cut()
-        if self._window.acknowledge(received_bytes, now_ns):
-            # The receiver drops what is so late.
-            late_ns = STALLED_AFTER_NS + 4 * (self._window.round_trip_ns or 0)
-            self._outbox.acknowledge(received_bytes, now_ns - late_ns if is_stalled else None)
+        # Of another session where nothing of this one arrived yet.
+        is_newest = received.session == self._session
+        if is_newest and self._window.acknowledge(received.received_bytes, now_ns):
+            self._outbox.acknowledge(received)
         self._outages += is_stalled
-        return is_stalled and self._window.in_flight_bytes > 0
+        is_lossy = received.is_cut or bool(received.lost)
+        return (is_stalled and self._window.in_flight_bytes > 0) or (
+            is_lossy and self._may_restart(received, now_ns)
+        )
 
-    def _restart(self, now_ns: int) -> None:
-        self._session += 1
+    def _may_restart(self, received: Acknowledgement, now_ns: int) -> bool:
+        """Whether what is lost is of this session, and it is not the first second of it."""
+        is_newest = received.session == self._session
+        return is_newest and now_ns - self._restarted_ns >= STALLED_AFTER_NS
+
+    def _restart(self, now_ns: int, *, after: int = 0) -> None:
+        ended, self._session = self._session, max(self._session, after) + 1
+        self._restarted_ns = now_ns
         self._said_period_ns = ACKNOWLEDGE_PERIOD_NS
         before, self._window = self._window, Window(self._window.capacity_bytes_per_s)
         self._window.is_measured = before.is_measured
         self._outbox.close(CONTROL_STREAM, now_ns)
         self._outbox.open(CONTROL_STREAM)
-        self._outbox.restart(now_ns)
+        self._outbox.restart(ended, now_ns)
         self._introduce(now_ns)
 
     def _introduce(self, now_ns: int) -> None:
@@ -362,26 +350,8 @@ class LinkSender(Generic[_Request]):
         encoded = self._encode(stream, payload)
         info = self._infos.get(stream)
         if info is not None and info.topic in self._needs:
-            self._payload_bytes = self._payload_bytes * _KEPT_SHARE + len(payload)
-            self._wire_bytes = self._wire_bytes * _KEPT_SHARE + len(encoded.data) + HEADER_BYTES
+            self._budget.encoded(len(payload), len(encoded.data) + HEADER_BYTES)
         return encoded
-
-    def _look_at_budget(self, now_ns: int) -> None:
-        """Set the budget to the capacity where the link is the limit, and let it grow where it is not."""
-        span_ns = now_ns - self._budget_ns
-        if span_ns < BUDGET_PERIOD_NS:
-            return
-        if self._idle_since_ns is not None:
-            self._idle_ns += now_ns - self._idle_since_ns
-            self._idle_since_ns = now_ns
-        idle_share, self._idle_ns, self._budget_ns = self._idle_ns / span_ns, 0, now_ns
-        if not self._window.is_measured:
-            return
-        usable = self._window.capacity_bytes_per_s * _USABLE
-        before = usable if self._budget_bytes_per_s is None else self._budget_bytes_per_s
-        growth = next((growth for share, growth in _GROWTH if idle_share > share), None)
-        grown = usable if growth is None else max(usable, before * growth)
-        self._budget_bytes_per_s = min(grown, _MOST_BYTES_PER_S)
 
     def _say_times(self, now_ns: int) -> None:
         """Say once a second what the operator's end is to know, and at once how often it is to report."""
