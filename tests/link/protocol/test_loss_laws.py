@@ -8,6 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from link.protocol.stepped_wire import MS, TOPICS, Wire
+from smarttestudo.domain.link import ReceivedMessage
+from smarttestudo.link.protocol.acknowledgements import MAX_LOST_SPANS, ReceivedSessions
+from smarttestudo.link.protocol.chunks import SESSION_OFFSETS, Chunk
+from smarttestudo.link.protocol.messages import REPORTS
+from smarttestudo.link.protocol.receiver import LinkReceiver
 
 MAP = "/map"
 sizes = st.integers(0, 300) | st.integers(0, 20_000)
@@ -65,3 +70,52 @@ def test_each_message_arrived_or_was_missed_and_none_was_both(order: list[tuple[
     # These are never given up: what overflows is counted.
     assert len(wire.arrived["/full"]) + wire.counts("/full").overflowed == len(wire.offered["/full"])
     assert wire.arrived["/full"] == [one for one in wire.offered["/full"] if one in wire.arrived["/full"]]
+
+
+@given(st.lists(st.tuples(st.integers(1, 2**30), st.booleans()), min_size=1, max_size=60))
+def test_no_lost_message_is_acknowledged_and_of_few_spans_each_other_one(
+    messages: list[tuple[int, bool]],
+) -> None:
+    sessions, end_bytes, spans, was_lost = ReceivedSessions(), 0, 0, False
+    ends = dict[int, bool]()
+    for size_bytes, is_lost in messages:
+        assert sessions.take(chunk_at(end_bytes), size_bytes)
+        end_bytes += size_bytes
+        ends[end_bytes] = is_lost
+        spans += is_lost and not was_lost
+        was_lost = is_lost
+        if is_lost:
+            sessions.lack()
+    received = sessions.newest
+    assert received.received_bytes == end_bytes
+    assert [end for end, is_lost in ends.items() if is_lost and received.has(end)] == []
+    if spans <= MAX_LOST_SPANS:
+        assert [end for end, is_lost in ends.items() if not is_lost and not received.has(end)] == []
+    assert len(received.lost) <= MAX_LOST_SPANS
+
+
+def chunk_at(begin_bytes: int) -> Chunk:
+    """A chunk of the first session that begins there."""
+    offset = begin_bytes % SESSION_OFFSETS
+    return Chunk(1, offset, 1, 0, 0, 1, 0, 0, is_compressed=False, is_kept=False, body=b"x")
+
+
+def test_another_operators_end_that_lost_a_chunk_hears_the_next_session() -> None:
+    wire = Wire()
+    other, heard = LinkReceiver("robot", 9, lambda data, _most: data), list[bytes]()
+    wire.turn()
+    for number in range(40):
+        wire.put("/replaced", 100)
+        assert wire.send(10)
+        for data in wire.chunks:
+            got = other.receive(data, wire.now_ns) if number != 10 else None
+            heard += [got.payload] if isinstance(got, ReceivedMessage) else []
+        wire.arrive(10)
+        wire.report(gets_through=True)
+        wire.hear(1)
+        wire.sender.handle_report(REPORTS.from_bytes(other.next_report(wire.now_ns)), wire.now_ns)
+        wire.now_ns += 100 * MS
+    offered = wire.offered["/replaced"]
+    assert wire.arrived["/replaced"] == offered
+    # It gets to know the topic after the first message, and the loss by the one that follows it.
+    assert [offered.index(payload) for payload in heard] == [*range(1, 10), *range(12, 40)]

@@ -14,8 +14,8 @@ from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.acknowledgements import Acknowledgement
 from smarttestudo.link.protocol.background import BackgroundAnswer, BackgroundAnswers
-from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
 from smarttestudo.link.protocol.budget_estimator import BudgetEstimator
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
 from smarttestudo.link.protocol.messages import CONTROL, Announcement, LinkTimes, Report
 from smarttestudo.link.protocol.outbox import Outbox
 from smarttestudo.link.protocol.outgoing_stream import Encode, Encoded, plain
