@@ -65,8 +65,9 @@ def _is_free(port: int) -> bool:
 
 
 def refuse_warning(text: str) -> None:
-    """Nobody should be warned."""
-    raise AssertionError(text)
+    """Nobody should be warned, except of an end that stands still with its machine."""
+    if not text.endswith(("that process stands still", "it cannot be reached: timed out")):
+        raise AssertionError(text)
 
 
 @contextmanager
