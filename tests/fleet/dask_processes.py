@@ -28,9 +28,9 @@ class DaskProcesses:
 
 @contextmanager
 def dask_processes(
-    folder: Path, *, workers: int = 2, nanny: bool = False, python: str = sys.executable
+    folder: Path, *, workers: int = 2, python: str = sys.executable
 ) -> Iterator[DaskProcesses]:
-    """They end with the block, as far as they still are; with a ``nanny`` a worker that ends is replaced."""
+    """They end with the block, as far as they still are; a worker that ends is not replaced."""
     file = folder / "scheduler.json"
     started: list[subprocess.Popen[bytes]] = []
     try:
@@ -40,13 +40,13 @@ def dask_processes(
         while not file.exists() or not (said := file.read_text()).endswith("}"):
             assert time.monotonic() < end_s
             time.sleep(0.05)
-        begun = ("worker", "--nthreads", "1", "--nanny" if nanny else "--no-nanny")
+        begun = ("worker", "--nthreads", "1", "--no-nanny")
         started += [_start(python, folder, *begun) for _ in range(workers)]
         address = json.loads(said)["address"]
         yield DaskProcesses(address=address, scheduler=started[0], workers=tuple(started[1:]))
     finally:
         for process in started:
-            # With the process that a nanny watches; a test may have ended it.
+            # A test may have ended it.
             with suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
             process.wait()

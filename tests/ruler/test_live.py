@@ -9,12 +9,15 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import pytest
 from websockets.exceptions import InvalidStatus
 
+from link.zenoh.ends import until
 from ros.ros_processes import SmallRobot
 from ruler.page_socket import PageSocket, open_socket
 from ruler.ruler_server import TIMEOUT_S, Page, served
@@ -80,13 +83,24 @@ def test_every_check_says_whether_it_holds_and_every_topic_what_it_gets(
         assert (live["labels"], block["file"], block["state"]) == (["Far"], 0, "false")
         assert [row[:2] for row in rows(live)] == [(4, 7), (4, 44)]
         assert [(one["op"], one["limit"]) for one in live["checks"]] == [(">", 3), (">", 20)]
-        live = socket.next("live", lambda live: live["status"]["topics"]["/imu"]["actual_hz"])
+
+        def is_relayed(live: Any) -> bool:
+            """As long as its source and that of the check do not stand still."""
+            imu = live["status"]["topics"]["/imu"]
+            relayed = imu["actual_hz"] and (imu["target_hz"], imu["reason"]) == (10, "default")
+            return bool(relayed) and imu["silent"] is None
+
+        live = socket.next("live", is_relayed)
         ((topic, imu),) = live["status"]["topics"].items()
-        assert (topic, imu["output"], imu["target_hz"]) == ("/imu", "/testudo/imu", 10)
-        assert (imu["reason"], imu["silent"]) == ("default", None)
+        assert (topic, imu["output"]) == ("/imu", "/testudo/imu")
         source.say("move odom")
-        live = socket.next("live", lambda live: live["status"]["topics"]["/imu"]["target_hz"] == 20)
-        assert states(live) == [("/odom", "pose_x", "true", 5.0), battery]
+        live = socket.next(
+            "live",
+            lambda live: (
+                states(live) == [("/odom", "pose_x", "true", 5.0), battery]
+                and live["status"]["topics"]["/imu"]["target_hz"] == 20
+            ),
+        )
         # In doubt, monitor more: the battery is not known.
         assert live["status"]["blocks"][0]["state"] == "unknown"
         assert live["status"]["topics"]["/imu"]["reason"] == "unknown"
@@ -103,13 +117,16 @@ def test_two_pages_have_a_rate_each_and_the_robot_is_left_as_it_was(robot: Small
     remote = robot.remote()
     with open_socket(page) as fast:
         watched(fast, update_hz=20)
+        fast.next("live", lambda live: live["status"]["status_hz"] == 20)
         with open_socket(page) as slow:
             watched(slow, update_hz=2)
-            fast_s = [fast.next("live")["status"]["stamp_ns"] / NS_PER_S for _ in range(45)][5:]
+            fast_s = [fast.next("live")["status"]["stamp_ns"] / NS_PER_S for _ in range(40)]
             slow_s = [slow.next("live")["status"]["stamp_ns"] / NS_PER_S for _ in range(5)]
             assert remote.ask("get", "status_hz") == 20
         # Slower on a busy machine, but never faster than asked for.
-        assert mean_hz(slow_s) < 4 < mean_hz(fast_s) < 22
+        assert mean_hz(slow_s) < 4
+        assert mean_hz(fast_s) < 22
+        assert median(after - before for before, after in pairwise(fast_s)) < 1 / 4
         assert fast_s == sorted(fast_s)
         fast.watch(None)
         fast.next("robots", lambda _: remote.ask("get", "status_hz") == 1)
@@ -147,6 +164,12 @@ def test_what_is_not_understood_costs_only_itself(examples_page: Page, nonsense:
         socket.next("robots")
 
 
+def live_topics(page: Page) -> list[tuple[str, str]]:
+    """What is suggested because robots publish it, with its type."""
+    topics = page.post("/api/vocabulary", {}).json["topics"]
+    return [(one["topic"], one["type"]) for one in topics if one["source"] == "robot"]
+
+
 def test_live_topics_are_suggested_and_measured_without_the_rulers_own(robot: SmallRobot, page: Page) -> None:
     robot.source(imu={"type": IMU, "hz": 40})
     # Without rules everything that the robot's own nodes publish is relayed.
@@ -154,12 +177,14 @@ def test_live_topics_are_suggested_and_measured_without_the_rulers_own(robot: Sm
     runtime.line_with("/imu: Full (fallback)")
     assert "robot" not in {one["source"] for one in page.post("/api/vocabulary", {}).json["topics"]}
     with open_socket(page) as socket:
-        seen = socket.next("robots", lambda message: message["robots"])["robots"][0]
-        assert (seen["rules"]["origin"], seen["rules"]["sha256"], seen["topics"]) == ("fallback", "", 1)
-        topics = page.post("/api/vocabulary", {}).json["topics"]
-        live = [(one["topic"], one["type"]) for one in topics if one["source"] == "robot"]
-        assert live == [("/imu", IMU)]
-        measured = page.post("/api/profile/measure-live", {"seconds": 2, "run": "m"})
+        # The last status may be older than the line above.
+        said = socket.next("robots", lambda message: [one["topics"] for one in message["robots"]] == [1])
+        (seen,) = said["robots"]
+        assert (seen["rules"]["origin"], seen["rules"]["sha256"]) == ("fallback", "")
+        # The Ruler's node may find the source later than the robot did.
+        until(lambda: live_topics(page) != [])
+        assert live_topics(page) == [("/imu", IMU)]
+        measured = page.post("/api/profile/measure-live", {"seconds": 5, "run": "m"})
         assert 0 < socket.next("progress")["share"] <= 1
     assert measured.status == 200
     assert '[topics."/imu"]' in measured.json["text"]

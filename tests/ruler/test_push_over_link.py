@@ -8,7 +8,9 @@ import hashlib
 import sys
 from collections.abc import Iterator
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import pytest
@@ -94,11 +96,17 @@ def test_every_check_and_topic_is_shown_live_as_often_as_asked(
         )
         assert (live["labels"], read(live)) == (["Far"], [("false", 0.0)])
         source.say("move odom")
-        live = socket.next("live", lambda live: live["status"]["topics"]["/imu"]["target_hz"] == 20)
-        assert read(live) == [("true", 5.0)]
+        socket.next(
+            "live",
+            lambda live: (
+                live["status"]["topics"]["/imu"]["target_hz"] == 20
+                and read(live) == [("true", 5.0)]
+                and live["status"]["status_hz"] == 5
+            ),
+        )
         stamps_s = [socket.next("live")["status"]["stamp_ns"] / NS_PER_S for _ in range(20)]
         # Slower on a busy machine, but more than the one a second that comes unasked.
-        assert stamps_s[-1] - stamps_s[0] < 10
+        assert median(after - before for before, after in pairwise(stamps_s)) < 0.5
         live = socket.next("live", lambda live: live["status_kb_per_s"] < 1)
         topics = page.post("/api/vocabulary", {}).json["topics"]
         assert {one["topic"] for one in topics if one["source"] == "robot"} == {"/imu", "/odom"}

@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
+from contextlib import ExitStack, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any, cast
@@ -49,7 +50,7 @@ def page(tmp_path: Path, robot: Path) -> Iterator[Page]:
 
 
 def asked(page: Page) -> list[dict[str, Any]]:
-    """The incidents of the one robot, once it is heard."""
+    """The incidents of the one robot, once it is heard and has told them."""
     found: list[dict[str, Any]] = of_ada(page)["incidents"]
     return found
 
@@ -67,9 +68,11 @@ def of_ada(page: Page) -> dict[str, Any]:
         assert answer["is_linked"]
         if answer["robots"]:
             (ada,) = answer["robots"]
-            assert (ada["robot"], ada["problem"]) == ("ada", "")
-            found: dict[str, Any] = ada
-            return found
+            assert ada["robot"] == "ada"
+            # A machine that stands still may have it answer too late.
+            if not ada["problem"]:
+                found: dict[str, Any] = ada
+                return found
     raise AssertionError(answer)
 
 
@@ -163,12 +166,20 @@ def test_a_server_that_ends_while_robots_are_asked_says_so_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     silent = Silent()
-    with ThreadPoolExecutor() as asking:
+
+    def end_when_cut(record: logging.LogRecord) -> bool:
+        # The server waits for its thread, so that this must end before it.
+        if "Cancel 1 running task" in record.getMessage():
+            silent.ended.set()
+        return True
+
+    with ThreadPoolExecutor() as asking, ExitStack() as at_end:
+        log = logging.getLogger("uvicorn.error")
+        at_end.callback(log.removeFilter, end_when_cut)
         with served(tmp_path, open_incidents=lambda: nullcontext(cast("RemoteIncidents", silent))) as page:
+            log.addFilter(end_when_cut)
             cut = asking.submit(page.get, "/api/robot-incidents")
-            silent.asked.wait(WITHIN_S)
-            # The server waits for its thread, so that this must end before it.
-            threading.Timer(3, silent.ended.set).start()
+            assert silent.asked.wait(WITHIN_S)
         assert cut.result().status == 500
     said = capsys.readouterr().err.splitlines()
     assert [line for line in said if "Cancel 1 running task" not in line] == []

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -137,7 +138,19 @@ def test_an_incident_that_there_is_not_leaves_nothing_and_says_why(
     assert sorted(folder.rglob("*")) == before
 
 
-def test_keeping_goes_on_without_the_page_until_it_is_cancelled_or_the_server_ends(folder: Path) -> None:
+@pytest.fixture
+def endless(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
+    """Each process for work does nothing and never ends by itself, until this is undone."""
+    program = tmp_path / "endless"
+    program.write_text("#!/bin/sh\nexec sleep 1000\n")
+    program.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(program))
+    return monkeypatch
+
+
+def test_keeping_goes_on_without_the_page_until_it_is_cancelled_or_the_server_ends(
+    folder: Path, endless: pytest.MonkeyPatch
+) -> None:
     before = sorted(folder.rglob("*"))
     with served(folder) as page:
         for run in ("a", "b"):
@@ -146,6 +159,7 @@ def test_keeping_goes_on_without_the_page_until_it_is_cancelled_or_the_server_en
         assert [(one["run"], one["title"], one["bag"]) for one in cancelled] == [("a", "a!", "monday")]
         assert page.post("/api/try/keep/cancel", {"run": "a"}).json == {"keeps": []}
         assert sorted(folder.rglob("*")) == before
+        endless.undo()
         page.post("/api/try/keep", {**TRY, "number": 0, "run": "c"})
     assert [one for one in folder.iterdir() if one.name.startswith(".keeping")] == []
 
@@ -156,6 +170,7 @@ def test_what_has_ended_is_told_until_it_is_read_and_stays_kept(page: Page, fold
     assert (folder / NEAR_MISS / "incident.json").exists()
 
 
+@pytest.mark.usefixtures("endless")
 def test_so_many_are_kept_at_once_and_no_more(page: Page) -> None:
     for run in range(MAX_KEEPS):
         assert page.post("/api/try/keep", {**TRY, "number": 0, "run": f"{run}"}).status == 200

@@ -142,7 +142,7 @@ def test_a_user_is_let_in_by_the_password(
         ) as robot,
     ):
         reader, publisher = Reader(operator), robot.advertise(ODOM)
-        until(lambda: bool(reader.payloads() or warnings), lambda: publisher.publish(b"pose"))
+        until(lambda: bool(reader.payloads() if is_right else warnings), lambda: publisher.publish(b"pose"))
         assert bool(reader.payloads()) == is_right
         assert all("user or password" in warning for warning in warnings)
 
@@ -176,4 +176,4 @@ def test_an_end_that_nobody_answers_says_so_once() -> None:
         assert "refused" in warnings[0]
         with open_operator_end(LinkOptions(listen=(endpoint,)), refuse_warning):
             until(lambda: robot.state.is_connected)
-        assert len(warnings) == 1
+        assert len([warning for warning in warnings if "refused" in warning]) == 1

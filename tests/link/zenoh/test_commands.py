@@ -85,14 +85,18 @@ def test_a_message_arrives_byte_for_byte_and_both_ends_count_it() -> None:
     with sending(endpoint, JOY) as outbox, accepting(endpoint, warn=print) as (inbox, published):
         boot = heard(outbox).boot
         payloads = [RANDOM.randbytes(size) for size in (0, 1, 300, 64_000)]
-        for number, payload in enumerate(payloads):
-            assert outbox.send(boot, JOY, b"", payload)
-            until(lambda: len(published.payloads) > number, outbox.pump)  # noqa: B023
-        assert published.payloads == payloads
-        until(lambda: heard(outbox).topics[JOY].delivered == 4, outbox.pump)
-        assert heard(outbox).counts[JOY].sent == 4
+        for payload in payloads:
+            # What a machine that stands still makes too old is sent once more.
+            until(lambda: payload in published.payloads, lambda: outbox.send(boot, JOY, b"", payload))  # noqa: B023
+        assert [*dict.fromkeys(published.payloads)] == payloads
+        until(lambda: heard(outbox).topics[JOY].delivered == len(published.payloads), outbox.pump)
+        assert heard(outbox).counts[JOY].sent >= len(published.payloads)
         assert heard(outbox).topics[GOAL].type_name is None
-        assert {topic.topic: topic.delivered for topic in inbox.topics} == {GOAL: 0, JOY: 4}
+        # One that was sent once more may still be on its way.
+        until(
+            lambda: [topic.delivered for topic in inbox.topics] == [0, len(published.payloads)], outbox.pump
+        )
+        assert [topic.topic for topic in inbox.topics] == [GOAL, JOY]
         until(lambda: inbox.sent_names() == [(JOY,)], outbox.pump)
         assert not outbox.send(boot, JOY, b"", bytes(64_001))
 
@@ -109,9 +113,9 @@ def test_what_waits_while_the_robot_is_away_is_never_delivered() -> None:
             end_s = time.monotonic() + 1.0
             until(lambda: time.monotonic() > end_s, outbox.pump)
             assert published.payloads == []
-            outbox.send(heard(outbox).boot, JOY, b"", b"new")
-            until(lambda: bool(published.payloads), outbox.pump)
-            assert published.payloads == [b"new"]
+            boot = heard(outbox).boot
+            until(lambda: bool(published.payloads), lambda: outbox.send(boot, JOY, b"", b"new"))
+            assert {*published.payloads} == {b"new"}
 
 
 def test_where_the_way_takes_too_long_nothing_is_delivered_and_the_age_is_told() -> None:
@@ -135,9 +139,7 @@ def test_a_topic_without_a_type_takes_nothing_and_a_failure_costs_its_message() 
     with sending(endpoint) as outbox, accepting(endpoint, warn=said.append) as (inbox, published):
         boot = heard(outbox).boot
         published.fails = True
-        for number in (1, 2):
-            outbox.send(boot, JOY, b"", b"lost")
-            until(lambda: inbox.topics[1].refused == number, outbox.pump)  # noqa: B023
+        until(lambda: inbox.topics[1].refused >= 2, lambda: outbox.send(boot, JOY, b"", b"lost"))
         published.fails = False
         inbox.follow(JOY, None, None, "two types subscribe to it")
         until(lambda: heard(outbox).topics[JOY].problem is not None, outbox.pump)

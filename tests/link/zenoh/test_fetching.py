@@ -9,6 +9,7 @@ import random
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -211,6 +212,23 @@ def test_a_fetch_waits_for_a_robot_that_left_and_goes_on(tmp_path: Path) -> None
         with robot_end(endpoint) as end:
             end.offer_incidents(path.parent)
             assert contents(fetcher.join()) == contents(path)
+
+
+def test_a_robot_that_is_away_for_a_moment_is_asked_once_it_is_back(tmp_path: Path) -> None:
+    endpoint = free_endpoint()
+    path = write_incident(tmp_path / "robot")
+    with (
+        operator_end(endpoint),
+        fetching_from(endpoint, robot=None) as incidents,
+        ThreadPoolExecutor() as asking,
+    ):
+        with robot_end(endpoint):
+            until(lambda: "r1" in incidents.robots(0))
+        until(lambda: incidents.robots(0) == [])
+        listed = asking.submit(incidents.list, "r1")
+        with robot_end(endpoint) as end:
+            end.offer_incidents(path.parent)
+            assert [one.name for one in listed.result(WITHIN_S)] == [NAME]
 
 
 def test_several_fetch_beside_each_other_and_over_the_end_of_an_operator(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import secrets
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -53,6 +53,8 @@ _RATE_SAYS = 12
 _AGAIN_AFTER_S = 0.05
 _AGAIN_WITHIN_S = 3.0
 """A robot that is asked much answers some questions with silence, as does one without incidents."""
+_BACK_WITHIN_LOOKS = 100
+"""For how many times ``_AGAIN_AFTER_S`` a robot is waited for that its link lost, maybe for a moment."""
 _KNOWN_WITHIN_S = 5.0
 _DIGITS = "#"
 _Answered = tuple[RangeAsk, Reply]
@@ -66,6 +68,7 @@ class LinkIncidents:
         self._client = client
         self._lock = threading.Lock()
         self._present: dict[Boot, None] = {}
+        self._seen: set[str] = set()
         self._all_known = threading.Event()
         self._client.begin(self._see, self._all_known.set)
 
@@ -127,8 +130,7 @@ class LinkIncidents:
     def _answer(self, robot: str, question: TransferQuestion, cancelled: Callable[[], bool]) -> bytes | None:
         """The answer of a robot, ``None`` if ``cancelled`` before. Raises ``LinkError``."""
         self._all_known.wait(_KNOWN_WITHIN_S)
-        end_s = time.monotonic() + _AGAIN_WITHIN_S
-        while (boot := self.boot(robot)) is not None:
+        for boot in self._tries(robot):
             replies: queue.SimpleQueue[Reply] = queue.SimpleQueue()
             self.get(boot, question, replies.put, ANSWER_WITHIN_S)
             reply = _waited(replies, cancelled)
@@ -138,9 +140,6 @@ class LinkIncidents:
                 raise reply
             if reply is not None:
                 return unpacked(reply, MAX_QUESTION_BYTES)
-            if time.monotonic() >= end_s:
-                break
-            time.sleep(_AGAIN_AFTER_S)
         kind, cause = LinkError, self._client.problem
         if cause is None and self.boot(robot) is None:
             cause = f"there is no robot {robot!r:.80}"
@@ -152,11 +151,37 @@ class LinkIncidents:
             remedy="start 'testudo run --link --incidents' on the robot, and see 'testudo top --connect'",
         )
 
+    def _tries(self, robot: str) -> Iterator[Boot]:
+        """The run of a robot's end to ask, again and again for a while."""
+        boot = self.boot(robot) or self._back(robot)
+        end_s = time.monotonic() + _AGAIN_WITHIN_S
+        while boot is not None:
+            yield boot
+            time.sleep(_AGAIN_AFTER_S)
+            boot = self.boot(robot)
+            if boot is None:
+                boot = self._back(robot)
+                end_s = time.monotonic() + _AGAIN_WITHIN_S
+            elif time.monotonic() >= end_s:
+                return
+
+    def _back(self, robot: str) -> Boot | None:
+        """The run of a robot's end that was there and is again soon."""
+        boot, looks = None, 0
+        with self._lock:
+            was_there = robot.partition(_DIGITS)[0] in self._seen
+        while was_there and boot is None and looks < _BACK_WITHIN_LOOKS:
+            time.sleep(_AGAIN_AFTER_S)
+            boot, looks = self.boot(robot), looks + 1
+        return boot
+
     def _see(self, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - what a client calls
         with self._lock:
             self._present.pop(boot, None)
             if is_present and len(self._present) < MAX_ROBOTS:
                 self._present[boot] = None
+                if len(self._seen) < MAX_ROBOTS:
+                    self._seen.add(boot.robot)
 
 
 def _waited(replies: queue.SimpleQueue[Reply], cancelled: Callable[[], bool]) -> Reply:

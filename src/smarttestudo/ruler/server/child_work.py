@@ -91,7 +91,10 @@ class _Spare:
     async def taken(self, work: ChildWork) -> Process:
         """A process that waits for its order, this one where it is there."""
         process = self._pop() if work is self._work else None
-        return await _started(work) if process is None or process.returncode is not None else process
+        if process is not None and _is_lost(process):
+            await _ended(process)
+            process = None
+        return process or await _started(work)
 
     async def prepare(self, work: ChildWork) -> None:
         """Be there for the next, where it is of this ``work``."""
@@ -132,6 +135,12 @@ async def _started(work: ChildWork) -> Process:
         stderr=DEVNULL,
         limit=_MAX_LINE_BYTES,
     )
+
+
+def _is_lost(process: Process) -> bool:
+    """Whether a process has ended that waits for its order."""
+    # Its end is told later than the end of its output, by a thread of its own.
+    return process.returncode is not None or process.stdout is None or process.stdout.at_eof()
 
 
 async def _ended(process: Process) -> None:
