@@ -108,6 +108,9 @@ def test_what_is_set_counts_and_what_is_refused_is_told_in_the_robot_s_words(rob
 
 def test_pushed_rules_are_tried_and_confirmed(robots: RemoteRobots) -> None:
     sha256 = hashlib.sha256(FASTER.encode()).hexdigest()
+    # There are ten seconds from here to the confirmation.
+    assert answered(robots, partial(robots.set, ID, {"status_hz": 20.0})) == {}
+    wait(robots, lambda: robots.heard[ID].status.status_hz == 20)
     assert answered(robots, partial(robots.set, ID, {"rules_text": FASTER})) == {}
     wait(robots, lambda: robots.heard[ID].status.rules.origin is RulesOrigin.WAITING)
     wait(robots, lambda: robots.heard[ID].status.topics["/imu"].target_hz == 20)
