@@ -88,6 +88,23 @@ def test_a_forked_process_is_signalled_and_says_so() -> None:
         process.kill()
 
 
+class EndsWhenLookedAt(ForkedPython):
+    """It goes on when it is looked at, and no longer a moment later."""
+
+    def poll(self) -> int | None:
+        code = super().poll()
+        self.stdin.close()
+        self.wait()
+        return code
+
+
+def test_a_process_that_ends_right_before_it_is_signalled_is_one_that_has_ended() -> None:
+    process = EndsWhenLookedAt(["-c", "input()"], inherited(os.environ))
+    with process.stdin, process.stdout:
+        process.send_signal(signal.SIGINT)
+        assert process.returncode == 1
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP, signal.SIGQUIT])
 def test_children_have_the_signals_of_a_terminal(number: signal.Signals) -> None:
     """Run under ``nohup`` or in a shell's background, this fails unless ``conftest.py`` sees to it."""

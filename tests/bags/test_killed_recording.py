@@ -21,6 +21,7 @@ from smarttestudo.domain.errors import RecordingError
 
 pytestmark = pytest.mark.process
 MESSAGES = 10
+WITHIN_S = 120.0
 
 
 def test_of_a_receiver_that_is_killed_all_that_came_is_there(
@@ -51,7 +52,11 @@ def test_of_a_receiver_that_is_killed_all_that_came_is_there(
             publisher = robot.advertise(ODOM)
             for payload in sent:
                 # Nothing but this one comes, so it does not wait for others.
-                until(lambda: recorded()[-1:] == [payload], lambda: publisher.publish(payload))  # noqa: B023
+                until(
+                    lambda: recorded()[-1:] == [payload],  # noqa: B023
+                    lambda: publisher.publish(payload),  # noqa: B023
+                    within_s=WITHIN_S,
+                )
         finally:
             process.kill()
         assert process.stdout is not None

@@ -134,11 +134,11 @@ def test_a_workspace_with_rclpy_alone_relays_records_shows_and_measures(
     runtime.line_with("Relaying")
     # A topic is relayed while somebody subscribes.
     assert started("echo", "/testudo/odom", "--count", "20", "--json").exit_code() == 0
-    top = started("top", "--once", "--json")
+    top = started("top", "--once", "--json", "--timeout", "60")
     assert top.exit_code() == 0
     assert "/odom" in "".join(top.output)
     measured = with_rclpy.desk / "measured.toml"
-    assert started("profile", "--seconds", "1", "-o", measured).exit_code() == 0
+    assert started("profile", "--seconds", "1", "--timeout", "60", "-o", measured).exit_code() == 0
     assert '[topics."/odom"]' in measured.read_text(encoding="utf-8")
     runtime.signal(signal.SIGINT)
     assert runtime.exit_code() == 0
@@ -248,7 +248,10 @@ def test_the_three_minutes_of_the_readme_lead_to_a_live_relay_and_its_errors_to_
         try:
             shown = checkout / "top.txt"
             until(
-                lambda: shown.exists() and re.search(r"/odom +\d.* default", shown.read_text()) is not None,
+                lambda: (
+                    shown.exists()
+                    and re.search(r"/odom +\d.* default", shown.read_text(errors="replace")) is not None
+                ),
                 within_s=LIMIT_S,
             )
         finally:

@@ -81,7 +81,7 @@ def test_without_ros_an_operator_sees_a_camera_robot_in_foxglove_and_gets_what_i
     said = tmp_path / "receive.txt"
 
     def is_said(words: str) -> bool:
-        return said.is_file() and words in said.read_text(encoding="utf-8")
+        return said.is_file() and words in said.read_text(encoding="utf-8", errors="replace")
 
     with shell_of([receive, simulate, relay, f"{top} > top.txt"], tmp_path, domain):
         until(lambda: is_said("Foxglove: open the connection"), within_s=LIMIT_S)

@@ -3,10 +3,10 @@
 """An operator who hears the robot's own /odom beside what is relayed of it.
 
 usage: picture_watcher.py
-Prints ``heard N`` after every message of the source that comes after a first relayed one. The line
-``relayed`` on stdin prints when the last relayed message was due, any other the result so far, and ``stop``
-ends it: of both topics each message as [seconds at which it came, seconds at which it was due, x, y], in the
-order in which they came.
+Prints ``heard N`` after every message of the source that comes after a first relayed one and is no older. The
+line ``relayed`` on stdin prints when the last relayed message was due, any other the result so far, and
+``stop`` ends it: of both topics each message as [seconds at which it came, seconds at which it was due, x,
+y], in the order in which they came.
 """
 
 from __future__ import annotations
@@ -40,7 +40,8 @@ class Watcher:
     def hear(self, name: str, message: Any) -> None:
         stamp, position = message.header.stamp, message.pose.pose.position
         self.heard[name].append((time.monotonic(), stamp.sec + stamp.nanosec / 1e9, position.x, position.y))
-        if name == "source" and self.heard["relayed"]:
+        relayed = self.heard["relayed"]
+        if name == "source" and relayed and self.heard["source"][-1][1] >= relayed[0][1]:
             self.compared += 1
             sys.stdout.write(f"heard {self.compared}\n")
 

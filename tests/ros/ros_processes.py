@@ -36,9 +36,9 @@ class Process:
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
-    def line_with(self, text: str) -> str:
-        """The next line that holds ``text``."""
-        while (line := self._next_line()) is not None:
+    def line_with(self, text: str, *, within_s: float = LINE_TIMEOUT_S) -> str:
+        """The next line that holds ``text``; each takes ``within_s`` at most."""
+        while (line := self._next_line(within_s)) is not None:
             if text in line:
                 return line
         raise AssertionError(f"ended without {text!r}:\n" + "".join(self.output))
@@ -75,8 +75,8 @@ class Process:
     def signal(self, number: int) -> None:
         self._process.send_signal(number)
 
-    def exit_code(self) -> int:
-        code = self._process.wait(LINE_TIMEOUT_S)
+    def exit_code(self, *, within_s: float = LINE_TIMEOUT_S) -> int:
+        code = self._process.wait(within_s)
         self._reader.join()
         return code
 
@@ -91,11 +91,11 @@ class Process:
             except BrokenPipeError:
                 continue
 
-    def _next_line(self) -> str | None:
+    def _next_line(self, within_s: float) -> str | None:
         try:
-            return self._lines.get(timeout=LINE_TIMEOUT_S)
+            return self._lines.get(timeout=within_s)
         except queue.Empty:
-            raise AssertionError(f"nothing in {LINE_TIMEOUT_S} s:\n" + "".join(self.output)) from None
+            raise AssertionError(f"nothing in {within_s} s:\n" + "".join(self.output)) from None
 
     def _read(self) -> None:
         assert self._process.stdout is not None

@@ -22,6 +22,7 @@ from __future__ import annotations
 import importlib
 import json
 import math
+import queue
 import sys
 import threading
 import time
@@ -153,14 +154,17 @@ def obey(stream: Stream, command: str) -> None:
         stream.clock_ns += 3600 * NS_PER_S
 
 
-def listen(streams: dict[str, Stream], stopped: threading.Event) -> None:
+def listen(lines: queue.SimpleQueue[str]) -> None:
     for line in sys.stdin:
-        if line.strip() == "stop":
-            break
-        command, *names = line.split()
-        for name in names or streams:
-            obey(streams[name], command)
-    stopped.set()
+        lines.put(line)
+    lines.put("stop")
+
+
+def next_line(lines: queue.SimpleQueue[str], timeout_s: float) -> str | None:
+    try:
+        return lines.get(timeout=timeout_s)
+    except queue.Empty:
+        return None
 
 
 def main() -> None:
@@ -170,15 +174,21 @@ def main() -> None:
     latched = [latch(node, name, topic) for name, topic in topics.items() if "hz" not in topic]
     streams = {name: Stream(node, name, topic) for name, topic in topics.items() if "hz" in topic}
     sys.stdout.write("ready\n")
-    stopped = threading.Event()
-    threading.Thread(target=listen, args=(streams, stopped), daemon=True).start()
-    while not stopped.is_set():
+    lines: queue.SimpleQueue[str] = queue.SimpleQueue()
+    threading.Thread(target=listen, args=(lines,), daemon=True).start()
+    words: list[str] = []
+    # Commands come between messages: what one asks for counts for whole messages.
+    while words != ["stop"]:
+        if words:
+            command, *names = words
+            for name in names or streams:
+                obey(streams[name], command)
         now_s = time.monotonic()
         for stream in streams.values():
             if stream.due_s <= now_s:
                 stream.send()
         due_s = min((stream.due_s for stream in streams.values()), default=now_s + 0.1)
-        stopped.wait(min(max(due_s - time.monotonic(), 0), 0.1))
+        words = (next_line(lines, min(max(due_s - time.monotonic(), 0), 0.1)) or "").split()
     del latched
     node.destroy_node()
     rclpy.shutdown()

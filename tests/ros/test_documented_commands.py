@@ -75,7 +75,7 @@ class Reader:
             "--host 0.0.0.0": "--host 127.0.0.2",
             "testudo ruler": "testudo ruler --port 0",
             "/var/tmp/": f"{folder}/",
-            "--seconds 10": "--seconds 1",
+            "--seconds 10": "--seconds 1 --timeout 60",
         }
 
     def does(self, line: str) -> None:

@@ -44,7 +44,8 @@ def test_its_qos_follows_the_publishers(robot: SmallRobot) -> None:
 
 
 def test_as_many_messages_are_printed_whole_as_asked_for(robot: SmallRobot) -> None:
-    robot.source(name={"type": TEXT, "hz": 20})
+    # Slow, so that a busy machine loses none of them.
+    robot.source(name={"type": TEXT, "hz": 2})
     echo = robot.testudo("echo", "/name", "--count", "3")
     assert echo.exit_code() == 0
     assert [line.split("  ")[2] for line in echo.output if TEXT in line] == [

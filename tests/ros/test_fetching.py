@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import sys
 import time
@@ -12,8 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from bags.bag_reading import read_bag, read_with_rosbags
-from ros.live_incidents import COUNT, ODOM, recorded
-from ros.ros_processes import LINE_TIMEOUT_S, SmallRobot
+from ros.live_incidents import COUNT, ODOM, numbers, recorded
+from ros.ros_processes import LINE_TIMEOUT_S, Process, SmallRobot
 from ros.test_incidents import trigger
 from ros.test_link import WITHOUT_ROS
 
@@ -26,10 +27,16 @@ begin
   EndIf
 end
 """
+LOST = re.compile(r"/count: lost (\d+) messages before they could be relayed")
 
 
 def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.name != "read"}
+
+
+def lost_before(runtime: Process) -> int:
+    """How many messages of /count it said to have lost before they could be relayed."""
+    return sum(int(number) for line in runtime.output for number in LOST.findall(line))
 
 
 def until(condition: Callable[[], bool]) -> None:
@@ -91,7 +98,7 @@ def test_what_could_not_be_sent_in_an_outage_is_caught_up_with(
     there, here = robot.folder / "incidents", operators.folder / "gaps"
     first = operators.receiver(endpoint, "--catch-up", str(here))
     station = operators.operator(count={"type": "std_msgs/msg/String", "topic": "/count", "reliable": True})
-    robot.source(count=COUNT)
+    robot.source(count={**COUNT, "hz": 20})
     # Of a topic that is Full, all that fits into its queue is sent after all.
     rules = RULES.replace("/count Full", "/count 200")
     runtime = robot.runtime(
@@ -107,7 +114,10 @@ def test_what_could_not_be_sent_in_an_outage_is_caught_up_with(
     assert contents(here / "tb3" / name) == contents(there / name)
     record = json.loads((here / "tb3" / name / "incident.json").read_text())
     assert (record["name"], record["rule"]) == ("outage", "(link)")
-    found = [int(one.payload[8:].rstrip(b"\0")) for one in read_bag(here / "tb3" / name).messages]
-    assert found == list(range(found[0], found[0] + len(found)))
+    found = numbers(read_bag(here / "tb3" / name).messages)
+    assert found == sorted(set(found))
+    # What a busy machine loses before it could be sent is said, and not missed in the outage.
+    while found[-1] - found[0] + 1 - len(found) > lost_before(runtime):
+        runtime.line_with("/count: lost ")
     # It takes a second of silence at least until the robot's end knows.
-    assert record["topics"]["/count"]["messages"] == len(found) > 50
+    assert record["topics"]["/count"]["messages"] == len(found) > 10

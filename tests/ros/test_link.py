@@ -231,8 +231,9 @@ def test_without_ros_a_laptop_records_and_shows_what_arrives_until_ctrl_c(
     linked_runtime(robot, endpoint)
     robot.source(**SOURCES)
     receiving.line_with("tb3 ")
-    while int(receiving.line_with("/imu ").split()[4]) < 10:
-        pass
+    for topic, messages in (("/imu", 10), ("/names", 2)):
+        while int(receiving.line_with(f"{topic} ").split()[4]) < messages:
+            pass
     receiving.say(CTRL_C)
     assert receiving.exit_code() == 0
     info = operators.command(*laptop, "bag", "info", str(folder / "tb3"), "--json")

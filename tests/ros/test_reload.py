@@ -97,11 +97,11 @@ def test_rules_whose_file_name_is_not_utf_8_are_followed_and_told(robot: SmallRo
     remote, shown = robot.remote(), f"{folder}/r?gles.adirf"
     assert remote.ask("get", "writable_rules_file") == shown
     assert json.loads(remote.ask("get", "rules_in_force"))["files"] == [{"name": shown, "text": text}]
-    path.write_text("begin", encoding="utf-8")
+    replace_text(path, "begin")
     assert f"{shown}:1:6: error: " in runtime.line_with(STAY)
     success, message = remote.ask("reload")
     assert (success, message.startswith(f"{shown}:1:6: error: ")) == (False, True)
-    path.write_text(text.replace("10", "20"), encoding="utf-8")
+    replace_text(path, text.replace("10", "20"))
     runtime.line_with("/imu: 10 Hz → 20 Hz (reload)")
     assert "Traceback" not in "".join(runtime.output)
 

@@ -5,11 +5,12 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Iterator
 
 import pytest
 
-from ros.ros_processes import SmallRobot
+from ros.ros_processes import LINE_TIMEOUT_S, SmallRobot
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.parameter import SilentNodeError, Values
 from smarttestudo.domain.robot import DataPathKind, Robot
@@ -49,6 +50,10 @@ def answer(node: Robot, ask: Callable[[Callable[[object], None]], None]) -> obje
 def test_values_refusals_and_silence_come_as_answers(node: Robot, robot: SmallRobot) -> None:
     robot.runtime(RULES, "--topic-prefix", "/tb3_0").line_with("Relaying")
     ours = node.remote_parameters
+    end_s = time.monotonic() + LINE_TIMEOUT_S
+    # Discovery may bring the node's services later than an answer is waited for.
+    while isinstance(answer(node, lambda told: ours.get(NODE, ["rules_hash"], told)), SilentNodeError):
+        assert time.monotonic() < end_s, "the node does not answer"
     values = answer(
         node, lambda told: ours.get(NODE, ["rules_in_force", "status_hz", "budget_kb_per_s"], told)
     )

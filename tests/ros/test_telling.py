@@ -28,7 +28,7 @@ GREENWAVE_KEYS = {
     "tolerance",
 }
 OK, ERROR, STALE = 0, 2, 3
-LINES = 60
+LINES = 120
 
 
 def diagnostics_when(listener: Process, holds: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
