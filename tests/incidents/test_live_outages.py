@@ -120,6 +120,20 @@ def test_what_was_missed_is_in_the_folder_and_nothing_else_in_the_order_of_its_s
     assert record["topics"]["/imu"]["messages"] == 3
 
 
+def test_what_is_known_to_be_missed_only_once_the_link_is_back_is_in_the_same_folder(run: Run) -> None:
+    with run.outages.running():
+        run.miss(3)
+        run.look(is_connected=False)
+        run.link.is_settled = False
+        for number in (4, 5):
+            run.look(is_connected=True)
+            run.miss(number)
+        run.link.is_settled = True
+        run.look(is_connected=True)
+    (folder,) = run.found()
+    assert [message.payload for message in read_bag(folder).messages] == [b"\x03", b"\x04", b"\x05"]
+
+
 def test_what_was_missed_has_the_type_that_its_topic_had_then(run: Run) -> None:
     with run.outages.running():
         run.miss(3, 4)

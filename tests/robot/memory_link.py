@@ -20,6 +20,7 @@ class MemoryLink:
         self.state = LinkState(is_connected=True)
         self.budget_kb_per_s: float | None = None
         self.robot = "ada"
+        self.is_settled = True
         self.is_watched = False
         self.missed: list[MissedMessage] = []
         self.origin: Callable[[], MessageOrigin | None] = lambda: None

@@ -129,6 +129,10 @@ class OutgoingLink(Protocol):
         """The robot's name."""
 
     @property
+    def is_settled(self) -> bool:
+        """Whether it is known of what former connections carried whether it arrived."""
+
+    @property
     def is_watched(self) -> bool:
         """Whether somebody receives statuses."""
 

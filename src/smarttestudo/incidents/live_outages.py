@@ -78,8 +78,10 @@ class LiveOutages(Part):
 
     def poll(self) -> None:
         """Keep what was missed."""
+        # What is missed only after this look, in another outage, gets a folder of its own.
+        is_over = self._link.state.is_connected and self._link.is_settled
         self._keep(self._link.take_missed())
-        if self._link.state.is_connected:
+        if is_over:
             self._end()
             self._folders = 0
         elif self._begun_ns is not None and self._robot.now_ns() - self._begun_ns > FOLDER_NS:

@@ -59,6 +59,7 @@ def test_each_message_arrived_or_was_missed_and_none_was_both(order: list[tuple[
     for step in order:
         wire.act(*step)
     wire.settle()
+    assert wire.sender.is_settled
     missed = [(one.origin.topic, one.payload) for one in wire.sender.take_missed(wire.now_ns)]
     assert len(missed) == len({*missed})
     for topic in (*TOPICS, MAP):

@@ -30,6 +30,7 @@ class VirtualEnd:
     """The robot's end, as ``LinkWatch`` knows it."""
 
     robot = "ada"
+    is_settled = True
     is_watched = False
     budget_kb_per_s = None
 

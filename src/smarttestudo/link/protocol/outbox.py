@@ -199,6 +199,11 @@ class Outbox:
         while self._ended:
             self._settle_first(None)
 
+    @property
+    def is_settled(self) -> bool:
+        """Whether it is known what arrived of ended sessions."""
+        return not self._ended
+
     def restart(self, ended: int, now_ns: int) -> None:
         """Session ``ended`` is over: latched messages go again, and kept ones that may not have arrived."""
         self._miss_given_up()

@@ -147,6 +147,11 @@ class LinkSender(Generic[_Request]):
         missed = self._outbox.missed
         return [missed.popleft() for _ in range(len(missed))]
 
+    @property
+    def is_settled(self) -> bool:
+        """Whether it is known of what former sessions carried whether it arrived."""
+        return self._outbox.is_settled
+
     def handle_report(self, report: Report, now_ns: int) -> None:
         """An operator's end says what it has."""
         has_joined = self._receivers.handle(report, now_ns)

@@ -140,6 +140,11 @@ class RobotEnd:
             self._lock.release()
 
     @property
+    def is_settled(self) -> bool:
+        """Whether it is known of what former connections carried whether it arrived."""
+        return self._sender.is_settled
+
+    @property
     def robot(self) -> str:
         """The robot's name."""
         return self.boot.robot
