@@ -5,9 +5,12 @@
 from __future__ import annotations
 
 import builtins
+import io
 import itertools
+import logging
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -239,21 +242,34 @@ def test_foxgloves_own_packages_decode_odometry_and_an_image(sink: FoxgloveSink)
 
 @pytest.mark.parametrize("protocols", [["foxglove.websocket.v1"], []])
 def test_a_client_of_the_old_protocol_is_refused_and_it_is_said_once_which_clients_work(
-    protocols: list[str], caplog: pytest.LogCaptureFixture
+    protocols: list[str],
 ) -> None:
     said: list[str] = []
-    sink = open_foxglove_sink(0, said.append, itertools.count(START_NS).__next__)
-    offered = [Subprotocol(name) for name in protocols] or None
-    for _ in range(2):
-        with pytest.raises(InvalidStatus), connect(f"ws://127.0.0.1:{sink.port}", subprotocols=offered):
-            pass
-        until(lambda: bool(said))
-    sink.close()
+    with logged() as text:
+        sink = open_foxglove_sink(0, said.append, itertools.count(START_NS).__next__)
+        offered = [Subprotocol(name) for name in protocols] or None
+        for _ in range(2):
+            with pytest.raises(InvalidStatus), connect(f"ws://127.0.0.1:{sink.port}", subprotocols=offered):
+                pass
+            until(lambda: bool(said))
+        sink.close()
     assert said == [
         "Foxglove: a client was refused, as it does not offer the protocol foxglove.sdk.v1; "
         "use the current Foxglove app, or Lichtblick 1.22 or newer"
     ]
-    assert "handshake" not in caplog.text
+    assert "handshake" not in text.getvalue()
+
+
+@contextmanager
+def logged() -> Iterator[io.StringIO]:
+    """What any library logs during the block."""
+    text = io.StringIO()
+    handler = logging.StreamHandler(text)
+    logging.getLogger().addHandler(handler)
+    try:
+        yield text
+    finally:
+        logging.getLogger().removeHandler(handler)
 
 
 def test_a_client_that_offers_the_old_protocol_beside_the_new_one_is_served() -> None:
