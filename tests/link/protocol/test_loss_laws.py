@@ -4,14 +4,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from hypothesis import given
 from hypothesis import strategies as st
 
 from link.protocol.stepped_wire import MS, TOPICS, Wire
-from smarttestudo.domain.link import ReceivedMessage
-from smarttestudo.link.protocol.acknowledgements import MAX_LOST_SPANS, ReceivedSessions
+from smarttestudo.domain.link import MissedMessage, ReceivedMessage
+from smarttestudo.link.protocol.acknowledgements import MAX_LOST_SPANS, NOTHING_RECEIVED, ReceivedSessions
 from smarttestudo.link.protocol.chunks import SESSION_OFFSETS, Chunk
-from smarttestudo.link.protocol.messages import REPORTS
+from smarttestudo.link.protocol.messages import REPORTS, Report
 from smarttestudo.link.protocol.receiver import LinkReceiver
 
 MAP = "/map"
@@ -27,14 +29,30 @@ steps = st.one_of(
     st.tuples(st.just("hear"), many, st.none()),
     st.tuples(st.just("lose"), many, st.none()),
     st.tuples(st.just("disconnect"), st.none(), st.none()),
+    st.tuples(st.just("join"), st.none(), st.none()),
+    st.tuples(st.just("close"), st.none(), st.none()),
 )
 
 
 class LossyWire(Wire):
     """A link whose connection may be cut at any time, so that chunks under way are lost."""
 
+    joined = 0
+    is_map_closed = False
+
     def act(self, step: str, first: str | int | bool, second: int | None) -> None:
         match step:
+            case "put" if first == MAP and self.is_map_closed:
+                pass
+            case "close":
+                self.sender.close(self.streams[MAP], self.now_ns)
+                self.is_map_closed = True
+            case "join":
+                # Another operator's end, while this one is served.
+                self.turn()
+                self.joined += 1
+                report = Report(receiver=100 + self.joined, received=NOTHING_RECEIVED)
+                self.sender.handle_report(report, self.now_ns)
             case "pass":
                 self.now_ns += int(first) * MS
             case "lose":
@@ -60,17 +78,37 @@ def test_each_message_arrived_or_was_missed_and_none_was_both(order: list[tuple[
         wire.act(*step)
     wire.settle()
     assert wire.sender.is_settled
-    missed = [(one.origin.topic, one.payload) for one in wire.sender.take_missed(wire.now_ns)]
-    assert len(missed) == len({*missed})
-    for topic in (*TOPICS, MAP):
-        arrived, lost = wire.arrived[topic], {payload for of, payload in missed if of == topic}
-        assert len(arrived) == len({*arrived})
-        assert {*arrived} & lost == set()
-        counts = wire.counts(topic)
-        assert len({*wire.offered[topic]} - {*arrived} - lost) <= counts.replaced + counts.overflowed
+    missed = wire.sender.take_missed(wire.now_ns)
+    require_known(wire, missed)
+    for topic in wire.streams:
+        assert {*wire.arrived[topic]} & payloads(missed, topic) == set()
     # These are never given up: what overflows is counted.
     assert len(wire.arrived["/full"]) + wire.counts("/full").overflowed == len(wire.offered["/full"])
     assert wire.arrived["/full"] == [one for one in wire.offered["/full"] if one in wire.arrived["/full"]]
+
+
+@given(st.lists(steps, max_size=80))
+def test_what_a_run_that_ends_had_for_nobody_is_missed_once(order: list[tuple[str, int, int]]) -> None:
+    wire = LossyWire(MAP)
+    wire.turn()
+    for step in order:
+        wire.act(*step)
+    wire.sender.disconnect()
+    require_known(wire, wire.sender.take_missed(wire.now_ns, is_last=True))
+
+
+def require_known(wire: Wire, missed: Sequence[MissedMessage]) -> None:
+    """Each message once has arrived or was missed, or is counted where a newer one took its place."""
+    assert len(missed) == len({(one.origin.topic, one.payload) for one in missed})
+    for topic, arrived in wire.arrived.items():
+        assert len(arrived) == len({*arrived})
+        counts = wire.counts(topic)
+        unknown = {*wire.offered[topic]} - {*arrived} - payloads(missed, topic)
+        assert len(unknown) <= counts.replaced + counts.overflowed
+
+
+def payloads(missed: Sequence[MissedMessage], topic: str) -> set[bytes]:
+    return {one.payload for one in missed if one.origin.topic == topic}
 
 
 @given(st.lists(st.tuples(st.integers(1, 2**30), st.booleans()), min_size=1, max_size=60))

@@ -314,8 +314,10 @@ class Outbox:
             self._miss(*(one for one in (*again, *stream.queue) if one not in stream.latched))
             again, stream.queue, stream.queued_bytes = list(stream.latched), deque(), 0
         for message in reversed(again):
-            stream.queue.appendleft(message)
-            stream.queued_bytes += len(message.payload)
+            # A latched message may be under way and wait to be sent once more.
+            if message not in stream.queue:
+                stream.queue.appendleft(message)
+                stream.queued_bytes += len(message.payload)
         for message in (*stream.queue, *stream.slots.values()):
             message.offset = 0
 
@@ -345,6 +347,7 @@ class Outbox:
                 message.is_kept = False
             elif message.origin is not None:
                 self.missed.append(MissedMessage(origin=message.origin, payload=message.payload))
+                message.origin = None
 
 
 def _rank(stream: OutgoingStream, now_ns: int) -> tuple[bool, bool, float, int]:
