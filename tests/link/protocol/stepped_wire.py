@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterable
 
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, StreamInfo
 from smarttestudo.domain.link_state import StreamCounts
@@ -74,6 +75,12 @@ class Wire:
         self.hear(len(self.reports))
         while self.send(100):
             self.arrive(len(self.chunks))
+
+    def run(self, steps: Iterable[tuple[str, int, int]]) -> None:
+        """Have both ends know each other, and act."""
+        self.turn()
+        for step in steps:
+            self.act(*step)
 
     def act(self, step: str, first: str | int | bool, second: int | None) -> None:
         match step:

@@ -25,9 +25,7 @@ steps = st.one_of(
 @given(st.lists(steps, max_size=120))
 def test_each_message_arrives_in_order_or_is_counted(order: list[tuple[str, int, int]]) -> None:
     wire = Wire()
-    wire.turn()
-    for step in order:
-        wire.act(*step)
+    wire.run(order)
     drain(wire)
     assert wire.sender.state(wire.now_ns).outages == 0
     for topic in TOPICS:

@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from link.protocol.simulated_link import Ends, Link, S, Source
+from link.protocol.whole_chunks import WholeChunks
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import LinkNeeds, Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.link_state import StreamCounts
@@ -273,22 +274,16 @@ def test_messages_arrive_once_each_and_follow_on_each_other_beyond_the_last_numb
     before: int, after: int
 ) -> None:
     receiver = LinkReceiver("robot", 7, lambda data, _most: data)
-    sent_bytes = 0
-
-    def receive(number_of_stream: int, number: int, body: bytes) -> Announcement | ReceivedMessage | None:
-        nonlocal sent_bytes
-        data = chunk_of(number_of_stream, number, body, sent_bytes)
-        sent_bytes += len(data)
-        return receiver.receive(data, 0)
-
-    receive(CONTROL_STREAM, 0, CONTROL.to_bytes(Announcement(stream=1, info=stream())))
+    chunks = WholeChunks(is_kept=False)
+    told = CONTROL.to_bytes(Announcement(stream=1, info=stream()))
+    receiver.receive(chunks.of(CONTROL_STREAM, told), 0)
     numbers = [number % 2**32 for number in range(2**32 - before, 2**32 + after)]
     for number in numbers:
-        got = [receive(1, number, b"x") for _ in range(2)]
+        got = [receiver.receive(chunks.of(1, b"x", number), 0) for _ in range(2)]
         assert isinstance(got[0], ReceivedMessage)
         assert got[0].begins_anew == (number == numbers[0])
         assert got[1] is None
-    assert receive(1, numbers[0], b"x") is None
+    assert receiver.receive(chunks.of(1, b"x", numbers[0]), 0) is None
     assert receiver.counts.repeated == len(numbers) + 1
 
 
@@ -330,21 +325,3 @@ def test_whoever_hears_the_robot_knows_its_streams_whatever_was_closed_in_an_out
                 while (data := sender.next_chunk(now_ns)) is not None:
                     receiver.receive(data, now_ns)
     assert receiver.streams == opened
-
-
-def chunk_of(number_of_stream: int, number: int, body: bytes, session_offset: int) -> bytes:
-    """A message that travels in one chunk."""
-    chunk = Chunk(
-        session=1,
-        session_offset=session_offset,
-        stream=number_of_stream,
-        number=number,
-        offset=0,
-        size_bytes=len(body),
-        offered_ns=0,
-        sent_ns=0,
-        is_compressed=False,
-        is_kept=False,
-        body=body,
-    )
-    return chunk.to_bytes()

@@ -73,9 +73,7 @@ class LossyWire(Wire):
 @given(st.lists(steps, max_size=80))
 def test_each_message_arrived_or_was_missed_and_none_was_both(order: list[tuple[str, int, int]]) -> None:
     wire = LossyWire(MAP)
-    wire.turn()
-    for step in order:
-        wire.act(*step)
+    wire.run(order)
     wire.settle()
     assert wire.sender.is_settled
     missed = wire.sender.take_missed(wire.now_ns)
@@ -90,9 +88,7 @@ def test_each_message_arrived_or_was_missed_and_none_was_both(order: list[tuple[
 @given(st.lists(steps, max_size=80))
 def test_what_a_run_that_ends_had_for_nobody_is_missed_once(order: list[tuple[str, int, int]]) -> None:
     wire = LossyWire(MAP)
-    wire.turn()
-    for step in order:
-        wire.act(*step)
+    wire.run(order)
     wire.sender.disconnect()
     require_known(wire, wire.sender.take_missed(wire.now_ns, is_last=True))
 

@@ -11,10 +11,11 @@ import pytest
 import zenoh
 import zstandard
 
+from link.protocol.whole_chunks import WholeChunks
 from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, operator_end, robot_end, stranger_at, until
 from smarttestudo.domain.link import StreamInfo
 from smarttestudo.link.protocol.acknowledgements import Acknowledgement
-from smarttestudo.link.protocol.chunks import CONTROL_STREAM, MAX_STREAMS, Chunk
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, MAX_STREAMS
 from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot, new_boot
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
 from smarttestudo.link.protocol.receiver import ReceiverCounts
@@ -25,31 +26,6 @@ from smarttestudo.link.zenoh.robot_end import RobotEnd
 pytestmark = pytest.mark.process
 
 RANDOM = random.Random(7)
-
-
-class Chunks:
-    """Chunks of one session, each of which follows on the one before."""
-
-    def __init__(self) -> None:
-        self._sent_bytes = 0
-
-    def of(self, stream: int, data: bytes, number: int = 0, *, is_compressed: bool = False) -> bytes:
-        """A whole message in a chunk."""
-        chunk = Chunk(
-            session=1,
-            session_offset=self._sent_bytes,
-            stream=stream,
-            number=number,
-            offset=0,
-            size_bytes=len(data),
-            offered_ns=0,
-            sent_ns=0,
-            is_compressed=is_compressed,
-            is_kept=True,
-            body=data,
-        ).to_bytes()
-        self._sent_bytes += len(chunk)
-        return chunk
 
 
 def counts(operator: OperatorEnd, boot: Boot) -> ReceiverCounts:
@@ -67,7 +43,7 @@ def still_works(robot: RobotEnd, reader: Reader) -> None:
 def test_what_is_malformed_instead_of_chunks_is_counted() -> None:
     endpoint = free_endpoint()
     with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
-        reader, boot, chunks = Reader(operator), new_boot("liar", 1), Chunks()
+        reader, boot, chunks = Reader(operator), new_boot("liar", 1), WholeChunks(is_kept=True)
         still_works(robot, reader)
         bomb = zstandard.ZstdCompressor().compress(bytes(100_000_000))
         strange = [b"", b"\x01", *(RANDOM.randbytes(size) for size in (10, 100, 2_000, 60_000) * 20)]
@@ -97,7 +73,7 @@ def test_chunks_for_robots_that_are_not_there_are_counted() -> None:
     with operator_end(endpoint) as operator, stranger_at(endpoint) as other:
         keys = (new_boot("nobody", 5).data_key, "testudo/*/*/data", "testudo/a/b/data")
         for key in keys:
-            until(lambda: operator.unknown > 0, lambda: other.put(key, Chunks().of(1, b"x")))  # noqa: B023
+            until(lambda: operator.unknown > 0, lambda: other.put(key, WholeChunks(is_kept=True).of(1, b"x")))  # noqa: B023
             operator.unknown = 0
         assert operator.wait(0) == []
 
@@ -144,7 +120,7 @@ def test_a_report_of_what_was_never_sent_changes_nothing() -> None:
 def test_a_robot_that_names_a_million_topics_has_as_many_as_a_robot_may() -> None:
     endpoint = free_endpoint()
     with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:
-        reader, boot, chunks = Reader(operator), new_boot("liar", 1), Chunks()
+        reader, boot, chunks = Reader(operator), new_boot("liar", 1), WholeChunks(is_kept=True)
         still_works(robot, reader)
         with other.liveliness().declare_token(boot.key):
             until(lambda: boot in operator.counts(), reader.read)

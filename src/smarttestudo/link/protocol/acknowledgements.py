@@ -74,8 +74,7 @@ class ReceivedSessions:
         while self._ended and chunk.sent_ns - self._ended[0][0] > ENDED_TOLD_NS:
             self._ended.popleft()
         ahead_bytes = (chunk.session_offset - self.received_bytes) % SESSION_OFFSETS
-        if ahead_bytes:
-            self._is_cut |= ahead_bytes < SESSION_OFFSETS // 2
+        self._is_cut |= 0 < ahead_bytes < SESSION_OFFSETS // 2
         if ahead_bytes or self._is_cut:
             return False
         self._begin_bytes = self.received_bytes
@@ -109,9 +108,8 @@ class ReceivedSessions:
         return tuple([one for _, one in self._ended])
 
     def _begin(self, chunk: Chunk) -> None:
-        # Who has heard nothing yet may come in the middle of a session.
-        begin_bytes = 0 if self.session else chunk.session_offset
         if self.session:
             self._ended.append((chunk.sent_ns, self.newest))
-        self.received_bytes = begin_bytes
+        # Who has heard nothing yet may come in the middle of a session.
+        self.received_bytes = 0 if self.session else chunk.session_offset
         self.session, self._lost, self._is_cut = chunk.session, [], False

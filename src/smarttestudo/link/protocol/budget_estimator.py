@@ -8,8 +8,7 @@ from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.link.protocol.window import Window
 
-BUDGET_PERIOD_NS = NS_PER_S // 4
-
+_PERIOD_NS = NS_PER_S // 4
 _KEPT_SHARE = 0.99
 """How much an earlier message counts beside the newest: about the last hundred say what compression saves."""
 _USABLE = 0.95
@@ -50,7 +49,7 @@ class BudgetEstimator:
     def look(self, window: Window, now_ns: int) -> None:
         """Set the budget by what was measured, four times a second."""
         span_ns = now_ns - self._looked_ns
-        if span_ns < BUDGET_PERIOD_NS:
+        if span_ns < _PERIOD_NS:
             return
         if self._idle_since_ns is not None:
             self._idle_ns += now_ns - self._idle_since_ns

@@ -53,10 +53,19 @@ class Chunk(NamedTuple):
     def to_bytes(self) -> bytes:
         """The chunk as it travels."""
         flags = _COMPRESSED * self.is_compressed | _KEPT * self.is_kept
-        place = (self.stream | flags, self.session, self.session_offset)
-        part = (self.number, self.offset, self.size_bytes)
+        head = _HEADER.pack(
+            _FRAME,
+            self.stream | flags,
+            self.session,
+            self.session_offset,
+            self.number,
+            self.offset,
+            self.size_bytes,
+            self.offered_ns,
+            self.sent_ns,
+        )
         # One copy of a body that may be large.
-        return _HEADER.pack(_FRAME, *place, *part, self.offered_ns, self.sent_ns) + self.body
+        return head + self.body
 
     @staticmethod
     def from_bytes(data: bytes) -> Chunk:
@@ -64,8 +73,9 @@ class Chunk(NamedTuple):
         if not data.startswith(_FRAME) or len(data) < HEADER_BYTES:
             kind_of(data)
             raise malformed("no chunk")
-        _, flags, session, session_offset, *part, offered_ns, sent_ns = _HEADER.unpack_from(data)
-        number, offset, size_bytes = part
+        _, flags, session, session_offset, number, offset, size_bytes, offered_ns, sent_ns = (
+            _HEADER.unpack_from(data)
+        )
         body = data[HEADER_BYTES:]
         if size_bytes > MAX_MESSAGE_BYTES or offset + len(body) > size_bytes or flags >= 2 * _KEPT:
             raise malformed("a chunk that reaches beyond its message")

@@ -78,8 +78,10 @@ class Outbox:
 
     def is_drained(self, stream: int) -> bool:
         """Whether nothing of a stream is to be sent, or sent again; so it is before the first session."""
-        is_under_way = any(one.stream == stream and one.is_kept for _, one in self._under_way)
-        return not self._had_session or not (is_under_way or self._streams[stream].has_work)
+        return not self._had_session or not (
+            self._streams[stream].has_work
+            or any(one.stream == stream and one.is_kept for _, one in self._under_way)
+        )
 
     def close(self, stream: int, now_ns: int) -> StreamCounts:
         """Forget a stream; returns its last counts, in which what waited has overflowed."""
@@ -188,7 +190,7 @@ class Outbox:
             self._give_up(*stream.waiting)
         self._give_up(*(message for _, message in self._under_way))
 
-    def settle(self, session: int, ended: Iterable[Acknowledgement] = ()) -> None:
+    def settle(self, session: int, ended: Iterable[Acknowledgement]) -> None:
         """The other end is in ``session``; of those before it has what ``ended`` says, of others nothing."""
         arrived = {one.session: one for one in ended}
         while self._ended and self._ended[0].number < session:

@@ -167,13 +167,13 @@ class LinkIncidents:
 
     def _back(self, robot: str) -> Boot | None:
         """The run of a robot's end that was there and is again soon."""
-        boot, looks = None, 0
         with self._lock:
             was_there = robot.partition(_DIGITS)[0] in self._seen
-        while was_there and boot is None and looks < _BACK_WITHIN_LOOKS:
+        for _ in range(_BACK_WITHIN_LOOKS if was_there else 0):
             time.sleep(_AGAIN_AFTER_S)
-            boot, looks = self.boot(robot), looks + 1
-        return boot
+            if (boot := self.boot(robot)) is not None:
+                return boot
+        return None
 
     def _see(self, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - what a client calls
         with self._lock:
