@@ -7,13 +7,16 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from robot.small_graph import NODE, TEXT, SmallGraph
 from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import Endpoint, GraphChange
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.gone_publishers import FOUND_WITHIN_NS
-from smarttestudo.robot.topics import LiveTopics
+from smarttestudo.robot.topics import LOOKS_PER_ROUND, EndpointCache, LiveTopics
 
 DRIVER, SECOND, OTHER = b"driver", b"second", b"other"
 
@@ -39,7 +42,7 @@ class Live:
     def looks(self, times: int = 5) -> None:
         """A second passes."""
         for _ in range(times):
-            self.topics.look()
+            self.topics.look(GraphChange.UNTOLD)
 
 
 def lines_with(graph: SmallGraph, text: str) -> list[str]:
@@ -354,8 +357,8 @@ def test_a_recorded_topic_that_is_relayed_or_read_from_now_on_stays_subscribed_t
     before = list(graph.subscriptions)
     assert [one.topic for one in before] == ["/imu", "/odom"]
     live.topics.follow({"/imu": "/testudo/imu"}, ("/odom",), {}, recorded=("/imu", "/odom"))
-    assert {change.topic for change in live.topics.look()} == {"/imu", "/odom"}
-    assert live.topics.look() == []
+    assert {change.topic for change in live.topics.look(GraphChange.UNTOLD)} == {"/imu", "/odom"}
+    assert live.topics.look(GraphChange.UNTOLD) == []
     graph.sends("/imu", DRIVER, b"measured")
     assert graph.published == [("/testudo/imu", b"measured")]
     live.topics.follow({}, ("/imu",), {}, recorded=("/imu", "/odom"))
@@ -387,6 +390,36 @@ def test_on_a_graph_that_has_changed_a_publisher_that_replaced_another_is_found_
     for topic in topics:
         graph.leaves(topic, DRIVER)
         graph.joins(topic, DRIVER, reliable=False)
-    live.topics.look(has_changed=True)
+    live.topics.look(GraphChange.TOLD)
     sources = {publisher.topic: publisher.qos.reliable for publisher in graph.advertised}
     assert sources == {f"/testudo{topic}": False for topic in topics}
+
+
+def published_by(gid: bytes) -> Endpoint:
+    return Endpoint(node="/driver", type_name=TEXT, reliable=True, transient_local=False, gid=gid)
+
+
+@given(change=st.sampled_from(("comes", "leaves", "is replaced")), topics=st.integers(1, 60))
+def test_where_changes_are_told_one_that_was_not_is_found_all_the_same(change: str, topics: int) -> None:
+    names = [f"/t{number}" for number in range(topics)]
+    there = {name: [published_by(b"first")] for name in names}
+    calls = {"count": 0, "find": 0}
+
+    def count(name: str) -> int:
+        calls["count"] += 1
+        return len(there[name])
+
+    def find(name: str) -> list[Endpoint]:
+        calls["find"] += 1
+        return list(there[name])
+
+    cache = EndpointCache(count, find)
+    assert cache.look(names, GraphChange.NONE) == names
+    calls.update(count=0, find=0)
+    first, second = published_by(b"first"), published_by(b"second")
+    there[names[-1]] = {"comes": [first, second], "leaves": [], "is replaced": [second]}[change]
+    looks = LOOKS_PER_ROUND if change != "is replaced" else LOOKS_PER_ROUND**2
+    found = [cache.look(names, GraphChange.NONE) for _ in range(looks)]
+    assert [topic for look in found for topic in look] == names[-1:]
+    assert calls["count"] + calls["find"] <= looks * (topics // LOOKS_PER_ROUND + 1) + 1
+    assert cache.of(names[-1]) == there[names[-1]]

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from incidents.incident_runs import rules_of
 from robot.small_graph import SmallGraph
-from smarttestudo.domain.robot import LookAtGraph
+from smarttestudo.domain.robot import GraphChange, LookAtGraph
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
@@ -22,7 +22,7 @@ class LookingGraph(SmallGraph):
         self._look = look
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
-        self._look(True)
+        self._look(GraphChange.TOLD)
 
 
 class Listening(Part):

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from smarttestudo.domain.robot import DataPathKind, OutputDomain, Qos, Robot
+from smarttestudo.domain.robot import DataPathKind, GraphChange, OutputDomain, Qos, Robot
 from smarttestudo.robot.ros import graph_looks, open_robot
 from smarttestudo.robot.ros.graph_looks import GraphLooks
 from smarttestudo.robot.ros.real_timers import RealTimers
@@ -24,16 +24,16 @@ PLAIN = Qos(reliable=True, transient_local=False)
 
 
 class Looks:
-    """Looks in virtual time, with whether the graph was known to have changed at each."""
+    """Looks in virtual time, with what was known of the graph at each."""
 
     def __init__(self, *, is_told: bool) -> None:
         self.is_told = is_told
         self.now_s = 0.0
-        self.seen: list[bool] = []
+        self.seen: list[GraphChange] = []
         self._timers = RealTimers()
         self.looks = GraphLooks(self._timers, self.seen.append, lambda: self.is_told, lambda: self.now_s)
 
-    def during(self, seconds: float) -> list[bool]:
+    def during(self, seconds: float) -> list[GraphChange]:
         """The looks of so many seconds."""
         self.seen.clear()
         end_s = self.now_s + seconds
@@ -47,16 +47,16 @@ class Looks:
 def test_a_quiet_graph_is_looked_at_once_a_second() -> None:
     looks = Looks(is_told=True)
     looks.during(1.0)
-    assert looks.during(60.0) == [False] * 60
+    assert looks.during(60.0) == [GraphChange.NONE] * 60
 
 
 def test_a_graph_that_nobody_tells_of_is_looked_at_five_times_a_second() -> None:
     looks = Looks(is_told=False)
-    assert looks.during(10.1) == [False] * 51
+    assert looks.during(10.1) == [GraphChange.UNTOLD] * 51
 
 
 def test_a_graph_is_looked_at_at_once() -> None:
-    assert Looks(is_told=True).during(0.0) == [False]
+    assert Looks(is_told=True).during(0.0) == [GraphChange.NONE]
 
 
 def test_when_changes_are_told_no_more_it_is_looked_at_five_times_a_second_again() -> None:
@@ -64,25 +64,25 @@ def test_when_changes_are_told_no_more_it_is_looked_at_five_times_a_second_again
     looks.during(10.5)
     looks.is_told = False
     looks.looks.changed()
-    assert looks.during(10.1) == [True] + [False] * 50
+    assert looks.during(10.1) == [GraphChange.TOLD] + [GraphChange.UNTOLD] * 50
 
 
 def test_a_change_is_looked_at_without_delay() -> None:
     looks = Looks(is_told=True)
     looks.during(10.5)
     looks.looks.changed()
-    assert looks.during(0.0) == [True]
+    assert looks.during(0.0) == [GraphChange.TOLD]
 
 
 def test_changes_one_after_the_other_are_looked_at_five_times_a_second_at_most_and_the_last_one_too() -> None:
     looks = Looks(is_told=True)
     looks.during(10.5)
-    seen: list[bool] = []
+    seen: list[GraphChange] = []
     for _ in range(100):
         looks.looks.changed()
         seen += looks.during(0.01)
     seen += looks.during(0.3)
-    assert seen == [True] * 6
+    assert seen == [GraphChange.TOLD] * 6
 
 
 @pytest.fixture(params=[DataPathKind.RCL])
@@ -102,7 +102,7 @@ def wait_until(robot: Robot, condition: Callable[[], bool]) -> None:
         robot.wait(None, 0.1)
 
 
-def wait_for_quiet(robot: Robot, looks: list[bool]) -> None:
+def wait_for_quiet(robot: Robot, looks: list[GraphChange]) -> None:
     """Wait until nothing was looked at for some seconds."""
     count, since_s = len(looks), time.monotonic()
 
@@ -116,11 +116,11 @@ def wait_for_quiet(robot: Robot, looks: list[bool]) -> None:
 
 
 def test_publishers_and_subscribers_that_come_and_go_are_looked_at_and_nothing_else_is(robot: Robot) -> None:
-    looks: list[bool] = []
+    looks: list[GraphChange] = []
     counts: list[tuple[int, int]] = []
 
-    def look(has_changed: bool) -> None:
-        looks.append(has_changed)
+    def look(graph: GraphChange) -> None:
+        looks.append(graph)
         counts.append((robot.publisher_count("/words"), robot.subscriber_count("/words")))
 
     robot.look_at_graph(look)
@@ -135,20 +135,21 @@ def test_publishers_and_subscribers_that_come_and_go_are_looked_at_and_nothing_e
         wait_until(robot, lambda: counts[-1] == (0, 1))
         subscription.close()
         wait_until(robot, lambda: counts[-1] == (0, 0))
-    assert all(looks[1:]), "only the first look is not one at a change"
+    told = [graph is GraphChange.TOLD for graph in looks]
+    assert all(told[1:]), "only the first look is not one at a change"
 
 
 @pytest.mark.usefixtures("robot")
 def test_an_operator_in_another_domain_is_looked_at_when_it_comes(
     other_domain: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    looks: list[bool] = []
+    looks: list[GraphChange] = []
     counts: list[int] = []
 
     with open_robot(name="relay", output_domain=OutputDomain(number=other_domain)) as relay:
 
-        def look(has_changed: bool) -> None:
-            looks.append(has_changed)
+        def look(graph: GraphChange) -> None:
+            looks.append(graph)
             counts.append(relay.subscriber_count("/words"))
 
         relay.look_at_graph(look)
@@ -161,10 +162,10 @@ def test_an_operator_in_another_domain_is_looked_at_when_it_comes(
 
 @pytest.mark.parametrize("robot", [DataPathKind.RCLPY], indirect=True)
 def test_through_rclpy_the_graph_is_looked_at_though_nobody_tells_of_changes(robot: Robot) -> None:
-    looks: list[bool] = []
+    looks: list[GraphChange] = []
     robot.look_at_graph(looks.append)
     wait_until(robot, lambda: len(looks) >= 3)
-    assert not any(looks)
+    assert set(looks) == {GraphChange.UNTOLD}
 
 
 def test_where_librcl_does_not_tell_of_changes_it_says_why_and_the_graph_is_looked_at(
@@ -179,7 +180,7 @@ def test_where_librcl_does_not_tell_of_changes_it_says_why_and_the_graph_is_look
         assert said.startswith("librcl, ")
         assert "the graph checked five times a second because " in said
         assert "create_guard_condition" in said
-        looks: list[bool] = []
+        looks: list[GraphChange] = []
         robot.look_at_graph(looks.append)
         wait_until(robot, lambda: len(looks) >= 3)
-        assert not any(looks)
+        assert set(looks) == {GraphChange.UNTOLD}

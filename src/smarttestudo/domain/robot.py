@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
+from enum import Enum, auto
 from typing import TYPE_CHECKING, Protocol
 
 from smarttestudo.domain.parameter import (
@@ -173,8 +173,19 @@ class RobotLog(Protocol):
         """Log a warning."""
 
 
-LookAtGraph = Callable[[bool], None]
-"""Takes whether the graph is known to have changed since the last look."""
+class GraphChange(Enum):
+    """What is known of changes of the graph since the last look."""
+
+    TOLD = auto()
+    """There was one."""
+    UNTOLD = auto()
+    """Nothing: they are not told."""
+    NONE = auto()
+    """None was told."""
+
+
+LookAtGraph = Callable[[GraphChange], None]
+"""Takes what is known since the last look."""
 
 
 class Robot(Protocol):

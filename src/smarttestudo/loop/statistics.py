@@ -15,18 +15,23 @@ MAX_FRAMES = 4096
 
 
 class TargetRate:
-    """The target rate of a relay over time, in Hz; infinite while Full, as it is at first."""
+    """The target rate of a relay over time, in Hz; infinite while Full, as it is at first.
 
-    __slots__ = ("_ns_at", "_since_ns", "rate_hz")
+    ``changes`` counts how often it became another one.
+    """
+
+    __slots__ = ("_ns_at", "_since_ns", "changes", "rate_hz")
 
     def __init__(self, now_ns: int) -> None:
         self.rate_hz = math.inf
+        self.changes = 0
         self._since_ns = now_ns
         self._ns_at: Counter[float] = Counter()
 
     def change(self, rate_hz: float, now_ns: int) -> None:
         """Aim at ``rate_hz`` from ``now_ns`` on."""
         self.account(now_ns)
+        self.changes += rate_hz != self.rate_hz
         self.rate_hz = rate_hz
 
     def account(self, now_ns: int) -> None:

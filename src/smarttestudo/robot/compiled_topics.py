@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence, Set
 from functools import partial
 
 from smarttestudo.domain.compiled_relay import (
@@ -42,15 +42,23 @@ class CompiledTopics:
         self._sampling = sampling
         self._passed = passed
         self._running: dict[str, CompiledRelay] = {}
+        self._is_counted = False
 
-    def look(self, topics: LiveTopics, now_ns: int) -> None:
-        """Decide by the plan as it is now which of ``topics`` are relayed so; one that rests works first."""
-        compiled = () if self._relays is None else self._look(self._relays, topics, now_ns)
+    def look(self, topics: LiveTopics, now_ns: int, *, is_quiet: bool = False) -> None:
+        """Decide by the plan as it is now which of ``topics`` are relayed so; one that rests works first.
+
+        Where it ``is_quiet``, neither graph nor plan have changed since the last look: what is relayed so
+        stays so.
+        """
+        staying = frozenset(self._running) if is_quiet and not self._is_counted else frozenset()
+        self._is_counted = False
+        compiled = () if self._relays is None else self._look(self._relays, topics, staying, now_ns)
         pausable = topics.pausable()
         self._sampling.look({topic: pausable[topic] for topic in pausable if topic not in compiled}, now_ns)
 
     def count(self, note: Callable[[Relayed], None]) -> None:
         """Have the statistics as of now; ``note`` is given the beginning of each last relayed message."""
+        self._is_counted = True
         for topic, running in self._running.items():
             relay, counts = self._loop.relays.relay(topic), running.counts()
             if relay is not None:
@@ -59,12 +67,13 @@ class CompiledTopics:
             if beginning:
                 note(Relayed(topic, at_ns, beginning, len(beginning), repeated=False))
 
-    def _look(self, relays: CompiledRelays, topics: LiveTopics, now_ns: int) -> Collection[str]:
+    def _look(self, relays: CompiledRelays, topics: LiveTopics, staying: Set[str], now_ns: int) -> Set[str]:
         ends = topics.ends()
-        wanted = {topic for topic in ends if relays.serves(*ends[topic]) and self._suits(topic)}
-        for topic in [topic for topic in self._running if topic not in wanted]:
+        served = {topic for topic in ends if relays.serves(*ends[topic])}
+        wanted = {topic for topic in served if topic in staying or self._suits(topic)}
+        for topic in self._running.keys() - wanted:
             self._running[topic].end()
-        for topic in wanted:
+        for topic in wanted - staying:
             running = self._running.get(topic)
             if running is not None:
                 pace = self._pace(topic)

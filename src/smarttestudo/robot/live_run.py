@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.robot import GraphChange, Robot
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.files.own_process import read_own_process
 from smarttestudo.loop.block_states import BlockStates
@@ -72,9 +72,10 @@ class LiveRun:
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
         self._compiled = CompiledTopics(compiled, loop, self._sampling, self._relay)
         self._status = LiveStatus(robot.name, read_own_process())
-        self._timer = StatusTimer(robot, link)
-        self._telling = StatusTelling(robot, StatusPublisher(robot, link), self._timer, self._measure)
         self._standing: Callable[[], RulesInForce] = lambda: self.rules.in_force
+        self._timer = StatusTimer(robot, link, needs_all=any(_does(part, "on_status") for part in parts))
+        publisher = StatusPublisher(robot, link)
+        self._telling = StatusTelling(robot, publisher, self._timer, self._measure, self._rules_in_force)
 
     def drive(self, stopped: Callable[[], bool]) -> None:
         """Until ``stopped``."""
@@ -106,7 +107,7 @@ class LiveRun:
         given = RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile, prepared=prepared)
         self._take(given)
         self._follow(rules)
-        self._look(has_changed=True)
+        self._look(GraphChange.TOLD)
 
     def set_budget(self, budget_kb_per_s: float) -> None:
         """Set the budget of all relayed topics."""
@@ -176,11 +177,11 @@ class LiveRun:
         self._sampling.received(topic, len(payload))
         self._take(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
 
-    def _look(self, has_changed: bool) -> None:  # noqa: FBT001 - what a robot calls
+    def _look(self, graph: GraphChange) -> None:
         # What is due goes out before a topic is opened anew, perhaps with another type.
         now_ns = self._robot.now_ns()
         self._take(WakeInput(stamp_ns=now_ns))
-        for change in self._topics.look(has_changed=has_changed):
+        for change in self._topics.look(graph):
             if change.topic in self._given:
                 self._take(ChangeInput(stamp_ns=now_ns, change=change))
         for topic, source in self._topics.heard():
@@ -188,7 +189,7 @@ class LiveRun:
                 part.on_source(topic, source, now_ns)
         for heard in self._topics.listeners():
             self._take(ChangeInput(stamp_ns=now_ns, change=heard))
-        self._compiled.look(self._topics, now_ns)
+        self._compiled.look(self._topics, now_ns, is_quiet=graph is GraphChange.NONE)
         self._losses.look(self._topics.subscriptions(), now_ns)
         for part in self._parts:
             part.on_graph()
@@ -222,7 +223,7 @@ class LiveRun:
         status = self._status.look(
             self.loop,
             self._topics.links(),
-            self._standing(),
+            self._rules_in_force(),
             read_own_process(),
             now_ns,
             status_hz=self._timer.status_hz,
@@ -232,6 +233,9 @@ class LiveRun:
         for part in self._parts:
             part.on_status(status)
         return status, self.loop.block_states(now_ns, most_blocks)
+
+    def _rules_in_force(self) -> RulesInForce:
+        return self._standing()
 
     def _report(self) -> None:
         decisions = self.loop.take_decisions()

@@ -34,6 +34,7 @@ _CPU_OVER_NS = NS_PER_S * 9 // 10
 _ERROR_AFTER_NS = 5 * NS_PER_S
 # What a pacer's credit and the edges of a window may add or take.
 _MESSAGES_EXPLAINED = 3
+_SOON_NS = 2 * NS_PER_S
 _BEGINNING = slice(HEADER_BYTES + STAMP_BYTES)
 
 
@@ -122,7 +123,10 @@ class _FrameMeters:
 class _Meters:
     """Both sides of one relay."""
 
-    __slots__ = ("age", "arrived", "frames", "is_heard", "relayed", "statistics", "target_hz")
+    __slots__ = (
+        *("_changes", "_looked_ns", "_subscriptions", "age", "arrived", "frames", "is_heard", "relayed"),
+        *("statistics", "target_hz"),
+    )
 
     def __init__(self, statistics: RelayStatistics) -> None:
         self.statistics = statistics
@@ -132,17 +136,24 @@ class _Meters:
         self.age = MessageAge()
         self.target_hz = statistics.target.rate_hz
         self.is_heard = True
+        self._changes = statistics.target.changes
+        self._subscriptions = 0
+        self._looked_ns = 0
 
     def look(self, link: TopicLink, profile: TopicProfile, now_ns: int) -> None:
         """Measure anew; the output's rate from its last change of target on."""
-        if self.target_hz != self.statistics.target.rate_hz:
-            self.target_hz = self.statistics.target.rate_hz
+        target, looked_ns = self.statistics.target, self._looked_ns
+        # Within a second there and back says nothing.
+        has_changed = now_ns - looked_ns > _SOON_NS and target.changes != self._changes
+        if has_changed or self.target_hz != target.rate_hz:
+            self.target_hz = target.rate_hz
             self.relayed.restart()
             self.frames.restart()
-        if link.is_heard and not self.is_heard:
+        if link.is_heard and not (self.is_heard and self._subscriptions == link.subscriptions):
             # What came meanwhile is not known.
             self.arrived.restart()
-        self.is_heard = link.is_heard
+        self.is_heard, self._subscriptions = link.is_heard, link.subscriptions
+        self._changes, self._looked_ns = target.changes, now_ns
         stale_after_s = profile.stale_after_s
         stale_after_ns = None if stale_after_s is None else ns_from_s(stale_after_s)
         self.arrived.look(now_ns, stale_after_ns=stale_after_ns, transient_local=link.transient_local)
@@ -170,7 +181,7 @@ class _Error(NamedTuple):
 
 
 class LiveStatus:
-    """Measures a live run; ``look`` is to be called once a second or more often."""
+    """Measures a live run at each ``look``: once a second, or every five while nobody asks."""
 
     def __init__(self, node: str, start: ProcessReading) -> None:
         self._cpu_percent: float | None = None

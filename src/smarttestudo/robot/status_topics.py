@@ -14,7 +14,7 @@ from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import Qos, Robot
-from smarttestudo.domain.status import MOST_BLOCKS, STATUS_HZ, BlockStatus, RuntimeStatus
+from smarttestudo.domain.status import MOST_BLOCKS, STATUS_HZ, BlockStatus, RulesInForce, RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.diagnostics import diagnostics
 
@@ -116,18 +116,23 @@ _MOST_BLOCKS_UNHEARD = 20
 """How many blocks the latched status holds while nobody listens: it costs the same whatever the rules."""
 # A period of one second is met by timers that are a little early.
 _DIAGNOSIS_AFTER_NS = NS_PER_S * 9 // 10
+_UNHEARD_AFTER_NS = 5 * NS_PER_S - NS_PER_S // 10
+"""How old the latched status becomes while nobody needs one: with many topics it costs what relaying does."""
 
 
 class StatusTimer:
     """Once a second, or ``asked_hz`` times where somebody receives them; diagnostics once a second.
 
-    So a requested rate ends with its subscriber.
+    So a requested rate ends with its subscriber. While nobody receives them, nor ``needs_all``, one comes
+    every five seconds, and at once for other rules in force.
     """
 
-    def __init__(self, robot: Robot, link: OutgoingLink | None = None) -> None:
+    def __init__(self, robot: Robot, link: OutgoingLink | None = None, *, needs_all: bool = False) -> None:
         self._link = link
         self.asked_hz = STATUS_HZ
         self._robot = robot
+        self._needs_all = needs_all
+        self._told: tuple[int, RulesInForce] | None = None
         self._diagnosed_ns: int | None = None
 
     @property
@@ -150,6 +155,15 @@ class StatusTimer:
         return (self._link is not None and self._link.is_watched) or bool(
             self._robot.subscriber_count(STATUS_TOPIC)
         )
+
+    def is_due(self, steady_ns: int, rules: RulesInForce) -> bool:
+        """Whether to tell a status now, with those ``rules``; where it is, it counts as told."""
+        if not (self._needs_all or self._is_watched or self._robot.subscriber_count(DIAGNOSTICS_TOPIC)):
+            told_ns, told_rules = self._told or (-_UNHEARD_AFTER_NS, rules)
+            if steady_ns < told_ns + _UNHEARD_AFTER_NS and rules == told_rules:
+                return False
+        self._told = steady_ns, rules
+        return True
 
     def is_diagnosis_due(self, steady_ns: int) -> bool:
         """Whether the status of now is one for diagnostics, too; asked once for each."""
@@ -182,7 +196,7 @@ class StatusTelling:
     """Tells one status after the other, each in slices between which messages are relayed.
 
     ``measure`` gives the status of now without its blocks, and the states of those, of which it is told how
-    many at most.
+    many at most; ``rules`` gives those in force.
     """
 
     def __init__(
@@ -191,11 +205,13 @@ class StatusTelling:
         publisher: StatusPublisher,
         timer: StatusTimer,
         measure: Callable[[int], tuple[RuntimeStatus, States]],
+        rules: Callable[[], RulesInForce],
     ) -> None:
         self._robot = robot
         self._publisher = publisher
         self._timer = timer
         self._measure = measure
+        self._rules = rules
         self._rest: Iterator[None] | None = None
         self._began_ns = 0
         self._cost_ns = 0
@@ -206,6 +222,8 @@ class StatusTelling:
         start_ns = time.process_time_ns()
         if self._rest is None:
             self._began_ns, self._cost_ns = self._robot.steady_ns(), 0
+            if not self._timer.is_due(self._began_ns, self._rules()):
+                return self._timer.period_s
             self._rest = self._slices()
         try:
             is_done = next(self._rest, self) is self

@@ -81,8 +81,9 @@ class OpenTopic:
 
     ``output`` is its output topic, ``None`` if it is only watched. ``unheard`` are publishers whose
     messages are dropped. Of one that ``is_recorded``, more may wait. Unless it ``is_told``, whoever reads it
-    does not know its source. ``problem`` says why nothing is open: what opens something may raise
-    ``RosError``; it is not tried again until the source changes.
+    does not know its source. ``subscriptions`` counts how often it was subscribed to. ``problem`` says why
+    nothing is open: what opens something may raise ``RosError``; it is not tried again until the source
+    changes.
     """
 
     def __init__(
@@ -101,6 +102,7 @@ class OpenTopic:
         self.is_told = True
         self._opened_for: LiveSource | None = None
         self.subscription: Subscription | None = None
+        self.subscriptions = 0
         self._publishers: PublisherPool | None = None
 
     def follow(self, source: LiveSource) -> None:
@@ -211,6 +213,7 @@ class OpenTopic:
         self.subscription = self._path.subscribe(
             self.topic, source.type_name, qos, self._received, priority=self._priority
         )
+        self.subscriptions += 1
 
     def _unsubscribe(self) -> None:
         if self.subscription is not None:

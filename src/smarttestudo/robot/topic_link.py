@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from smarttestudo.domain.robot import Endpoint, Qos, Robot
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.topic import OpenTopic
 
 
 def not_offered(offered: Qos, subscriber: Endpoint) -> tuple[str, ...]:
@@ -24,14 +24,15 @@ def not_offered(offered: Qos, subscriber: Endpoint) -> tuple[str, ...]:
 class TopicLink:
     """Connections of a relayed topic on the graph.
 
-    Unless it ``is_heard``, the source is not subscribed to. ``incompatible`` are the nodes among the
-    ``subscribers`` of the output that its QoS cannot serve.
+    Unless it ``is_heard``, the source is not subscribed to; it was ``subscriptions`` times.
+    ``incompatible`` are the nodes among the ``subscribers`` of the output that its QoS cannot serve.
     """
 
     output: str
     type_name: str | None = None
     publishers: int = 0
     is_heard: bool = True
+    subscriptions: int = 0
     transient_local: bool = False
     has_header: bool = False
     subscribers: int = 0
@@ -39,26 +40,23 @@ class TopicLink:
     problem: str | None = None
 
 
-def topic_link(
-    robot: Robot,
-    output: str,
-    source: LiveSource | None,
-    subscribers: Sequence[Endpoint],
-    problem: str | None,
-) -> TopicLink:
-    """The links of a topic whose publishers make ``source``, relayed to ``output``.
-
-    ``problem`` says why it cannot be relayed.
-    """
-    if source is None:
-        return TopicLink(output=output, subscribers=len(subscribers), problem=problem)
-    return TopicLink(
+def topic_link(robot: Robot, topic: OpenTopic, output: str, subscribers: Sequence[Endpoint]) -> TopicLink:
+    """The links of ``topic``, which is relayed to ``output``, where the ``subscribers`` are."""
+    link = TopicLink(
         output=output,
+        is_heard=topic.subscription is not None,
+        subscriptions=topic.subscriptions,
+        subscribers=len(subscribers),
+        problem=topic.problem,
+    )
+    source = topic.source
+    if source is None:
+        return link
+    return replace(
+        link,
         type_name=source.type_name,
         publishers=source.publishers,
         transient_local=source.qos.transient_local,
         has_header=robot.begins_with_header(source.type_name),
-        subscribers=len(subscribers),
         incompatible=tuple(sorted({one.node for one in subscribers if not_offered(source.qos, one)})),
-        problem=problem,
     )

@@ -5,13 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Undecodable
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Endpoint, Publisher, Robot, Subscription
+from smarttestudo.domain.robot import Endpoint, GraphChange, Publisher, Robot, Subscription
 from smarttestudo.domain.visible_topics import relaying_nodes
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.topic import LiveSource, OpenTopic, live_source, suits
@@ -21,10 +20,12 @@ LOOKS_PER_ROUND = 5
 
 
 class EndpointCache:
-    """A cache of the endpoints of topics. At each look, ``count`` gives how many every topic has.
+    """A cache of the endpoints of topics, of which ``count`` gives the number, and ``find`` all.
 
-    ``find`` costs several times as much: it is called where the number changed, and for a fifth of the others
-    in turn, so that one that was replaced by another is noticed too; for all when the graph has changed.
+    ``find`` costs several times as much. Where changes of the graph are told, it is called for all topics
+    after one. Where they are not, each look counts, and finds anew where the number changed and for a fifth
+    of the others in turn, so that one that was replaced by another is noticed too. Where none was told, a
+    look does that for a fifth of the topics: what was not told all the same is found then.
     """
 
     def __init__(self, count: Callable[[str], int], find: Callable[[str], Sequence[Endpoint]]) -> None:
@@ -33,17 +34,17 @@ class EndpointCache:
         self._found: dict[str, Sequence[Endpoint]] = {}
         self._looks = 0
 
-    def look(self, topics: Iterable[str], *, has_changed: bool = False) -> list[str]:
-        """Topics among ``topics`` whose endpoints are not what they were at the last look.
-
-        ``has_changed`` says that the graph is known to have changed since.
-        """
-        turn = self._looks % LOOKS_PER_ROUND
+    def look(self, topics: Iterable[str], graph: GraphChange) -> list[str]:
+        """Topics among ``topics`` whose endpoints are not what they were at the last look."""
+        counted = LOOKS_PER_ROUND if graph is GraphChange.NONE else 1
+        found = 1 if graph is GraphChange.TOLD else counted * LOOKS_PER_ROUND
+        looks = self._looks
         self._looks += 1
         return [
             topic
             for place, topic in enumerate(topics)
-            if self._is_new(topic, is_to_be_found=has_changed or place % LOOKS_PER_ROUND == turn)
+            if (place - looks) % counted == 0 or topic not in self._found
+            if self._is_new(topic, is_to_be_found=(place - looks) % found == 0)
         ]
 
     def of(self, topic: str) -> Sequence[Endpoint]:
@@ -127,11 +128,11 @@ class LiveTopics:
             if self._topics.get(topic) is not live:
                 live.close()
 
-    def look(self, *, has_changed: bool = False) -> list[SourceChanged]:
-        """Follow the graph, which ``has_changed`` or may have: what changed since the last look."""
-        self._look_at_operators(has_changed=has_changed)
+    def look(self, graph: GraphChange) -> list[SourceChanged]:
+        """Follow the graph: what changed since the last look."""
+        self._look_at_operators(graph)
         testudos = relaying_nodes(self._robot, self._warn_once)
-        moved = self._publishers.look(self._topics, has_changed=has_changed)
+        moved = self._publishers.look(self._topics, graph)
         unseen = [topic for topic, live in self._topics.items() if live.source is None or not live.is_told]
         if testudos != self._testudos:
             moved, self._testudos = list(self._topics), testudos
@@ -215,15 +216,11 @@ class LiveTopics:
 
     def links(self) -> dict[str, TopicLink]:
         """Connections of each relayed topic."""
-        links = {
-            topic: topic_link(
-                self._robot, live.output, live.source, self._subscribers.of(live.output), live.problem
-            )
+        return {
+            topic: topic_link(self._robot, live, live.output, self._subscribers.of(live.output))
             for topic, live in self._topics.items()
             if live.output is not None
         }
-        heard = self.subscriptions()
-        return {name: one if name in heard else replace(one, is_heard=False) for name, one in links.items()}
 
     def _new(self, topic: str, output: str | None) -> OpenTopic:
         priority = self._priority_of(topic)
@@ -238,9 +235,9 @@ class LiveTopics:
             self._warn_once(str(error))
         return live
 
-    def _look_at_operators(self, *, has_changed: bool) -> None:
+    def _look_at_operators(self, graph: GraphChange) -> None:
         outputs = {live.output: live for live in self._topics.values() if live.output is not None}
-        for output in self._subscribers.look(outputs, has_changed=has_changed):
+        for output in self._subscribers.look(outputs, graph):
             self._name_unserved(outputs[output])
         wanted = self._wanted(live.topic for output, live in outputs.items() if self._subscribers.of(output))
         for topic, live in self._topics.items():

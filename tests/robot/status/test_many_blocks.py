@@ -38,7 +38,8 @@ class Telling:
         self.driver = LoopDriver(zones(count))
         self.is_broken = False
         timer = StatusTimer(self.robot, self.link)
-        self.telling = StatusTelling(self.robot, StatusPublisher(self.robot, self.link), timer, self.measure)
+        publisher = StatusPublisher(self.robot, self.link)
+        self.telling = StatusTelling(self.robot, publisher, timer, self.measure, lambda: BARE.rules)
 
     def measure(self, most: int) -> tuple[RuntimeStatus, BlockStates]:
         if self.is_broken:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from smarttestudo.domain.robot import LookAtGraph
+from smarttestudo.domain.robot import GraphChange, LookAtGraph
 from smarttestudo.robot.ros.real_timers import RealTimers
 
 LEAST_PERIOD_S = 0.2
@@ -45,5 +45,6 @@ class GraphLooks:
     def _act(self) -> float:
         self._looked_s = self._steady_s()
         has_changed, self._has_changed = self._has_changed, False
-        self._look(has_changed)
-        return NET_PERIOD_S if self._is_told() else LEAST_PERIOD_S
+        is_told = self._is_told()
+        self._look(GraphChange.TOLD if has_changed else GraphChange.NONE if is_told else GraphChange.UNTOLD)
+        return NET_PERIOD_S if is_told else LEAST_PERIOD_S
