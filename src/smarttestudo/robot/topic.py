@@ -79,7 +79,8 @@ def suits(had: LiveSource, now: LiveSource) -> bool:
 class OpenTopic:
     """Subscription and publisher that are open for one topic, following its source.
 
-    ``output`` is its output topic, ``None`` if it is only watched. ``unheard`` are publishers whose
+    ``output`` is its output topic, ``None`` if it is only watched. ``has_header`` is whether its messages
+    begin with a std_msgs/Header. ``unheard`` are publishers whose
     messages are dropped. Of one that ``is_recorded``, more may wait. Unless it ``is_told``, whoever reads it
     does not know its source. ``subscriptions`` counts how often it was subscribed to. ``problem`` says why
     nothing is open: what opens something may raise ``RosError``; it is not tried again until the source
@@ -92,6 +93,7 @@ class OpenTopic:
         self.topic = topic
         self.output = output
         self.source: LiveSource | None = None
+        self.has_header = False
         self.unheard: frozenset[Hashable] = frozenset()
         self.problem: str | None = None
         self._path = path

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from smarttestudo.domain.robot import Endpoint, Qos, Robot
+from smarttestudo.domain.robot import Endpoint, Qos
 from smarttestudo.robot.topic import OpenTopic
 
 
@@ -40,7 +40,7 @@ class TopicLink:
     problem: str | None = None
 
 
-def topic_link(robot: Robot, topic: OpenTopic, output: str, subscribers: Sequence[Endpoint]) -> TopicLink:
+def topic_link(topic: OpenTopic, output: str, subscribers: Sequence[Endpoint]) -> TopicLink:
     """The links of ``topic``, which is relayed to ``output``, where the ``subscribers`` are."""
     link = TopicLink(
         output=output,
@@ -57,6 +57,6 @@ def topic_link(robot: Robot, topic: OpenTopic, output: str, subscribers: Sequenc
         type_name=source.type_name,
         publishers=source.publishers,
         transient_local=source.qos.transient_local,
-        has_header=robot.begins_with_header(source.type_name),
+        has_header=topic.has_header,
         incompatible=tuple(sorted({one.node for one in subscribers if not_offered(source.qos, one)})),
     )

@@ -217,7 +217,7 @@ class LiveTopics:
     def links(self) -> dict[str, TopicLink]:
         """Connections of each relayed topic."""
         return {
-            topic: topic_link(self._robot, live, live.output, self._subscribers.of(live.output))
+            topic: topic_link(live, live.output, self._subscribers.of(live.output))
             for topic, live in self._topics.items()
             if live.output is not None
         }
@@ -285,6 +285,7 @@ class LiveTopics:
         if source is None:
             return None
         if source != before:
+            live.has_header = self._robot.begins_with_header(source.type_name)
             self._report(live, source)
         try:
             live.follow(source)

@@ -52,7 +52,7 @@ class StatusDriver:
     def status_at(self, until_s: int) -> RuntimeStatus:
         """Run on to ``until_s`` and look there."""
         for second in range(self.driver.now_ns // SECOND + 1, until_s + 1):
-            self._send_until(second * SECOND)
+            self.send_until(second)
             status = self.look()
         return status
 
@@ -62,7 +62,9 @@ class StatusDriver:
         links = {topic: linked(topic, **self.links.get(topic, {})) for topic in loop.knowledge.plan}
         return self.live.look(loop, links, RULES, process_at(now_ns), now_ns)
 
-    def _send_until(self, end_ns: int) -> None:
+    def send_until(self, end_s: int) -> None:
+        """Run on to ``end_s``."""
+        end_ns = end_s * SECOND
         while self.due_ns and min(self.due_ns.values()) < end_ns:
             topic = min(self.due_ns, key=lambda name: self.due_ns[name])
             sent = len(self.driver.relayed)

@@ -141,6 +141,43 @@ def test_a_source_is_measured_anew_where_it_was_not_subscribed_to_for_a_second()
     assert driver.status_at(16).topics["/imu"].source_hz == pytest.approx(30)
 
 
+def test_looks_that_are_five_seconds_apart_measure_the_same() -> None:
+    often, seldom = (StatusDriver(rules=IMU_10, source_hz={"/imu": 30}) for _ in range(2))
+    for second in range(5, 41, 5):
+        seldom.send_until(second)
+        status, other = often.status_at(second).topics["/imu"], seldom.look().topics["/imu"]
+    for measured in ("source_hz", "actual_hz", "expected_hz"):
+        assert getattr(other, measured) == pytest.approx(getattr(status, measured), rel=0.01)
+    assert (other.silence, other.keeps_rate, other.counts) == (None, True, status.counts)
+    often.due_ns.clear()
+    seldom.due_ns.clear()
+    seldom.send_until(45)
+    for later in (seldom.look(), often.status_at(45)):
+        assert later.topics["/imu"].silence is Silence.SOURCE_SILENT
+
+
+def test_what_came_while_a_source_was_not_subscribed_to_between_two_looks_is_unknown() -> None:
+    driver = StatusDriver(rules=IMU_10, source_hz={"/imu": 30})
+    driver.status_at(12)
+    driver.due_ns["/imu"] += 3 * SECOND
+    driver.links["/imu"] = {"subscriptions": 1}
+    driver.send_until(17)
+    driver.look()
+    assert driver.status_at(20).topics["/imu"].source_hz == pytest.approx(30)
+
+
+def test_after_another_target_for_some_seconds_between_two_looks_the_rate_is_measured_anew() -> None:
+    driver = StatusDriver(rules=IMU_10, source_hz={"/imu": 30})
+    driver.status_at(12)
+    for seconds, rate in ((14, 2), (17, 10)):
+        driver.driver.reload(f"begin SetFrequency /imu {rate} end")
+        driver.send_until(seconds)
+    driver.look()
+    topic = driver.status_at(24).topics["/imu"]
+    assert topic.actual_hz == pytest.approx(10)
+    assert topic.keeps_rate
+
+
 def test_the_profile_says_from_when_on_a_source_is_silent() -> None:
     profile = Profile(topics={"/imu": TopicProfile(stale_after_s=30)})
     driver = StatusDriver(rules=IMU_10, source_hz={"/imu": 30}, profile=profile)

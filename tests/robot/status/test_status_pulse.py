@@ -4,11 +4,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 import pytest
 
 from robot.memory_link import MemoryLink
 from robot.status.virtual_robot import SECOND, VirtualRobot
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.status import RulesInForce, RulesOrigin
 from smarttestudo.robot.run_options import STATUS_RATE
 from smarttestudo.robot.status_topics import StatusTimer
 
@@ -51,6 +55,45 @@ def test_diagnostics_come_once_a_second_however_often_a_status_does() -> None:
     assert due == [0, 18, 36, 54]
     slow, _ = pulse_heard_by(0)
     assert all(slow.is_diagnosis_due(round(tick * 0.99 * SECOND)) for tick in range(5))
+
+
+RULES = RulesInForce(paths=("a.adirf",), sha256="0" * 64)
+
+
+def told_at(pulse: StatusTimer, seconds: Iterable[float], rules: RulesInForce = RULES) -> list[float]:
+    return [second for second in seconds if pulse.is_due(round(second * SECOND), rules)]
+
+
+def test_while_nobody_needs_one_a_status_comes_every_five_seconds() -> None:
+    robot = VirtualRobot(listeners=0)
+    pulse = StatusTimer(robot, MemoryLink())
+    assert told_at(pulse, range(100, 121)) == [100, 105, 110, 115, 120]
+    slightly_early = StatusTimer(robot)
+    assert told_at(slightly_early, [tick * 0.999 for tick in range(11)]) == [0, 5 * 0.999, 10 * 0.999]
+
+
+def test_whoever_comes_has_the_next_one_at_once() -> None:
+    link, robot = MemoryLink(), VirtualRobot(listeners=0)
+    pulse = StatusTimer(robot, link)
+    assert told_at(pulse, range(3)) == [0]
+    robot.listeners = 1
+    assert told_at(pulse, range(3, 6)) == [3, 4, 5]
+    robot.listeners = 0
+    assert told_at(pulse, range(6, 11)) == [10]
+    link.is_watched = True
+    assert told_at(pulse, range(11, 14)) == [11, 12, 13]
+
+
+def test_other_rules_in_force_are_told_at_once() -> None:
+    pulse = StatusTimer(VirtualRobot(listeners=0))
+    assert told_at(pulse, range(3)) == [0]
+    pushed = replace(RULES, origin=RulesOrigin.PUSHED)
+    assert told_at(pulse, range(3, 9), pushed) == [3, 8]
+
+
+def test_a_part_that_needs_all_has_one_each_second() -> None:
+    pulse = StatusTimer(VirtualRobot(listeners=0), needs_all=True)
+    assert told_at(pulse, range(4)) == [0, 1, 2, 3]
 
 
 @pytest.mark.parametrize("value", [1, 1.0, 5, 20.0])
