@@ -227,17 +227,16 @@ def bounds_hz(model: Model, needs: Needs, tier: Tier) -> tuple[float, float]:
     The budget and priority models do not look at levels. Benefit and maxmin do not pay for rates above the
     source's, which bring nothing; to the quper model the source's rate is unknown, as in the thesis.
     """
-    if model is Model.QUPER:
-        low_hz, high_hz = interval_hz(tier, needs.tiers_hz)
-    elif model is Model.BUDGET or model is Model.PRIORITY:
-        low_hz, high_hz = 0.0, needs.ceiling_hz
-    else:
-        source_hz = math.inf if needs.entry.source_hz is None else needs.entry.source_hz
-        low_hz, high_hz = (min(end, source_hz) for end in interval_hz(tier, needs.tiers_hz))
-    floor_hz, most_hz = needs.floor_hz, needs.most_hz
-    low_hz = max(low_hz, floor_hz)
-    high_hz = min(high_hz, most_hz)
-    return low_hz, max(high_hz, low_hz)
+    match model:
+        case Model.QUPER:
+            low_hz, high_hz = interval_hz(tier, needs.tiers_hz)
+        case Model.BUDGET | Model.PRIORITY:
+            low_hz, high_hz = 0.0, needs.ceiling_hz
+        case Model.BENEFIT | Model.MAXMIN:
+            source_hz = math.inf if needs.entry.source_hz is None else needs.entry.source_hz
+            low_hz, high_hz = (min(end, source_hz) for end in interval_hz(tier, needs.tiers_hz))
+    low_hz = max(low_hz, needs.floor_hz)
+    return low_hz, max(low_hz, min(high_hz, needs.most_hz))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
