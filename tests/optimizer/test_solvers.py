@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
+import highspy
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -25,6 +27,25 @@ def demand(topic: str, size_kb: float, least_hz: float, *pieces: tuple[float, fl
 
 def whole(limit_kb_per_s: float) -> list[Budget]:
     return [Budget(limit_kb_per_s=limit_kb_per_s)]
+
+
+@pytest.fixture
+def highs_of_two_threads() -> Iterator[None]:
+    """HiGHS as other code in the same process, say a notebook, may leave it."""
+    highspy.Highs.resetGlobalScheduler(True)
+    other = highspy.Highs()  # type: ignore[no-untyped-call]
+    other.silent()
+    other.setOptionValue("threads", 2)
+    other.maximize(other.addVariable(0, 1))
+    yield
+    highspy.Highs.resetGlobalScheduler(True)
+
+
+@pytest.mark.usefixtures("highs_of_two_threads")
+def test_other_code_may_have_given_highs_more_threads() -> None:
+    found = HighsSolver().allocate([demand("/a", 1, 0, (10, 1))], whole(4))
+    assert found is not None
+    assert found.rates_hz == pytest.approx({"/a": 4})
 
 
 @pytest.mark.parametrize("solver", [GreedySolver(), HighsSolver()], ids=["greedy", "highs"])

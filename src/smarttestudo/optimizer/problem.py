@@ -95,5 +95,6 @@ def round_down(rate_hz: float) -> float:
     """``rate_hz`` in whole steps of 0.001 Hz; what misses a step by float noise only has reached it."""
     steps = rate_hz * _STEPS_PER_HZ
     nearest = round(steps)
-    whole = nearest if math.isclose(steps, nearest, rel_tol=1e-12, abs_tol=1e-9) else math.floor(steps)
-    return whole / _STEPS_PER_HZ
+    if nearest != steps and not math.isclose(steps, nearest, rel_tol=1e-12, abs_tol=1e-9):
+        return math.floor(steps) / _STEPS_PER_HZ
+    return nearest / _STEPS_PER_HZ

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import mul
 
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
@@ -190,16 +191,16 @@ class _DefaultLoads:
     def __init__(self, defaults: Subproblem, rates_hz: Mapping[str, float]) -> None:
         self._rates_hz = rates_hz
         self._sizes_kb = {name: one.needs.size_kb for name, one in defaults.requirements.items()}
-        self._taken = {name: self._sizes_kb[name] * rate_hz for name, rate_hz in rates_hz.items()}
-        self._all = exact_sum(self._taken.values())
-        self._names: dict[str, list[str]] = {}
-        for name in rates_hz:
-            self._names.setdefault(topic_of(name), []).append(name)
+        taken = {name: self._sizes_kb[name] * rate_hz for name, rate_hz in rates_hz.items()}
+        self._all = exact_sum(taken.values())
+        self._without: dict[str, list[float]] = {}
+        for name, kb_per_s in taken.items():
+            self._without.setdefault(topic_of(name), []).append(-kb_per_s)
 
     def beside(self, subproblem: Subproblem) -> float:
         """Sum of all topics that ``subproblem`` leaves as they are, and of what it keeps of its own."""
         topics = {topic_of(name) for name in (*subproblem.requirements, *subproblem.kept)}
-        own = [-self._taken[name] for topic in topics for name in self._names.get(topic, ())]
+        own = [less for topic in topics for less in self._without.get(topic, ())]
         kept = [
             self._sizes_kb[name] * min(self._rates_hz[name], limit_hz)
             for name, limit_hz in subproblem.kept.items()
@@ -241,9 +242,9 @@ def solve_subproblem(
     """The rates of one subproblem, where all other topics take ``others_kb_per_s`` of the budget."""
     requirements = [*subproblem.requirements.values()]
     bounds_hz = [one.bounds_hz(model) for one in requirements]
-    least_hz = {name: least for name, (least, _) in zip(subproblem.requirements, bounds_hz, strict=True)}
+    least_hz = [least for least, _ in bounds_hz]
     sizes_kb = [one.needs.size_kb for one in requirements]
-    own_least = used_kb_per_s(zip(sizes_kb, least_hz.values(), strict=True))
+    own_least = math.fsum(map(mul, sizes_kb, least_hz))
     needs = others_kb_per_s + own_least
     found = None
     if fits(needs, budget_kb_per_s):
@@ -259,8 +260,8 @@ def solve_subproblem(
             needs_kb_per_s=needs,
             used_kb_per_s=needs,
         )
-    rates_hz = rounded_down(found.rates_hz, least_hz)
-    own = used_kb_per_s(zip(sizes_kb, [rates_hz[name] for name in least_hz], strict=True))
+    rates_hz = rounded_down(found.rates_hz, dict(zip(subproblem.requirements, least_hz, strict=True)))
+    own = math.fsum(map(mul, sizes_kb, [rates_hz[name] for name in subproblem.requirements]))
     return SolvedSubproblem(
         subproblem=subproblem,
         model=model,

@@ -58,7 +58,12 @@ def maximise(program: LinearProgram) -> Optimum | None:
     highs.setOptionValue("mip_feasibility_tolerance", _FEASIBILITY_TOLERANCE)
     highs.setOptionValue("mip_rel_gap", 0.0)
     highs.passModel(_highs_model(program))
-    highs.run()
+    # The programs are small: a second thread would wait for work, and take a processor to do so.
+    highs.setOptionValue("threads", 1)
+    if highs.run() == highspy.HighsStatus.kError:
+        # HiGHS keeps as many threads as this process first let it have.
+        highs.setOptionValue("threads", 0)
+        highs.run()
     status = highs.getModelStatus()
     if status == highspy.HighsModelStatus.kInfeasible:
         return None
