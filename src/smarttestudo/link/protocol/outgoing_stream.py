@@ -92,10 +92,10 @@ class OutgoingStream:
         """When the message that goes next was offered."""
         if self.begun is not None:
             return self.begun.offered_ns
-        waiting = [next(iter(self.slots.values())).offered_ns] if self.slots else []
-        if self.queue:
-            waiting.append(self.queue[0].offered_ns)
-        return min(waiting)
+        if not self.queue:
+            return next(iter(self.slots.values())).offered_ns
+        queued_ns = self.queue[0].offered_ns
+        return min(queued_ns, next(iter(self.slots.values())).offered_ns) if self.slots else queued_ns
 
     def is_urgent(self, now_ns: int) -> bool:
         """Whether it goes before others: latched, or below its floor."""

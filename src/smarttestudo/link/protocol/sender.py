@@ -190,7 +190,7 @@ class LinkSender(Generic[_Request]):
         """Whether ``next_chunk`` or ``next_answer`` may give something."""
         if self._outbox.is_empty or not self.is_connected(now_ns) or self.is_stalled(now_ns):
             return not self.background.is_empty
-        if self._window.chunk_bytes:
+        if self._window.has_room:
             return True
         self._window.limited()
         return not self.background.is_empty
@@ -208,7 +208,10 @@ class LinkSender(Generic[_Request]):
     def is_stalled(self, now_ns: int) -> bool:
         """Whether what is under way should long have arrived."""
         since_ns = self._window.waiting_since_ns
-        return since_ns is not None and now_ns - since_ns > self._stalled_after_ns
+        # No outage is shorter than that, and this is asked of every chunk.
+        if since_ns is None or now_ns - since_ns <= STALLED_AFTER_NS:
+            return False
+        return now_ns - since_ns > self._stalled_after_ns
 
     @property
     def _stalled_after_ns(self) -> int:

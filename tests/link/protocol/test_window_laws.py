@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is asked of a window and of a stream for every chunk is what the long way says."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from smarttestudo.domain.link import LinkNeeds
+from smarttestudo.domain.units import NS_PER_MS
+from smarttestudo.link.protocol.outgoing_stream import OutgoingMessage, OutgoingStream
+from smarttestudo.link.protocol.window import Window
+
+STEPS = st.lists(
+    st.tuples(
+        st.sampled_from(["sent", "acknowledged", "limited", "idle"]), st.integers(0, 40), st.floats(0, 1)
+    ),
+    max_size=60,
+)
+TIMES = st.lists(st.integers(0, 9), max_size=3)
+
+
+@given(STEPS)
+def test_a_window_has_room_exactly_where_a_chunk_may_have_bytes(
+    steps: list[tuple[str, int, float]],
+) -> None:
+    window, now_ns = Window(), 0
+    for what, after_ms, share in steps:
+        now_ns += after_ms * NS_PER_MS
+        if what == "sent":
+            window.sent(max(1, int(window.chunk_bytes * share)), now_ns)
+        elif what == "acknowledged":
+            window.acknowledge(window.acknowledged_bytes + int(window.in_flight_bytes * share), now_ns)
+        elif what == "limited":
+            window.limited()
+        else:
+            window.idle()
+        assert window.has_room == (window.chunk_bytes > 0)
+
+
+@given(TIMES, TIMES)
+def test_the_oldest_message_of_a_stream_is_the_first_of_its_queue_or_of_its_slots(
+    queued: list[int], slots: list[int]
+) -> None:
+    stream = OutgoingStream(1, LinkNeeds(), None)
+    for number, offered_ns in enumerate([*queued, *slots]):
+        message = OutgoingMessage(1, number, b"", offered_ns, is_kept=False)
+        if number < len(queued):
+            stream.queue.append(message)
+        else:
+            stream.put_slot(message)
+    first = [times[0] for times in (queued, slots) if times]
+    if first:
+        assert stream.oldest_ns == min(first)
