@@ -4,15 +4,16 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from operator import ne
 from typing import Any, TypeVar
 
 _T = TypeVar("_T")
 _S = TypeVar("_S")
 
 _RUN = 64
-_FEW = 16
+_SHORTEST_RUN = 32
+_LONGEST_RUN = 128
 
 
 class Recall:
@@ -47,29 +48,32 @@ class Recall:
         """The values of ``each``, and the numbers of the rows that need one, which the caller fills in."""
         ids = [_ids(column) for column in columns]
         old_ids, old_values, _ = self._before.get(name, ([[] for _ in ids], [], None))
-        values = old_values.copy()
-        others = sorted({at for pair in zip(old_ids, ids, strict=True) for at in _differing(*pair)})
-        if len(values) != len(ids[0]) or len(others) > _FEW:
-            by_things = dict(zip(zip(*old_ids, strict=True), old_values, strict=True))
-            values = list(map(by_things.get, zip(*ids, strict=True)))
-            others = [at for at, value in enumerate(values) if value is None]
+        head, tail = _common_ends(old_ids, ids)
+        old_end, end = len(old_values) - tail, len(ids[0]) - tail
+        old_rows = zip(*(column[head:old_end] for column in old_ids), strict=True)
+        by_things = dict(zip(old_rows, old_values[head:old_end], strict=True))
+        between = list(map(by_things.get, zip(*(column[head:end] for column in ids), strict=True)))
+        values = [*old_values[:head], *between, *old_values[old_end:]]
         self.keep(name, (ids, values, columns))
-        return values, others
+        return values, [at for at, value in enumerate(between, head) if value is None]
 
     def runs(self, name: Hashable, make: Callable[[Sequence[_S]], _T], things: Sequence[_S]) -> Sequence[_T]:
         """The value called ``name`` of each run of ``things``, made again where one of them is new."""
         ids = _ids(things)
-        old_ids, old_values, _ = self._before.get(name, ([], [], None))
-        changed = {at // _RUN for at in _differing(old_ids, ids)}
-        if len(old_ids) != len(ids):
-            changed.add(min(len(old_ids), len(ids)) // _RUN)
-        values = [
-            old_values[run]
-            if run < len(old_values) and run not in changed
-            else make(things[run * _RUN : (run + 1) * _RUN])
-            for run in range(-(-len(ids) // _RUN))
-        ]
-        self.keep(name, (ids, values, things))
+        old_ids, old_ends, old_values, _ = self._before.get(name, ([], [], [], None))
+        head, tail = _common_ends([old_ids], [ids])
+        by = len(ids) - len(old_ids)
+        first = bisect_right(old_ends, head)
+        behind = bisect_left(old_ends, len(old_ids) - tail) + 1
+        end = old_ends[behind - 1] + by if behind <= len(old_ends) else len(ids)
+        if first and 0 < end - old_ends[first - 1] < _SHORTEST_RUN:
+            first -= 1
+        start = old_ends[first - 1] if first else 0
+        ends = _ends_of_runs(start, end)
+        made = [make(things[one:another]) for one, another in zip([start, *ends], ends, strict=False)]
+        values = [*old_values[:first], *made, *old_values[behind:]]
+        ends = [*old_ends[:first], *ends, *(one + by for one in old_ends[behind:])]
+        self.keep(name, (ids, ends, values, things))
         return values
 
     def forget_before(self) -> None:
@@ -81,12 +85,22 @@ def _ids(things: Sequence[Any]) -> list[int]:
     return list(things if things and isinstance(things[0], int) else map(id, things))
 
 
-def _differing(old: Sequence[int], new: Sequence[int]) -> Sequence[int]:
-    """Where ``old`` and ``new`` differ, as far as both go."""
-    return [
-        at
-        for start in range(0, min(len(old), len(new)), _RUN)
-        if old[start : start + _RUN] != new[start : start + _RUN]
-        for at, is_other in enumerate(map(ne, old[start : start + _RUN], new[start : start + _RUN]), start)
-        if is_other
-    ]
+def _common_ends(old: Sequence[Sequence[int]], new: Sequence[Sequence[int]]) -> tuple[int, int]:
+    """How many rows of columns are alike at the start, and how many of the others at the end."""
+    head = min(map(_common_start, old, new))
+    rest = ((one[head:][::-1], other[head:][::-1]) for one, other in zip(old, new, strict=True))
+    return head, min(_common_start(*pair) for pair in rest)
+
+
+def _common_start(old: Sequence[int], new: Sequence[int]) -> int:
+    """How many numbers at the start of both are alike."""
+    shorter = min(len(old), len(new))
+    runs = range(0, shorter, _RUN)
+    start = next((at for at in runs if old[at : at + _RUN] != new[at : at + _RUN]), shorter)
+    return next((at for at in range(start, shorter) if old[at] != new[at]), shorter)
+
+
+def _ends_of_runs(start: int, end: int) -> Sequence[int]:
+    """Where runs of about as many things end between ``start`` and ``end``."""
+    count = -(-(end - start) // _LONGEST_RUN)
+    return [start + (end - start) * number // count for number in range(1, count + 1)]

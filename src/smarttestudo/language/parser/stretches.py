@@ -16,8 +16,8 @@ from smarttestudo.language.parser.tokens import Token
 from smarttestudo.language.syntax import Statement
 
 _END = re.compile(
-    r"""EndIf [ \t]* (?: //[^\r\n]* )? (?: \r\n | \r | \n )
-        (?= (?: \s | //[^\r\n]* [\r\n] )* [A-Za-z] )   # With a comparison behind it, EndIf is a property.
+    r"""(?: EndIf | begin ) [ \t]* (?: //[^\r\n]* )? (?: \r\n | \r | \n )
+        (?= (?: \s | //[^\r\n]* [\r\n] )* [A-Za-z] )   # With a comparison behind, it is a property.
     """,
     re.VERBOSE,
 )
@@ -32,7 +32,7 @@ _LOOKED_THROUGH = 4096
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stretch:
-    """The words from behind one line ``EndIf`` to the next, or to the end of the file.
+    """The words from behind one line ``EndIf`` or ``begin`` to the next, or to the end of the file.
 
     ``line`` is the number of its first line, ``line_starts`` are where its lines start in it, and ``glued``
     are the words that follow a keyword without a blank between. ``may_hold_foreign_comment`` is whether a
