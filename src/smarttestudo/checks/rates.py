@@ -47,11 +47,11 @@ def _two_defaults(rules: RuleModel) -> Iterator[Found]:
     for one in rules.written_defaults:
         last = rules.defaults[one.topic]
         if one is not last:
-            where = wording.place(rules.lines, last.path, last.span, seen_from=one.path)
+            where = wording.place(last.path, last.span, seen_from=one.path)
             yield Found(
                 path=one.path,
                 span=one.span,
-                message=f"this default of {one.topic} is overridden by that of {where}",
+                message=(f"this default of {one.topic} is overridden by that of ", *where),
                 hint="the last default counts; remove this one",
                 fix=Fix(span=one.span, replacement="", title="remove the overridden default"),
             )
@@ -101,12 +101,15 @@ def _rate_below_floor(rules: RuleModel) -> Iterator[Found]:
     """Rates below a floor."""
     for floor, one in _floored(rules):
         if one.rate is not None and one.rate.yields_to_floor and one.rate.hz < floor.rate.hz:
-            where = wording.place(rules.lines, floor.path, floor.span, seen_from=one.path)
+            where = wording.place(floor.path, floor.span, seen_from=one.path)
             yield Found(
                 path=one.path,
                 span=one.statement.rate.span,
-                message=f"{one.rate} is below the floor of {one.topic}: KeepAtLeast ({where}) raises it to "
-                f"{floor.rate}",
+                message=(
+                    f"{one.rate} is below the floor of {one.topic}: KeepAtLeast (",
+                    *where,
+                    f") raises it to {floor.rate}",
+                ),
                 hint="write the floor's rate here, or lower the floor",
                 fix=Fix(
                     span=one.statement.rate.span,
@@ -120,11 +123,15 @@ def _off_despite_floor(rules: RuleModel) -> Iterator[Found]:
     """Off where a floor exists."""
     for floor, one in _floored(rules):
         if one.rate is not None and not one.rate.yields_to_floor:
-            where = wording.place(rules.lines, floor.path, floor.span, seen_from=one.path)
+            where = wording.place(floor.path, floor.span, seen_from=one.path)
             yield Found(
                 path=one.path,
                 span=one.statement.rate.span,
-                message=f"Off stops {one.topic} although KeepAtLeast ({where}) keeps it at {floor.rate}",
+                message=(
+                    f"Off stops {one.topic} although KeepAtLeast (",
+                    *where,
+                    f") keeps it at {floor.rate}",
+                ),
                 hint="write 0 for the floor's rate, or remove the KeepAtLeast",
                 fix=Fix(
                     span=one.statement.rate.span,

@@ -13,7 +13,6 @@ from typing import TypeVar
 from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.fixes import DefaultPlace, default_place
-from smarttestudo.checks.text_lines import TextLines, text_lines
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (
@@ -25,7 +24,6 @@ from smarttestudo.language.normal_form import (
     negation,
     over_states,
 )
-from smarttestudo.language.parser.line_numbers import LineNumbers
 from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.recall import Recall
 from smarttestudo.language.region import Region
@@ -127,7 +125,7 @@ class RuleModel:
     keyword without a blank between. A branch that sets no rate is not among ``branches``, and ``recordings``
     is every Record. Conditions are over states. Of disabled blocks, only ``mentions``, ``disabled`` and
     ``disabled_checks`` tell. ``default_places`` are by file. ``recall`` has what is known of statements that
-    the text before had as well. Trees number lines as the parser did; ``lines`` tells which these are.
+    the text before had as well.
     """
 
     context: CheckContext
@@ -149,7 +147,6 @@ class RuleModel:
     default_places: Mapping[str, DefaultPlace | None]
     recall: Recall
     sites: SiteReader
-    lines: TextLines
 
     def of_block(self, block: ResolvedBlock, branches: Sequence[Branch]) -> RuleModel:
         """The same of one block alone, as far as checks read it that are about one block."""
@@ -166,11 +163,10 @@ def read_rule_model(
     files: Sequence[RuleFile],
     context: CheckContext,
     recall: Recall | None = None,
-    lines: Mapping[str, LineNumbers] | None = None,
 ) -> RuleModel:
     """The statements of ``files``, with the interval analysis of their conditions.
 
-    ``recall`` is of a text of the same files in the same ``context``; ``lines`` are by their paths.
+    ``recall`` is of a text of the same files in the same ``context``.
     """
     recall = recall or Recall()
     resolve = cache(context.resolve)
@@ -210,7 +206,6 @@ def read_rule_model(
         default_places={file.path: default_place(file) for file in files},
         recall=recall,
         sites=sites,
-        lines=text_lines(lines or {}, recall),
     )
 
 

@@ -57,6 +57,10 @@ class LineNumbers:
         """A tree's fix at its place in the text."""
         return None if fix is None else replace(fix, span=self.span(fix.span))
 
+    def numbered_fix(self, fix: Fix | None) -> Fix | None:
+        """A fix of the text as its trees know it."""
+        return None if fix is None else replace(fix, span=self.numbered(fix.span))
+
     def label(self, block: Block) -> str:
         """The label of a block of a tree."""
         return unnamed_label(self.line(block.span.line)) if block.is_unnamed else block.label
