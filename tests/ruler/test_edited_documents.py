@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from hypothesis import given, settings
+from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from language.edited_texts import edited_texts
@@ -26,6 +27,19 @@ def test_the_document_of_an_edited_text_is_as_if_it_were_new(texts: list[str]) -
         draft = Draft(text=text, name="rules.adirf")
         assert answer_json(kept.document(draft)) == answer_json(EditedTexts().document(draft))
         assert answer_json(kept.zones(draft)) == answer_json(EditedTexts().zones(draft))
+
+
+@given(edited_texts(), st.sampled_from((None, "")))
+@settings(max_examples=150, deadline=None)
+def test_the_json_of_an_edited_text_is_that_of_its_statements_and_findings(
+    texts: list[str], profile_text: str | None
+) -> None:
+    kept = EditedTexts()
+    for text in texts:
+        document = kept.document(Draft(text=text, name="rules.adirf", profile_text=profile_text))
+        parts = [replace(part, statements=tuple(part.statements)) for part in document.collections]
+        structs = replace(document, collections=tuple(parts), findings=tuple(document.findings))
+        assert answer_json(document).decode() == answer_json(structs).decode()
 
 
 @given(edited_texts(max_edits=3))

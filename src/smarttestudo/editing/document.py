@@ -170,7 +170,10 @@ class Document:
 
     def number_at(self, place: Span) -> int | None:
         """The number of the statement whose words hold the start of ``place`` in the text."""
-        place = self.numbered(place)
+        return self.number_of(self.numbered(place))
+
+    def number_of(self, place: Span) -> int | None:
+        """The number of the statement whose words hold the start of ``place`` of a tree."""
         at = bisect_right(self.starts, place[:2]) - 1
         return at if at >= 0 and place[:2] <= self.entries[at].written.end else None
 

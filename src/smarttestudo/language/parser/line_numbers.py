@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import sys
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
@@ -39,6 +40,17 @@ class LineNumbers:
         """The line that has ``number``; one more than the last of a stretch is the first of the next."""
         at = bisect_right(self.numbers, number) - 1
         return number - self.numbers[at] + self.lines[at]
+
+    def lines_of(self, numbers: Sequence[int]) -> Sequence[int]:
+        """The lines that have ``numbers``, which grow."""
+        lines: list[int] = []
+        starts = zip([*self.numbers[1:], sys.maxsize], self.numbers, self.lines, strict=True)
+        behind, first, line = next(starts)
+        for number in numbers:
+            while number >= behind:
+                behind, first, line = next(starts)
+            lines.append(number - first + line)
+        return lines
 
     def number(self, line: int) -> int:
         """The number of ``line``."""
