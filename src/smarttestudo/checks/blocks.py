@@ -207,7 +207,7 @@ def _block_disabled(rules: RuleModel) -> Iterator[Found]:
 BLOCKS_CLASH = RuleCheck(code="blocks-clash", severity=Severity.WARNING, find=_blocks_clash)
 
 CHECKS = (
-    RuleCheck(code="topic-twice", severity=Severity.ERROR, find=_topic_twice),
+    RuleCheck(code="topic-twice", severity=Severity.ERROR, find=_topic_twice, is_about_one_block=True),
     BLOCKS_CLASH,
     RuleCheck(code="block-shadowed", severity=Severity.WARNING, find=_block_shadowed),
     RuleCheck(code="no-margin", severity=Severity.INFO, find=_no_margin),

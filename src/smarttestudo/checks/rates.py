@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 
 from smarttestudo.checks import wording
@@ -14,7 +14,7 @@ from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.rate import Tier
-from smarttestudo.language.resolved_rules import ResolvedFloor, ResolvedRate
+from smarttestudo.language.resolved_rules import Branch, ResolvedFloor, ResolvedRate
 from smarttestudo.language.syntax import bound_span
 
 
@@ -22,24 +22,32 @@ def _tier_without_rate(rules: RuleModel) -> Iterator[Found]:
     """A tier without a profile that gives it a rate or an accuracy."""
     if rules.context.profile is not None:
         return
-    for one in chain.from_iterable(rules.settings.values()):
-        tier = one.statement.rate.value
-        if isinstance(tier, Tier):
-            yield Found(
-                path=one.path,
-                span=one.statement.rate.span,
-                message=f"{tier.value} has no rate without a profile",
-                hint=f"write a rate in Hz, or {rules.context.way_to_profile}",
-            )
+    in_blocks = rules.recall.runs("written tiers", _tiers_of, rules.branches)
+    for one, tier in (*_tiers(rules.written_defaults), *chain.from_iterable(in_blocks)):
+        yield Found(
+            path=one.path,
+            span=one.statement.rate.span,
+            message=f"{tier.value} has no rate without a profile",
+            hint=f"write a rate in Hz, or {rules.context.way_to_profile}",
+        )
     for bound in rules.bounds:
-        tier = bound.statement.bound
-        if isinstance(tier, Tier):
+        level = bound.statement.bound
+        if isinstance(level, Tier):
             yield Found(
                 path=bound.path,
                 span=bound_span(bound.statement),
-                message=f"{tier.value} has no accuracy without a profile",
+                message=f"{level.value} has no accuracy without a profile",
                 hint=f"write a number, or {rules.context.way_to_profile}",
             )
+
+
+def _tiers_of(branches: Sequence[Branch]) -> Sequence[tuple[ResolvedRate, Tier]]:
+    return [one for branch in branches for one in _tiers(branch.written)]
+
+
+def _tiers(rates: Iterable[ResolvedRate]) -> Iterator[tuple[ResolvedRate, Tier]]:
+    """Those among ``rates`` that are tiers."""
+    return ((one, tier) for one in rates if isinstance(tier := one.statement.rate.value, Tier))
 
 
 def _two_defaults(rules: RuleModel) -> Iterator[Found]:

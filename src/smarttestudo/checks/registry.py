@@ -73,11 +73,11 @@ def check_again(
     recall = Recall(before.recall if before is not None and is_alike else None)
     rules = read_rule_model(files, context, recall)
     is_whole = context.has_all_files and all(result.is_valid for result in results)
-    findings = [NumberedFinding.of(one, result.lines) for result in results for one in result.findings]
-    findings += _about_blocks(rules)
+    findings = list(_about_blocks(rules))
     for check in _ABOUT_ALL:
         if is_whole or not check.needs_all_statements:
             findings += recall.each(("findings", check.code), check.finding, tuple(check.find(rules)))
+    findings += [NumberedFinding.of(one, result.lines) for result in results for one in result.findings]
     places = recall.each("places", _place, findings)
     by_place = [findings[at] for at in sorted(range(len(findings)), key=places.__getitem__)]
     recall.forget_before()

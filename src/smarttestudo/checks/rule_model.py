@@ -182,10 +182,11 @@ def read_rule_model(
     disabled_checks = recall.each("disabled checks", sites.of, disabled.blocks)
     settings: dict[str, list[ResolvedRate]] = {}
     relayed: dict[str, _Relayed] = {}
-    for by_topic in recall.runs("rates by topic", _by_topic, rules.rates):
+    for firsts, by_topic in recall.runs("rates by topic", _by_topic, rules.rates):
+        for topic, first in firsts.items():
+            relayed.setdefault(topic, first)
         for topic, rates in by_topic.items():
-            relayed.setdefault(topic, rates[0])
-            settings.setdefault(topic, []).extend(one for one in rates if isinstance(one, ResolvedRate))
+            settings.setdefault(topic, []).extend(rates)
     return RuleModel(
         context=context,
         settings=settings,
@@ -226,11 +227,17 @@ def _firsts(parts: Iterable[Mapping[str, _T]]) -> Mapping[str, _T]:
     return firsts
 
 
-def _by_topic(rates: Iterable[_Relayed]) -> Mapping[str, Sequence[_Relayed]]:
-    by_topic: dict[str, list[_Relayed]] = {}
+def _by_topic(
+    rates: Sequence[_Relayed],
+) -> tuple[Mapping[str, _Relayed], Mapping[str, Sequence[ResolvedRate]]]:
+    """The first of each topic, and all that are no floors."""
+    firsts: dict[str, _Relayed] = {}
+    by_topic: dict[str, list[ResolvedRate]] = {}
     for one in rates:
-        by_topic.setdefault(one.topic, []).append(one)
-    return by_topic
+        firsts.setdefault(one.topic, one)
+        if isinstance(one, ResolvedRate):
+            by_topic.setdefault(one.topic, []).append(one)
+    return firsts, by_topic
 
 
 def _mentions(files: Sequence[RuleFile], resolve: Resolve, recall: Recall) -> Mapping[str, Mention]:

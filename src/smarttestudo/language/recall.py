@@ -5,15 +5,16 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from itertools import compress, count
+from operator import is_not, ne
 from typing import Any, TypeVar
 
 _T = TypeVar("_T")
 _S = TypeVar("_S")
 
-_RUN = 64
-_SHORTEST_RUN = 32
-_LONGEST_RUN = 128
+_SHORTEST_RUN = 16
+_LONGEST_RUN = 64
 
 
 class Recall:
@@ -46,26 +47,33 @@ class Recall:
 
     def known(self, name: Hashable, *columns: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
         """The values of ``each``, and the numbers of the rows that need one, which the caller fills in."""
-        ids = [_ids(column) for column in columns]
-        old_ids, old_values, _ = self._before.get(name, ([[] for _ in ids], [], None))
-        head, tail = _common_ends(old_ids, ids)
-        old_end, end = len(old_values) - tail, len(ids[0]) - tail
-        old_rows = zip(*(column[head:old_end] for column in old_ids), strict=True)
+        old_columns, old_values = self._before.get(name, ([() for _ in columns], []))
+        head, tail = _common_ends(old_columns, columns)
+        old_end, end = len(old_values) - tail, len(columns[0]) - tail
+        old_rows = zip(*(_ids(column[head:old_end]) for column in old_columns), strict=True)
         by_things = dict(zip(old_rows, old_values[head:old_end], strict=True))
-        between = list(map(by_things.get, zip(*(column[head:end] for column in ids), strict=True)))
+        rows = zip(*(_ids(column[head:end]) for column in columns), strict=True)
+        between = list(map(by_things.get, rows))
         values = [*old_values[:head], *between, *old_values[old_end:]]
-        self.keep(name, (ids, values, columns))
+        self.keep(name, (columns, values))
         return values, [at for at, value in enumerate(between, head) if value is None]
+
+    def behind_change(self, name: Hashable, make: Callable[..., _T], *columns: Sequence[Any]) -> Sequence[_T]:
+        """The value called ``name`` of each row; all from the first other row on are made again."""
+        old_columns, old_values = self._before.get(name, ([() for _ in columns], []))
+        head, _ = _common_ends(old_columns, columns)
+        values = [*old_values[:head], *map(make, *(column[head:] for column in columns))]
+        self.keep(name, (columns, values))
+        return values
 
     def runs(self, name: Hashable, make: Callable[[Sequence[_S]], _T], things: Sequence[_S]) -> Sequence[_T]:
         """The value called ``name`` of each run of ``things``, made again where one of them is new."""
-        ids = _ids(things)
-        old_ids, old_ends, old_values, _ = self._before.get(name, ([], [], [], None))
-        head, tail = _common_ends([old_ids], [ids])
-        by = len(ids) - len(old_ids)
+        old_things, old_ends, old_values = self._before.get(name, ([], [], []))
+        head, tail = _common_ends([old_things], [things])
+        by = len(things) - len(old_things)
         first = bisect_right(old_ends, head)
-        behind = bisect_left(old_ends, len(old_ids) - tail) + 1
-        end = old_ends[behind - 1] + by if behind <= len(old_ends) else len(ids)
+        behind = bisect_left(old_ends, len(old_things) - tail) + 1
+        end = old_ends[behind - 1] + by if behind <= len(old_ends) else len(things)
         if first and 0 < end - old_ends[first - 1] < _SHORTEST_RUN:
             first -= 1
         start = old_ends[first - 1] if first else 0
@@ -73,7 +81,7 @@ class Recall:
         made = [make(things[one:another]) for one, another in zip([start, *ends], ends, strict=False)]
         values = [*old_values[:first], *made, *old_values[behind:]]
         ends = [*old_ends[:first], *ends, *(one + by for one in old_ends[behind:])]
-        self.keep(name, (ids, ends, values, things))
+        self.keep(name, (things, ends, values))
         return values
 
     def forget_before(self) -> None:
@@ -81,23 +89,30 @@ class Recall:
         self._before = {}
 
 
-def _ids(things: Sequence[Any]) -> list[int]:
-    return list(things if things and isinstance(things[0], int) else map(id, things))
+def _ids(things: Sequence[Any]) -> Iterable[int]:
+    return things if _are_numbers(things) else map(id, things)
 
 
-def _common_ends(old: Sequence[Sequence[int]], new: Sequence[Sequence[int]]) -> tuple[int, int]:
+def _are_numbers(things: Sequence[Any]) -> bool:
+    return bool(things) and isinstance(things[0], int)
+
+
+def _common_ends(old: Sequence[Sequence[Any]], new: Sequence[Sequence[Any]]) -> tuple[int, int]:
     """How many rows of columns are alike at the start, and how many of the others at the end."""
-    head = min(map(_common_start, old, new))
-    rest = ((one[head:][::-1], other[head:][::-1]) for one, other in zip(old, new, strict=True))
-    return head, min(_common_start(*pair) for pair in rest)
+    shorter = min(len(old[0]), len(new[0]))
+    ends = [
+        _common_start(*pair, ne if _are_numbers(pair[0]) else is_not, shorter)
+        for one, other in zip(old, new, strict=True)
+        for pair in ((one, other), (one[::-1], other[::-1]))
+    ]
+    head = min(ends[::2])
+    return head, min(shorter - head, *ends[1::2])
 
 
-def _common_start(old: Sequence[int], new: Sequence[int]) -> int:
-    """How many numbers at the start of both are alike."""
-    shorter = min(len(old), len(new))
-    runs = range(0, shorter, _RUN)
-    start = next((at for at in runs if old[at : at + _RUN] != new[at : at + _RUN]), shorter)
-    return next((at for at in range(start, shorter) if old[at] != new[at]), shorter)
+def _common_start(
+    old: Sequence[Any], new: Sequence[Any], are_other: Callable[[Any, Any], bool], most: int
+) -> int:
+    return next(compress(count(), map(are_other, old, new)), most)
 
 
 def _ends_of_runs(start: int, end: int) -> Sequence[int]:

@@ -82,32 +82,30 @@ class _Reading:
 
     def stretches(self) -> Iterator[Stretch]:
         while True:
-            alike = self._alike()
-            if not alike:
-                end = _end_of_stretch(self._text, self._start)
-                alike = [self._recalled(end) or self._read(end)]
-                if end is None:
-                    yield alike[0]
-                    return
-            yield from alike
-            self._start += sum(len(one.text) for one in alike)
-            self._line = alike[-1].next_line
+            yield from self._alike()
+            end = _end_of_stretch(self._text, self._start)
+            stretch = self._recalled(end) or self._read(end)
+            yield stretch
+            if end is None:
+                return
+            self._start, self._line = end, stretch.next_line
 
     def _alike(self) -> Sequence[Stretch]:
         """The stretches from here on that come again one after the other, but for the last.
 
         Whether a stretch ends depends on the first word of the next one.
         """
-        end = self._at
+        first = end = self._at
+        start = last_start = self._start
         if end < len(self._before) and self._is_here(end):
-            start = self._start
             for one in islice(self._before, end, len(self._before) - 1):
                 if not self._text.startswith(one.text, start):
                     break
-                start += len(one.text)
+                last_start, start = start, start + len(one.text)
                 end += 1
-        alike = self._before[self._at : max(end - 1, self._at)]
-        self._at += len(alike)
+        alike = self._before[first : max(end - 1, first)]
+        if alike:
+            self._at, self._start, self._line = end - 1, last_start, alike[-1].next_line
         return alike
 
     def _is_here(self, number: int) -> bool:

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import islice, starmap
 
 import msgspec
 from msgspec import Struct
@@ -13,7 +12,7 @@ from msgspec.structs import replace
 
 from smarttestudo.domain import finding as checker
 from smarttestudo.domain.source import Span
-from smarttestudo.editing import CollectionPart, Document, comment_texts
+from smarttestudo.editing import CollectionPart, Document, MadeLater, comment_texts
 from smarttestudo.ruler.answers.checked_text import CheckedText
 from smarttestudo.ruler.answers.json_list import JsonList
 from smarttestudo.ruler.answers.statement_texts import FindingWriter, StatementPlaces, StatementText
@@ -90,29 +89,20 @@ def rule_document(checked: CheckedText) -> RuleDocument:
     document = checked.document
     writer = StatementWriter(document)
     places = StatementPlaces.of(document, writer)
-    written = [entry.written for entry in document.entries]
     known = document.recall.each(
-        "statements for the page", lambda one: StatementText.of(writer.statement(one)), written
+        "statements for the page", lambda one: StatementText.of(writer.statement(one)), document.written
     )
-    rows = zip(known, places.names, places.starts, places.lines, strict=True)
+    columns = (known, places.names, places.starts, places.lines)
+    texts = document.recall.behind_change("texts of statements", StatementText.at, *columns)
+    structs = MadeLater(len(texts), lambda: map(_at, *columns))
     return RuleDocument(
-        collections=tuple(
-            _collection(part, writer, _statements(list(islice(rows, len(part.entries)))))
-            for part in document.parts
-        ),
+        collections=tuple(_collections(document.parts, writer, texts, structs)),
         findings=JsonList(
             list(_finding_texts(checked, writer, places)),
-            lambda: placed_findings(document, checked.findings),
+            MadeLater(len(checked.rules.numbered), lambda: placed_findings(document, checked.findings)),
         ),
         parses=document.result.is_valid,
     )
-
-
-_Row = tuple[StatementText, tuple[str, str], int, int]
-
-
-def _statements(rows: Sequence[_Row]) -> Sequence[Statement]:
-    return JsonList(list(starmap(StatementText.at, rows)), lambda: starmap(_at, rows))
 
 
 def _at(text: StatementText, name: tuple[str, str], start: int, line: int) -> Statement:
@@ -144,20 +134,25 @@ def placed_findings(document: Document, findings: Sequence[checker.Finding]) -> 
     return tuple(_finding(one, document, writer) for one in findings)
 
 
-def _collection(
-    part: CollectionPart, writer: StatementWriter, statements: Sequence[Statement]
-) -> PlacedCollection:
-    begin = part.begin
-    comments = begin.comments if begin is not None else ()
-    return PlacedCollection(
-        id=part.id,
-        is_written=begin is not None,
-        offset=writer.offset(part.start),
-        end_offset=writer.offset(part.end),
-        line=part.line,
-        comments=tuple(comment_texts(comments)),
-        statements=statements,
-    )
+def _collections(
+    parts: Sequence[CollectionPart],
+    writer: StatementWriter,
+    texts: Sequence[str],
+    structs: Sequence[Statement],
+) -> Iterator[PlacedCollection]:
+    start = 0
+    for part in parts:
+        end = start + len(part.entries)
+        yield PlacedCollection(
+            id=part.id,
+            is_written=part.begin is not None,
+            offset=writer.offset(part.start),
+            end_offset=writer.offset(part.end),
+            line=part.line,
+            comments=() if part.begin is None else tuple(comment_texts(part.begin.comments)),
+            statements=JsonList(texts[start:end], MadeLater.part_of(structs, start, end)),
+        )
+        start = end
 
 
 def _finding(finding: checker.Finding, document: Document, writer: StatementWriter) -> PlacedFinding:

@@ -4,37 +4,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
-from typing import TypeVar, overload
+from collections.abc import Sequence
+from typing import TypeVar
 
 import msgspec
+
+from smarttestudo.editing import MadeLater
 
 _T = TypeVar("_T")
 
 
-class JsonList(Sequence[_T]):
-    """Structs that stand in an answer as their ``texts``; ``make`` gives them to who looks at one."""
+class JsonList(MadeLater[_T]):
+    """The ``structs`` of an answer, which stand in it as their ``texts``."""
 
-    def __init__(self, texts: Sequence[str], make: Callable[[], Iterable[_T]]) -> None:
+    def __init__(self, texts: Sequence[str], structs: Sequence[_T]) -> None:
+        super().__init__(len(texts), lambda: structs)
         self._texts = texts
-        self._make = make
-
-    @cached_property
-    def _structs(self) -> Sequence[_T]:
-        return tuple(self._make())
-
-    def __len__(self) -> int:
-        return len(self._texts)
-
-    @overload
-    def __getitem__(self, at: int) -> _T: ...
-
-    @overload
-    def __getitem__(self, at: slice) -> Sequence[_T]: ...
-
-    def __getitem__(self, at: int | slice) -> _T | Sequence[_T]:
-        return self._structs[at]
 
     def json(self) -> msgspec.Raw:
         """The list as it stands in an answer."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import repeat
+from itertools import count, repeat
 
 import msgspec
 
@@ -77,7 +77,7 @@ class StatementPlaces:
     def of(document: Document, writer: StatementWriter) -> StatementPlaces:
         """The places of a document's statements."""
         return StatementPlaces(
-            numbers={id(one.written): number for number, one in enumerate(document.entries)},
+            numbers=dict(zip(map(id, document.written), count(), strict=False)),
             names=document.names,
             starts=writer.starts(document.starts),
             lines=document.result.lines.lines_of([line for line, _ in document.starts]),
@@ -100,18 +100,17 @@ class FindingText:
 
     def at(self, places: StatementPlaces) -> str | None:
         """The JSON where the statements are now; ``None`` where one of them is another."""
-        number_of, lines, names = places.numbers.get, places.lines, places.names
-        home = number_of(id(self.home))
-        told = [(number_of(id(one)), by) for one, by in self.told]
-        related = [number_of(id(one)) for one in self.related]
-        known = [lines[at] + by for at, by in told if at is not None]
-        ids = [names[at][0] for at in related if at is not None]
-        if home is None or len(known) < len(told) or len(ids) < len(related):
+        numbers, lines, names = places.numbers, places.lines, places.names
+        try:
+            home = numbers[id(self.home)]
+            told = [lines[numbers[id(one)]] + by for one, by in self.told]
+            related = [names[numbers[id(one)]][0] for one in self.related]
+        except KeyError:
             return None
         line, start = lines[home], places.starts[home]
         first, last = self.lines
         offsets = [start + one for one in self.offsets]
-        return self.form % (*known, line + first, line + last, *offsets, names[home][0], *ids)
+        return self.form % (*told, line + first, line + last, *offsets, names[home][0], *related)
 
 
 class FindingWriter:
@@ -148,7 +147,7 @@ class FindingWriter:
         return self._document.number_of(span) if path == self._path else None
 
     def _written(self, number: int) -> WrittenStatement:
-        return self._document.entries[number].written
+        return self._document.written[number]
 
     def _line_in(self, number: int, place: LineOf) -> int:
         return self._document.result.lines.line(place.span.line) - self._places.lines[number]
