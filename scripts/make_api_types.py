@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from enum import Enum
 from functools import partial
@@ -99,8 +99,8 @@ class _Writer:
         if origin is Annotated:
             word = self.word(arguments[0])
             return f"{word} | null" if Mark.NULL_IS_INFINITE in arguments else word
-        if origin in (tuple, frozenset):
-            if origin is frozenset or arguments[-1] is ...:
+        if origin in (tuple, frozenset, Sequence):
+            if origin is not tuple or arguments[-1] is ...:
                 return _list_of(self.word(arguments[0]))
             return f"[{', '.join(map(self.word, arguments))}]"
         if origin in (dict, Mapping):

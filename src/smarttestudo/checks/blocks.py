@@ -5,15 +5,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import TypeVar
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Clash, RedundantRate, Shadow, SharedBorder, wins_over
 from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.text_lines import Place, TextLines
+from smarttestudo.checks.text_lines import LineOf, Words
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.source import Span
@@ -29,16 +28,19 @@ def _topic_twice(rules: RuleModel) -> Iterator[Found]:
         for one in branch.written if len(branch.written) > len(branch.settings) else ():
             earlier = first.setdefault(one.topic, one)
             if earlier is not one:
-                line = rules.lines.line(earlier.path, earlier.span)
-                yield _repeated(one, earlier, f"line {line} of this {'Else' if branch.is_else else 'Then'}")
+                yield _repeated(one, earlier, "Else" if branch.is_else else "Then")
 
 
-def _repeated(one: ResolvedRate, earlier: ResolvedRate, where: str) -> Found:
+def _repeated(one: ResolvedRate, earlier: ResolvedRate, side: str) -> Found:
     is_same = one.rate is not None and one.rate == earlier.rate
     return Found(
         path=one.path,
         span=one.span,
-        message=f"{one.topic} is already set at {where}",
+        message=(
+            f"{one.topic} is already set at line ",
+            LineOf(earlier.path, earlier.span),
+            f" of this {side}",
+        ),
         hint="keep one of the two",
         fix=Fix(span=one.span, replacement="", title="remove the repeated statement") if is_same else None,
     )
@@ -46,25 +48,10 @@ def _repeated(one: ResolvedRate, earlier: ResolvedRate, where: str) -> Found:
 
 def _blocks_clash(rules: RuleModel) -> Iterator[Found]:
     """Blocks that can hold together at one priority and set different rates."""
-    return _of_each(rules, "clashes", _clash, rules.analysis.clashes)
+    return iter(rules.recall.each("clashes", _clash, rules.analysis.clashes))
 
 
-_T = TypeVar("_T", Clash, SharedBorder, Shadow)
-
-
-def _of_each(
-    rules: RuleModel, name: str, make: Callable[[TextLines, _T], Found], things: Sequence[_T]
-) -> Iterator[Found]:
-    """Findings, one for each of ``things``, whose blocks are told by their lines."""
-    return iter(rules.lines.each(rules.recall, name, partial(make, rules.lines), things, _block_places))
-
-
-def _block_places(thing: Clash | SharedBorder | Shadow) -> Iterator[Place]:
-    branches = (thing.branch, *thing.rivals) if isinstance(thing, Shadow) else (thing.first, thing.second)
-    return ((one.block.path, one.block.block.span) for one in branches)
-
-
-def _clash(lines: TextLines, clash: Clash) -> Found:
+def _clash(clash: Clash) -> Found:
     topic = clash.topics[0]
     here = clash.second.settings[topic]
     path = clash.second.block.path
@@ -73,9 +60,13 @@ def _clash(lines: TextLines, clash: Clash) -> Found:
     return Found(
         path=path,
         span=here.span,
-        message=f"{wording.branch_name(lines, clash.second)} sets {topic} to {here.rate}{others}, "
-        f"{wording.branch_with_place(lines, clash.first, seen_from=path)} to {clash.first.rate(topic)}, "
-        f"and both hold {f'for example at {state}' if state else 'in some state'}",
+        message=(
+            *wording.branch_name(clash.second),
+            f" sets {topic} to {here.rate}{others}, ",
+            *wording.branch_with_place(clash.first, seen_from=path),
+            f" to {clash.first.rate(topic)}, "
+            f"and both hold {f'for example at {state}' if state else 'in some state'}",
+        ),
         related=wording.places_in(path, [clash.first]),
         hint="the higher rate wins; give one block a higher Priority, or keep their conditions apart",
     )
@@ -83,19 +74,23 @@ def _clash(lines: TextLines, clash: Clash) -> Found:
 
 def _block_shadowed(rules: RuleModel) -> Iterator[Found]:
     """Blocks that can never decide anything."""
-    return _of_each(rules, "shadows found", _shadow, rules.analysis.shadows)
+    return iter(rules.recall.each("shadows found", _shadow, rules.analysis.shadows))
 
 
-def _shadow(lines: TextLines, shadow: Shadow) -> Found:
+def _shadow(shadow: Shadow) -> Found:
     branch = shadow.branch
     path = branch.block.path
-    rivals = [wording.branch_with_place(lines, rival, seen_from=path) for rival in shadow.rivals]
+    rivals = [wording.branch_with_place(rival, seen_from=path) for rival in shadow.rivals]
     verb = "wins" if len(rivals) == 1 else "win"
     return Found(
         path=path,
         span=branch.written[0].span.to(branch.written[-1].span),
-        message=f"{wording.branch_name(lines, branch)} never decides a rate: wherever it holds, "
-        f"{wording.listed(rivals)} {verb} by {wording.listed(_reasons(shadow))}",
+        message=(
+            *wording.branch_name(branch),
+            " never decides a rate: wherever it holds, ",
+            *wording.listed_words(rivals),
+            f" {verb} by {wording.listed(_reasons(shadow))}",
+        ),
         hint="give it a higher Priority, or remove it",
         related=wording.places_in(path, shadow.rivals),
     )
@@ -124,10 +119,10 @@ def _no_margin(rules: RuleModel) -> Iterator[Found]:
     borders: dict[Border, SharedBorder] = {}
     for shared in rules.analysis.shared_borders:
         borders.setdefault(shared.border, shared)
-    return _of_each(rules, "borders", partial(_border, settle_s), tuple(borders.values()))
+    return iter(rules.recall.each("borders", partial(_border, settle_s), tuple(borders.values())))
 
 
-def _border(settle_s: float, lines: TextLines, shared: SharedBorder) -> Found:
+def _border(settle_s: float, shared: SharedBorder) -> Found:
     topic = shared.topics[0]
     here = shared.second.settings[topic]
     path = shared.second.block.path
@@ -135,9 +130,13 @@ def _border(settle_s: float, lines: TextLines, shared: SharedBorder) -> Found:
     return Found(
         path=path,
         span=here.span,
-        message=f"{wording.branch_name(lines, shared.second)} and "
-        f"{wording.branch_with_place(lines, shared.first, seen_from=path)} meet at {border} without a "
-        f"margin: there, noise moves {topic} between {shared.first.rate(topic)} and {here.rate}",
+        message=(
+            *wording.branch_name(shared.second),
+            " and ",
+            *wording.branch_with_place(shared.first, seen_from=path),
+            f" meet at {border} without a margin: there, noise moves {topic} between "
+            f"{shared.first.rate(topic)} and {here.rate}",
+        ),
         hint=f"a lower rate waits {settle_s:g} s before it counts; raise settle_s in the profile if the "
         "robot stays on this border",
     )
@@ -150,40 +149,46 @@ def _rate_without_effect(rules: RuleModel) -> Iterator[Found]:
         branch = of_branch[0].branch
         actions = branch.block.block.otherwise if branch.is_else else branch.block.block.then
         if len(of_branch) == len(actions):
-            yield _redundant_branch(rules.lines, of_branch)
+            yield _redundant_branch(of_branch)
         else:
-            yield from map(partial(_redundant_rate, rules.lines), of_branch)
+            yield from map(_redundant_rate, of_branch)
 
 
-def _redundant_rate(lines: TextLines, one: RedundantRate) -> Found:
+def _redundant_rate(one: RedundantRate) -> Found:
     setting = one.setting
     return Found(
         path=setting.path,
         span=setting.span,
-        message=f"{setting.topic} is {setting.rate} without this as well, by the default "
-        f"({_default_place(lines, one)})",
+        message=(
+            f"{setting.topic} is {setting.rate} without this as well, by the default (",
+            *_default_place(one),
+            ")",
+        ),
         hint="remove it, or set another rate",
         fix=Fix(span=setting.span, replacement="", title="remove the rate without effect"),
     )
 
 
-def _redundant_branch(lines: TextLines, rates: Sequence[RedundantRate]) -> Found:
+def _redundant_branch(rates: Sequence[RedundantRate]) -> Found:
     branch = rates[0].branch
     same = [
-        f"{one.setting.topic} is {one.setting.rate} by default ({_default_place(lines, one)})"
+        (f"{one.setting.topic} is {one.setting.rate} by default (", *_default_place(one), ")")
         for one in rates
     ]
     return Found(
         path=branch.block.path,
         span=branch.written[0].span.to(branch.written[-1].span),
-        message=f"{wording.sentence(wording.branch_name(lines, branch))} changes nothing: "
-        f"{wording.listed(same)}",
+        message=(
+            *wording.sentence(wording.branch_name(branch)),
+            " changes nothing: ",
+            *wording.listed_words(same),
+        ),
         hint="remove it, or set other rates",
     )
 
 
-def _default_place(lines: TextLines, one: RedundantRate) -> str:
-    return wording.place(lines, one.default.path, one.default.span, seen_from=one.setting.path)
+def _default_place(one: RedundantRate) -> Words:
+    return wording.place(one.default.path, one.default.span, seen_from=one.setting.path)
 
 
 def _block_disabled(rules: RuleModel) -> Iterator[Found]:
@@ -194,7 +199,7 @@ def _block_disabled(rules: RuleModel) -> Iterator[Found]:
         yield Found(
             path=one.path,
             span=Span(whole.line, whole.column, whole.line, end),
-            message=f"{wording.sentence(wording.block_name(rules.lines, one))} is switched off",
+            message=(*wording.sentence(wording.block_name(one)), " is switched off"),
             hint="it changes no rate, whatever holds; delete 'Disabled' to switch it on",
         )
 
@@ -202,7 +207,7 @@ def _block_disabled(rules: RuleModel) -> Iterator[Found]:
 BLOCKS_CLASH = RuleCheck(code="blocks-clash", severity=Severity.WARNING, find=_blocks_clash)
 
 CHECKS = (
-    RuleCheck(code="topic-twice", severity=Severity.ERROR, find=_topic_twice),
+    RuleCheck(code="topic-twice", severity=Severity.ERROR, find=_topic_twice, is_about_one_block=True),
     BLOCKS_CLASH,
     RuleCheck(code="block-shadowed", severity=Severity.WARNING, find=_block_shadowed),
     RuleCheck(code="no-margin", severity=Severity.INFO, find=_no_margin),

@@ -11,6 +11,7 @@ from smarttestudo.checks import wording
 from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in
 from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
+from smarttestudo.checks.text_lines import LineOf
 from smarttestudo.domain.finding import Fix, ProfileFix, Severity
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.signal import Signal
@@ -67,13 +68,16 @@ def _bound_despite_off(rules: RuleModel) -> Iterator[Found]:
     settings = ((bound, one) for topic, bound in bounds.items() for one in rules.settings.get(topic, ()))
     for bound, setting in settings:
         if setting.rate is not None and setting.rate.is_off:
-            where = wording.place(rules.lines, bound.path, bound.statement.span, seen_from=setting.path)
+            where = wording.place(bound.path, bound.statement.span, seen_from=setting.path)
             rate_span = setting.statement.rate.span
             yield Found(
                 path=setting.path,
                 span=rate_span,
-                message=f"{setting.rate} stops {setting.topic} although KeepWithin ({where}) bounds its "
-                f"{bound.statement.property}",
+                message=(
+                    f"{setting.rate} stops {setting.topic} although KeepWithin (",
+                    *where,
+                    f") bounds its {bound.statement.property}",
+                ),
                 hint="write a low rate, or Full to leave the rate to the bound",
                 fix=Fix(span=rate_span, replacement="Full", title="leave the rate to the bound"),
             )
@@ -85,12 +89,14 @@ def _bound_twice(rules: RuleModel) -> Iterator[Found]:
     for one in rules.bounds:
         earlier = first.setdefault((one.signal, one.branch), one)
         if earlier is not one:
-            line = rules.lines.line(earlier.path, earlier.statement.span)
             yield Found(
                 path=one.path,
                 span=one.statement.span,
-                message=f"{one.signal} is already bound at line {line}; the tighter "
-                f"bound{_tightest(earlier, one)} counts",
+                message=(
+                    f"{one.signal} is already bound at line ",
+                    LineOf(earlier.path, earlier.statement.span),
+                    f"; the tighter bound{_tightest(earlier, one)} counts",
+                ),
                 hint="keep one of the two",
                 fix=_remove_the_looser(earlier, one),
             )

@@ -270,8 +270,10 @@ def _not_analysed(rules: RuleModel) -> Iterator[Found]:
         yield Found(
             path=first.path,
             span=first.block.condition.span,
-            message=f"{wording.block_name(rules.lines, first)}{more} is too complex to find all clashes "
-            "and dead blocks",
+            message=(
+                *wording.block_name(first),
+                f"{more} is too complex to find all clashes and dead blocks",
+            ),
             hint="the rules work regardless; several small blocks are easier to check",
         )
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 
 from smarttestudo.checks import wording
@@ -14,7 +14,7 @@ from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.rate import Tier
-from smarttestudo.language.resolved_rules import ResolvedFloor, ResolvedRate
+from smarttestudo.language.resolved_rules import Branch, ResolvedFloor, ResolvedRate
 from smarttestudo.language.syntax import bound_span
 
 
@@ -22,24 +22,32 @@ def _tier_without_rate(rules: RuleModel) -> Iterator[Found]:
     """A tier without a profile that gives it a rate or an accuracy."""
     if rules.context.profile is not None:
         return
-    for one in chain.from_iterable(rules.settings.values()):
-        tier = one.statement.rate.value
-        if isinstance(tier, Tier):
-            yield Found(
-                path=one.path,
-                span=one.statement.rate.span,
-                message=f"{tier.value} has no rate without a profile",
-                hint=f"write a rate in Hz, or {rules.context.way_to_profile}",
-            )
+    in_blocks = rules.recall.runs("written tiers", _tiers_of, rules.branches)
+    for one, tier in (*_tiers(rules.written_defaults), *chain.from_iterable(in_blocks)):
+        yield Found(
+            path=one.path,
+            span=one.statement.rate.span,
+            message=f"{tier.value} has no rate without a profile",
+            hint=f"write a rate in Hz, or {rules.context.way_to_profile}",
+        )
     for bound in rules.bounds:
-        tier = bound.statement.bound
-        if isinstance(tier, Tier):
+        level = bound.statement.bound
+        if isinstance(level, Tier):
             yield Found(
                 path=bound.path,
                 span=bound_span(bound.statement),
-                message=f"{tier.value} has no accuracy without a profile",
+                message=f"{level.value} has no accuracy without a profile",
                 hint=f"write a number, or {rules.context.way_to_profile}",
             )
+
+
+def _tiers_of(branches: Sequence[Branch]) -> Sequence[tuple[ResolvedRate, Tier]]:
+    return [one for branch in branches for one in _tiers(branch.written)]
+
+
+def _tiers(rates: Iterable[ResolvedRate]) -> Iterator[tuple[ResolvedRate, Tier]]:
+    """Those among ``rates`` that are tiers."""
+    return ((one, tier) for one in rates if isinstance(tier := one.statement.rate.value, Tier))
 
 
 def _two_defaults(rules: RuleModel) -> Iterator[Found]:
@@ -47,11 +55,11 @@ def _two_defaults(rules: RuleModel) -> Iterator[Found]:
     for one in rules.written_defaults:
         last = rules.defaults[one.topic]
         if one is not last:
-            where = wording.place(rules.lines, last.path, last.span, seen_from=one.path)
+            where = wording.place(last.path, last.span, seen_from=one.path)
             yield Found(
                 path=one.path,
                 span=one.span,
-                message=f"this default of {one.topic} is overridden by that of {where}",
+                message=(f"this default of {one.topic} is overridden by that of ", *where),
                 hint="the last default counts; remove this one",
                 fix=Fix(span=one.span, replacement="", title="remove the overridden default"),
             )
@@ -101,12 +109,15 @@ def _rate_below_floor(rules: RuleModel) -> Iterator[Found]:
     """Rates below a floor."""
     for floor, one in _floored(rules):
         if one.rate is not None and one.rate.yields_to_floor and one.rate.hz < floor.rate.hz:
-            where = wording.place(rules.lines, floor.path, floor.span, seen_from=one.path)
+            where = wording.place(floor.path, floor.span, seen_from=one.path)
             yield Found(
                 path=one.path,
                 span=one.statement.rate.span,
-                message=f"{one.rate} is below the floor of {one.topic}: KeepAtLeast ({where}) raises it to "
-                f"{floor.rate}",
+                message=(
+                    f"{one.rate} is below the floor of {one.topic}: KeepAtLeast (",
+                    *where,
+                    f") raises it to {floor.rate}",
+                ),
                 hint="write the floor's rate here, or lower the floor",
                 fix=Fix(
                     span=one.statement.rate.span,
@@ -120,11 +131,15 @@ def _off_despite_floor(rules: RuleModel) -> Iterator[Found]:
     """Off where a floor exists."""
     for floor, one in _floored(rules):
         if one.rate is not None and not one.rate.yields_to_floor:
-            where = wording.place(rules.lines, floor.path, floor.span, seen_from=one.path)
+            where = wording.place(floor.path, floor.span, seen_from=one.path)
             yield Found(
                 path=one.path,
                 span=one.statement.rate.span,
-                message=f"Off stops {one.topic} although KeepAtLeast ({where}) keeps it at {floor.rate}",
+                message=(
+                    f"Off stops {one.topic} although KeepAtLeast (",
+                    *where,
+                    f") keeps it at {floor.rate}",
+                ),
                 hint="write 0 for the floor's rate, or remove the KeepAtLeast",
                 fix=Fix(
                     span=one.statement.rate.span,

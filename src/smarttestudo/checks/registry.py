@@ -7,13 +7,13 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, count
+from itertools import chain
 from operator import attrgetter
 
 from smarttestudo.checks import blocks, bounds, conditions, rates, recordings, topics
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.rule_model import RuleModel, read_rule_model
-from smarttestudo.checks.text_lines import places_of
+from smarttestudo.checks.text_lines import NumberedFinding, TextLines
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.parser.rule_file import ParseResult
@@ -38,12 +38,21 @@ _RANKS = {check.code: rank for rank, check in enumerate(CHECKS)}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckedRules:
-    """The findings on files of these ``paths``, with what the next check of them can recall."""
+    """The findings on files of these ``paths``, with what the next check of them can recall.
 
-    findings: tuple[Finding, ...]
+    ``numbered`` has them with the places of trees, ``lines`` are those of the text.
+    """
+
+    numbered: Sequence[NumberedFinding]
+    lines: TextLines
     paths: tuple[str, ...]
     context: CheckContext
     recall: Recall
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """The findings, by place."""
+        return tuple(map(self.lines.told, self.numbered))
 
 
 def check_rules(results: Sequence[ParseResult], context: CheckContext) -> list[Finding]:
@@ -62,27 +71,26 @@ def check_again(
     paths = tuple(file.path for file in files)
     is_alike = before is not None and before.paths == paths and before.context == context
     recall = Recall(before.recall if before is not None and is_alike else None)
-    lines = {result.numbered.path: result.lines for result in results}
-    rules = read_rule_model(files, context, recall, lines)
+    rules = read_rule_model(files, context, recall)
     is_whole = context.has_all_files and all(result.is_valid for result in results)
-    numbered = list(_about_blocks(rules))
+    findings = list(_about_blocks(rules))
     for check in _ABOUT_ALL:
         if is_whole or not check.needs_all_statements:
-            numbered += recall.each(("findings", check.code), check.finding, tuple(check.find(rules)))
-    findings = [finding for result in results for finding in result.findings]
-    findings += rules.lines.each(recall, "told", rules.lines.told, numbered, places_of)
+            findings += recall.each(("findings", check.code), check.finding, tuple(check.find(rules)))
+    findings += [NumberedFinding.of(one, result.lines) for result in results for one in result.findings]
     places = recall.each("places", _place, findings)
-    by_place = [finding for _, _, finding in sorted(zip(places, count(), findings, strict=False))]
+    by_place = [findings[at] for at in sorted(range(len(findings)), key=places.__getitem__)]
     recall.forget_before()
-    return CheckedRules(findings=tuple(by_place), paths=paths, context=context, recall=recall)
+    lines = TextLines(by_path={result.numbered.path: result.lines for result in results})
+    return CheckedRules(numbered=by_place, lines=lines, paths=paths, context=context, recall=recall)
 
 
-def _place(finding: Finding) -> tuple[str, int, int, int]:
+def _place(finding: NumberedFinding) -> tuple[str, int, int, int]:
     return finding.path, finding.span.line, finding.span.column, _RANKS.get(finding.code, -1)
 
 
-def _about_blocks(rules: RuleModel) -> Iterator[Finding]:
-    def about_block(block: ResolvedBlock, _: Truth) -> Sequence[Finding]:
+def _about_blocks(rules: RuleModel) -> Iterator[NumberedFinding]:
+    def about_block(block: ResolvedBlock, _: Truth) -> Sequence[NumberedFinding]:
         orders = attrgetter("block.order")
         first, last = (side(rules.branches, block.order, key=orders) for side in (bisect_left, bisect_right))
         alone = rules.of_block(block, rules.branches[first:last])

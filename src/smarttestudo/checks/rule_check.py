@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.domain.finding import Finding, Fix, ProfileFix, Severity
+from smarttestudo.checks.text_lines import NumberedFinding, Words
+from smarttestudo.domain.finding import Fix, ProfileFix, Severity
 from smarttestudo.domain.source import Span
 
 
@@ -18,7 +19,7 @@ class Found:
 
     path: str
     span: Span
-    message: str
+    message: str | Words
     hint: str = ""
     fix: Fix | None = None
     related: tuple[Span, ...] = ()
@@ -40,12 +41,12 @@ class RuleCheck:
     needs_all_statements: bool = False
     is_about_one_block: bool = False
 
-    def finding(self, found: Found) -> Finding:
+    def finding(self, found: Found) -> NumberedFinding:
         """The finding that this check makes of what it found."""
-        return Finding(
+        return NumberedFinding(
             code=self.code,
             severity=self.severity,
-            message=found.message,
+            words=(found.message,) if isinstance(found.message, str) else found.message,
             path=found.path,
             span=found.span,
             hint=found.hint,

@@ -13,7 +13,6 @@ from typing import TypeVar
 from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.fixes import DefaultPlace, default_place
-from smarttestudo.checks.text_lines import TextLines, text_lines
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (
@@ -25,7 +24,6 @@ from smarttestudo.language.normal_form import (
     negation,
     over_states,
 )
-from smarttestudo.language.parser.line_numbers import LineNumbers
 from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.recall import Recall
 from smarttestudo.language.region import Region
@@ -127,7 +125,7 @@ class RuleModel:
     keyword without a blank between. A branch that sets no rate is not among ``branches``, and ``recordings``
     is every Record. Conditions are over states. Of disabled blocks, only ``mentions``, ``disabled`` and
     ``disabled_checks`` tell. ``default_places`` are by file. ``recall`` has what is known of statements that
-    the text before had as well. Trees number lines as the parser did; ``lines`` tells which these are.
+    the text before had as well.
     """
 
     context: CheckContext
@@ -149,7 +147,6 @@ class RuleModel:
     default_places: Mapping[str, DefaultPlace | None]
     recall: Recall
     sites: SiteReader
-    lines: TextLines
 
     def of_block(self, block: ResolvedBlock, branches: Sequence[Branch]) -> RuleModel:
         """The same of one block alone, as far as checks read it that are about one block."""
@@ -166,11 +163,10 @@ def read_rule_model(
     files: Sequence[RuleFile],
     context: CheckContext,
     recall: Recall | None = None,
-    lines: Mapping[str, LineNumbers] | None = None,
 ) -> RuleModel:
     """The statements of ``files``, with the interval analysis of their conditions.
 
-    ``recall`` is of a text of the same files in the same ``context``; ``lines`` are by their paths.
+    ``recall`` is of a text of the same files in the same ``context``.
     """
     recall = recall or Recall()
     resolve = cache(context.resolve)
@@ -186,10 +182,11 @@ def read_rule_model(
     disabled_checks = recall.each("disabled checks", sites.of, disabled.blocks)
     settings: dict[str, list[ResolvedRate]] = {}
     relayed: dict[str, _Relayed] = {}
-    for by_topic in recall.runs("rates by topic", _by_topic, rules.rates):
+    for firsts, by_topic in recall.runs("rates by topic", _by_topic, rules.rates):
+        for topic, first in firsts.items():
+            relayed.setdefault(topic, first)
         for topic, rates in by_topic.items():
-            relayed.setdefault(topic, rates[0])
-            settings.setdefault(topic, []).extend(one for one in rates if isinstance(one, ResolvedRate))
+            settings.setdefault(topic, []).extend(rates)
     return RuleModel(
         context=context,
         settings=settings,
@@ -210,7 +207,6 @@ def read_rule_model(
         default_places={file.path: default_place(file) for file in files},
         recall=recall,
         sites=sites,
-        lines=text_lines(lines or {}, recall),
     )
 
 
@@ -231,11 +227,17 @@ def _firsts(parts: Iterable[Mapping[str, _T]]) -> Mapping[str, _T]:
     return firsts
 
 
-def _by_topic(rates: Iterable[_Relayed]) -> Mapping[str, Sequence[_Relayed]]:
-    by_topic: dict[str, list[_Relayed]] = {}
+def _by_topic(
+    rates: Sequence[_Relayed],
+) -> tuple[Mapping[str, _Relayed], Mapping[str, Sequence[ResolvedRate]]]:
+    """The first of each topic, and all that are no floors."""
+    firsts: dict[str, _Relayed] = {}
+    by_topic: dict[str, list[ResolvedRate]] = {}
     for one in rates:
-        by_topic.setdefault(one.topic, []).append(one)
-    return by_topic
+        firsts.setdefault(one.topic, one)
+        if isinstance(one, ResolvedRate):
+            by_topic.setdefault(one.topic, []).append(one)
+    return firsts, by_topic
 
 
 def _mentions(files: Sequence[RuleFile], resolve: Resolve, recall: Recall) -> Mapping[str, Mention]:

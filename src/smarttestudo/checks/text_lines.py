@@ -1,23 +1,55 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Lines of the files that are checked."""
+"""Findings at places of trees, and the lines of the text that these are."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
 
-from smarttestudo.domain.finding import Finding
+from smarttestudo.domain.finding import Finding, Fix, ProfileFix, Severity
 from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.line_numbers import LineNumbers
-from smarttestudo.language.recall import Recall
 
-_T = TypeVar("_T")
-_S = TypeVar("_S")
 
-Place = tuple[str, Span]
-"""The path of a file, and a place as its tree has it."""
+class LineOf(NamedTuple):
+    """The line at which ``span`` of a tree starts in the file at ``path``, where a message tells it."""
+
+    path: str
+    span: Span
+
+
+Words = tuple[str | LineOf, ...]
+"""A message, with places in the stead of their lines, which move while it stays as it is."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NumberedFinding:
+    """A finding whose places are those of trees; ``words`` are its message."""
+
+    code: str
+    severity: Severity
+    words: Words
+    path: str
+    span: Span
+    hint: str = ""
+    fix: Fix | None = None
+    related: tuple[Span, ...] = ()
+    profile_fix: ProfileFix | None = None
+
+    @staticmethod
+    def of(finding: Finding, lines: LineNumbers) -> NumberedFinding:
+        """A finding of the parser, which has the lines of the text."""
+        return NumberedFinding(
+            code=finding.code,
+            severity=finding.severity,
+            words=(finding.message,),
+            path=finding.path,
+            span=lines.numbered(finding.span),
+            hint=finding.hint,
+            fix=lines.numbered_fix(finding.fix),
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,54 +58,22 @@ class TextLines:
 
     by_path: Mapping[str, LineNumbers]
 
-    def line(self, path: str, span: Span) -> int:
-        """The line in its file at which ``span`` starts."""
-        lines = self.by_path.get(path)
-        return span.line if lines is None else lines.line(span.line)
+    def line(self, place: LineOf) -> int:
+        """The line of a place in its file."""
+        lines = self.by_path.get(place.path)
+        return place.span.line if lines is None else lines.line(place.span.line)
 
-    def told(self, finding: Finding) -> Finding:
+    def told(self, finding: NumberedFinding) -> Finding:
         """``finding`` at its place in the text."""
         lines = self.by_path.get(finding.path)
-        if lines is None:
-            return finding
-        return replace(
-            finding,
-            span=lines.span(finding.span),
-            fix=lines.fix(finding.fix),
-            related=tuple(map(lines.span, finding.related)),
+        return Finding(
+            code=finding.code,
+            severity=finding.severity,
+            message="".join(one if isinstance(one, str) else str(self.line(one)) for one in finding.words),
+            path=finding.path,
+            span=finding.span if lines is None else lines.span(finding.span),
+            hint=finding.hint,
+            fix=finding.fix if lines is None else lines.fix(finding.fix),
+            related=finding.related if lines is None else tuple(map(lines.span, finding.related)),
+            profile_fix=finding.profile_fix,
         )
-
-    def each(
-        self,
-        recall: Recall,
-        name: str,
-        make: Callable[[_S], _T],
-        things: Sequence[_S],
-        places_in: Callable[[_S], Iterable[Place]],
-    ) -> Sequence[_T]:
-        """Results of ``make`` for ``things``, each made anew where lines of the ``places_in`` it moved."""
-
-        def lines_of(thing: Any, _: TextLines) -> int:
-            lines = 0
-            for place in places_in(thing):
-                lines = lines << _LINE_BITS | self.line(*place)
-            return lines
-
-        lines = recall.each((name, "lines"), lines_of, things, [self] * len(things))
-        return recall.each(name, lambda thing, _: make(thing), things, lines)
-
-
-_LINE_BITS = 32
-
-
-def text_lines(by_path: Mapping[str, LineNumbers], recall: Recall) -> TextLines:
-    """The lines of files; the same object for texts whose lines are alike."""
-    lines = TextLines(by_path=by_path)
-    before = recall.before("text lines")
-    return recall.keep("text lines", before if before == lines else lines)
-
-
-def places_of(finding: Finding) -> Iterable[Place]:
-    """All places of a finding."""
-    fix = () if finding.fix is None else (finding.fix.span,)
-    return ((finding.path, span) for span in (finding.span, *fix, *finding.related))

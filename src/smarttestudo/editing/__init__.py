@@ -15,6 +15,7 @@ from smarttestudo.editing.edits import (
     replaced_all,
     takes_in,
 )
+from smarttestudo.editing.later import MadeLater
 from smarttestudo.editing.line_index import LineIndex
 from smarttestudo.editing.meaning import meaning
 from smarttestudo.editing.text_edit import TextEdit, apply, comment_texts
@@ -25,6 +26,7 @@ __all__ = [
     "EditError",
     "Entry",
     "LineIndex",
+    "MadeLater",
     "NewStatement",
     "TextEdit",
     "WrittenStatement",

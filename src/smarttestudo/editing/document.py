@@ -8,10 +8,11 @@ import hashlib
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, islice
+from itertools import chain
 from typing import NamedTuple
 
 from smarttestudo.domain.source import Span
+from smarttestudo.editing.later import MadeLater
 from smarttestudo.editing.line_index import LineIndex
 from smarttestudo.editing.token_range import TokenRange, comments_above
 from smarttestudo.language.comments import Comment
@@ -70,17 +71,14 @@ _KEY_DIGITS = 12
 class WrittenStatement:
     """The words of a statement; ``statement`` is ``None`` for text that does not parse.
 
-    What an edit left in its place is the same object. ``digest`` comes from the words.
+    What an edit left in its place is the same object. ``digest`` comes from the words, and ``start`` is where
+    the first one stands.
     """
 
     statement: Statement | None
     tokens: Sequence[Token]
     digest: str
-
-    @property
-    def start(self) -> Place:
-        """Where the first word stands."""
-        return self.tokens[0].line, self.tokens[0].column
+    start: Place
 
     @property
     def end(self) -> Place:
@@ -138,12 +136,12 @@ class CollectionPart:
     start: int
     end: int
     line: int
-    entries: tuple[Entry, ...]
+    entries: Sequence[Entry]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Document:
-    """A text with its parse and its statements; ``entries`` are those of all ``parts``.
+    """A text with its parse and its statements; ``written`` and ``entries`` are those of all ``parts``.
 
     ``places`` are its lines and columns as offsets, ``starts`` those where the entries start, ``names`` their
     ids and keys. Trees and words number lines as the parser did; the lines of ``result`` tell which these
@@ -154,7 +152,8 @@ class Document:
     result: ParseResult
     places: LineIndex
     parts: tuple[CollectionPart, ...]
-    entries: tuple[Entry, ...]
+    written: Sequence[WrittenStatement]
+    entries: Sequence[Entry]
     starts: Sequence[Place]
     names: Sequence[tuple[str, str]]
     recall: Recall
@@ -170,9 +169,12 @@ class Document:
 
     def number_at(self, place: Span) -> int | None:
         """The number of the statement whose words hold the start of ``place`` in the text."""
-        place = self.numbered(place)
+        return self.number_of(self.numbered(place))
+
+    def number_of(self, place: Span) -> int | None:
+        """The number of the statement whose words hold the start of ``place`` of a tree."""
         at = bisect_right(self.starts, place[:2]) - 1
-        return at if at >= 0 and place[:2] <= self.entries[at].written.end else None
+        return at if at >= 0 and place[:2] <= self.written[at].end else None
 
     def entry_at(self, place: Span) -> Entry | None:
         """The statement whose words hold the start of ``place`` in the text."""
@@ -205,23 +207,30 @@ def read_document(text: str, path: str, before: Document | None = None) -> Docum
     bodies = list(_Reader(result, recall).bodies())
     written = list(chain.from_iterable(body.statements for body in bodies))
     names = recall.each("names", _named, written, range(1, len(written) + 1), _repeats(written))
-    entries = [Entry(*name, one, places) for name, one in zip(names, written, strict=True)]
-    unplaced = iter(entries)
-    starts = [one.start for one in written]
-    before_starts = recall.before("starts")
+    entries = MadeLater(
+        len(written), lambda: (Entry(*name, one, places) for name, one in zip(names, written, strict=True))
+    )
     return Document(
         text=text,
         result=result,
         places=places,
-        parts=tuple(
-            body.part(f"c{number}", tuple(islice(unplaced, len(body.statements))), places, result.lines)
-            for number, body in enumerate(bodies, start=1)
-        ),
-        entries=tuple(entries),
-        starts=recall.keep("starts", before_starts if before_starts == starts else starts),
+        parts=tuple(_parts(bodies, entries, places, result.lines)),
+        written=written,
+        entries=entries,
+        starts=[one.start for one in written],
         names=names,
         recall=recall,
     )
+
+
+def _parts(
+    bodies: Sequence[_Body], entries: Sequence[Entry], places: LineIndex, lines: LineNumbers
+) -> Iterator[CollectionPart]:
+    start = 0
+    for number, body in enumerate(bodies, start=1):
+        end = start + len(body.statements)
+        yield body.part(f"c{number}", MadeLater.part_of(entries, start, end), places, lines)
+        start = end
 
 
 def _named(written: WrittenStatement, number: int, repeat: int) -> tuple[str, str]:
@@ -231,11 +240,14 @@ def _named(written: WrittenStatement, number: int, repeat: int) -> tuple[str, st
 
 def _repeats(written: Iterable[WrittenStatement]) -> list[int]:
     """How many statements up to each one have its words."""
+    digests = [one.digest for one in written]
+    if len(set(digests)) == len(digests):
+        return [1] * len(digests)
     counts: dict[str, int] = {}
     repeats: list[int] = []
-    for one in written:
-        counts[one.digest] = counts.get(one.digest, 0) + 1
-        repeats.append(counts[one.digest])
+    for one in digests:
+        counts[one] = counts.get(one, 0) + 1
+        repeats.append(counts[one])
     return repeats
 
 
@@ -253,7 +265,7 @@ class _Body:
     statements: Sequence[WrittenStatement]
 
     def part(
-        self, name: str, entries: tuple[Entry, ...], places: LineIndex, lines: LineNumbers
+        self, name: str, entries: Sequence[Entry], places: LineIndex, lines: LineNumbers
     ) -> CollectionPart:
         return CollectionPart(
             id=name,
@@ -272,9 +284,10 @@ class _Reader:
         self._collections = {one.span[:2]: one for one in reversed(result.numbered.collections)}
         self._statements = result.numbered.statements
         self._broken = broken_places(result)
-        known = [one for one in result.stretches if one.statements]
-        if self._broken:
-            known = [one for one in known if self._is_whole(one)]
+        broken = {bisect_right(result.lines.numbers, line) - 1 for line, _ in self._broken}
+        known = [
+            one for number, one in enumerate(result.stretches) if one.statements and number not in broken
+        ]
         self._known = dict(zip(map(id, known), recall.each("statements", _split, known), strict=True))
         self._pieces: list[_Piece] = []
         for stretch in result.stretches:
@@ -283,10 +296,6 @@ class _Reader:
             else:
                 self._pieces += stretch.tokens
         del self._pieces[-1:]
-
-    def _is_whole(self, stretch: Stretch) -> bool:
-        last = stretch.tokens[-1]
-        return not self._is_broken((stretch.line, 0), (last.line, last.column + len(last.text)))
 
     def bodies(self) -> Iterator[_Body]:
         """All in their order."""
@@ -320,8 +329,9 @@ class _Reader:
             piece = pieces[at]
             after = at + 1
             if isinstance(piece, Stretch):
-                yield from _unparsed(loose)
-                loose = []
+                if loose:
+                    yield from _unparsed(loose)
+                    loose = []
                 yield from self._known[id(piece)]
             elif statement := self._statement_at(_start(piece)):
                 yield from _unparsed(loose)
@@ -371,4 +381,4 @@ def _unparsed(words: Sequence[Token]) -> Iterator[WrittenStatement]:
 def _written(statement: Statement | None, words: Sequence[Token]) -> WrittenStatement:
     text = " ".join(word.text for word in words)
     digest = hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:_KEY_DIGITS]
-    return WrittenStatement(statement=statement, tokens=words, digest=digest)
+    return WrittenStatement(statement=statement, tokens=words, digest=digest, start=_start(words[0]))

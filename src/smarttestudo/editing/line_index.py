@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import sys
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from itertools import accumulate
@@ -36,8 +37,17 @@ class LineIndex:
         return min(self._starts[max(at, 0)] + starts[within] + column - 1, len(self.text))
 
     def offsets(self, places: Iterable[tuple[int, int]]) -> list[int]:
-        """The offset of each of ``places``, lines and columns."""
-        return [self.offset(line, column) for line, column in places]
+        """The offset of each of ``places``, lines and columns of words, which grow."""
+        offsets: list[int] = []
+        stretches = zip(
+            [*self._lines[1:], sys.maxsize], self._lines, self._stretches, self._starts, strict=False
+        )
+        behind, first, stretch, start = next(stretches)
+        for line, column in places:
+            while line >= behind:
+                behind, first, stretch, start = next(stretches)
+            offsets.append(start + stretch.line_starts[line - first] + column - 1)
+        return offsets
 
     def range(self, span: Span) -> tuple[int, int]:
         """The offsets at which ``span`` starts and ends."""

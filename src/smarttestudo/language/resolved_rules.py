@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import accumulate, chain
-from operator import attrgetter
+from functools import partial
+from itertools import accumulate, chain, islice
+from operator import attrgetter, lt
 from typing import Any
 
 from smarttestudo.domain.rate import Rate
@@ -168,7 +169,7 @@ def resolve_rules(
     read: list[_ReadStatement] = []
     for number, file in enumerate(files):
         counted = [one for one in file.statements if (isinstance(one, Block) and one.is_disabled) is disabled]
-        orders = _orders(counted, number)
+        orders = _orders(recall.each(("places", number, disabled), partial(_order, number), counted))
         reader = _Reader(resolve, number, file.path)
         read += recall.each(("read", number, disabled), reader.read, counted, orders)
     outside = _all(read, "outside")
@@ -186,9 +187,15 @@ def resolve_rules(
     )
 
 
-def _orders(statements: Sequence[Statement], file: int) -> Sequence[int]:
+def _order(file: int, statement: Statement) -> int:
+    """An even number that grows with the place of a statement."""
+    return (file << 96) + (statement.span.line << 32) + (statement.span.column << 1)
+
+
+def _orders(places: Sequence[int]) -> Sequence[int]:
     """Numbers that grow by two or more, and stay as they are while other statements come and go."""
-    places = ((file << 96) + (one.span.line << 32) + (one.span.column << 1) for one in statements)
+    if all(map(lt, places, islice(places, 1, None))):
+        return places
     return list(accumulate(places, lambda last, place: max(last + 2, place)))
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
+from itertools import chain
 
 from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.source import Span
@@ -287,7 +288,7 @@ class RuleFile:
     @property
     def statements(self) -> tuple[Statement, ...]:
         """The statements of all collections, in the order of the file."""
-        return tuple(statement for part in self.collections for statement in part.statements)
+        return tuple(chain.from_iterable(part.statements for part in self.collections))
 
     @property
     def enabled_statements(self) -> tuple[Statement, ...]:

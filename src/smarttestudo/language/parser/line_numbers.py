@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import sys
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
@@ -40,6 +41,17 @@ class LineNumbers:
         at = bisect_right(self.numbers, number) - 1
         return number - self.numbers[at] + self.lines[at]
 
+    def lines_of(self, numbers: Sequence[int]) -> Sequence[int]:
+        """The lines that have ``numbers``, which grow."""
+        lines: list[int] = []
+        starts = zip([*self.numbers[1:], sys.maxsize], self.numbers, self.lines, strict=True)
+        behind, first, line = next(starts)
+        for number in numbers:
+            while number >= behind:
+                behind, first, line = next(starts)
+            lines.append(number - first + line)
+        return lines
+
     def number(self, line: int) -> int:
         """The number of ``line``."""
         at = bisect_right(self.lines, line) - 1
@@ -56,6 +68,10 @@ class LineNumbers:
     def fix(self, fix: Fix | None) -> Fix | None:
         """A tree's fix at its place in the text."""
         return None if fix is None else replace(fix, span=self.span(fix.span))
+
+    def numbered_fix(self, fix: Fix | None) -> Fix | None:
+        """A fix of the text as its trees know it."""
+        return None if fix is None else replace(fix, span=self.numbered(fix.span))
 
     def label(self, block: Block) -> str:
         """The label of a block of a tree."""

@@ -16,8 +16,8 @@ from smarttestudo.language.parser.tokens import Token
 from smarttestudo.language.syntax import Statement
 
 _END = re.compile(
-    r"""EndIf [ \t]* (?: //[^\r\n]* )? (?: \r\n | \r | \n )
-        (?= (?: \s | //[^\r\n]* [\r\n] )* [A-Za-z] )   # With a comparison behind it, EndIf is a property.
+    r"""(?: EndIf | begin ) [ \t]* (?: //[^\r\n]* )? (?: \r\n | \r | \n )
+        (?= (?: \s | //[^\r\n]* [\r\n] )* [A-Za-z] )   # With a comparison behind, it is a property.
     """,
     re.VERBOSE,
 )
@@ -32,7 +32,7 @@ _LOOKED_THROUGH = 4096
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stretch:
-    """The words from behind one line ``EndIf`` to the next, or to the end of the file.
+    """The words from behind one line ``EndIf`` or ``begin`` to the next, or to the end of the file.
 
     ``line`` is the number of its first line, ``line_starts`` are where its lines start in it, and ``glued``
     are the words that follow a keyword without a blank between. ``may_hold_foreign_comment`` is whether a
@@ -82,32 +82,30 @@ class _Reading:
 
     def stretches(self) -> Iterator[Stretch]:
         while True:
-            alike = self._alike()
-            if not alike:
-                end = _end_of_stretch(self._text, self._start)
-                alike = [self._recalled(end) or self._read(end)]
-                if end is None:
-                    yield alike[0]
-                    return
-            yield from alike
-            self._start += sum(len(one.text) for one in alike)
-            self._line = alike[-1].next_line
+            yield from self._alike()
+            end = _end_of_stretch(self._text, self._start)
+            stretch = self._recalled(end) or self._read(end)
+            yield stretch
+            if end is None:
+                return
+            self._start, self._line = end, stretch.next_line
 
     def _alike(self) -> Sequence[Stretch]:
         """The stretches from here on that come again one after the other, but for the last.
 
         Whether a stretch ends depends on the first word of the next one.
         """
-        end = self._at
+        first = end = self._at
+        start = last_start = self._start
         if end < len(self._before) and self._is_here(end):
-            start = self._start
             for one in islice(self._before, end, len(self._before) - 1):
                 if not self._text.startswith(one.text, start):
                     break
-                start += len(one.text)
+                last_start, start = start, start + len(one.text)
                 end += 1
-        alike = self._before[self._at : max(end - 1, self._at)]
-        self._at += len(alike)
+        alike = self._before[first : max(end - 1, first)]
+        if alike:
+            self._at, self._start, self._line = end - 1, last_start, alike[-1].next_line
         return alike
 
     def _is_here(self, number: int) -> bool:

@@ -8,6 +8,7 @@ import msgspec
 from msgspec import Struct
 
 from smarttestudo.domain.record import to_json
+from smarttestudo.ruler.answers.json_list import JsonList
 
 
 def answer_json(answer: object) -> bytes:
@@ -16,4 +17,10 @@ def answer_json(answer: object) -> bytes:
     A struct holds no record whose JSON is other than its fields; the generator of the page's types refuses
     one that does.
     """
-    return msgspec.json.encode(answer if isinstance(answer, Struct) else to_json(answer))
+    return msgspec.json.encode(answer if isinstance(answer, Struct) else to_json(answer), enc_hook=_list_json)
+
+
+def _list_json(value: object) -> msgspec.Raw:
+    if isinstance(value, JsonList):
+        return value.json()
+    raise NotImplementedError(f"a {type(value).__name__} has no JSON")

@@ -53,7 +53,7 @@ class CheckedText:
     @property
     def has_errors(self) -> bool:
         """Whether a finding stops the file from being used."""
-        return any(finding.severity is Severity.ERROR for finding in self.findings)
+        return any(finding.severity is Severity.ERROR for finding in self.rules.numbered)
 
 
 class RefusedTextError(RuleFileError):

@@ -5,15 +5,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import islice
 
+import msgspec
 from msgspec import Struct
 from msgspec.structs import replace
 
 from smarttestudo.domain import finding as checker
 from smarttestudo.domain.source import Span
-from smarttestudo.editing import CollectionPart, Document, comment_texts
+from smarttestudo.editing import CollectionPart, Document, MadeLater, comment_texts
 from smarttestudo.ruler.answers.checked_text import CheckedText
+from smarttestudo.ruler.answers.json_list import JsonList
+from smarttestudo.ruler.answers.statement_texts import FindingWriter, StatementPlaces, StatementText
 from smarttestudo.ruler.answers.statement_trees import StatementWriter, in_line
 from smarttestudo.ruler.answers.statements import Statement
 
@@ -30,7 +32,7 @@ class PlacedCollection(Struct, frozen=True, kw_only=True):
     end_offset: int
     line: int
     comments: tuple[str, ...]
-    statements: tuple[Statement, ...]
+    statements: Sequence[Statement]
 
 
 class Substitute(Struct, frozen=True, kw_only=True, tag_field="kind", tag="substitute"):
@@ -78,7 +80,7 @@ class RuleDocument(Struct, frozen=True, kw_only=True):
     """
 
     collections: tuple[PlacedCollection, ...]
-    findings: tuple[PlacedFinding, ...]
+    findings: Sequence[PlacedFinding]
     parses: bool
 
 
@@ -86,74 +88,74 @@ def rule_document(checked: CheckedText) -> RuleDocument:
     """The statements of a text, and all findings of the checker."""
     document = checked.document
     writer = StatementWriter(document)
-    written = [entry.written for entry in document.entries]
-    numbered = document.recall.each("statements for the page", writer.statement, written)
-    lines = [document.result.lines.line(line) for line, _ in document.starts]
-    unplaced = document.recall.each("statements in their lines", in_line, numbered, lines)
-    starts = writer.starts(document.starts)
-    placed = map(_at, unplaced, starts, document.names)
+    places = StatementPlaces.of(document, writer)
+    known = document.recall.each(
+        "statements for the page", lambda one: StatementText.of(writer.statement(one)), document.written
+    )
+    columns = (known, places.names, places.starts, places.lines)
+    texts = document.recall.behind_change("texts of statements", StatementText.at, *columns)
+    structs = MadeLater(len(texts), lambda: map(_at, *columns))
     return RuleDocument(
-        collections=tuple(_collection(part, writer, placed) for part in document.parts),
-        findings=_placed(checked.findings, document, writer, starts),
+        collections=tuple(_collections(document.parts, writer, texts, structs)),
+        findings=JsonList(
+            list(_finding_texts(checked, writer, places)),
+            MadeLater(len(checked.rules.numbered), lambda: placed_findings(document, checked.findings)),
+        ),
         parses=document.result.is_valid,
     )
 
 
-def _at(statement: Statement, start: int, name: tuple[str, str]) -> Statement:
-    """A statement with its id and key that starts at an offset."""
+def _at(text: StatementText, name: tuple[str, str], start: int, line: int) -> Statement:
+    """A statement with its id and key that starts at an offset, in a line."""
+    statement = in_line(text.statement, line)
     end = start + statement.end_offset
     return replace(statement, id=name[0], key=name[1], offset=start, end_offset=end)
+
+
+def _finding_texts(checked: CheckedText, writer: StatementWriter, places: StatementPlaces) -> Iterator[str]:
+    """The findings as JSON."""
+    document, findings = checked.document, checked.rules.numbered
+    texts = FindingWriter(document, writer, places)
+    known = document.recall.each("findings for the page", lambda one: [texts.text(one)], findings)
+    for finding, kept in zip(findings, known, strict=True):
+        text = None if kept[0] is None else kept[0].at(places)
+        if text is None:
+            kept[0] = texts.text(finding)
+            text = None if kept[0] is None else kept[0].at(places)
+        if text is None:
+            placed = _finding(checked.rules.lines.told(finding), document, writer)
+            text = msgspec.json.encode(placed).decode()
+        yield text
 
 
 def placed_findings(document: Document, findings: Sequence[checker.Finding]) -> tuple[PlacedFinding, ...]:
     """``findings`` of the one file ``document`` in their order."""
     writer = StatementWriter(document)
-    return _placed(findings, document, writer, writer.starts(document.starts))
+    return tuple(_finding(one, document, writer) for one in findings)
 
 
-def _placed(
-    findings: Sequence[checker.Finding], document: Document, writer: StatementWriter, starts: Sequence[int]
-) -> tuple[PlacedFinding, ...]:
-    """``findings`` of a document whose statements start at ``starts``."""
-
-    def unplaced(finding: checker.Finding, _: object) -> tuple[PlacedFinding, int | None]:
-        at = document.number_at(finding.span)
-        return _finding(finding, document, writer, 0 if at is None else starts[at]), at
-
-    alike = [document.starts] * len(findings)
-    found = document.recall.each("findings for the page", unplaced, findings, alike)
-    placed: list[PlacedFinding] = []
-    for finding, (one, at) in zip(findings, found, strict=True):
-        start, end = (
-            (starts[at] + one.offset, starts[at] + one.end_offset)
-            if at is not None
-            else writer.range(document.numbered(finding.span))
+def _collections(
+    parts: Sequence[CollectionPart],
+    writer: StatementWriter,
+    texts: Sequence[str],
+    structs: Sequence[Statement],
+) -> Iterator[PlacedCollection]:
+    start = 0
+    for part in parts:
+        end = start + len(part.entries)
+        yield PlacedCollection(
+            id=part.id,
+            is_written=part.begin is not None,
+            offset=writer.offset(part.start),
+            end_offset=writer.offset(part.end),
+            line=part.line,
+            comments=() if part.begin is None else tuple(comment_texts(part.begin.comments)),
+            statements=JsonList(texts[start:end], MadeLater.part_of(structs, start, end)),
         )
-        fix = None if finding.fix is None else _fix(finding.fix, document, writer)
-        placed.append(replace(one, offset=start, end_offset=end, fix=fix))
-    return tuple(placed)
+        start = end
 
 
-def _collection(
-    part: CollectionPart, writer: StatementWriter, placed: Iterator[Statement]
-) -> PlacedCollection:
-    begin = part.begin
-    comments = begin.comments if begin is not None else ()
-    return PlacedCollection(
-        id=part.id,
-        is_written=begin is not None,
-        offset=writer.offset(part.start),
-        end_offset=writer.offset(part.end),
-        line=part.line,
-        comments=tuple(comment_texts(comments)),
-        statements=tuple(islice(placed, len(part.entries))),
-    )
-
-
-def _finding(
-    finding: checker.Finding, document: Document, writer: StatementWriter, base: int
-) -> PlacedFinding:
-    """A finding without its fix, with offsets from ``base`` on."""
+def _finding(finding: checker.Finding, document: Document, writer: StatementWriter) -> PlacedFinding:
     span = finding.span
     start, end = writer.range(document.numbered(span))
     statement = _statement(document, span)
@@ -167,9 +169,9 @@ def _finding(
         column=span.column,
         end_line=span.end_line,
         end_column=span.end_column,
-        offset=start - base,
-        end_offset=end - base,
-        fix=None,
+        offset=start,
+        end_offset=end,
+        fix=None if finding.fix is None else _fix(finding.fix, document, writer),
         profile_fix=finding.profile_fix,
         statement=statement,
         related=tuple(one for one in related if one is not None and one != statement),
