@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pytest
 from hypothesis import given, settings
 from msgspec.structs import replace
@@ -53,7 +55,7 @@ end
 SECONDS = DurationUnit.SECONDS
 
 
-def statements(text: str) -> tuple[Statement, ...]:
+def statements(text: str) -> Sequence[Statement]:
     return EditedTexts().document(Draft(text=text, name="rules.adirf")).collections[0].statements
 
 
