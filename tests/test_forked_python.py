@@ -77,6 +77,28 @@ def test_a_forked_command_says_and_returns_what_a_started_one_does(arguments: li
     assert forked("-m", "smarttestudo", *arguments) == started("-m", "smarttestudo", *arguments)
 
 
+# What it does at its end, behind which a forked program leaves without freeing what was imported.
+LATE = """
+import atexit, threading
+atexit.register(print, "at exit")
+threading.Thread(target=lambda: (threading.main_thread().join(), print("thread"))).start()
+"""
+
+
+@pytest.mark.parametrize(
+    "end", ["", "sys.exit()", "sys.exit(3)", "sys.exit(-1)", "sys.exit(True)", "sys.exit('words')", "1 / 0"]
+)
+def test_a_forked_program_ends_as_a_started_one_does(end: str) -> None:
+    results = [run("-c", f"import sys{LATE}print('said', end=' ')\n{end}") for run in (forked, started)]
+    codes, (forked_lines, started_lines) = zip(
+        *((code, said.split("\n")) for code, said in results), strict=True
+    )
+    assert codes[0] == codes[1]
+    # Between them stand the places of an error.
+    assert (forked_lines[0], forked_lines[-3:]) == (started_lines[0], started_lines[-3:])
+    assert "at exit" in started_lines
+
+
 def test_a_forked_process_is_signalled_and_says_so() -> None:
     process = ForkedPython(["-c", "input()"], inherited(os.environ))
     with process.stdin, process.stdout:

@@ -10,10 +10,9 @@ from pathlib import Path
 from urllib.parse import urlencode
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Browser, Page, expect
 
 from docs.test_site import site
-from real_browser import chromium
 
 __all__ = ["site"]
 # Marks this module as one that starts processes.
@@ -21,9 +20,9 @@ assert subprocess
 
 
 @pytest.fixture(scope="module")
-def page() -> Iterator[Page]:
-    with chromium() as browser:
-        yield browser.new_page()
+def page(worker_browser: Browser) -> Iterator[Page]:
+    with worker_browser.new_context() as context:
+        yield context.new_page()
 
 
 @pytest.mark.parametrize(

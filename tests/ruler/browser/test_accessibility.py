@@ -39,7 +39,7 @@ def test_axe_finds_nothing_and_no_page_is_wider_than_the_screen(
     assert violations(ruler.page) == []
     for width in (820, 390):
         ruler.page.set_viewport_size({"width": width, "height": 844})
-        ruler.page.wait_for_function(f"innerWidth === {width}")
+        ruler.page.wait_for_function(f"() => innerWidth === {width}")
         # The blocks follow the size of the window a moment later.
         until(lambda: ruler.page.evaluate(SIDEWAYS) <= 0)
 

@@ -76,7 +76,7 @@ def test_a_menu_undoes_what_the_page_undoes(one: RulerPage) -> None:
 
 def test_a_menu_is_not_cut_at_the_edge_of_the_pane(one: RulerPage) -> None:
     one.page.set_viewport_size({"width": 1440, "height": 520})
-    one.page.wait_for_function("innerHeight === 520")
+    one.page.wait_for_function("() => innerHeight === 520")
     host = one.blocks.locator(".blocks-host").bounding_box()
     assert host is not None
     last = _menu(one, one.page.locator(".adirf_rule")).last

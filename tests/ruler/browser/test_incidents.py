@@ -201,7 +201,7 @@ def test_keeping_is_cancelled_on_any_page_and_leaves_nothing(ruler: RulerPage, p
     expect(bar.get_by_role("link", name=NEAR_MISS)).to_be_visible()
     for width in (1440, 390):
         ruler.page.set_viewport_size({"width": width, "height": 844})
-        ruler.page.wait_for_function(f"innerWidth === {width}")
+        ruler.page.wait_for_function(f"() => innerWidth === {width}")
         box, home = bar.bounding_box(), ruler.page.get_by_role("main").bounding_box()
         assert box is not None
         assert home is not None

@@ -141,7 +141,7 @@ def test_the_wheel_scrolls_and_zooms_only_with_ctrl(ruler: RulerPage, rules: Pat
     # It goes again by itself.
     ruler.page.evaluate(WATCH_FOR, "Hold Ctrl to zoom with the wheel")
     ruler.page.mouse.wheel(0, -400)
-    ruler.page.wait_for_function("window.isSeen")
+    ruler.page.wait_for_function("() => window.isSeen")
     expect(scale).to_have_text(str(before))
     ruler.page.keyboard.down("Control")
     ruler.page.mouse.wheel(0, -400)

@@ -151,7 +151,7 @@ def test_twenty_robots_are_ordered_by_trouble_and_stay_in_place_under_the_keyboa
     expect(rows(page)).to_have_count(6)
 
     page.page.set_viewport_size({"width": PHONE[0], "height": PHONE[1]})
-    page.page.wait_for_function(f"innerWidth === {PHONE[0]}")
+    page.page.wait_for_function(f"() => innerWidth === {PHONE[0]}")
     expect(rows(page)).to_have_count(6)
     until(lambda: has_no_sideways_scroll(page))
     expect(page.page.get_by_role("row", name="/r05/").get_by_role("cell").first).to_be_visible()

@@ -200,7 +200,7 @@ def test_the_slider_of_a_try_has_the_width_of_a_telephone(ruler: RulerPage, proj
     decides = ruler.page.get_by_text(re.compile("^decides .odom"))
     for screen in (TELEPHONE, LAPTOP):
         ruler.page.set_viewport_size(screen)
-        ruler.page.wait_for_function(f"innerWidth === {screen['width']}")
+        ruler.page.wait_for_function(f"() => innerWidth === {screen['width']}")
         expect(decides).to_have_text("decides /odom, /scan, /image, /gripper, /map_name")
         assert not _is_cut(decides)
 

@@ -70,7 +70,7 @@ def test_one_scrubber_moves_the_robot_the_rates_the_rules_and_the_mark_in_the_te
     expect(place).to_be_visible()
 
     page.set_viewport_size({"width": 1000, "height": 900})
-    page.wait_for_function("innerWidth === 1000")
+    page.wait_for_function("() => innerWidth === 1000")
     # Charts follow the width of the window with the next picture.
     page.evaluate(TWO_PICTURES)
     rates = page.get_by_text("Rates (Hz) over time (s)").bounding_box()
