@@ -12,10 +12,7 @@ import pytest
 from playwright.sync_api import Browser, expect, sync_playwright
 
 TIMEOUT_MS = 120_000
-# The first has the same engine and draws no window around a page.
-NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
-# All tabs of a context share a process, in which the page is compiled once.
-ARGUMENTS = ("--no-sandbox", "--renderer-process-limit=1")
+NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
 def chromium_path() -> str:
@@ -32,6 +29,6 @@ def chromium() -> Iterator[Browser]:
     found = chromium_path()
     expect.set_options(timeout=TIMEOUT_MS)
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=found, args=ARGUMENTS)
+        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
         yield browser
         browser.close()

@@ -47,12 +47,14 @@ def kill_after(folder: Path, log: Path, seconds: float) -> int:
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
     command = [sys.executable, str(SCRIPT), str(folder), str(log)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == b"ready\n"
-        time.sleep(seconds)
-        until(lambda: any(map(messages_in, folder.glob(".*.partial"))))
-        killed_ns = time.monotonic_ns()
-        process.kill()
+        try:
+            assert process.stdout is not None
+            assert process.stdout.readline() == b"ready\n"
+            time.sleep(seconds)
+            until(lambda: any(map(has_message, folder.glob(".*.partial"))))
+        finally:
+            killed_ns = time.monotonic_ns()
+            process.kill()
     return killed_ns
 
 
@@ -78,6 +80,14 @@ def messages_in(bag: Path) -> list[BagMessage]:
     """What can be read of a folder that was not ended; an incident that just began has no file yet."""
     has_file = any(file.stat().st_size >= len(file_start()) for file in bag.glob("*.mcap"))
     return read_bag(bag).messages if has_file else []
+
+
+def has_message(bag: Path) -> bool:
+    """Whether a message can be read of a folder that the process writes, and may end meanwhile."""
+    try:
+        return bool(messages_in(bag))
+    except (FileNotFoundError, RecordingError):
+        return False
 
 
 def numbers(messages: list[BagMessage]) -> list[int]:

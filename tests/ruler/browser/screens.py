@@ -32,8 +32,6 @@ begin
     EndIf
 end
 """
-FILLS_NO_SCREEN = "delete Element.prototype.requestFullscreen"
-"""As on many telephones: a part has the whole page, which can still be resized."""
 THEIRS = RULES.replace("/scan 5", "/scan 6")
 
 
@@ -144,18 +142,6 @@ def at_trial(ruler: RulerPage) -> None:
     ruler.page.get_by_role("region", name="Decisions").wait_for()
 
 
-def at_whole_trial(ruler: RulerPage) -> None:
-    """A trial that has the whole page and was played a little."""
-    at_trial(ruler)
-    ruler.page.evaluate(FILLS_NO_SCREEN)
-    ruler.page.get_by_role("button", name="Full screen: results").click()
-    expect(ruler.blocks).to_be_hidden()
-    ruler.page.get_by_label("Speed").select_option("0.5×")
-    ruler.button("Play").click()
-    ruler.button("Pause").click()
-    expect(ruler.button("Play")).to_be_visible()
-
-
 def at_incidents(ruler: RulerPage) -> None:
     ruler.button("Look at Incidents").click()
     ruler.page.get_by_role("table", name="Incidents").wait_for()
@@ -236,7 +222,6 @@ def at_zones(ruler: RulerPage) -> None:
     ruler.page.get_by_role("tab", name="Map").click()
     ruler.page.get_by_role("list", name="Zones").get_by_role("button").first.click()
     ruler.page.get_by_role("group", name="Zone of").wait_for()
-    ruler.page.evaluate(FILLS_NO_SCREEN)
     ruler.page.get_by_role("button", name="Full screen: map").click()
 
 
@@ -266,7 +251,6 @@ STATES: tuple[Callable[[RulerPage], None], ...] = (
     at_optimizer,
     at_robot,
     at_trial,
-    at_whole_trial,
     at_incidents,
     at_incident,
     at_deleting,

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from playwright.sync_api import Locator, Route, expect
 
+from axe import violations
 from bags.bag_factory import small_mission, write_bag
 from link.zenoh.ends import until
 from ruler.browser.ruler_page import RulerPage
@@ -80,6 +81,7 @@ def test_a_try_has_the_whole_page_and_plays(ruler: RulerPage, project: Path) -> 
     ruler.button("Play").click()
     ruler.button("Pause").click()
     expect(ruler.button("Play")).to_be_visible()
+    assert violations(ruler.page) == []
     ruler.page.keyboard.press("Escape")
     ruler.page.get_by_role("button", name="Full screen: results").wait_for()
     expect(ruler.blocks).to_be_visible()
