@@ -15,7 +15,7 @@ from smarttestudo.domain.errors import RecordingError
 
 
 def open_storage_file(path: Path, whole_bytes: int | None = None) -> StoredFile:
-    """The .db3 or .mcap file at ``path``: with SQLite or rosbags if it is whole, else as far as it goes.
+    """The .db3 or .mcap file at ``path``: by its index if it is whole, else as far as it goes.
 
     ``whole_bytes`` is how long it was before it was cut off, where that is known.
     Raises ``RecordingError`` where nothing of it can be read.
@@ -25,12 +25,10 @@ def open_storage_file(path: Path, whole_bytes: int | None = None) -> StoredFile:
 
 def _open_mcap(path: Path, whole_bytes: int | None) -> StoredFile:
     from smarttestudo.bags.mcap.recovered import RecoveredMcapFile  # noqa: PLC0415  slow to import
-    from smarttestudo.bags.mcap.whole_file import McapFile, has_full_index  # noqa: PLC0415
+    from smarttestudo.bags.mcap.whole_file import McapFile, full_index  # noqa: PLC0415
 
-    if has_full_index(path):
-        with suppress(RecordingError):
-            return McapFile(path)
-    return RecoveredMcapFile(path, whole_bytes)
+    index = full_index(path)
+    return RecoveredMcapFile(path, whole_bytes) if index is None else McapFile(path, index)
 
 
 def _open_sqlite(path: Path) -> StoredFile:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
@@ -15,9 +15,9 @@ from typing import TypeVar
 from mcap.records import Channel as ChannelRecord
 from mcap.records import McapRecord, Message, Schema
 
-from smarttestudo.bags.definition_text import normal_definition
+from smarttestudo.bags.mcap.channels import stored_channel
 from smarttestudo.bags.mcap.records import MessageHeader, RecordReader
-from smarttestudo.bags.qos import QosReader, is_transient_local
+from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.stored_file import (
     HOMELESS,
     ChannelsByNumber,
@@ -30,8 +30,6 @@ from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedMessage
 from smarttestudo.domain.units import LAST_STAMP_NS, counted, grouped
 
-_IDL_ENCODINGS = frozenset({"ros2idl", "omgidl"})
-_DEFINED_ENCODINGS = frozenset({"ros2msg"}) | _IDL_ENCODINGS
 _NO_SCHEMA = 0
 _T = TypeVar("_T")
 _Found = tuple[int, int, _T]
@@ -144,7 +142,7 @@ class RecoveredMcapFile:
             case ChannelRecord() if record.id not in self.channels:
                 schema = self._schemas.get(record.schema_id)
                 if schema is not None or record.schema_id == _NO_SCHEMA:
-                    self.channels[record.id] = self._channel(record, schema)
+                    self.channels[record.id] = stored_channel(record, schema, self._qos)
             case MessageHeader() if record.log_time > LAST_STAMP_NS:
                 self._timeless += 1
             case MessageHeader():
@@ -153,23 +151,3 @@ class RecoveredMcapFile:
                 first_ns, last_ns = self._spans.get(number, (stamp_ns, stamp_ns))
                 self._spans[number] = min(first_ns, stamp_ns), max(last_ns, stamp_ns)
                 yield stamp_ns
-
-    def _channel(self, record: ChannelRecord, schema: Schema | None) -> Channel:
-        metadata: Mapping[str, str] = record.metadata
-        qos = self._qos.read_or_note(record.topic, metadata.get("offered_qos_profiles"))
-        type_name, definition = "", None
-        if schema is not None:
-            type_name = schema.name
-            text = schema.data.decode("utf-8", "replace") if schema.encoding in _DEFINED_ENCODINGS else ""
-            definition = normal_definition(
-                text, type_name=type_name, is_idl=schema.encoding in _IDL_ENCODINGS
-            )
-        return Channel(
-            topic=record.topic,
-            type_name=type_name,
-            definition=definition,
-            digest=metadata.get("topic_type_hash", ""),
-            qos=qos,
-            serialization_format=record.message_encoding,
-            transient_local=is_transient_local(qos),
-        )

@@ -1,106 +1,191 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""An .mcap file with a whole index."""
+"""An .mcap file with a whole index (https://mcap.dev/spec)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import struct
+from bisect import bisect_left
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from operator import attrgetter, itemgetter
 from pathlib import Path
-from typing import cast
+from typing import BinaryIO
 
 from mcap.reader import make_reader
-from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat
-from rosbags.rosbag2 import Reader
+from mcap.records import ChunkIndex, Statistics
+from mcap.summary import Summary
 
-from smarttestudo.bags.definition_text import normal_definition
-from smarttestudo.bags.mcap.outlines import mcap_outlines
-from smarttestudo.bags.mcap.records import BROKEN
+from smarttestudo.bags.mcap.channels import stored_channel
+from smarttestudo.bags.mcap.record_bytes import CHUNK_HEADER, FRAME, MESSAGE_HEADER, Op, record_places
+from smarttestudo.bags.mcap.records import BROKEN, chunk_content
 from smarttestudo.bags.mcap.recovered import RecoveredMcapFile
-from smarttestudo.bags.qos import is_transient_local
-from smarttestudo.bags.stored_file import ChannelsByNumber, ContinuedFile, Outline
-from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel, RecordedMessage
+from smarttestudo.bags.qos import QosReader
+from smarttestudo.bags.stored_file import ChannelsByNumber, ContinuedFile, Outline, OutlineError
+from smarttestudo.domain.recording import RecordedMessage
 from smarttestudo.domain.units import LAST_STAMP_NS
 
+_CHUNK_BEGINNING = struct.Struct("<BQQ")
+_INDEX_ENTRY_BYTES = 16
+_SMALL_RECORD_BYTES = 4096
+"""Records up to this size, in the mean of a chunk, are read faster than they are hopped over."""
 
-def has_full_index(path: Path) -> bool:
-    """Whether the summary lists every channel, and every chunk with its messages.
+_Found = tuple[int, int, bytes, int, int]
+"""Stamp in ns and channel of a message, bytes that hold it, and where in them its payload begins and ends.
 
-    Without that, rosbags skips chunks without a word, and refuses messages that are out of order. Nor do
-    times count that no clock of ROS has.
+Of one that was hopped over, the bytes are the first of its payload only.
+"""
+
+
+def full_index(path: Path) -> Summary | None:
+    """The summary of a file if it lists every channel, and every chunk where it is, with its messages.
+
+    Else nobody knows what is in it without reading all of it. Nor do times count that no clock of ROS has.
     """
     try:
         with path.open("rb") as file:
             summary = make_reader(file).get_summary()
+            if summary is None or summary.statistics is None or not _is_full(summary, summary.statistics):
+                return None
+            file_bytes = file.seek(0, 2)
+            are_there = all(_is_there(file, file_bytes, chunk) for chunk in summary.chunk_indexes)
+            return summary if are_there else None
     except BROKEN:
+        return None
+
+
+def _is_there(file: BinaryIO, file_bytes: int, chunk: ChunkIndex) -> bool:
+    if chunk.chunk_start_offset + chunk.chunk_length > file_bytes:
         return False
-    if summary is None or summary.statistics is None:
+    file.seek(chunk.chunk_start_offset)
+    content_bytes = chunk.chunk_length - FRAME.size
+    return _CHUNK_BEGINNING.unpack(file.read(_CHUNK_BEGINNING.size)) == (
+        Op.CHUNK,
+        content_bytes,
+        chunk.message_start_time,
+    )
+
+
+def _is_full(summary: Summary, statistics: Statistics) -> bool:
+    if statistics.message_count and not summary.chunk_indexes:
         return False
-    if summary.statistics.message_count and not summary.chunk_indexes:
-        return False
-    if summary.statistics.message_end_time > LAST_STAMP_NS:
+    if statistics.message_end_time > LAST_STAMP_NS:
         return False
     described = all(
         number in summary.channels and summary.channels[number].schema_id in summary.schemas
-        for number in summary.statistics.channel_message_counts
+        for number in statistics.channel_message_counts
     )
     return described and all(chunk.message_index_offsets for chunk in summary.chunk_indexes)
 
 
 class McapFile(ContinuedFile):
-    """Reads with rosbags; where that fails half-way, the file is reopened as a damaged one and read on.
+    """Reads chunk by chunk as the index says; where that fails, as a damaged file from there on."""
 
-    Raises ``RecordingError`` where rosbags cannot open it.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        try:
-            self._reader = Reader(path)
-            self._reader.open()
-        except Exception as error:  # rosbags leaks the errors of zstd, lz4, struct and ord()
-            raise RecordingError(f"rosbags cannot read it: {error}", place=str(path)) from error
+    def __init__(self, path: Path, index: Summary) -> None:
+        assert index.statistics is not None
+        self._qos = QosReader()
         self.channels: ChannelsByNumber = {
-            connection.id: _channel(connection) for connection in self._reader.connections
+            number: stored_channel(channel, index.schemas[channel.schema_id], self._qos)
+            for number, channel in index.channels.items()
+            if channel.schema_id in index.schemas
         }
+        self._chunks = sorted(index.chunk_indexes, key=attrgetter("message_start_time", "chunk_start_offset"))
+        self._file = path.open("rb")
         super().__init__(
             partial(RecoveredMcapFile, path),
-            message_count=self._reader.message_count,
-            start_ns=self._reader.start_time,
-            end_ns=self._reader.end_time - 1,
+            message_count=index.statistics.message_count,
+            start_ns=index.statistics.message_start_time,
+            end_ns=index.statistics.message_end_time,
         )
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
-        """The outlines of ``messages``, without reading payloads."""
-        return mcap_outlines(self._path, channels, head_bytes)
+        """The outlines of ``messages``; of chunks that are not compressed, large payloads are not read."""
+        read = partial(self._heads_in, channels=channels, head_bytes=head_bytes)
+        try:
+            for stamp_ns, number, records, start, end in _in_time_order(self._chunks, read):
+                yield channels[number], stamp_ns, end - start, records[start : min(start + head_bytes, end)]
+        except BROKEN as error:
+            raise OutlineError(str(error)) from error
+
+    def notices(self) -> Sequence[str]:
+        """Losses, one line each, once all messages were read."""
+        return [*dict.fromkeys((*self._qos.notices, *super().notices()))]
 
     def close(self) -> None:
         """Let go of the file."""
-        self._reader.close()
+        self._file.close()
 
     def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
-        wanted = [connection for connection in self._reader.connections if connection.id in channels]
-        # To rosbags, no connection means all of them.
-        for connection, stamp_ns, payload in self._reader.messages(wanted) if wanted else ():
-            if not (isinstance(stamp_ns, int) and isinstance(payload, bytes)):
-                raise TypeError("a message without stamp or payload")
-            yield channels[connection.id], stamp_ns, payload
+        read = partial(self._messages_in, channels=channels)
+        for stamp_ns, number, records, start, end in _in_time_order(self._chunks, read):
+            yield channels[number], stamp_ns, records[start:end]
+
+    def _messages_in(self, chunk: ChunkIndex, channels: ChannelsByNumber) -> list[_Found]:
+        """The messages of ``channels`` in a chunk."""
+        self._file.seek(chunk.chunk_start_offset + FRAME.size)
+        content = self._file.read(chunk.chunk_length - FRAME.size)
+        if chunk.compression:
+            return _messages_of(chunk_content(content, is_whole=True), channels)
+        records = content[CHUNK_HEADER.size :]
+        if len(records) != chunk.uncompressed_size:
+            raise OutlineError("a chunk is of another size than its index says")
+        return _messages_of(records, channels)
+
+    def _heads_in(self, chunk: ChunkIndex, channels: ChannelsByNumber, head_bytes: int) -> list[_Found]:
+        """The same, with the first bytes of each at least."""
+        messages = chunk.message_index_length // _INDEX_ENTRY_BYTES
+        if chunk.compression or chunk.uncompressed_size <= messages * _SMALL_RECORD_BYTES:
+            return self._messages_in(chunk, channels)
+        first = chunk.chunk_start_offset + FRAME.size + CHUNK_HEADER.size
+        return self._hopped(first, first + chunk.uncompressed_size, channels, head_bytes)
+
+    def _hopped(self, start: int, end: int, channels: ChannelsByNumber, head_bytes: int) -> list[_Found]:
+        found: list[_Found] = []
+        header_bytes, next_start = MESSAGE_HEADER.size, start
+        for op, at, next_start, data in record_places(self._file, start, end, header_bytes + head_bytes):
+            if next_start > end:
+                raise OutlineError("a record is longer than its chunk")
+            if op != Op.MESSAGE:
+                continue
+            number, _, stamp_ns, _ = MESSAGE_HEADER.unpack_from(data)
+            if number in channels:
+                payload_bytes = next_start - at - FRAME.size - header_bytes
+                found.append((stamp_ns, number, data[header_bytes:], 0, payload_bytes))
+        if next_start < end:
+            raise OutlineError("a record is cut off")
+        return found
 
 
-def _channel(connection: Connection) -> Channel:
-    stored = cast("ConnectionExtRosbag2", connection.ext)
-    definition = connection.msgdef
-    return Channel(
-        topic=connection.topic,
-        type_name=connection.msgtype,
-        definition=normal_definition(
-            definition.data,
-            type_name=connection.msgtype,
-            is_idl=definition.format is MessageDefinitionFormat.IDL,
-        ),
-        digest=connection.digest,
-        qos=tuple(stored.offered_qos_profiles),
-        serialization_format=stored.serialization_format,
-        transient_local=is_transient_local(stored.offered_qos_profiles),
-    )
+def _in_time_order(
+    chunks: Sequence[ChunkIndex], read: Callable[[ChunkIndex], list[_Found]]
+) -> Iterator[_Found]:
+    """What is found in chunks that are in the order of their first stamps; of one stamp, as they are."""
+    stamp_of = itemgetter(0)
+    pending: list[_Found] = []
+    for chunk in chunks:
+        due = bisect_left(pending, chunk.message_start_time, key=stamp_of)
+        yield from pending[:due]
+        pending = [*pending[due:], *read(chunk)]
+        pending.sort(key=stamp_of)
+    yield from pending
+
+
+def _messages_of(records: bytes, channels: ChannelsByNumber) -> list[_Found]:
+    """The messages of ``channels`` among the records of a chunk."""
+    found: list[_Found] = []
+    frame, header, at, end = FRAME, MESSAGE_HEADER, 0, len(records)
+    while at + frame.size <= end:
+        op, size_bytes = frame.unpack_from(records, at)
+        content = at + frame.size
+        at = content + size_bytes
+        if at > end:
+            raise OutlineError("a record is longer than its chunk")
+        if op == Op.MESSAGE:
+            if size_bytes < header.size:
+                raise OutlineError("a message is shorter than its header")
+            number, _, stamp_ns, _ = header.unpack_from(records, content)
+            if number in channels:
+                found.append((stamp_ns, number, records, content + header.size, at))
+    if at < end:
+        raise OutlineError("a record is cut off")
+    return found

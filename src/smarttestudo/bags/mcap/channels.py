@@ -1,0 +1,37 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Channels of a recording in an MCAP file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mcap.records import Channel as ChannelRecord
+from mcap.records import Schema
+
+from smarttestudo.bags.definition_text import normal_definition
+from smarttestudo.bags.qos import QosReader, is_transient_local
+from smarttestudo.domain.recording import Channel
+
+_IDL_ENCODINGS = frozenset({"ros2idl", "omgidl"})
+_DEFINED_ENCODINGS = frozenset({"ros2msg"}) | _IDL_ENCODINGS
+
+
+def stored_channel(record: ChannelRecord, schema: Schema | None, qos_reader: QosReader) -> Channel:
+    """The channel of a record, with its type if the file has a ``schema`` for it."""
+    metadata: Mapping[str, str] = record.metadata
+    qos = qos_reader.read_or_note(record.topic, metadata.get("offered_qos_profiles"))
+    type_name, definition = "", None
+    if schema is not None:
+        type_name = schema.name
+        text = schema.data.decode("utf-8", "replace") if schema.encoding in _DEFINED_ENCODINGS else ""
+        definition = normal_definition(text, type_name=type_name, is_idl=schema.encoding in _IDL_ENCODINGS)
+    return Channel(
+        topic=record.topic,
+        type_name=type_name,
+        definition=definition,
+        digest=metadata.get("topic_type_hash", ""),
+        qos=qos,
+        serialization_format=record.message_encoding,
+        transient_local=is_transient_local(qos),
+    )
