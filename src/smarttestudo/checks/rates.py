@@ -22,7 +22,7 @@ def _tier_without_rate(rules: RuleModel) -> Iterator[Found]:
     """A tier without a profile that gives it a rate or an accuracy."""
     if rules.context.profile is not None:
         return
-    in_blocks = rules.recall.runs("written tiers", _tiers_of, rules.branches)
+    in_blocks = rules.recall.runs("levels by branch", _tiers_of, rules.branches)
     for one, tier in (*_tiers(rules.written_defaults), *chain.from_iterable(in_blocks)):
         yield Found(
             path=one.path,
@@ -46,7 +46,7 @@ def _tiers_of(branches: Sequence[Branch]) -> Sequence[tuple[ResolvedRate, Tier]]
 
 
 def _tiers(rates: Iterable[ResolvedRate]) -> Iterator[tuple[ResolvedRate, Tier]]:
-    """Those among ``rates`` that are tiers."""
+    """Rates among ``rates`` that are tiers."""
     return ((one, tier) for one in rates if isinstance(tier := one.statement.rate.value, Tier))
 
 

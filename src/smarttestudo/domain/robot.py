@@ -174,7 +174,7 @@ class RobotLog(Protocol):
 
 
 class GraphChange(Enum):
-    """What is known of changes of the graph since the last look."""
+    """Knowledge of changes of the graph since the last look."""
 
     TOLD = auto()
     """There was one."""

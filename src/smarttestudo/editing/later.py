@@ -16,7 +16,7 @@ class MadeLater(Sequence[_T]):
 
     @staticmethod
     def part_of(things: Sequence[_T], start: int, end: int) -> MadeLater[_T]:
-        """Those from number ``start`` to before ``end``."""
+        """Things from number ``start`` to before ``end``."""
         return MadeLater(end - start, lambda: things[start:end])
 
     def __init__(self, length: int, make: Callable[[], Iterable[_T]]) -> None:

@@ -159,7 +159,7 @@ class McapFile(ContinuedFile):
 def _in_time_order(
     chunks: Sequence[ChunkIndex], read: Callable[[ChunkIndex], list[_Found]]
 ) -> Iterator[_Found]:
-    """What is found in chunks that are in the order of their first stamps; of one stamp, as they are."""
+    """Messages of chunks that are in the order of their first stamps; of one stamp, as they are found."""
     stamp_of = itemgetter(0)
     pending: list[_Found] = []
     for chunk in chunks:

@@ -154,7 +154,7 @@ class _Search:
         return tuple(one for one, value in zip(columns, solved.values, strict=True) if value > 0.5)
 
     def _savings(self) -> Savings:
-        """What each topic saves within so many steps, a row a topic."""
+        """Savings of each topic within so many steps, a row a topic."""
         rows = {topic: index for index, topic in enumerate(self._most_saved)}
         savings = np.zeros((len(rows), max((one.steps for one in self._reductions), default=0)))
         for one in self._reductions:
