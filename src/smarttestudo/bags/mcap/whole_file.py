@@ -4,20 +4,18 @@
 
 from __future__ import annotations
 
-import struct
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from operator import attrgetter, itemgetter
 from pathlib import Path
-from typing import BinaryIO
 
 from mcap.reader import make_reader
 from mcap.records import ChunkIndex, Statistics
 from mcap.summary import Summary
 
 from smarttestudo.bags.mcap.channels import stored_channel
-from smarttestudo.bags.mcap.record_bytes import CHUNK_HEADER, FRAME, MESSAGE_HEADER, Op, record_places
+from smarttestudo.bags.mcap.record_bytes import CHUNK_START, FRAME, MESSAGE_HEADER, Op, record_places
 from smarttestudo.bags.mcap.records import BROKEN, chunk_content
 from smarttestudo.bags.mcap.recovered import RecoveredMcapFile
 from smarttestudo.bags.qos import QosReader
@@ -25,7 +23,6 @@ from smarttestudo.bags.stored_file import ChannelsByNumber, ContinuedFile, Outli
 from smarttestudo.domain.recording import RecordedMessage
 from smarttestudo.domain.units import LAST_STAMP_NS
 
-_CHUNK_BEGINNING = struct.Struct("<BQQ")
 _INDEX_ENTRY_BYTES = 16
 _SMALL_RECORD_BYTES = 4096
 """Records up to this size, in the mean of a chunk, are read faster than they are hopped over."""
@@ -45,25 +42,14 @@ def full_index(path: Path) -> Summary | None:
     try:
         with path.open("rb") as file:
             summary = make_reader(file).get_summary()
-            if summary is None or summary.statistics is None or not _is_full(summary, summary.statistics):
-                return None
             file_bytes = file.seek(0, 2)
-            are_there = all(_is_there(file, file_bytes, chunk) for chunk in summary.chunk_indexes)
-            return summary if are_there else None
     except BROKEN:
         return None
-
-
-def _is_there(file: BinaryIO, file_bytes: int, chunk: ChunkIndex) -> bool:
-    if chunk.chunk_start_offset + chunk.chunk_length > file_bytes:
-        return False
-    file.seek(chunk.chunk_start_offset)
-    content_bytes = chunk.chunk_length - FRAME.size
-    return _CHUNK_BEGINNING.unpack(file.read(_CHUNK_BEGINNING.size)) == (
-        Op.CHUNK,
-        content_bytes,
-        chunk.message_start_time,
-    )
+    if summary is None or summary.statistics is None:
+        return None
+    ends = (chunk.chunk_start_offset + chunk.chunk_length for chunk in summary.chunk_indexes)
+    are_there = all(end <= file_bytes for end in ends)
+    return summary if are_there and _is_full(summary, summary.statistics) else None
 
 
 def _is_full(summary: Summary, statistics: Statistics) -> bool:
@@ -122,11 +108,13 @@ class McapFile(ContinuedFile):
 
     def _messages_in(self, chunk: ChunkIndex, channels: ChannelsByNumber) -> list[_Found]:
         """The messages of ``channels`` in a chunk."""
-        self._file.seek(chunk.chunk_start_offset + FRAME.size)
-        content = self._file.read(chunk.chunk_length - FRAME.size)
+        self._file.seek(chunk.chunk_start_offset)
+        data = self._file.read(chunk.chunk_length)
+        if FRAME.unpack_from(data) != (Op.CHUNK, chunk.chunk_length - FRAME.size):
+            raise OutlineError("a chunk is not where its index says")
         if chunk.compression:
-            return _messages_of(chunk_content(content, is_whole=True), channels)
-        records = content[CHUNK_HEADER.size :]
+            return _messages_of(chunk_content(data[FRAME.size :], is_whole=True), channels)
+        records = data[CHUNK_START.size :]
         if len(records) != chunk.uncompressed_size:
             raise OutlineError("a chunk is of another size than its index says")
         return _messages_of(records, channels)
@@ -136,7 +124,7 @@ class McapFile(ContinuedFile):
         messages = chunk.message_index_length // _INDEX_ENTRY_BYTES
         if chunk.compression or chunk.uncompressed_size <= messages * _SMALL_RECORD_BYTES:
             return self._messages_in(chunk, channels)
-        first = chunk.chunk_start_offset + FRAME.size + CHUNK_HEADER.size
+        first = chunk.chunk_start_offset + CHUNK_START.size
         return self._hopped(first, first + chunk.uncompressed_size, channels, head_bytes)
 
     def _hopped(self, start: int, end: int, channels: ChannelsByNumber, head_bytes: int) -> list[_Found]:
