@@ -4,9 +4,8 @@
 
 from __future__ import annotations
 
-import heapq
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
@@ -17,6 +16,7 @@ from mcap.records import McapRecord, Message, Schema
 
 from smarttestudo.bags.mcap.channels import stored_channel
 from smarttestudo.bags.mcap.records import MessageHeader, RecordReader
+from smarttestudo.bags.mcap.time_order import in_time_order
 from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.stored_file import (
     HOMELESS,
@@ -33,9 +33,7 @@ from smarttestudo.domain.units import LAST_STAMP_NS, counted, grouped
 _NO_SCHEMA = 0
 _T = TypeVar("_T")
 _Found = tuple[int, int, _T]
-"""Number of the channel, stamp in ns, content."""
-_Ordered = tuple[int, int, int, _T]
-"""Stamp in ns, place among the messages found, number of the channel, content."""
+"""Stamp in ns, number of the channel, content."""
 
 
 class RecoveredMcapFile:
@@ -66,14 +64,14 @@ class RecoveredMcapFile:
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """Every message of ``channels`` that is whole, in time order."""
-        for stamp_ns, _, number, payload in self._in_time_order(self._payloads_at):
+        for stamp_ns, number, payload in in_time_order(self._index.places(), self._payloads_at):
             if number in channels:
                 yield channels[number], stamp_ns, payload
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``; chunks are unpacked, messages outside of them are not read."""
         read = partial(self._heads_at, head_bytes=head_bytes)
-        for stamp_ns, _, number, (size_bytes, head) in self._in_time_order(read):
+        for stamp_ns, number, (size_bytes, head) in in_time_order(self._index.places(), read):
             yield channels[number], stamp_ns, size_bytes, head
 
     def notices(self) -> Sequence[str]:
@@ -103,29 +101,18 @@ class RecoveredMcapFile:
         """Let go of the file."""
         self._resources.close()
 
-    def _in_time_order(self, read: Callable[[int], Iterator[_Found[_T]]]) -> Iterator[_Ordered[_T]]:
-        """Content that ``read`` finds at each place of the index, in the order of time."""
-        pending: list[_Ordered[_T]] = []
-        order = 0
-        for start_ns, offset in self._index.places():
-            while pending and pending[0][0] < start_ns:
-                yield heapq.heappop(pending)
-            for number, stamp_ns, content in read(offset):
-                if number in self.channels:
-                    heapq.heappush(pending, (stamp_ns, order, number, content))
-                    order += 1
-        while pending:
-            yield heapq.heappop(pending)
-
     def _payloads_at(self, offset: int) -> Iterator[_Found[bytes]]:
         for record in self._records.at(offset):
-            if isinstance(record, Message) and record.log_time <= LAST_STAMP_NS:
-                yield record.channel_id, record.log_time, record.data
+            if isinstance(record, Message) and self._is_to_be_told(record):
+                yield record.log_time, record.channel_id, record.data
 
     def _heads_at(self, offset: int, *, head_bytes: int) -> Iterator[_Found[tuple[int, bytes]]]:
         for record in self._records.heads_at(offset, head_bytes):
-            if isinstance(record, MessageHeader) and record.log_time <= LAST_STAMP_NS:
-                yield record.channel_id, record.log_time, (record.payload_bytes, record.head)
+            if isinstance(record, MessageHeader) and self._is_to_be_told(record):
+                yield record.log_time, record.channel_id, (record.payload_bytes, record.head)
+
+    def _is_to_be_told(self, message: Message | MessageHeader) -> bool:
+        return message.log_time <= LAST_STAMP_NS and message.channel_id in self.channels
 
     def _find_messages(self) -> None:
         for place in self._records.places():

@@ -4,10 +4,9 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 from pathlib import Path
 
 from mcap.reader import make_reader
@@ -18,6 +17,7 @@ from smarttestudo.bags.mcap.channels import stored_channel
 from smarttestudo.bags.mcap.record_bytes import CHUNK_START, FRAME, MESSAGE_HEADER, Op, record_places
 from smarttestudo.bags.mcap.records import BROKEN, chunk_content
 from smarttestudo.bags.mcap.recovered import RecoveredMcapFile
+from smarttestudo.bags.mcap.time_order import in_time_order
 from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.stored_file import ChannelsByNumber, ContinuedFile, Outline, OutlineError
 from smarttestudo.domain.recording import RecordedMessage
@@ -75,7 +75,8 @@ class McapFile(ContinuedFile):
             for number, channel in index.channels.items()
             if channel.schema_id in index.schemas
         }
-        self._chunks = sorted(index.chunk_indexes, key=attrgetter("message_start_time", "chunk_start_offset"))
+        chunks = sorted(index.chunk_indexes, key=attrgetter("message_start_time", "chunk_start_offset"))
+        self._places = [(chunk.message_start_time, chunk) for chunk in chunks]
         self._file = path.open("rb")
         super().__init__(
             partial(RecoveredMcapFile, path),
@@ -88,7 +89,7 @@ class McapFile(ContinuedFile):
         """The outlines of ``messages``; of chunks that are not compressed, large payloads are not read."""
         read = partial(self._heads_in, channels=channels, head_bytes=head_bytes)
         try:
-            for stamp_ns, number, records, start, end in _in_time_order(self._chunks, read):
+            for stamp_ns, number, records, start, end in in_time_order(self._places, read):
                 yield channels[number], stamp_ns, end - start, records[start : min(start + head_bytes, end)]
         except BROKEN as error:
             raise OutlineError(str(error)) from error
@@ -103,7 +104,7 @@ class McapFile(ContinuedFile):
 
     def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         read = partial(self._messages_in, channels=channels)
-        for stamp_ns, number, records, start, end in _in_time_order(self._chunks, read):
+        for stamp_ns, number, records, start, end in in_time_order(self._places, read):
             yield channels[number], stamp_ns, records[start:end]
 
     def _messages_in(self, chunk: ChunkIndex, channels: ChannelsByNumber) -> list[_Found]:
@@ -142,20 +143,6 @@ class McapFile(ContinuedFile):
         if next_start < end:
             raise OutlineError("a record is cut off")
         return found
-
-
-def _in_time_order(
-    chunks: Sequence[ChunkIndex], read: Callable[[ChunkIndex], list[_Found]]
-) -> Iterator[_Found]:
-    """Messages of chunks that are in the order of their first stamps; of one stamp, as they are found."""
-    stamp_of = itemgetter(0)
-    pending: list[_Found] = []
-    for chunk in chunks:
-        due = bisect_left(pending, chunk.message_start_time, key=stamp_of)
-        yield from pending[:due]
-        pending = [*pending[due:], *read(chunk)]
-        pending.sort(key=stamp_of)
-    yield from pending
 
 
 def _messages_of(records: bytes, channels: ChannelsByNumber) -> list[_Found]:
