@@ -10,9 +10,9 @@ from functools import partial
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Clash, RedundantRate, Shadow, SharedBorder, wins_over
-from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.rule_check import RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.text_lines import LineOf, Words
+from smarttestudo.checks.text_lines import Found, LineOf, Words
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.source import Span

@@ -9,9 +9,9 @@ from functools import cache, partial
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in
-from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.rule_check import RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.text_lines import LineOf
+from smarttestudo.checks.text_lines import Found, LineOf
 from smarttestudo.domain.finding import Fix, ProfileFix, Severity
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.signal import Signal

@@ -8,8 +8,9 @@ import math
 from collections.abc import Iterator
 
 from smarttestudo.checks import wording
-from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.rule_check import RuleCheck
 from smarttestudo.checks.rule_model import CheckSite, RuleModel
+from smarttestudo.checks.text_lines import Found
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 from smarttestudo.domain.source import Span

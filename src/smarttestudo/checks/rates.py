@@ -10,8 +10,9 @@ from itertools import chain
 from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Gap
 from smarttestudo.checks.fixes import new_default
-from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.rule_check import RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
+from smarttestudo.checks.text_lines import Found
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.resolved_rules import Branch, ResolvedFloor, ResolvedRate

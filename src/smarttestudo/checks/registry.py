@@ -86,7 +86,8 @@ def check_again(
 
 
 def _place(finding: NumberedFinding) -> tuple[str, int, int, int]:
-    return finding.path, finding.span.line, finding.span.column, _RANKS.get(finding.code, -1)
+    found = finding.found
+    return found.path, found.span.line, found.span.column, _RANKS.get(finding.code, -1)
 
 
 def _about_blocks(rules: RuleModel) -> Iterator[NumberedFinding]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A check of the checker, and what it finds."""
+"""A check of the checker."""
 
 from __future__ import annotations
 
@@ -8,22 +8,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.text_lines import NumberedFinding, Words
-from smarttestudo.domain.finding import Fix, ProfileFix, Severity
-from smarttestudo.domain.source import Span
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Found:
-    """A finding without what all findings of its check share."""
-
-    path: str
-    span: Span
-    message: str | Words
-    hint: str = ""
-    fix: Fix | None = None
-    related: tuple[Span, ...] = ()
-    profile_fix: ProfileFix | None = None
+from smarttestudo.checks.text_lines import Found, NumberedFinding
+from smarttestudo.domain.finding import Severity
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,14 +29,4 @@ class RuleCheck:
 
     def finding(self, found: Found) -> NumberedFinding:
         """The finding that this check makes of what it found."""
-        return NumberedFinding(
-            code=self.code,
-            severity=self.severity,
-            words=(found.message,) if isinstance(found.message, str) else found.message,
-            path=found.path,
-            span=found.span,
-            hint=found.hint,
-            fix=found.fix,
-            related=found.related,
-            profile_fix=found.profile_fix,
-        )
+        return NumberedFinding(code=self.code, severity=self.severity, found=found)

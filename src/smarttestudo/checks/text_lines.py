@@ -25,18 +25,30 @@ Words = tuple[str | LineOf, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class NumberedFinding:
-    """A finding whose places are those of trees; ``words`` are its message."""
+class Found:
+    """A finding without what all findings of its check share; its places are those of trees."""
 
-    code: str
-    severity: Severity
-    words: Words
     path: str
     span: Span
+    message: str | Words
     hint: str = ""
     fix: Fix | None = None
     related: tuple[Span, ...] = ()
     profile_fix: ProfileFix | None = None
+
+    @property
+    def words(self) -> Words:
+        """The message."""
+        return (self.message,) if isinstance(self.message, str) else self.message
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NumberedFinding:
+    """A finding whose places are those of trees."""
+
+    code: str
+    severity: Severity
+    found: Found
 
     @staticmethod
     def of(finding: Finding, lines: LineNumbers) -> NumberedFinding:
@@ -44,11 +56,13 @@ class NumberedFinding:
         return NumberedFinding(
             code=finding.code,
             severity=finding.severity,
-            words=(finding.message,),
-            path=finding.path,
-            span=lines.numbered(finding.span),
-            hint=finding.hint,
-            fix=lines.numbered_fix(finding.fix),
+            found=Found(
+                path=finding.path,
+                span=lines.numbered(finding.span),
+                message=finding.message,
+                hint=finding.hint,
+                fix=lines.numbered_fix(finding.fix),
+            ),
         )
 
 
@@ -65,15 +79,16 @@ class TextLines:
 
     def told(self, finding: NumberedFinding) -> Finding:
         """``finding`` at its place in the text."""
-        lines = self.by_path.get(finding.path)
+        found = finding.found
+        lines = self.by_path.get(found.path)
         return Finding(
             code=finding.code,
             severity=finding.severity,
-            message="".join(one if isinstance(one, str) else str(self.line(one)) for one in finding.words),
-            path=finding.path,
-            span=finding.span if lines is None else lines.span(finding.span),
-            hint=finding.hint,
-            fix=finding.fix if lines is None else lines.fix(finding.fix),
-            related=finding.related if lines is None else tuple(map(lines.span, finding.related)),
-            profile_fix=finding.profile_fix,
+            message="".join(one if isinstance(one, str) else str(self.line(one)) for one in found.words),
+            path=found.path,
+            span=found.span if lines is None else lines.span(found.span),
+            hint=found.hint,
+            fix=found.fix if lines is None else lines.fix(found.fix),
+            related=found.related if lines is None else tuple(map(lines.span, found.related)),
+            profile_fix=found.profile_fix,
         )

@@ -11,8 +11,9 @@ from itertools import chain
 from smarttestudo.checks import wording
 from smarttestudo.checks.fixes import close_topic, new_default, write_topic
 from smarttestudo.checks.property_doubt import doubt_about, found_in
-from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.rule_check import RuleCheck
 from smarttestudo.checks.rule_model import CheckSite, RuleModel
+from smarttestudo.checks.text_lines import Found
 from smarttestudo.domain.finding import ProfileFix, Severity
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.source import Span

@@ -124,21 +124,22 @@ class FindingWriter:
 
     def text(self, finding: NumberedFinding) -> FindingText | None:
         """The text of a finding; ``None`` for one that speaks of other places than statements of the file."""
-        home = self._number_of(finding.path, finding.span)
-        told = [(self._number_of(*one), one) for one in finding.words if isinstance(one, LineOf)]
-        fixed = () if finding.fix is None else self._writer.range(finding.fix.span)
-        is_fix_elsewhere = finding.fix is not None and self._number_of(finding.path, finding.fix.span) != home
+        found = finding.found
+        home = self._number_of(found.path, found.span)
+        told = [(self._number_of(*one), one) for one in found.words if isinstance(one, LineOf)]
+        fixed = () if found.fix is None else self._writer.range(found.fix.span)
+        is_fix_elsewhere = found.fix is not None and self._number_of(found.path, found.fix.span) != home
         if home is None or is_fix_elsewhere or any(at is None for at, _ in told):
             return None
         line, start = self._places.lines[home], self._places.starts[home]
-        span = self._document.result.lines.span(finding.span)
-        others = dict.fromkeys(self._number_of(finding.path, one) for one in finding.related)
+        span = self._document.result.lines.span(found.span)
+        others = dict.fromkeys(self._number_of(found.path, one) for one in found.related)
         related = [at for at in others if at is not None and at != home]
         return FindingText(
             form=_finding_form(finding, len(related)),
             home=self._written(home),
             lines=(span.line - line, span.end_line - line),
-            offsets=tuple(one - start for one in (*self._writer.range(finding.span), *fixed)),
+            offsets=tuple(one - start for one in (*self._writer.range(found.span), *fixed)),
             told=tuple((self._written(at), self._line_in(at, one)) for at, one in told if at is not None),
             related=tuple(map(self._written, related)),
         )
@@ -154,25 +155,26 @@ class FindingWriter:
 
 
 def _finding_form(finding: NumberedFinding, related: int) -> str:
-    message = "".join(json_form(one)[1:-1] if isinstance(one, str) else "%d" for one in finding.words)
+    found = finding.found
+    message = "".join(json_form(one)[1:-1] if isinstance(one, str) else "%d" for one in found.words)
     fix, name = "null", '"%s"'
-    if finding.fix is not None:
-        replacement = json_form(finding.fix.replacement)
+    if found.fix is not None:
+        replacement = json_form(found.fix.replacement)
         edit = f'{{"kind":"substitute","offset":%d,"end_offset":%d,"replacement":{replacement}}}'
-        fix = f'{{"title":{json_form(finding.fix.title)},"edit":{edit}}}'
+        fix = f'{{"title":{json_form(found.fix.title)},"edit":{edit}}}'
     parts = {
         "code": json_form(finding.code),
         "severity": json_form(finding.severity),
         "message": f'"{message}"',
-        "hint": json_form(finding.hint),
+        "hint": json_form(found.hint),
         "line": "%d",
-        "column": str(finding.span.column),
+        "column": str(found.span.column),
         "end_line": "%d",
-        "end_column": str(finding.span.end_column),
+        "end_column": str(found.span.end_column),
         "offset": "%d",
         "end_offset": "%d",
         "fix": fix,
-        "profile_fix": json_form(finding.profile_fix),
+        "profile_fix": json_form(found.profile_fix),
         "statement": name,
         "related": f"[{','.join(repeat(name, related))}]",
     }
