@@ -13,8 +13,8 @@ from msgspec.structs import replace
 from smarttestudo.domain import finding as checker
 from smarttestudo.domain.source import Span
 from smarttestudo.editing import CollectionPart, Document, MadeLater, comment_texts
+from smarttestudo.ruler.answers.answer_json import JsonList
 from smarttestudo.ruler.answers.checked_text import CheckedText
-from smarttestudo.ruler.answers.json_list import JsonList
 from smarttestudo.ruler.answers.statement_texts import FindingWriter, StatementPlaces, StatementText
 from smarttestudo.ruler.answers.statement_trees import StatementWriter, in_line
 from smarttestudo.ruler.answers.statements import Statement
