@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from operator import mul
 
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
@@ -244,7 +243,7 @@ def solve_subproblem(
     bounds_hz = [one.bounds_hz(model) for one in requirements]
     least_hz = [least for least, _ in bounds_hz]
     sizes_kb = [one.needs.size_kb for one in requirements]
-    own_least = math.fsum(map(mul, sizes_kb, least_hz))
+    own_least = used_kb_per_s(zip(sizes_kb, least_hz, strict=True))
     needs = others_kb_per_s + own_least
     found = None
     if fits(needs, budget_kb_per_s):
@@ -261,7 +260,7 @@ def solve_subproblem(
             used_kb_per_s=needs,
         )
     rates_hz = rounded_down(found.rates_hz, dict(zip(subproblem.requirements, least_hz, strict=True)))
-    own = math.fsum(map(mul, sizes_kb, [rates_hz[name] for name in subproblem.requirements]))
+    own = used_kb_per_s(zip(sizes_kb, [rates_hz[name] for name in subproblem.requirements], strict=True))
     return SolvedSubproblem(
         subproblem=subproblem,
         model=model,
