@@ -124,8 +124,16 @@ class _Meters:
     """Both sides of one relay."""
 
     __slots__ = (
-        *("_changes", "_looked_ns", "_subscriptions", "age", "arrived", "frames", "is_heard", "relayed"),
-        *("statistics", "target_hz"),
+        "_changes",
+        "_looked_ns",
+        "_subscriptions",
+        "age",
+        "arrived",
+        "frames",
+        "is_heard",
+        "relayed",
+        "statistics",
+        "target_hz",
     )
 
     def __init__(self, statistics: RelayStatistics) -> None:

@@ -222,8 +222,6 @@ class StatusTelling:
         start_ns = time.process_time_ns()
         if self._rest is None:
             self._began_ns, self._cost_ns = self._robot.steady_ns(), 0
-            if not self._timer.is_due(self._began_ns, self._rules()):
-                return self._timer.period_s
             self._rest = self._slices()
         try:
             is_done = next(self._rest, self) is self
@@ -240,6 +238,8 @@ class StatusTelling:
         return max(self._timer.next_s(self._cost_ns) - took_s, _PAUSE_S)
 
     def _slices(self) -> Iterator[None]:
+        if not self._timer.is_due(self._began_ns, self._rules()):
+            return
         status, states = self._measure(self._timer.most_blocks)
         is_diagnosis_due = self._timer.is_diagnosis_due(self._robot.steady_ns())
         blocks: list[BlockJson] = []
