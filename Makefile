@@ -10,7 +10,7 @@ EXAMPLES_FACTOR ?= 0.34
 SWEEPS ?= some
 GUI_NPM := PYTHON=$(abspath $(BIN)/python) sh scripts/gui_npm.sh
 PAGE := src/smarttestudo/ruler/server/static/index.html
-RELAY := src/smarttestudo/robot/ros/rcl/relay.c
+RELAY := src/smarttestudo/robot/ros/rcl/relay.c src/smarttestudo/robot/ros/rcl/copies.c
 GUI_PACKAGES := gui/node_modules/.package-lock.json
 GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*' -not -path 'gui/tests/*') docs/language.md docs/quality-levels.md $(wildcard docs/reference/*.md)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -145,7 +145,7 @@ benchmarks: $(VENV)/dev.stamp $(PAGE)
 
 clean:
 	rm -rf $(VENV) src/smarttestudo/ruler/server/static gui/node_modules tests/link/foxglove/client/node_modules build install log dist htmlcov .coverage .coverage.* demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
-	rm -rf src/smarttestudo.egg-info $(RELAY:.c=.so)
+	rm -rf src/smarttestudo.egg-info src/smarttestudo/robot/ros/rcl/relay.so
 	find src tests workspace_tests benchmarks scripts launch -name __pycache__ -prune -exec rm -rf {} +
 
 $(VENV)/bin/python:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The shared files of the ROS package, relay.c, the page in a wheel, and pyproject.toml where it is not read.
+"""The shared files of the ROS package, compiled relays, the page in a wheel, and pyproject.toml where it is not read.
 
 Setuptools before 61 (ROS 2 Humble's) does not know pyproject.toml, and ``colcon build --symlink-install``
 runs a link to this file in another folder.
@@ -45,7 +45,8 @@ FIRST_WITH_EXPRESSIONS = 77
 PAGE = ROOT / "src" / "smarttestudo" / "ruler" / "server" / "static" / "index.html"
 MAKE_PAGE = ROOT / "scripts" / "make_gui.sh"
 PAGE_WITHIN_S = 600
-RELAYS = Extension("smarttestudo.robot.ros.rcl.relay", ["src/smarttestudo/robot/ros/rcl/relay.c"])
+RCL = "src/smarttestudo/robot/ros/rcl"
+RELAYS = Extension("smarttestudo.robot.ros.rcl.relay", [f"{RCL}/relay.c", f"{RCL}/copies.c"])
 RELAY_FLAGS = ("-std=c11", "-O2", "-shared", "-fPIC", "-pthread")
 WITHOUT_RELAYS = "SMARTTESTUDO_WITHOUT_RELAYS"
 """If the environment has it, nothing is compiled, and a wheel is for every machine."""
@@ -126,7 +127,7 @@ class BuildWithPage(build_py):
 
 
 class CompileRelays(build_ext):
-    """Compiles relay.c, which calls nothing of Python; where that fails, it is not installed."""
+    """Compiles relays, which call nothing of Python; where that fails, they are not installed."""
 
     def build_extension(self, ext: Extension) -> None:
         """Compile it by the compiler of the system, or the one in CC."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""relay.c compiled for a test, and a librcl that is a list."""
+"""Compiled relays made for a test, and a librcl that is a list."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from smarttestudo.robot.ros.rcl.bindings import (
 from smarttestudo.robot.ros.rcl.relay_library import RelayFunctions, RelaySettings
 
 SOURCE = Path(relay_library.__file__).with_name("relay.c")
+COPIES = SOURCE.with_name("copies.c")
 FLAGS = ("-std=c11", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-pthread")
 GID_BYTES = 16
 _libc = ctypes.CDLL(None)
@@ -44,8 +45,8 @@ def compiled(folder: Path, name: str, *arguments: str) -> Path:
 
 
 def library_in(folder: Path, *flags: str) -> relay_library.RelayLibrary:
-    """relay.c as it is here."""
-    made = compiled(folder, "relay.so", "-shared", "-fPIC", *flags, str(SOURCE))
+    """relay.c and copies.c as they are here."""
+    made = compiled(folder, "relay.so", "-shared", "-fPIC", *flags, str(SOURCE), str(COPIES))
     return relay_library.RelayLibrary(made)
 
 

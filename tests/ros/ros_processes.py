@@ -26,6 +26,11 @@ LINE_TIMEOUT_S = 120.0
 TESTUDO = "import sys; from smarttestudo.cli.main import main; sys.exit(main())"
 
 
+def threads_of(pid: int) -> set[str]:
+    """The threads of a process."""
+    return {task.name for task in Path(f"/proc/{pid}/task").iterdir()}
+
+
 class Process:
     """A process whose output, stderr included, is read line by line; it never outlives the block."""
 

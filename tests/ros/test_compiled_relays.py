@@ -10,11 +10,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
-from ros.ros_processes import SmallRobot
+from ros.ros_processes import SmallRobot, threads_of
 from smarttestudo.domain.compiled_relay import (
     CompiledRelay,
     FlowCounts,
@@ -22,6 +21,7 @@ from smarttestudo.domain.compiled_relay import (
     RelayCounts,
     RelayState,
 )
+from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import DataPathKind, Qos, Robot
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.robot.ros import open_robot
@@ -58,7 +58,10 @@ def text(number: int, size_bytes: int = 0) -> bytes:
 
 
 class Echo:
-    """A topic relayed to another at Full or at a pace, by Python or without it, whose echo is heard."""
+    """A topic relayed to another at Full or at a pace, by Python or without it, whose echo is heard.
+
+    ``seen`` are the numbers and stamps of all messages that Python was given, as they came or as copies.
+    """
 
     def __init__(self, robot: Robot, qos: Qos, pace: Pace) -> None:
         path = robot.data_path
@@ -73,6 +76,7 @@ class Echo:
         )
         self.relay: CompiledRelay | None = None
         self.heard: list[int] = []
+        self.seen: list[tuple[int, int]] = []
         self.by_python = 0
         self.source = path.advertise("/numbers", TEXT, qos)
         self.publisher = path.advertise("/testudo/numbers", TEXT, qos)
@@ -88,8 +92,11 @@ class Echo:
             self.robot.wait(None, 0.1)
         self.heard.clear()
 
-    def begin(self) -> None:
-        self.relay = self.compiled.begin(self.subscription, self.publisher, lambda: self.state, self._ended)
+    def begin(self, *, is_copied: bool = False) -> None:
+        copied = self._see if is_copied else None
+        self.relay = self.compiled.begin(
+            self.subscription, self.publisher, lambda: self.state, self._ended, copied
+        )
 
     def end(self) -> None:
         if self.relay is not None:
@@ -107,9 +114,15 @@ class Echo:
     def _ended(self, state: RelayState) -> None:
         self.relay, self.state = None, state
 
-    def _relay(self, payload: object, _publisher: object) -> None:
+    def _see(self, payload: Payload, _publisher: object, stamp_ns: int) -> None:
+        self.seen.append((int(payload[8:16]), stamp_ns))
+
+    def _relay(self, payload: Payload, publisher: object) -> None:
+        now_ns = self.robot.now_ns()
+        self.compiled.deliver(now_ns)
+        self._see(payload, publisher, now_ns)
         self.by_python += 1
-        self.publisher.publish(payload)  # type: ignore[arg-type]
+        self.publisher.publish(payload)
 
 
 def test_nothing_is_lost_or_doubled_where_a_topic_comes_and_goes(fast: Robot, qos: Qos) -> None:
@@ -127,6 +140,28 @@ def test_nothing_is_lost_or_doubled_where_a_topic_comes_and_goes(fast: Robot, qo
     assert 100 < echo.by_python - before < 1900
     assert echo.subscription.sent == echo.by_python + echo.state.counts.arrived.messages
     assert echo.subscription.dropped == 0
+
+
+def test_of_a_recorded_topic_python_sees_each_message_once_and_in_order_whoever_takes_it(
+    fast: Robot, qos: Qos
+) -> None:
+    echo, chance = Echo(fast, qos, Pace(0, 0)), random.Random(8)
+    before = echo.by_python
+    for number in range(1, 2001):
+        if chance.random() < 0.2:
+            echo.end() if echo.relay is not None else echo.begin(is_copied=True)
+        echo.source.publish(text(number, chance.choice([0, 0, 1, 40_000])))
+        echo.wait_for(number - AHEAD)
+        if chance.random() < 0.1:
+            echo.compiled.deliver(fast.now_ns())
+    echo.wait_for(2000)
+    echo.end()
+    assert [number for number in echo.heard if number] == list(range(1, 2001))
+    assert [number for number, _ in echo.seen if number] == list(range(1, 2001))
+    assert 100 < echo.by_python - before < 1900
+    stamps = [stamp_ns for _, stamp_ns in echo.seen]
+    assert stamps == sorted(stamps)
+    assert (echo.subscription.sent, echo.subscription.dropped) == (len(echo.seen), 0)
 
 
 def test_what_comes_right_before_a_topic_is_taken_back_is_not_left_where_it_is(fast: Robot, qos: Qos) -> None:
@@ -201,25 +236,28 @@ def test_closing_a_subscription_or_the_path_ends_its_relay_first(fast: Robot, qo
     assert echo.relay is not None
 
 
-def threads_of(pid: int) -> set[str]:
-    return {task.name for task in Path(f"/proc/{pid}/task").iterdir()}
-
-
 READ = (
     'begin SetFrequency /imu 50 Rule "Turn" If (CheckValue /imu orientation_x > 3) '
     "Then SetFrequency /imu 60 EndIf end"
 )
 
 
+RECORDED = (
+    'begin SetFrequency /imu 50 Rule "Stop" If (CheckValue /stop data > 0) '
+    'Then Record "stop" /imu Before 5 s After 1 s EndIf end'
+)
+
+
 def test_a_topic_is_relayed_without_python_while_no_rule_reads_it(robot: SmallRobot) -> None:
     path = robot.folder / "rules0.adirf"
-    runtime = robot.runtime(READ, "--data-path", "fast")
+    incidents = str(robot.folder / "incidents")
+    runtime = robot.runtime(READ, "--data-path", "fast", "--incidents", incidents)
     operator, remote = robot.operator(imu=IMU), robot.remote()
     runtime.line_with("compiled relays")
     robot.source(imu=IMU)
     operator.line_with("heard")
     threads = threads_of(runtime.pid)
-    for text, more in (("begin SetFrequency /imu 50 end", 1), (READ, 0)):
+    for text, more in (("begin SetFrequency /imu 50 end", 1), (READ, 0), (RECORDED, 1), (READ, 0)):
         path.write_text(text, encoding="utf-8")
         assert remote.ask("reload")[0]
         end_s = time.monotonic() + TIMEOUT_S

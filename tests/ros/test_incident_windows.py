@@ -17,7 +17,7 @@ import pytest
 from bags.bag_factory import BagMessage
 from bags.bag_reading import read_bag
 from ros.live_incidents import COUNT, FRAMES, HEARD_COUNT, ODOM, numbers, record_of, recorded
-from ros.ros_processes import Process, SmallRobot
+from ros.ros_processes import Process, SmallRobot, threads_of
 from smarttestudo.incidents.segments import LATCHED_SHARED_NS
 from smarttestudo.loop.input_log import read_inputs
 from smarttestudo.loop.inputs import MessageInput
@@ -117,6 +117,44 @@ def test_incidents_at_random_moments_hold_what_the_loop_and_a_plain_subscriber_h
         # What was heard before the window stands at its beginning, or in what it shares with one before.
         least_ns, most_ns = (from_ns - LATCHED_SHARED_NS, from_ns) if was_heard_before else (from_ns, to_ns)
         assert least_ns <= static_ns <= most_ns
+
+
+def test_incidents_of_a_topic_that_is_relayed_without_python_hold_what_a_plain_subscriber_heard(
+    robot: SmallRobot,
+) -> None:
+    folder = robot.folder / "incidents"
+    source = robot.source(odom=ODOM, count=COUNT)
+    runtime = robot.runtime(
+        rules('Record "near miss" /odom /count Before 2 s After 500 ms'),
+        *("--incidents", str(folder), "--data-path", "fast"),
+    )
+    runtime.line_with("/count: std_msgs/msg/String")
+    threads = threads_of(runtime.pid)
+    robot.operator(odom={"type": "nav_msgs/msg/Odometry"}).line_with("heard")
+    subscriber = robot.operator(span_s=0.1, count=HEARD_COUNT)
+    while not threads_of(runtime.pid) - threads:
+        subscriber.line_with("heard ")
+    random = Random(3)
+    for _ in range(INCIDENTS):
+        for _ in range(random.randint(1, 12)):
+            subscriber.line_with("heard ")
+        leave(source, runtime)
+        for _ in range(random.randint(0, 3)):
+            subscriber.line_with("heard ")
+        come_home(source, runtime)
+    paths = whole(folder, INCIDENTS)
+    heard = {int(value) for _, value, _ in subscriber.result()["count"]}
+    for path in paths:
+        messages, record = read_bag(path).messages, record_of(path)
+        assert {one["reason"] for one in record["missing"]} <= {"lost", "late"}
+        at_ns = stamps(messages, "/count")
+        assert at_ns == sorted(at_ns)
+        assert record["from_ns"] - LONGEST_PART_NS <= at_ns[0] <= at_ns[-1] <= record["to_ns"]
+        found = numbers(messages)
+        assert found == sorted(set(found))
+        inside = numbers([one for one in messages if one.stamp_ns >= record["from_ns"]])
+        between = {number for number in heard if inside[0] <= number <= inside[-1]}
+        assert len(between - set(inside)) <= lost(record, "/count", "lost")
 
 
 def test_a_past_that_memory_cannot_hold_comes_from_disk(robot: SmallRobot) -> None:

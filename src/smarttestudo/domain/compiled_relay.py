@@ -56,6 +56,10 @@ class RelayState:
     counts: RelayCounts
 
 
+Copied = Callable[[bytes, bytes, int], None]
+"""Takes a copy of a message: its payload, its publisher, and when it was taken."""
+
+
 class CompiledRelay(Protocol):
     """A topic that is relayed without Python from its subscription to its publisher, in its own threads."""
 
@@ -81,9 +85,14 @@ class CompiledRelays(Protocol):
         publisher: Publisher,
         state: Callable[[], RelayState],
         ended: Callable[[RelayState], None],
+        copied: Copied | None = None,
     ) -> CompiledRelay | None:
         """Relay from ``state`` on, which is asked for at the last moment; ``None``: not yet.
 
         ``ended`` gets the last state once, before the subscription receives anything: by ``end``, or where
-        the subscription is closed.
+        the subscription is closed. ``copied`` is given each message that comes, relayed or not, in the order
+        of all such relays: by ``deliver``, and what was not delivered before ``ended``, before that.
         """
+
+    def deliver(self, now_ns: int) -> None:
+        """Give copies of all messages that were taken by ``now_ns``, on the clock."""

@@ -16,7 +16,7 @@ from smarttestudo.domain.compiled_relay import (
 from smarttestudo.loop.hand_over import count, hand_over, take_back
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
-from smarttestudo.pacing.grid import Pace
+from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.robot.sampling import LiveSampling
 from smarttestudo.robot.topics import LiveTopics
 
@@ -27,7 +27,8 @@ MOST_MEAN_BYTES = 1 << 16
 class CompiledTopics:
     """Hands topics to compiled relays and takes them back, with their pace, held messages and counts.
 
-    Of the others, ``sampling`` decides which rest. ``passed`` is given what passes because a topic came back.
+    Of the others, ``sampling`` decides which rest. ``passed`` is given what passes because a topic came back,
+    ``copied`` each message of those that are recorded, with its topic.
     """
 
     def __init__(
@@ -36,12 +37,15 @@ class CompiledTopics:
         loop: RelayLoop,
         sampling: LiveSampling,
         passed: Callable[[Sequence[Relayed]], None],
+        copied: Callable[[str, bytes, bytes, int], None],
     ) -> None:
         self._relays = relays
         self._loop = loop
         self._sampling = sampling
         self._passed = passed
+        self._give_copy = copied
         self._running: dict[str, CompiledRelay] = {}
+        self._copied: Set[str] = frozenset()
         self._is_counted = False
 
     def look(self, topics: LiveTopics, now_ns: int, *, is_quiet: bool = False) -> None:
@@ -56,6 +60,11 @@ class CompiledTopics:
         pausable = topics.pausable()
         self._sampling.look({topic: pausable[topic] for topic in pausable if topic not in compiled}, now_ns)
 
+    def deliver(self, now_ns: int) -> None:
+        """Give copies of all messages that were taken by ``now_ns``, on the clock."""
+        if self._relays is not None and self._copied:
+            self._relays.deliver(now_ns)
+
     def count(self, note: Callable[[Relayed], None]) -> None:
         """Have the statistics as of now; ``note`` is given the beginning of each last relayed message."""
         self._is_counted = True
@@ -68,31 +77,38 @@ class CompiledTopics:
                 note(Relayed(topic, at_ns, beginning, len(beginning), repeated=False))
 
     def _look(self, relays: CompiledRelays, topics: LiveTopics, staying: Set[str], now_ns: int) -> Set[str]:
-        ends = topics.ends()
+        ends, recorded = topics.ends(), topics.recorded
+        # Messages of these are to be copied from now on, or no longer.
+        anew = self._copied ^ recorded
         served = {topic for topic in ends if relays.serves(*ends[topic])}
-        wanted = {topic for topic in served if topic in staying or self._suits(topic)}
-        for topic in self._running.keys() - wanted:
+        wanted = {
+            topic for topic in served if topic in staying or self._suits(topic, is_recorded=topic in recorded)
+        }
+        for topic in self._running.keys() - (wanted - anew):
             self._running[topic].end()
-        for topic in wanted - staying:
+        self._copied = wanted & recorded
+        for topic in wanted - (staying - anew):
             running = self._running.get(topic)
             if running is not None:
                 pace = self._pace(topic)
                 running.set_pace(pace.period_ns, pace.slack_ns)
                 continue
             state = partial(hand_over, self._loop.relays, topic, now_ns)
-            begun = relays.begin(*ends[topic], state, partial(self._take_back, topic))
+            copied = partial(self._give_copy, topic) if topic in recorded else None
+            begun = relays.begin(*ends[topic], state, partial(self._take_back, topic), copied)
             if begun is not None:
                 self._running[topic] = begun
         return wanted
 
-    def _suits(self, topic: str) -> bool:
+    def _suits(self, topic: str, *, is_recorded: bool) -> bool:
         relay = self._loop.relays.relay(topic)
         if relay is None or not self._loop.may_skip(topic):
             return False
         arrived = relay.statistics.arrived
         is_small = arrived.messages > 0 and arrived.size_bytes <= MOST_MEAN_BYTES * arrived.messages
-        # A topic that is Off, or nearly, rests at no cost at all.
-        return is_small and self._pace(topic).period_ns <= MAX_PERIOD_NS
+        period_ns = self._pace(topic).period_ns
+        # A topic that is Off, or nearly, rests at no cost at all, unless it is recorded.
+        return is_small and (period_ns <= MAX_PERIOD_NS or (is_recorded and period_ns == NEVER_NS))
 
     def _pace(self, topic: str) -> Pace:
         return Pace.at(self._loop.knowledge.plan[topic].rate.hz)

@@ -70,7 +70,7 @@ class LiveRun:
         needs_all = needs_all or inputs.is_recording or bool(self._before_relays or self._publishing)
         compiled = None if needs_all else robot.data_path.compiled
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
-        self._compiled = CompiledTopics(compiled, loop, self._sampling, self._relay)
+        self._compiled = CompiledTopics(compiled, loop, self._sampling, self._relay, self._tell_parts)
         self._status = LiveStatus(robot.name, read_own_process())
         self._standing: Callable[[], RulesInForce] = lambda: self.rules.in_force
         self._timer = StatusTimer(robot, link, needs_all=any(_does(part, "on_status") for part in parts))
@@ -91,6 +91,7 @@ class LiveRun:
                 self._wake()
             self._report()
         finally:
+            self._compiled.deliver(self._robot.now_ns())
             for part in self._parts:
                 part.close()
 
@@ -156,6 +157,7 @@ class LiveRun:
 
     def _wake(self) -> None:
         now_ns = self._robot.now_ns()
+        self._compiled.deliver(now_ns)
         wake_ns = self.loop.next_wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             self._take(WakeInput(stamp_ns=now_ns))
@@ -169,13 +171,19 @@ class LiveRun:
 
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
         now_ns = self._robot.now_ns()
-        for on_message in self._on_message:
-            on_message(topic, payload, publisher, now_ns, self._topics.subscription(topic))
+        if self._on_message:
+            self._compiled.deliver(now_ns)
+            self._tell_parts(topic, payload, publisher, now_ns)
         if topic not in self._given:
             return
         message = self._topics.decoded(topic, payload) if self.loop.needs_decoded(topic) else None
         self._sampling.received(topic, len(payload))
         self._take(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
+
+    def _tell_parts(self, topic: str, payload: Payload, publisher: Hashable, stamp_ns: int) -> None:
+        subscription = self._topics.subscription(topic)
+        for on_message in self._on_message:
+            on_message(topic, payload, publisher, stamp_ns, subscription)
 
     def _look(self, graph: GraphChange) -> None:
         # What is due goes out before a topic is opened anew, perhaps with another type.
@@ -184,6 +192,8 @@ class LiveRun:
         for change in self._topics.look(graph):
             if change.topic in self._given:
                 self._take(ChangeInput(stamp_ns=now_ns, change=change))
+        # What was opened anew was first heard now; before it was closed, copies up to here were delivered.
+        now_ns = self._robot.now_ns()
         for topic, source in self._topics.heard():
             for part in self._parts:
                 part.on_source(topic, source, now_ns)
@@ -195,6 +205,8 @@ class LiveRun:
             part.on_graph()
 
     def _take(self, given: LoopInput) -> None:
+        # What a block records that begins to hold now, came before.
+        self._compiled.deliver(given.stamp_ns)
         self._inputs.record(given, self.rules)
         self._relay(self.loop.take(given))
 

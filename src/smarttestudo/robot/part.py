@@ -82,7 +82,11 @@ class Part:
         now_ns: int,
         subscription: Subscription | None,
     ) -> None:
-        """A message came over ``subscription``, before the loop is given it."""
+        """A message came over ``subscription`` at ``now_ns``, before the loop is given it.
+
+        If its topic is relayed without Python, this is told up to a fifth of a second later, but before
+        anything else that happened after it.
+        """
 
     def before_relays(self) -> None:
         """Messages are about to be published."""

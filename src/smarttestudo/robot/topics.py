@@ -183,9 +183,14 @@ class LiveTopics:
             if topic not in self._recorded and len(self._publishers.of(topic)) <= 1
         }
 
+    @property
+    def recorded(self) -> frozenset[str]:
+        """The topics that are recorded."""
+        return self._recorded
+
     def ends(self) -> dict[str, tuple[Subscription, Publisher]]:
-        """Where messages come in and go out, of topics that are not recorded and have one place for each."""
-        found = {topic: live.ends for topic, live in self._topics.items() if topic not in self._recorded}
+        """Where messages come in and go out, of topics that have one place for each."""
+        found = {topic: live.ends for topic, live in self._topics.items()}
         return {topic: ends for topic, ends in found.items() if ends is not None}
 
     def heard(self) -> Iterator[tuple[str, LiveSource]]:

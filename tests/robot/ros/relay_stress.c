@@ -2,13 +2,14 @@
    SPDX-License-Identifier: Apache-2.0
 
    Relays of relay.c under load, for a sanitizer: threads publish to them, others change their pace, read their
-   counts, and end them and hand their streams on to a new one. Messages have any size and content, GIDs and
+   counts, and end them and hand their streams on to a new one; all they take is copied, and read. Messages have any size and content, GIDs and
    numbers come anew and again, takes and writes fail, and the writes of one topic are slow.
    usage: relay_stress SECONDS     ends with 1 and a line of what is wrong */
 #include "relay.c"
 
 #include <stdatomic.h>
 #include <stdio.h>
+#include <sys/eventfd.h>
 #include <unistd.h>
 
 enum { TOPICS = 4, PUBLISHERS = 3, MAX_QUEUE = 10, MAX_SIZE = 70000, SLOW_TOPIC = 0, OTHERS_MEANWHILE = 5 };
@@ -25,11 +26,25 @@ typedef struct {
     item_t queue[MAX_QUEUE];
     size_t count;
     relay_t *called;
-    uint64_t next[PUBLISHERS], last[PUBLISHERS], offered, published, overflown, publishing;
+    uint64_t next[PUBLISHERS], last[PUBLISHERS], offered, published, overflown, publishing, taken, copied;
     int index, is_full, is_fuzzed;
 } topic_t;
 
+/* Of copies.c. */
+typedef struct {
+    void *copies;
+    int (*take)(const void *subscription, message_t *taken, void *info, void *allocation);
+    const void *subscription;
+    uint64_t source, gid_bytes;
+} copied_t;
+typedef struct { uint64_t source, number, size_bytes; int64_t stamp_ns; uint8_t gid[GID_BYTES]; } header_t;
+void *copies_new(size_t wakes_from_bytes, size_t most_bytes, int event_fd, int64_t (*now_ns)(void));
+int copies_take(const void *given, message_t *taken, void *info, void *allocation);
+size_t copies_swap(void *copies, const uint8_t **bytes);
+void copies_free(void *copies);
+
 static topic_t topics[TOPICS];
+static void *copies;
 static atomic_int is_over, is_wrong;
 static atomic_ullong others;
 
@@ -65,7 +80,11 @@ static int take_item(const void *subscription, message_t *taken, void *info, voi
     if (item.size > sizeof item.number) taken->buffer[sizeof item.number] = item.gid[0];
     memcpy((uint8_t *)info + NUMBER_AT, &item.number, sizeof item.number);
     memcpy((uint8_t *)info + GID_AT, item.gid, GID_BYTES);
-    return topic->is_fuzzed && item.number % 97 == 0 ? 1 : 0;
+    if (topic->is_fuzzed && item.number % 97 == 0) return 1;
+    pthread_mutex_lock(&topic->queue_mutex);
+    topic->taken++;
+    pthread_mutex_unlock(&topic->queue_mutex);
+    return 0;
 }
 
 static int publish(const void *publisher, const message_t *sent, void *allocation) {
@@ -150,13 +169,45 @@ static void end(topic_t *topic, relay_t *relay, counts_t *counts) {
     relay_read(relay, counts);
 }
 
+/* All that was copied by now. */
+static void read_copies(void) {
+    static int64_t last_ns;
+    const uint8_t *at, *end;
+    size_t length = copies_swap(copies, &at);
+    for (end = at + length; at < end;) {
+        header_t header;
+        uint64_t number;
+        memcpy(&header, at, sizeof header);
+        at += sizeof header;
+        topic_t *topic = &topics[header.source];
+        if (header.stamp_ns < last_ns) wrong("a copy is older than the one before", topic->index);
+        last_ns = header.stamp_ns;
+        topic->copied++;
+        if (header.size_bytes >= sizeof number) {
+            memcpy(&number, at, sizeof number);
+            if (number != header.number) wrong("a copy is of another message", topic->index);
+        }
+        at += header.size_bytes + -header.size_bytes % sizeof number;
+    }
+}
+
+static void *read_all(void *unused) {
+    unsigned seed = 1;
+    while (!atomic_load(&is_over)) {
+        read_copies();
+        usleep(any(&seed, 3000));
+    }
+    return unused;
+}
+
 static void *control(void *given) {
     topic_t *topic = given;
+    copied_t copied = {copies, take_item, topic, (uint64_t)topic->index, GID_BYTES};
     unsigned seed = (unsigned)topic->index + 99;
     settings_t settings = {
-        .rcl = {take_item, publish, error_text, reset_error, NULL},
+        .rcl = {copies_take, publish, error_text, reset_error, NULL},
         .allocator = {.allocate = libc_allocate, .deallocate = libc_free},
-        .subscription = topic,
+        .subscription = &copied,
         .publisher = topic,
         .gid_bytes = GID_BYTES,
         .takes_on_callback = topic->index != 1,
@@ -198,8 +249,10 @@ static void *control(void *given) {
 }
 
 int main(int count, char **arguments) {
-    pthread_t producers[PUBLISHERS], controls[TOPICS];
+    pthread_t producers[PUBLISHERS], controls[TOPICS], reader;
     if (count < 2) return 2;
+    copies = copies_new(1 << 12, 1 << 26, eventfd(0, EFD_NONBLOCK), NULL);
+    pthread_create(&reader, NULL, read_all, NULL);
     for (int i = 0; i < TOPICS; i++) {
         topics[i].index = i;
         topics[i].is_full = i < 2;
@@ -213,6 +266,11 @@ int main(int count, char **arguments) {
     atomic_store(&is_over, 1);
     for (int i = 0; i < PUBLISHERS; i++) pthread_join(producers[i], NULL);
     for (int i = 0; i < TOPICS; i++) pthread_join(controls[i], NULL);
+    pthread_join(reader, NULL);
+    read_copies();
+    for (int i = 0; i < TOPICS; i++)
+        if (topics[i].copied != topics[i].taken) wrong("not all was copied once", i);
+    copies_free(copies);
     uint64_t published = 0;
     for (int i = 0; i < TOPICS; i++) published += topics[i].published;
     printf("%llu messages\n", (unsigned long long)published);

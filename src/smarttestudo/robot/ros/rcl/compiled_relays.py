@@ -5,14 +5,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from ctypes import c_void_p
 from typing import Any
 
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from smarttestudo.domain.compiled_relay import CompiledRelay, RelayCounts, RelayState
+from smarttestudo.domain.compiled_relay import CompiledRelay, Copied, RelayCounts, RelayState
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Publisher, Subscription
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
+from smarttestudo.robot.ros.rcl.message_copies import CopiedSource, MessageCopies
 from smarttestudo.robot.ros.rcl.publisher import RclPublisher
 from smarttestudo.robot.ros.rcl.relay_library import (
     CCounts,
@@ -33,6 +35,7 @@ class RclRelays:
     """Makes relays on subscriptions and publishers of librcl's path, as ``CompiledRelays``.
 
     ``is_simulated`` says whether the clock is, which a relay does not read; ``failed`` is told of errors.
+    ``copies`` are those of all messages that somebody wants copied.
     """
 
     def __init__(
@@ -44,6 +47,7 @@ class RclRelays:
         failed: Callable[[RosError], None],
     ) -> None:
         self._relays = relays
+        self.copies = MessageCopies()
         self._is_simulated = is_simulated
         self._failed = failed
         self._gid_bytes = layout.gid_bytes
@@ -64,11 +68,13 @@ class RclRelays:
         publisher: Publisher,
         state: Callable[[], RelayState],
         ended: Callable[[RelayState], None],
+        copied: Copied | None = None,
     ) -> CompiledRelay | None:
         """Relay from ``state`` on; ``None``: not yet."""
         assert isinstance(subscription, RclSource)
         assert isinstance(publisher, RclPublisher)
-        relay = RclRelay(self._relays, subscription, publisher, self._failed, self._gid_bytes)
+        copies = None if copied is None else Copies(self.copies, subscription, self._gid_bytes, copied)
+        relay = RclRelay(self._relays, subscription, publisher, self._failed, self._gid_bytes, copies=copies)
 
         def told(last: RelayState) -> None:
             self._begun.discard(relay)
@@ -79,10 +85,15 @@ class RclRelays:
         self._begun.add(relay)
         return relay
 
+    def deliver(self, now_ns: int) -> None:
+        """Give copies of all messages that were taken by ``now_ns``, on the clock."""
+        self.copies.deliver(now_ns)
+
     def close(self) -> None:
         """End all relays."""
         for relay in list(self._begun):
             relay.end()
+        self.copies.close()
 
 
 def relay_settings(library: RclLibrary, layout: InfoLayout) -> dict[str, Any]:
@@ -95,6 +106,41 @@ def relay_settings(library: RclLibrary, layout: InfoLayout) -> dict[str, Any]:
     }
 
 
+class Copies:
+    """Copies of the messages of one source, each given to ``copied`` once, and counted by the source."""
+
+    def __init__(self, copies: MessageCopies, source: RclSource, gid_bytes: int, copied: Copied) -> None:
+        self._copies = copies
+        self._source = source
+        self._gid_bytes = gid_bytes
+        self._copied = copied
+        self._copied_source: CopiedSource | None = None
+
+    def begin(self, functions: RelayFunctions, subscription: int) -> tuple[RelayFunctions, int]:
+        """Copy what is taken: functions to take from ``subscription`` by, and what to take from instead."""
+        take = c_void_p(functions.take)
+        source = self._copies.add(take, subscription, self._gid_bytes, self._came)
+        self._copied_source = source
+        copying = RelayFunctions.from_buffer_copy(functions)
+        copying.take = source.take
+        return copying, source.address
+
+    def end(self, sent: int) -> None:
+        """Give all that was copied; of so many messages that were sent, what was not copied is lost."""
+        if self._copied_source is None:
+            return
+        self._copies.remove(self._copied_source)
+        numbers = self._source.numbers
+        if numbers is not None and sent > numbers.sent:
+            numbers.lost += sent - numbers.sent
+            numbers.sent = sent
+
+    def _came(self, number: int, publisher: bytes, payload: bytes, stamp_ns: int) -> None:
+        numbers = self._source.numbers
+        if numbers is not None and numbers.is_new(publisher, number):
+            self._copied(payload, publisher, stamp_ns)
+
+
 class RclRelay:
     """One topic that is relayed by relay.c."""
 
@@ -105,6 +151,8 @@ class RclRelay:
         publisher: RclPublisher,
         failed: Callable[[RosError], None],
         gid_bytes: int,
+        *,
+        copies: Copies | None,
     ) -> None:
         self._library = library
         self._source = source
@@ -115,6 +163,7 @@ class RclRelay:
         self._errors = 0
         self._has_thread = False
         self._relay: int | None = None
+        self._copies = copies
 
     def begin(
         self,
@@ -137,10 +186,13 @@ class RclRelay:
             source.take_back()
             return False
         self._pace = (start.period_ns, start.slack_ns)
+        functions, taken_from = settings["rcl"], subscription.pointer
+        if self._copies is not None:
+            functions, taken_from = self._copies.begin(functions, taken_from)
         self._relay = relay = library.new(
             RelaySettings(
-                **settings,
-                subscription=subscription.pointer,
+                **{**settings, "rcl": functions},
+                subscription=taken_from,
                 publisher=self._publisher.pointer,
                 period_ns=c_ns(start.period_ns),
                 slack_ns=start.slack_ns,
@@ -188,6 +240,8 @@ class RclRelay:
         if self._has_thread:
             library.stop(relay)
         counts, streams = self._read(relay), library.streams(relay)
+        if self._copies is not None:
+            self._copies.end(counts.sent)
         numbers.go_on({bytes(stream.gid[: self._gid_bytes]): stream.number for stream in streams})
         state = RelayState(
             now_ns=counts.now_ns,
@@ -202,7 +256,7 @@ class RclRelay:
 
     def _read(self, relay: int) -> CCounts:
         counts, numbers = self._library.counts(relay), self._source.numbers
-        if numbers is not None:
+        if numbers is not None and self._copies is None:
             numbers.sent, numbers.lost = counts.sent, counts.lost
         if counts.errors > self._errors:
             self._errors = counts.errors

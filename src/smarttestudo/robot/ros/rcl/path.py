@@ -122,10 +122,11 @@ class RclPath:
         self._library = library
         self._layout = layout
         self._failures: set[str] = set()
+        self._wake_ups = RclWakeUps()
         self.compiled: RclRelays | None = None
         if relays is not None:
             self.compiled = RclRelays(relays, library, layout, self._is_simulated, self._failed)
-        self._wake_ups = RclWakeUps()
+            self._wake_ups.add(self.compiled.copies.event_fd, self.compiled.copies)
         self._rclpy_part = RclpyPart(node, executor, library, self._wake_ups)
         self._graph_changed: Callable[[], None] = _nothing
         nodes = [node] if operators is node else [node, operators]

@@ -16,7 +16,7 @@ from smarttestudo.robot.ros.rcl.bindings import Allocator, SerializedMessage, by
 
 LIBRARY = Path(__file__).with_name("relay.so")
 """Where setup.py puts it, if there is a C compiler."""
-ABI = 2
+ABI = 3
 GID_BYTES = 24
 BEGINNING_BYTES = 16
 ERROR_BYTES = 256

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import time
 from contextlib import ExitStack
+from ctypes import c_void_p
 from typing import Any
 
 from rclpy.serialization import serialize_message
@@ -16,6 +17,7 @@ from smarttestudo.robot.ros.message_types import message_type
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout, MessageInfo, RclLibrary
 from smarttestudo.robot.ros.rcl.buffers import RclBuffers
 from smarttestudo.robot.ros.rcl.compiled_relays import relay_settings
+from smarttestudo.robot.ros.rcl.message_copies import MessageCopies
 from smarttestudo.robot.ros.rcl.publisher import RclPublisher
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary, RelaySettings
 from smarttestudo.robot.ros.rcl.subscription import RclSubscription
@@ -85,8 +87,20 @@ def _require_relays(node: Any, library: RclLibrary, relays: RelayLibrary, layout
         opened.callback(relayed.close)
         source = RclSubscription(node, library, TOPIC, TYPE_NAME, QOS)
         opened.callback(source.close)
+        copies = MessageCopies()
+        opened.callback(copies.close)
         settings = relay_settings(library, layout)
-        relay = relays.new(RelaySettings(**settings, subscription=source.pointer, publisher=relayed.pointer))
+        copied: list[bytes] = []
+        copied_source = copies.add(
+            c_void_p(settings["rcl"].take),
+            source.pointer,
+            layout.gid_bytes,
+            lambda _number, _publisher, payload, _stamp_ns: copied.append(payload),
+        )
+        settings["rcl"].take = copied_source.take
+        relay = relays.new(
+            RelaySettings(**settings, subscription=copied_source.address, publisher=relayed.pointer)
+        )
         opened.callback(relays.free, relay)
         if not relays.start(relay):
             raise RosError("no thread could be started")
@@ -102,6 +116,9 @@ def _require_relays(node: Any, library: RclLibrary, relays: RelayLibrary, layout
         info = MessageInfo(layout)
         if _Receiver(subscription, buffers, info).first(TIMEOUT_S) != sent:
             raise RosError("a message relayed without Python came back changed")
+        copies.remove(copied_source)
+        if copied != [sent]:
+            raise RosError("the copy of a message relayed without Python is another one")
 
 
 class _Receiver:

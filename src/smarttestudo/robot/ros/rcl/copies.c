@@ -1,0 +1,119 @@
+/* SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+   SPDX-License-Identifier: Apache-2.0
+
+   Copies of the messages that relays take, for Python, which reads many at once.
+   copies_take takes a message as librcl does, and appends a copy to the buffer that is being filled. Python swaps
+   the two buffers, and reads the one that was filled while the other is. Stamps are read while the mutex is held:
+   they are in the order of the copies, and none that comes later is older than a swap. */
+#include <pthread.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <time.h>
+
+enum { NUMBER_AT = 16, GID_AT = 40, GID_BYTES = 24, LEAST_BYTES = 1 << 16 };
+#define NS_PER_S INT64_C(1000000000)
+
+/* How an rcutils_uint8_array_t begins. */
+typedef struct { uint8_t *buffer; size_t length; } message_t;
+typedef int take_t(const void *subscription, message_t *taken, void *info, void *allocation);
+
+/* Before each payload, which zeros fill up to a multiple of its size in words. */
+typedef struct { uint64_t source, number, size_bytes; int64_t stamp_ns; uint8_t gid[GID_BYTES]; } header_t;
+typedef struct { uint8_t *bytes; size_t length, capacity; } buffer_t;
+
+typedef struct {
+    pthread_mutex_t mutex;
+    buffer_t filled, read;
+    size_t wakes_from_bytes, most_bytes;
+    int64_t (*now_ns)(void); /* the system's clock where it is NULL */
+    int event_fd;            /* counted up when that much is there to read */
+} copies_t;
+
+/* What stands for the subscription whose messages are copied; `source` is given with each. */
+typedef struct {
+    copies_t *copies;
+    take_t *take;
+    const void *subscription;
+    uint64_t source, gid_bytes;
+} copied_t;
+
+const size_t copies_sizes[] = {sizeof(copied_t), sizeof(header_t)};
+
+copies_t *copies_new(size_t wakes_from_bytes, size_t most_bytes, int event_fd, int64_t (*now_ns)(void)) {
+    copies_t *copies = malloc(sizeof *copies);
+    if (!copies) return NULL;
+    *copies = (copies_t){.mutex = PTHREAD_MUTEX_INITIALIZER, .event_fd = event_fd, .now_ns = now_ns};
+    copies->wakes_from_bytes = wakes_from_bytes;
+    copies->most_bytes = most_bytes;
+    return copies;
+}
+
+static int64_t now_ns(const copies_t *copies) {
+    struct timespec now;
+    if (copies->now_ns) return copies->now_ns();
+    clock_gettime(CLOCK_REALTIME, &now);
+    return now.tv_sec * NS_PER_S + now.tv_nsec;
+}
+
+/* Whether so many more bytes fit. */
+static int has_room(buffer_t *buffer, size_t size_bytes, size_t most_bytes) {
+    size_t capacity = buffer->capacity ? buffer->capacity : LEAST_BYTES, needed;
+    if (size_bytes > most_bytes || (needed = buffer->length + size_bytes) > most_bytes) return 0;
+    if (needed <= buffer->capacity) return 1;
+    while (capacity < needed) capacity *= 2;
+    uint8_t *bytes = realloc(buffer->bytes, capacity);
+    if (!bytes) return 0;
+    buffer->bytes = bytes;
+    buffer->capacity = capacity;
+    return 1;
+}
+
+/* What finds no room is not copied, which the numbers of the others show. */
+static void append(copies_t *copies, header_t *header, const uint8_t *payload) {
+    buffer_t *filled = &copies->filled;
+    size_t rest = -header->size_bytes % sizeof header->number, length = header->size_bytes;
+    if (!has_room(filled, sizeof *header + length + rest, copies->most_bytes)) return;
+    header->stamp_ns = now_ns(copies);
+    memcpy(filled->bytes + filled->length, header, sizeof *header);
+    filled->length += sizeof *header;
+    if (length) memcpy(filled->bytes + filled->length, payload, length);
+    memset(filled->bytes + filled->length + length, 0, rest);
+    int was_below = filled->length - sizeof *header < copies->wakes_from_bytes;
+    filled->length += length + rest;
+    if (was_below && filled->length >= copies->wakes_from_bytes) eventfd_write(copies->event_fd, 1);
+}
+
+/* A relay calls it in place of librcl's, for a copied_t in place of a subscription. */
+int copies_take(const void *given, message_t *taken, void *info, void *allocation) {
+    const copied_t *copied = given;
+    int code = copied->take(copied->subscription, taken, info, allocation);
+    if (code) return code;
+    header_t header = {.source = copied->source, .size_bytes = taken->length};
+    memcpy(&header.number, (uint8_t *)info + NUMBER_AT, sizeof header.number);
+    memcpy(header.gid, (uint8_t *)info + GID_AT, copied->gid_bytes < GID_BYTES ? copied->gid_bytes : GID_BYTES);
+    pthread_mutex_lock(&copied->copies->mutex);
+    append(copied->copies, &header, taken->buffer);
+    pthread_mutex_unlock(&copied->copies->mutex);
+    return 0;
+}
+
+/* What was filled until now, to be read until the next swap; its length. */
+size_t copies_swap(copies_t *copies, const uint8_t **bytes) {
+    pthread_mutex_lock(&copies->mutex);
+    buffer_t read = copies->filled;
+    copies->filled = copies->read;
+    copies->filled.length = 0;
+    copies->read = read;
+    pthread_mutex_unlock(&copies->mutex);
+    *bytes = read.bytes;
+    return read.length;
+}
+
+/* No relay may take from it any more. */
+void copies_free(copies_t *copies) {
+    free(copies->filled.bytes);
+    free(copies->read.bytes);
+    free(copies);
+}

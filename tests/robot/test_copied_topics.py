@@ -1,0 +1,220 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A part is told the same of topics that are relayed without Python as of others, at the same times."""
+
+from __future__ import annotations
+
+import random
+from collections import deque
+from collections.abc import Callable, Hashable
+from functools import partial
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from incidents.incident_runs import rules_of
+from pacing.scenarios import seeds
+from robot.small_graph import MemoryPublisher, MemorySubscription, SmallGraph
+from smarttestudo.domain.compiled_relay import CompiledRelay, Copied, RelayCounts, RelayState
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import GraphChange, LookAtGraph, Publisher, Subscription
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.loop.triggers import Trigger
+from smarttestudo.robot.decisions import LiveDecisions
+from smarttestudo.robot.input_recorder import InputRecorder
+from smarttestudo.robot.live_rules import LiveRules
+from smarttestudo.robot.live_run import LiveRun
+from smarttestudo.robot.option import Settings
+from smarttestudo.robot.part import Part, RunView
+from smarttestudo.robot.topic import LiveSource
+
+TOPICS = ("/imu", "/odom", "/scan")
+GIDS = {topic: topic.encode() for topic in TOPICS}
+RULES = (
+    "SetFrequency /imu 10 SetFrequency /odom 5 SetFrequency /scan 0",
+    "SetFrequency /imu 10 SetFrequency /odom 0 SetFrequency /scan 5",
+)
+
+
+class MemoryRelay:
+    """One that lets nothing pass, and copies what it takes."""
+
+    def __init__(self, relays: MemoryRelays, topic: str, copied: Copied | None) -> None:
+        self.relays, self.topic, self.copied = relays, topic, copied
+
+    def begin(self, state: RelayState, ended: Callable[[RelayState], None]) -> None:
+        self.state, self.ended = state, ended
+
+    def set_pace(self, period_ns: int, slack_ns: int) -> None: ...
+
+    def counts(self) -> RelayCounts:
+        return self.state.counts
+
+    def end(self) -> None:
+        self.relays.running.pop(self.topic)
+        self.relays.deliver(self.relays.latest_ns)
+        self.ended(self.state)
+
+
+class MemoryRelays:
+    """A ``CompiledRelays`` that copies what comes, and keeps it until it is to be delivered."""
+
+    def __init__(self) -> None:
+        self.running: dict[str, MemoryRelay] = {}
+        self.begun = 0
+        self.latest_ns = 0
+        self.waiting: deque[tuple[int, Callable[[], None]]] = deque()
+
+    def takes(self, topic: str, payload: bytes, gid: bytes, now_ns: int) -> bool:
+        """Whether a relay took the message."""
+        relay = self.running.get(topic)
+        if relay is not None and relay.copied is not None:
+            self.latest_ns = now_ns
+            self.waiting.append((now_ns, partial(relay.copied, payload, gid, now_ns)))
+        return relay is not None
+
+    def serves(self, subscription: Subscription, publisher: Publisher) -> bool:
+        return isinstance(subscription, MemorySubscription) and isinstance(publisher, MemoryPublisher)
+
+    def begin(
+        self,
+        subscription: Subscription,
+        publisher: Publisher,
+        state: Callable[[], RelayState],
+        ended: Callable[[RelayState], None],
+        copied: Copied | None = None,
+    ) -> CompiledRelay | None:
+        assert isinstance(subscription, MemorySubscription)
+        relay = MemoryRelay(self, subscription.topic, copied)
+        relay.begin(state(), ended)
+        self.running[relay.topic] = relay
+        self.begun += 1
+        return relay
+
+    def deliver(self, now_ns: int) -> None:
+        while self.waiting and self.waiting[0][0] <= now_ns:
+            self.waiting.popleft()[1]()
+
+
+class ActingGraph(SmallGraph):
+    """A graph on which something happens whenever the run waits, by chance."""
+
+    compiled: MemoryRelays | None  # type: ignore[assignment]
+
+    def __init__(self, seed: int, acts: int) -> None:
+        super().__init__()
+        self.compiled = None
+        self.chance, self.acts_left = random.Random(seed), acts
+        self.clock_ns, self.number = NS_PER_S, 0
+        self.run: LiveRun | None = None
+        for topic in TOPICS:
+            self.joins(topic, GIDS[topic])
+            self.listens(f"/testudo{topic}")
+
+    def now_ns(self) -> int:
+        return self.clock_ns
+
+    def look_at_graph(self, look: LookAtGraph) -> None:
+        self._look = look
+
+    def wait(self, wake_ns: int | None, longest_s: float) -> None:
+        self.acts_left -= 1
+        self.clock_ns += self.chance.randrange(NS_PER_S // 20)
+        for _ in range(self.chance.randint(1, 3)):
+            self.chance.choice([self._send, self._send, self._send, self._see, self._reload, self._leave])()
+
+    def _send(self) -> None:
+        for _ in range(self.chance.randint(1, 5)):
+            self.clock_ns += self.chance.choice([0, 1, NS_PER_S // 100])
+            topic, self.number = self.chance.choice(TOPICS), self.number + 1
+            payload = b"%d" % self.number
+            if not self.sources[topic]:
+                continue
+            if self.compiled is None or not self.compiled.takes(topic, payload, GIDS[topic], self.clock_ns):
+                self.sends(topic, GIDS[topic], payload)
+
+    def _see(self) -> None:
+        self._look(self.chance.choice(list(GraphChange)))
+
+    def _leave(self) -> None:
+        topic = self.chance.choice(TOPICS)
+        if self.sources[topic]:
+            self.leaves(topic, GIDS[topic])
+        else:
+            self.joins(topic, GIDS[topic])
+        self._look(GraphChange.TOLD)
+
+    def _reload(self) -> None:
+        assert self.run is not None
+        self.run.reload(live_rules(self.chance.choice(RULES)))
+
+
+class Recording(Part):
+    """Hears some of the topics, others from time to time; ``told`` is all that it was told."""
+
+    hears_topics_only = True
+
+    def __init__(self, seed: int) -> None:
+        self.chance = random.Random(seed)
+        self.topics = frozenset(TOPICS[:2])
+        self.told: list[tuple[str, str, bytes, int]] = []
+
+    def begin(self, run: RunView) -> None:
+        run.loop.triggered = self._triggered
+
+    def follow(self, rules: LiveRules, now_ns: int) -> None:
+        self.topics = frozenset(topic for topic in TOPICS if self.chance.random() < 0.7)
+        self.told.append(("follow", "", b"", now_ns))
+
+    def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:
+        self.told.append(("source", topic, b"", now_ns))
+
+    def on_message(
+        self,
+        topic: str,
+        payload: Payload,
+        publisher: Hashable,
+        now_ns: int,
+        subscription: Subscription | None,
+    ) -> None:
+        if topic in self.topics:
+            assert publisher == GIDS[topic]
+            self.told.append(("message", topic, payload[:], now_ns))
+
+    def on_wake(self, now_ns: int) -> None:
+        self.told.append(("wake", "", b"", now_ns))
+
+    def _triggered(self, trigger: Trigger) -> None:
+        raise AssertionError("no rule here records")
+
+
+def live_rules(text: str) -> LiveRules:
+    outputs = {topic: f"/testudo{topic}" for topic in TOPICS}
+    return LiveRules(rule_set=rules_of(text), output_topics=outputs)
+
+
+def told_by(seed: int, acts: int, relays: MemoryRelays | None) -> list[tuple[str, str, bytes, int]]:
+    graph, part = ActingGraph(seed, acts), Recording(seed)
+    graph.compiled = relays
+    inputs = InputRecorder(graph, Settings(), None)
+    run = LiveRun(graph, inputs, live_rules(RULES[0]), LiveDecisions(graph, []), parts=[part])
+    graph.run = run
+    run.drive(lambda: graph.acts_left <= 0)
+    return part.told
+
+
+@settings(max_examples=150)
+@given(seeds, st.integers(10, 120))
+def test_a_part_is_told_all_that_it_would_be_told_of_topics_in_python_and_in_that_order(
+    seed: int, acts: int
+) -> None:
+    told = told_by(seed, acts, MemoryRelays())
+    assert told == told_by(seed, acts, None)
+    times_ns = [one[-1] for one in told]
+    assert times_ns == sorted(times_ns)
+
+
+def test_such_topics_are_relayed_without_python_indeed() -> None:
+    relays = MemoryRelays()
+    told_by(1, 100, relays)
+    assert relays.begun > 10
