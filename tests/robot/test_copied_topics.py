@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import random
 from collections import deque
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from functools import partial
 
 from hypothesis import given, settings
@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from incidents.incident_runs import rules_of
 from pacing.scenarios import seeds
-from robot.small_graph import MemoryPublisher, MemorySubscription, SmallGraph
+from robot.small_graph import MemorySubscription, SmallGraph
 from smarttestudo.domain.compiled_relay import CompiledRelay, Copied, RelayCounts, RelayState
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import GraphChange, LookAtGraph, Publisher, Subscription
@@ -30,17 +30,16 @@ from smarttestudo.robot.topic import LiveSource
 
 TOPICS = ("/imu", "/odom", "/scan")
 GIDS = {topic: topic.encode() for topic in TOPICS}
-RULES = (
-    "SetFrequency /imu 10 SetFrequency /odom 5 SetFrequency /scan 0",
-    "SetFrequency /imu 10 SetFrequency /odom 0 SetFrequency /scan 5",
-)
+RELAYED = (("/imu", "/odom", "/scan"), ("/imu", "/odom"), ("/scan",))
 
 
 class MemoryRelay:
     """One that lets nothing pass, and copies what it takes."""
 
-    def __init__(self, relays: MemoryRelays, topic: str, copied: Copied | None) -> None:
-        self.relays, self.topic, self.copied = relays, topic, copied
+    def __init__(
+        self, relays: MemoryRelays, topic: str, publisher: Publisher | None, copied: Copied | None
+    ) -> None:
+        self.relays, self.topic, self.publisher, self.copied = relays, topic, publisher, copied
 
     def begin(self, state: RelayState, ended: Callable[[RelayState], None]) -> None:
         self.state, self.ended = state, ended
@@ -73,19 +72,19 @@ class MemoryRelays:
             self.waiting.append((now_ns, partial(relay.copied, payload, gid, now_ns)))
         return relay is not None
 
-    def serves(self, subscription: Subscription, publisher: Publisher) -> bool:
-        return isinstance(subscription, MemorySubscription) and isinstance(publisher, MemoryPublisher)
+    def serves(self, subscription: Subscription, publisher: Publisher | None) -> bool:
+        return isinstance(subscription, MemorySubscription)
 
     def begin(
         self,
         subscription: Subscription,
-        publisher: Publisher,
+        publisher: Publisher | None,
         state: Callable[[], RelayState],
         ended: Callable[[RelayState], None],
         copied: Copied | None = None,
     ) -> CompiledRelay | None:
         assert isinstance(subscription, MemorySubscription)
-        relay = MemoryRelay(self, subscription.topic, copied)
+        relay = MemoryRelay(self, subscription.topic, publisher, copied)
         relay.begin(state(), ended)
         self.running[relay.topic] = relay
         self.begun += 1
@@ -135,6 +134,7 @@ class ActingGraph(SmallGraph):
 
     def _see(self) -> None:
         self._look(self.chance.choice(list(GraphChange)))
+        self._check_publishers()
 
     def _leave(self) -> None:
         topic = self.chance.choice(TOPICS)
@@ -146,7 +146,17 @@ class ActingGraph(SmallGraph):
 
     def _reload(self) -> None:
         assert self.run is not None
-        self.run.reload(live_rules(self.chance.choice(RULES)))
+        self.run.reload(live_rules(self.chance.choice(RELAYED)))
+        self._check_publishers()
+
+    def _check_publishers(self) -> None:
+        """What is relayed is published by what is open, and what is not relayed by nothing."""
+        assert self.run is not None
+        for topic, relay in {} if self.compiled is None else self.compiled.running.items():
+            if topic in self.run.rules.output_topics:
+                assert relay.publisher in self.advertised
+            else:
+                assert relay.publisher is None
 
 
 class Recording(Part):
@@ -188,16 +198,16 @@ class Recording(Part):
         raise AssertionError("no rule here records")
 
 
-def live_rules(text: str) -> LiveRules:
-    outputs = {topic: f"/testudo{topic}" for topic in TOPICS}
-    return LiveRules(rule_set=rules_of(text), output_topics=outputs)
+def live_rules(relayed: Sequence[str]) -> LiveRules:
+    text = " ".join(f"SetFrequency {topic} {rate_hz}" for rate_hz, topic in enumerate(relayed))
+    return LiveRules(rule_set=rules_of(text), output_topics={topic: f"/testudo{topic}" for topic in relayed})
 
 
 def told_by(seed: int, acts: int, relays: MemoryRelays | None) -> list[tuple[str, str, bytes, int]]:
     graph, part = ActingGraph(seed, acts), Recording(seed)
     graph.compiled = relays
     inputs = InputRecorder(graph, Settings(), None)
-    run = LiveRun(graph, inputs, live_rules(RULES[0]), LiveDecisions(graph, []), parts=[part])
+    run = LiveRun(graph, inputs, live_rules(RELAYED[0]), LiveDecisions(graph, []), parts=[part])
     graph.run = run
     run.drive(lambda: graph.acts_left <= 0)
     return part.told

@@ -119,13 +119,15 @@ def test_incidents_at_random_moments_hold_what_the_loop_and_a_plain_subscriber_h
         assert least_ns <= static_ns <= most_ns
 
 
-def test_incidents_of_a_topic_that_is_relayed_without_python_hold_what_a_plain_subscriber_heard(
-    robot: SmallRobot,
+@pytest.mark.parametrize("is_relayed", [True, False])
+def test_incidents_of_a_topic_that_comes_without_python_hold_what_a_plain_subscriber_heard(
+    robot: SmallRobot, is_relayed: bool
 ) -> None:
     folder = robot.folder / "incidents"
     source = robot.source(odom=ODOM, count=COUNT)
+    text = rules('Record "near miss" /odom /count Before 2 s After 500 ms')
     runtime = robot.runtime(
-        rules('Record "near miss" /odom /count Before 2 s After 500 ms'),
+        text if is_relayed else text.replace("SetFrequency /count 5", ""),
         *("--incidents", str(folder), "--data-path", "fast"),
     )
     runtime.line_with("/count: std_msgs/msg/String")

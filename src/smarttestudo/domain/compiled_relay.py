@@ -76,22 +76,23 @@ class CompiledRelay(Protocol):
 class CompiledRelays(Protocol):
     """Maker of compiled relays."""
 
-    def serves(self, subscription: Subscription, publisher: Publisher) -> bool:
-        """Whether there may be one between these two."""
+    def serves(self, subscription: Subscription, publisher: Publisher | None) -> bool:
+        """Whether there may be one between these two, or one that publishes nothing."""
 
     def begin(
         self,
         subscription: Subscription,
-        publisher: Publisher,
+        publisher: Publisher | None,
         state: Callable[[], RelayState],
         ended: Callable[[RelayState], None],
         copied: Copied | None = None,
     ) -> CompiledRelay | None:
         """Relay from ``state`` on, which is asked for at the last moment; ``None``: not yet.
 
-        ``ended`` gets the last state once, before the subscription receives anything: by ``end``, or where
-        the subscription is closed. ``copied`` is given each message that comes, relayed or not, in the order
-        of all such relays: by ``deliver``, and what was not delivered before ``ended``, before that.
+        Without a ``publisher`` it never lets anything pass. ``ended`` gets the last state once, before the
+        subscription receives anything: by ``end``, or where one of the two is closed. ``copied`` is given
+        each message that comes, relayed or not, in the order of all such relays: by ``deliver``, and what was
+        not delivered before ``ended``, before that.
         """
 
     def deliver(self, now_ns: int) -> None:

@@ -10,7 +10,7 @@ from smarttestudo.domain.compiled_relay import FlowCounts, RelayCounts, RelaySta
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.loop.relay import Relay, Relayed
 from smarttestudo.loop.relays import Relays
-from smarttestudo.pacing.grid import Pace
+from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.pacing.hand_over import stream_of, stream_state
 from smarttestudo.pacing.topic_pacer import TopicPacer
 
@@ -49,16 +49,28 @@ def take_back(relays: Relays, topic: str, state: RelayState) -> Sequence[Relayed
 
 def count(relay: Relay, counts: RelayCounts) -> None:
     """Have the statistics of ``relay`` say what was counted elsewhere."""
-    _set(relay.statistics.arrived, counts.arrived)
-    _set(relay.statistics.relayed, counts.relayed)
+    count_flow(relay.statistics.arrived, counts.arrived)
+    count_flow(relay.statistics.relayed, counts.relayed)
+
+
+def unrelayed(arrived: Flow, now_ns: int) -> RelayState:
+    """All that is known of a topic that is not relayed, but received: nothing of it passes."""
+    return RelayState(
+        now_ns=now_ns,
+        period_ns=NEVER_NS,
+        slack_ns=0,
+        streams=(),
+        counts=RelayCounts(arrived=_counts(arrived), relayed=_counts(Flow())),
+    )
+
+
+def count_flow(flow: Flow, counts: FlowCounts) -> None:
+    """Have ``flow`` say what was counted elsewhere."""
+    flow.messages, flow.size_bytes = counts.messages, counts.size_bytes
+    flow.span_ns, flow.last_ns = counts.span_ns, counts.last_ns
 
 
 def _counts(flow: Flow) -> FlowCounts:
     return FlowCounts(
         messages=flow.messages, size_bytes=flow.size_bytes, span_ns=flow.span_ns, last_ns=flow.last_ns
     )
-
-
-def _set(flow: Flow, counts: FlowCounts) -> None:
-    flow.messages, flow.size_bytes = counts.messages, counts.size_bytes
-    flow.span_ns, flow.last_ns = counts.span_ns, counts.last_ns

@@ -67,10 +67,12 @@ class LiveRun:
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._losses = LiveLosses(robot.log)
         needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
-        needs_all = needs_all or inputs.is_recording or bool(self._before_relays or self._publishing)
-        compiled = None if needs_all else robot.data_path.compiled
+        compiled = None if needs_all or inputs.is_recording else robot.data_path.compiled
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
-        self._compiled = CompiledTopics(compiled, loop, self._sampling, self._relay, self._tell_parts)
+        is_told = bool(self._before_relays or self._publishing)
+        self._compiled = CompiledTopics(
+            compiled, loop, self._sampling, self._relay, self._tell_parts, records_only=is_told
+        )
         self._status = LiveStatus(robot.name, read_own_process())
         self._standing: Callable[[], RulesInForce] = lambda: self.rules.in_force
         self._timer = StatusTimer(robot, link, needs_all=any(_does(part, "on_status") for part in parts))
@@ -175,6 +177,7 @@ class LiveRun:
             self._compiled.deliver(now_ns)
             self._tell_parts(topic, payload, publisher, now_ns)
         if topic not in self._given:
+            self._compiled.received(topic, len(payload), now_ns)
             return
         message = self._topics.decoded(topic, payload) if self.loop.needs_decoded(topic) else None
         self._sampling.received(topic, len(payload))

@@ -145,8 +145,7 @@ class OpenTopic:
     def keeps_subscription(self, *, is_recorded: bool) -> bool:
         """Whether another output takes nothing from a topic that ``is_recorded`` and was before.
 
-        What is latched must come anew for another output; a topic that is not recorded may be relayed without
-        Python, from this subscription to that output.
+        What is latched must come anew for another output; nobody misses what is not recorded meanwhile.
         """
         is_latched = self._opened_for is not None and self._opened_for.qos.transient_local
         return self.is_recorded and is_recorded and not is_latched
@@ -167,12 +166,18 @@ class OpenTopic:
             self._publishers.publish(payload, publisher)
 
     @property
-    def ends(self) -> tuple[Subscription, Publisher] | None:
-        """Where all messages come in and go out, if there is one place for each, and none is dropped."""
-        publisher = None if self._publishers is None else self._publishers.only
-        if self.subscription is None or publisher is None or self.unheard:
+    def ends(self) -> tuple[Subscription, Publisher | None] | None:
+        """Where all messages come in and go out, if there is one place for each, and none is dropped.
+
+        Those of a topic that is not relayed go out nowhere; if it is latched, it has no such ends either.
+        """
+        if self.subscription is None or self.unheard:
             return None
-        return self.subscription, publisher
+        if self._publishers is None:
+            is_latched = self._opened_for is not None and self._opened_for.qos.transient_local
+            return None if is_latched else (self.subscription, None)
+        publisher = self._publishers.only
+        return None if publisher is None else (self.subscription, publisher)
 
     def close(self) -> None:
         """Receive and send nothing more."""

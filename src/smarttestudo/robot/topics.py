@@ -69,6 +69,7 @@ class LiveTopics:
     Unless ``is_lazy`` is false, a source that no check reads is subscribed to only while its output topic, or
     that of a topic paced with it, has a subscriber. When messages pile up, the topics of the highest
     ``priority_of`` are served first. An error of one topic is logged once and affects that topic only.
+    ``recorded`` are those that are recorded, relayed or not.
     """
 
     def __init__(
@@ -86,7 +87,7 @@ class LiveTopics:
         self._is_lazy = is_lazy
         self._topics: dict[str, OpenTopic] = {}
         self._watched: frozenset[str] = frozenset()
-        self._recorded: frozenset[str] = frozenset()
+        self.recorded: frozenset[str] = frozenset()
         self._leaders: Mapping[str, str] = {}
         self._publishers = EndpointCache(robot.publisher_count, robot.publishers)
         self._subscribers = EndpointCache(robot.subscriber_count, robot.subscribers)
@@ -111,10 +112,10 @@ class LiveTopics:
         before, self._topics = self._topics, {}
         given = self._watched | {topic for topic, live in before.items() if live.output is not None}
         self._watched, self._leaders = frozenset(watched), leaders
-        self._recorded = frozenset(recorded)
+        self.recorded = frozenset(recorded)
         for topic in dict.fromkeys([*output_topics, *watched, *sorted(recorded)]):
             live, output = before.get(topic), output_topics.get(topic)
-            is_recorded = topic in self._recorded
+            is_recorded = topic in self.recorded
             if live is None:
                 live = self._new(topic, output)
             elif live.output != output:
@@ -180,18 +181,16 @@ class LiveTopics:
         return {
             topic: subscription
             for topic, subscription in self.subscriptions().items()
-            if topic not in self._recorded and len(self._publishers.of(topic)) <= 1
+            if topic not in self.recorded and len(self._publishers.of(topic)) <= 1
         }
 
-    @property
-    def recorded(self) -> frozenset[str]:
-        """The topics that are recorded."""
-        return self._recorded
-
-    def ends(self) -> dict[str, tuple[Subscription, Publisher]]:
-        """Where messages come in and go out, of topics that have one place for each."""
-        found = {topic: live.ends for topic, live in self._topics.items()}
-        return {topic: ends for topic, ends in found.items() if ends is not None}
+    def ends(self) -> dict[str, tuple[Subscription, Publisher | None]]:
+        """Where messages come in and go out, of topics that have one place for each, or are recorded only."""
+        return {
+            topic: ends
+            for topic, live in self._topics.items()
+            if (ends := live.ends) is not None and (live.output is not None or topic not in self._watched)
+        }
 
     def heard(self) -> Iterator[tuple[str, LiveSource]]:
         """The topics whose messages are received, with their sources."""
@@ -253,11 +252,11 @@ class LiveTopics:
             return self._topics
         listened = set(heard)
         leaders = {self._leaders.get(topic, topic) for topic in listened}
-        return self._watched | self._recorded | self._latched() | listened | leaders
+        return self._watched | self.recorded | self._latched() | listened | leaders
 
     def _latched(self) -> frozenset[str]:
         """Latched topics, which every incident holds, if there can be any."""
-        if not self._recorded:
+        if not self.recorded:
             return frozenset()
         topics = self._topics.items()
         return frozenset(

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
 
+from smarttestudo.domain.compiled_relay import CompiledRelays
 from smarttestudo.domain.link import OutgoingLink, StreamInfo
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import (
@@ -105,7 +106,6 @@ class LinkedPath:
     """A data path whose messages go out over a link, and by ``path`` too where that ``is_local``."""
 
     keeps_newest = True
-    compiled = None
 
     def __init__(self, path: DataPath, link: OutgoingLink, *, is_local: bool) -> None:
         self._path = path
@@ -127,6 +127,11 @@ class LinkedPath:
     def can_pause(self) -> bool:
         """Whether subscriptions can rest."""
         return self._path.can_pause
+
+    @property
+    def compiled(self) -> CompiledRelays | None:
+        """Maker of relays that need no Python, none of which publishes over a link."""
+        return self._path.compiled
 
     def knows(self, type_name: str) -> bool:
         """Whether the message type is installed."""

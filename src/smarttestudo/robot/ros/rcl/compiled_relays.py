@@ -26,6 +26,7 @@ from smarttestudo.robot.ros.rcl.relay_library import (
     python_ns,
 )
 from smarttestudo.robot.ros.rcl.source import RclSource
+from smarttestudo.robot.ros.rcl.subscription import MessageNumbers
 
 TAKES_ON_CALLBACK = "rmw_fastrtps"
 """The middleware whose callbacks may take messages; with another one, the topic's thread does."""
@@ -54,25 +55,25 @@ class RclRelays:
         self._begun: set[RclRelay] = set()
         self._settings = relay_settings(library, layout)
 
-    def serves(self, subscription: Subscription, publisher: Publisher) -> bool:
-        """Whether there may be a relay between these two."""
+    def serves(self, subscription: Subscription, publisher: Publisher | None) -> bool:
+        """Whether there may be a relay between these two, or one that publishes nothing."""
         return (
             isinstance(subscription, RclSource)
-            and isinstance(publisher, RclPublisher)
+            and (publisher is None or isinstance(publisher, RclPublisher))
             and not self._is_simulated()
         )
 
     def begin(
         self,
         subscription: Subscription,
-        publisher: Publisher,
+        publisher: Publisher | None,
         state: Callable[[], RelayState],
         ended: Callable[[RelayState], None],
         copied: Copied | None = None,
     ) -> CompiledRelay | None:
         """Relay from ``state`` on; ``None``: not yet."""
         assert isinstance(subscription, RclSource)
-        assert isinstance(publisher, RclPublisher)
+        assert publisher is None or isinstance(publisher, RclPublisher)
         copies = None if copied is None else Copies(self.copies, subscription, self._gid_bytes, copied)
         relay = RclRelay(self._relays, subscription, publisher, self._failed, self._gid_bytes, copies=copies)
 
@@ -148,7 +149,7 @@ class RclRelay:
         self,
         library: RelayLibrary,
         source: RclSource,
-        publisher: RclPublisher,
+        publisher: RclPublisher | None,
         failed: Callable[[RosError], None],
         gid_bytes: int,
         *,
@@ -186,26 +187,7 @@ class RclRelay:
             source.take_back()
             return False
         self._pace = (start.period_ns, start.slack_ns)
-        functions, taken_from = settings["rcl"], subscription.pointer
-        if self._copies is not None:
-            functions, taken_from = self._copies.begin(functions, taken_from)
-        self._relay = relay = library.new(
-            RelaySettings(
-                **{**settings, "rcl": functions},
-                subscription=taken_from,
-                publisher=self._publisher.pointer,
-                period_ns=c_ns(start.period_ns),
-                slack_ns=start.slack_ns,
-                publishes_at_once=not self._publisher.is_reliable and settings["takes_on_callback"],
-                counts=CCounts(
-                    arrived=CFlow.of(start.counts.arrived),
-                    relayed=CFlow.of(start.counts.relayed),
-                    sent=numbers.sent,
-                    lost=numbers.lost,
-                    now_ns=start.now_ns,
-                ),
-            )
-        )
+        self._relay = relay = library.new(self._all_settings(settings, subscription.pointer, start, numbers))
         streams = {stream.publisher: stream for stream in start.streams}
         for gid, number in numbers.last.items():
             library.add_stream(relay, streams.get(gid), gid, number)
@@ -218,6 +200,32 @@ class RclRelay:
             self._failed(error)
         self.end()
         return False
+
+    def _all_settings(
+        self, common: dict[str, Any], subscription: int, start: RelayState, numbers: MessageNumbers
+    ) -> RelaySettings:
+        functions, publisher = common["rcl"], self._publisher
+        if self._copies is not None:
+            functions, subscription = self._copies.begin(functions, subscription)
+        if publisher is not None:
+            publisher.serve(self.end)
+        return RelaySettings(
+            **{**common, "rcl": functions},
+            subscription=subscription,
+            publisher=None if publisher is None else publisher.pointer,
+            period_ns=c_ns(start.period_ns),
+            slack_ns=start.slack_ns,
+            publishes_at_once=publisher is not None
+            and not publisher.is_reliable
+            and common["takes_on_callback"],
+            counts=CCounts(
+                arrived=CFlow.of(start.counts.arrived),
+                relayed=CFlow.of(start.counts.relayed),
+                sent=numbers.sent,
+                lost=numbers.lost,
+                now_ns=start.now_ns,
+            ),
+        )
 
     def set_pace(self, period_ns: int, slack_ns: int) -> None:
         """Follow another pace from now on."""
@@ -239,6 +247,8 @@ class RclRelay:
         self._source.stop_waking()
         if self._has_thread:
             library.stop(relay)
+        if self._publisher is not None:
+            self._publisher.serve(None)
         counts, streams = self._read(relay), library.streams(relay)
         if self._copies is not None:
             self._copies.end(counts.sent)
@@ -261,5 +271,6 @@ class RclRelay:
         if counts.errors > self._errors:
             self._errors = counts.errors
             error = counts.error.decode("utf-8", "replace").partition("\n")[0]
-            self._failed(RosError(f"librcl: {error}", place=self._publisher.topic))
+            place = None if self._publisher is None else self._publisher.topic
+            self._failed(RosError(f"librcl: {error}", place=place))
         return counts

@@ -116,7 +116,7 @@ class MessageCopies:
                 copied(number, publisher, payload, stamp_ns)
 
     def _read(self) -> Iterator[tuple[Copied, int, bytes, bytes, int]]:
-        """What was copied since the last time; to be gone through before the next."""
+        """Copies made since the last time; to be gone through before the next."""
         at, length = self._library.swap(self._address)
         end = at + length
         while at < end:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from typing import Any
 
 from smarttestudo.domain.payload import Payload
@@ -28,6 +29,11 @@ class RclPublisher:
         self.pointer: int = self._handle.handle.pointer
         self.is_reliable = qos.reliable
         self._foreign = library.new_message()
+        self._end_relay: Callable[[], None] | None = None
+
+    def serve(self, end_relay: Callable[[], None] | None) -> None:
+        """Let a relay publish by it; ``end_relay`` is called before it is closed, ``None`` for no relay."""
+        self._end_relay = end_relay
 
     def publish(self, payload: Payload) -> None:
         """Send a serialized message. Raises ``RosError``."""
@@ -42,6 +48,8 @@ class RclPublisher:
 
     def close(self) -> None:
         """Send nothing more."""
+        if self._end_relay is not None:
+            self._end_relay()
         self._node.destroy_publisher(self._handle)
 
     def _publish(self, address: int) -> None:
