@@ -221,6 +221,19 @@ def test_what_is_held_of_a_publisher_whose_number_was_forgotten_stays_in_python(
     assert echo.by_python == by_python + 1
 
 
+def test_closing_a_publisher_ends_its_relay_first_and_what_was_copied_is_given(fast: Robot, qos: Qos) -> None:
+    echo = Echo(fast, qos, Pace(0, 0))
+    echo.begin(is_copied=True)
+    echo.source.publish(text(1))
+    echo.wait_until(lambda: echo.relay is not None and echo.relay.counts().arrived.messages == 1)
+    echo.publisher.close()
+    assert echo.relay is None
+    assert echo.seen[-1][0] == 1
+    echo.publisher = fast.data_path.advertise("/testudo/numbers", TEXT, qos)
+    echo.begin()
+    assert echo.relay is not None
+
+
 def test_closing_a_subscription_or_the_path_ends_its_relay_first(fast: Robot, qos: Qos) -> None:
     echo = Echo(fast, qos, Pace(0, 0))
     threads = threads_of(os.getpid())

@@ -99,6 +99,11 @@ class CompiledTopics:
             if beginning:
                 note(Relayed(topic, at_ns, beginning, len(beginning), repeated=False))
 
+    def close(self) -> None:
+        """Take all topics back; what was copied until now is given."""
+        for running in list(self._running.values()):
+            running.relay.end()
+
     def _look(self, relays: CompiledRelays, topics: LiveTopics, staying: Set[str], now_ns: int) -> Set[str]:
         recorded = topics.recorded
         self._unrelayed = {topic: flow for topic, flow in self._unrelayed.items() if topic in recorded}

@@ -93,7 +93,7 @@ class LiveRun:
                 self._wake()
             self._report()
         finally:
-            self._compiled.deliver(self._robot.now_ns())
+            self._compiled.close()
             for part in self._parts:
                 part.close()
 
