@@ -7,6 +7,7 @@ from __future__ import annotations
 import random
 from collections import deque
 from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 from hypothesis import given, settings
@@ -15,10 +16,17 @@ from hypothesis import strategies as st
 from incidents.incident_runs import rules_of
 from pacing.scenarios import seeds
 from robot.small_graph import MemorySubscription, SmallGraph
-from smarttestudo.domain.compiled_relay import CompiledRelay, Copied, RelayCounts, RelayState
+from smarttestudo.domain.compiled_relay import (
+    CompiledRelay,
+    Copying,
+    MessageCopy,
+    RelayCounts,
+    RelayState,
+)
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import GraphChange, LookAtGraph, Publisher, Subscription
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.triggers import Trigger
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
@@ -34,17 +42,36 @@ RELAYED = (("/imu", "/odom", "/scan"), ("/imu", "/odom"), ("/scan",))
 
 
 class MemoryRelay:
-    """One that lets nothing pass, and copies what it takes."""
+    """One that lets everything pass at Full, and nothing else."""
 
     def __init__(
-        self, relays: MemoryRelays, topic: str, publisher: Publisher | None, copied: Copied | None
+        self,
+        relays: MemoryRelays,
+        subscription: MemorySubscription,
+        publisher: Publisher | None,
+        copying: Copying,
+        ended: Callable[[RelayState], None],
     ) -> None:
-        self.relays, self.topic, self.publisher, self.copied = relays, topic, publisher, copied
+        self.relays, self.topic, self.publisher = relays, subscription.topic, publisher
+        self.copying, self.ended = copying, ended
 
-    def begin(self, state: RelayState, ended: Callable[[RelayState], None]) -> None:
-        self.state, self.ended = state, ended
+    def begin(self, state: RelayState) -> None:
+        self.state, self.period_ns = state, state.period_ns
 
-    def set_pace(self, period_ns: int, slack_ns: int) -> None: ...
+    def takes(self, copy: MessageCopy) -> None:
+        copying, waiting = self.copying, self.relays.waiting
+        if copying.came is not None:
+            came = copy if copying.has_payload else replace(copy, payload=None)
+            waiting.append((copy.stamp_ns, partial(copying.came, came)))
+        if self.period_ns != 0:
+            return
+        if copying.passed is not None:
+            waiting.append((copy.stamp_ns, partial(copying.passed, copy)))
+        elif self.publisher is not None:
+            self.publisher.publish(copy.payload or b"")
+
+    def set_pace(self, period_ns: int, slack_ns: int) -> None:
+        self.period_ns = period_ns
 
     def counts(self) -> RelayCounts:
         return self.state.counts
@@ -56,7 +83,7 @@ class MemoryRelay:
 
 
 class MemoryRelays:
-    """A ``CompiledRelays`` that copies what comes, and keeps it until it is to be delivered."""
+    """A ``CompiledRelays`` that keeps what is told of until it is to be delivered."""
 
     def __init__(self) -> None:
         self.running: dict[str, MemoryRelay] = {}
@@ -67,10 +94,11 @@ class MemoryRelays:
     def takes(self, topic: str, payload: bytes, gid: bytes, now_ns: int) -> bool:
         """Whether a relay took the message."""
         relay = self.running.get(topic)
-        if relay is not None and relay.copied is not None:
-            self.latest_ns = now_ns
-            self.waiting.append((now_ns, partial(relay.copied, payload, gid, now_ns)))
-        return relay is not None
+        if relay is None:
+            return False
+        self.latest_ns = now_ns
+        relay.takes(MessageCopy(stamp_ns=now_ns, publisher=gid, size_bytes=len(payload), payload=payload))
+        return True
 
     def serves(self, subscription: Subscription, publisher: Publisher | None) -> bool:
         return isinstance(subscription, MemorySubscription)
@@ -81,11 +109,12 @@ class MemoryRelays:
         publisher: Publisher | None,
         state: Callable[[], RelayState],
         ended: Callable[[RelayState], None],
-        copied: Copied | None = None,
+        copying: Copying | None = None,
     ) -> CompiledRelay | None:
         assert isinstance(subscription, MemorySubscription)
-        relay = MemoryRelay(self, subscription.topic, publisher, copied)
-        relay.begin(state(), ended)
+        assert copying is not None
+        relay = MemoryRelay(self, subscription, publisher, copying, ended)
+        relay.begin(state())
         self.running[relay.topic] = relay
         self.begun += 1
         return relay
@@ -100,8 +129,9 @@ class ActingGraph(SmallGraph):
 
     compiled: MemoryRelays | None  # type: ignore[assignment]
 
-    def __init__(self, seed: int, acts: int) -> None:
+    def __init__(self, seed: int, acts: int, *, is_returned: bool) -> None:
         super().__init__()
+        self.is_returned = is_returned
         self.compiled = None
         self.chance, self.acts_left = random.Random(seed), acts
         self.clock_ns, self.number = NS_PER_S, 0
@@ -120,7 +150,8 @@ class ActingGraph(SmallGraph):
         self.acts_left -= 1
         self.clock_ns += self.chance.randrange(NS_PER_S // 20)
         for _ in range(self.chance.randint(1, 3)):
-            self.chance.choice([self._send, self._send, self._send, self._see, self._reload, self._leave])()
+            sends = [self._send] * 3
+            self.chance.choice([*sends, self._see, self._reload, self._leave, self._set_budget])()
 
     def _send(self) -> None:
         for _ in range(self.chance.randint(1, 5)):
@@ -149,14 +180,17 @@ class ActingGraph(SmallGraph):
         self.run.reload(live_rules(self.chance.choice(RELAYED)))
         self._check_publishers()
 
+    def _set_budget(self) -> None:
+        assert self.run is not None
+        self.run.set_budget(self.chance.choice([1000.0, 2000.0]))
+
     def _check_publishers(self) -> None:
         """What is relayed is published by what is open, and what is not relayed by nothing."""
         assert self.run is not None
         for topic, relay in {} if self.compiled is None else self.compiled.running.items():
-            if topic in self.run.rules.output_topics:
-                assert relay.publisher in self.advertised
-            else:
-                assert relay.publisher is None
+            is_relayed = topic in self.run.rules.output_topics
+            assert (relay.publisher in self.advertised) is (is_relayed and not self.is_returned)
+            assert (relay.copying.passed is not None) is (is_relayed and self.is_returned)
 
 
 class Recording(Part):
@@ -199,32 +233,61 @@ class Recording(Part):
 
 
 def live_rules(relayed: Sequence[str]) -> LiveRules:
-    text = " ".join(f"SetFrequency {topic} {rate_hz}" for rate_hz, topic in enumerate(relayed))
+    text = " ".join(f"SetFrequency {topic} {'Full' if topic == '/imu' else 0}" for topic in relayed)
     return LiveRules(rule_set=rules_of(text), output_topics={topic: f"/testudo{topic}" for topic in relayed})
 
 
-def told_by(seed: int, acts: int, relays: MemoryRelays | None) -> list[tuple[str, str, bytes, int]]:
-    graph, part = ActingGraph(seed, acts), Recording(seed)
+class Publishing(Part):
+    """Wants to know of all that is published; ``told`` is that."""
+
+    def __init__(self) -> None:
+        self.told: list[tuple[str, bytes]] = []
+
+    def before_publish(self, relayed: Relayed) -> None:
+        self.told.append((relayed.topic, relayed.payload[:]))
+        assert relayed.publisher == GIDS[relayed.topic]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """What the parts of a run were told, and what was published."""
+
+    recorded: list[tuple[str, str, bytes, int]]
+    passed: list[tuple[str, bytes]]
+    published: list[tuple[str, bytes]]
+
+
+def told_by(seed: int, acts: int, relays: MemoryRelays | None, *, is_returned: bool) -> Told:
+    graph, part = ActingGraph(seed, acts, is_returned=is_returned), Recording(seed)
+    publishing = Publishing()
     graph.compiled = relays
     inputs = InputRecorder(graph, Settings(), None)
-    run = LiveRun(graph, inputs, live_rules(RELAYED[0]), LiveDecisions(graph, []), parts=[part])
+    run = LiveRun(
+        graph,
+        inputs,
+        live_rules(RELAYED[0]),
+        LiveDecisions(graph, []),
+        parts=[part, publishing][: 1 + is_returned],
+    )
     graph.run = run
     run.drive(lambda: graph.acts_left <= 0)
-    return part.told
+    return Told(recorded=part.told, passed=publishing.told, published=graph.published)
 
 
 @settings(max_examples=150)
-@given(seeds, st.integers(10, 120))
-def test_a_part_is_told_all_that_it_would_be_told_of_topics_in_python_and_in_that_order(
-    seed: int, acts: int
+@given(seeds, st.integers(10, 120), st.booleans())
+def test_parts_are_told_all_that_they_would_be_told_of_topics_in_python_and_in_that_order(
+    seed: int, acts: int, is_returned: bool
 ) -> None:
-    told = told_by(seed, acts, MemoryRelays())
-    assert told == told_by(seed, acts, None)
-    times_ns = [one[-1] for one in told]
+    told = told_by(seed, acts, MemoryRelays(), is_returned=is_returned)
+    assert told == told_by(seed, acts, None, is_returned=is_returned)
+    times_ns = [one[-1] for one in told.recorded]
     assert times_ns == sorted(times_ns)
 
 
 def test_such_topics_are_relayed_without_python_indeed() -> None:
     relays = MemoryRelays()
-    told_by(1, 100, relays)
-    assert relays.begun > 10
+    for is_returned in (True, False):
+        told = told_by(1, 100, relays, is_returned=is_returned)
+        assert told.published
+    assert relays.begun > 20

@@ -363,7 +363,7 @@ def test_a_recorded_topic_that_is_relayed_or_read_from_now_on_stays_subscribed_t
     live.looks()
     assert graph.subscriptions == before
     assert graph.advertised == []
-    assert live.topics.ends() == {"/odom": (before[1], None)}
+    assert live.topics.ends(is_published=True) == {"/odom": (before[1], None)}
 
 
 def test_a_latched_topic_that_is_recorded_has_what_was_latched_at_its_new_output() -> None:

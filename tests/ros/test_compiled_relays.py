@@ -16,7 +16,9 @@ import pytest
 from ros.ros_processes import SmallRobot, threads_of
 from smarttestudo.domain.compiled_relay import (
     CompiledRelay,
+    Copying,
     FlowCounts,
+    MessageCopy,
     PacedStream,
     RelayCounts,
     RelayState,
@@ -93,9 +95,9 @@ class Echo:
         self.heard.clear()
 
     def begin(self, *, is_copied: bool = False) -> None:
-        copied = self._see if is_copied else None
+        copying = Copying(came=self._see_copy, has_payload=True) if is_copied else None
         self.relay = self.compiled.begin(
-            self.subscription, self.publisher, lambda: self.state, self._ended, copied
+            self.subscription, self.publisher, lambda: self.state, self._ended, copying
         )
 
     def end(self) -> None:
@@ -114,13 +116,17 @@ class Echo:
     def _ended(self, state: RelayState) -> None:
         self.relay, self.state = None, state
 
-    def _see(self, payload: Payload, _publisher: object, stamp_ns: int) -> None:
+    def _see_copy(self, copy: MessageCopy) -> None:
+        assert copy.payload is not None
+        self._see(copy.payload, copy.stamp_ns)
+
+    def _see(self, payload: Payload, stamp_ns: int) -> None:
         self.seen.append((int(payload[8:16]), stamp_ns))
 
-    def _relay(self, payload: Payload, publisher: object) -> None:
+    def _relay(self, payload: Payload, _publisher: object) -> None:
         now_ns = self.robot.now_ns()
         self.compiled.deliver(now_ns)
-        self._see(payload, publisher, now_ns)
+        self._see(payload, now_ns)
         self.by_python += 1
         self.publisher.publish(payload)
 

@@ -56,8 +56,27 @@ class RelayState:
     counts: RelayCounts
 
 
-Copied = Callable[[bytes, bytes, int], None]
-"""Takes a copy of a message: its payload, its publisher, and when it was taken."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MessageCopy:
+    """A message of a compiled relay, at ``stamp_ns``; without its ``payload`` where only its size counts."""
+
+    stamp_ns: int
+    publisher: bytes
+    size_bytes: int
+    payload: bytes | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Copying:
+    """The messages of a relay that are told of, by ``CompiledRelays.deliver``, in the order of all relays.
+
+    ``came`` is told of each that comes, relayed or not, ``has_payload`` with a copy of it. Where there is
+    ``passed``, the relay publishes nothing, and gives it a copy of what passes in its place.
+    """
+
+    came: Callable[[MessageCopy], None] | None = None
+    has_payload: bool = False
+    passed: Callable[[MessageCopy], None] | None = None
 
 
 class CompiledRelay(Protocol):
@@ -85,15 +104,14 @@ class CompiledRelays(Protocol):
         publisher: Publisher | None,
         state: Callable[[], RelayState],
         ended: Callable[[RelayState], None],
-        copied: Copied | None = None,
+        copying: Copying | None = None,
     ) -> CompiledRelay | None:
         """Relay from ``state`` on, which is asked for at the last moment; ``None``: not yet.
 
-        Without a ``publisher`` it never lets anything pass. ``ended`` gets the last state once, before the
-        subscription receives anything: by ``end``, or where one of the two is closed. ``copied`` is given
-        each message that comes, relayed or not, in the order of all such relays: by ``deliver``, and what was
-        not delivered before ``ended``, before that.
+        Without a ``publisher`` nothing passes, unless it goes to ``copying.passed``. ``ended`` gets the last
+        state once, before the subscription receives anything: by ``end``, or where one of the two is closed.
+        Before that, ``copying`` is told of all that it was not told of by ``deliver``.
         """
 
     def deliver(self, now_ns: int) -> None:
-        """Give copies of all messages that were taken by ``now_ns``, on the clock."""
+        """Tell of all messages that came or passed by ``now_ns``, on the clock."""

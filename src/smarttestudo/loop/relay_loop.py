@@ -122,18 +122,37 @@ class RelayLoop:
             freed = self._with_freed(freed)
         return [*freed, *relayed] if freed else relayed
 
+    def count(self, topic: str, size_bytes: int, stamp_ns: int) -> Sequence[Relayed]:
+        """Count a message that is paced elsewhere for the budget, in the order of all inputs; what passes."""
+        now_ns = max(stamp_ns, self._now_ns)
+        if not meter(self.knowledge, topic, size_bytes, now_ns):
+            return ()
+        self._now_ns = now_ns
+        self._step((), now_ns)
+        return self._with_freed(())
+
     def needs_decoded(self, topic: str) -> bool:
         """Whether messages of ``topic`` must come decoded: for a check, or for a bound of its picture."""
         return self.knowledge.reads(topic) or self.relays.needs_decoded(topic)
 
+    @property
+    def counts_all(self) -> bool:
+        """Whether a budget counts all messages, those of topics that are paced elsewhere included."""
+        return self.knowledge.link is not None
+
     def may_skip(self, topic: str) -> bool:
         """Whether messages of ``topic`` that are not due may be skipped, except for the last one.
 
-        That is so if no check reads anything of it, no budget counts it and its pacer does not hold it back
-        for others; report to ``relays.skipped`` how many there were.
+        That is so if it ``may_leave``, and no budget counts it; report to ``relays.skipped`` how many.
         """
-        needs_all = topic in self._watched or self.knowledge.link is not None
-        return not needs_all and self.relays.may_skip(topic)
+        return not self.counts_all and self.may_leave(topic)
+
+    def may_leave(self, topic: str) -> bool:
+        """Whether messages of ``topic`` may be paced elsewhere.
+
+        That is so if no check reads anything of it, and its pacer does not hold it back for others.
+        """
+        return topic not in self._watched and self.relays.may_skip(topic)
 
     def block_states(self, now_ns: int, most: int | None = None) -> BlockStates:
         """Which conditions hold, of the first ``most`` blocks; to be asked right after a ``WakeInput``."""

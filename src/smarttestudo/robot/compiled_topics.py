@@ -12,6 +12,8 @@ from smarttestudo.domain.compiled_relay import (
     MAX_PERIOD_NS,
     CompiledRelay,
     CompiledRelays,
+    Copying,
+    MessageCopy,
     RelayState,
 )
 from smarttestudo.domain.rate_meter import Flow
@@ -28,20 +30,26 @@ MOST_MEAN_BYTES = 1 << 16
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Running:
-    """A relay, what it publishes by, and whether its messages are copied."""
+class _Use:
+    """What a relay publishes by, and what is told of its messages."""
 
-    relay: CompiledRelay
     publisher: Publisher | None
-    is_copied: bool
+    is_relayed: bool
+    is_recorded: bool
+    is_counted: bool
+
+    @property
+    def wants_all(self) -> bool:
+        """Whether somebody is told of each message."""
+        return self.is_recorded or self.is_counted
 
 
 class CompiledTopics:
     """Hands topics to compiled relays and takes them back, with their pace, held messages and counts.
 
-    Those that are only recorded may be among them; where ``records_only``, no others are. Of all that are not
-    handed over, ``sampling`` decides which rest. ``passed`` is given what passes because a topic came back,
-    ``copied`` each message of those that are recorded, with its topic.
+    Those that are only recorded may be among them; of all others, ``sampling`` decides which rest. ``came``
+    is told of each message of those that are recorded, or that a budget counts. ``passed`` is given what
+    passes because a topic came back and, where ``is_returned``, all that passes, which no relay publishes.
     """
 
     def __init__(
@@ -50,17 +58,17 @@ class CompiledTopics:
         loop: RelayLoop,
         sampling: LiveSampling,
         passed: Callable[[Sequence[Relayed]], None],
-        copied: Callable[[str, bytes, bytes, int], None],
+        came: Callable[[str, MessageCopy], None],
         *,
-        records_only: bool = False,
+        is_returned: bool = False,
     ) -> None:
         self._relays = relays
         self._loop = loop
         self._sampling = sampling
         self._passed = passed
-        self._copied = copied
-        self._records_only = records_only
-        self._running: dict[str, _Running] = {}
+        self._came = came
+        self._is_returned = is_returned
+        self._running: dict[str, tuple[CompiledRelay, _Use]] = {}
         self._unrelayed: dict[str, Flow] = {}
         self._is_counted = False
 
@@ -82,16 +90,16 @@ class CompiledTopics:
             self._unrelayed.setdefault(topic, Flow()).record(now_ns, size_bytes)
 
     def deliver(self, now_ns: int) -> None:
-        """Give copies of all messages that were taken by ``now_ns``, on the clock."""
+        """Tell of all messages that came or passed by ``now_ns``, on the clock."""
         if self._relays is not None and self._running:
             self._relays.deliver(now_ns)
 
     def count(self, note: Callable[[Relayed], None]) -> None:
         """Have the statistics as of now; ``note`` is given the beginning of each last relayed message."""
         self._is_counted = True
-        for topic, running in self._running.items():
-            relay, counts = self._loop.relays.relay(topic), running.relay.counts()
-            if running.publisher is None:
+        for topic, (running, use) in self._running.items():
+            relay, counts = self._loop.relays.relay(topic), running.counts()
+            if not use.is_relayed:
                 count_flow(self._unrelayed[topic], counts.arrived)
             elif relay is not None:
                 count(relay, counts)
@@ -100,70 +108,83 @@ class CompiledTopics:
                 note(Relayed(topic, at_ns, beginning, len(beginning), repeated=False))
 
     def close(self) -> None:
-        """Take all topics back; what was copied until now is given."""
-        for running in list(self._running.values()):
-            running.relay.end()
+        """Take all topics back; what was copied until now is told of."""
+        for relay, _ in list(self._running.values()):
+            relay.end()
 
     def _look(self, relays: CompiledRelays, topics: LiveTopics, staying: Set[str], now_ns: int) -> Set[str]:
-        recorded = topics.recorded
-        self._unrelayed = {topic: flow for topic, flow in self._unrelayed.items() if topic in recorded}
-        wanted = {
-            topic: ends
-            for topic, ends in topics.ends().items()
-            if relays.serves(*ends)
-            if topic in staying or self._suits(topic, ends[1], is_recorded=topic in recorded)
+        ends = topics.ends(is_published=not self._is_returned)
+        uses = {
+            topic: self._use(topic, publisher, is_recorded=topic in topics.recorded)
+            for topic, (subscription, publisher) in ends.items()
+            if relays.serves(subscription, publisher)
         }
-        for topic, running in list(self._running.items()):
-            is_same = topic in wanted and running.publisher is wanted[topic][1]
-            if not is_same or running.is_copied != (topic in recorded):
-                running.relay.end()
-        for topic, ends in wanted.items():
+        wanted = {topic: use for topic, use in uses.items() if topic in staying or self._suits(topic, use)}
+        for topic, (relay, use) in list(self._running.items()):
+            if wanted.get(topic) != use:
+                relay.end()
+        self._unrelayed = {
+            topic: flow
+            for topic, flow in self._unrelayed.items()
+            if topic in uses and not uses[topic].is_relayed
+        }
+        for topic, use in wanted.items():
             if topic not in self._running:
-                self._begin(relays, topic, ends, now_ns, is_copied=topic in recorded)
+                self._begin(relays, topic, ends[topic][0], use, now_ns)
             elif topic not in staying:
                 pace = self._pace(topic)
-                self._running[topic].relay.set_pace(pace.period_ns, pace.slack_ns)
+                self._running[topic][0].set_pace(pace.period_ns, pace.slack_ns)
         return wanted.keys()
 
-    def _begin(
-        self,
-        relays: CompiledRelays,
-        topic: str,
-        ends: tuple[Subscription, Publisher | None],
-        now_ns: int,
-        *,
-        is_copied: bool,
-    ) -> None:
-        state = partial(hand_over, self._loop.relays, topic, now_ns)
-        if ends[1] is None:
-            state = partial(unrelayed, self._unrelayed[topic], now_ns)
-        copied = partial(self._copied, topic) if is_copied else None
-        relay = relays.begin(*ends, state, partial(self._take_back, topic), copied)
-        if relay is not None:
-            self._running[topic] = _Running(relay=relay, publisher=ends[1], is_copied=is_copied)
+    def _use(self, topic: str, publisher: Publisher | None, *, is_recorded: bool) -> _Use:
+        is_relayed = self._loop.relays.relay(topic) is not None
+        return _Use(
+            publisher=publisher,
+            is_relayed=is_relayed,
+            is_recorded=is_recorded,
+            is_counted=is_relayed and self._loop.counts_all,
+        )
 
-    def _suits(self, topic: str, publisher: Publisher | None, *, is_recorded: bool) -> bool:
+    def _begin(
+        self, relays: CompiledRelays, topic: str, subscription: Subscription, use: _Use, now_ns: int
+    ) -> None:
+        if use.is_relayed:
+            state = partial(hand_over, self._loop.relays, topic, now_ns)
+        else:
+            state = partial(unrelayed, self._unrelayed[topic], now_ns)
+        copying = Copying(
+            came=partial(self._came, topic) if use.wants_all else None,
+            has_payload=use.is_recorded,
+            passed=partial(self._return, topic) if use.is_relayed and self._is_returned else None,
+        )
+        relay = relays.begin(subscription, use.publisher, state, partial(self._take_back, topic), copying)
+        if relay is not None:
+            self._running[topic] = relay, use
+
+    def _suits(self, topic: str, use: _Use) -> bool:
         relay = self._loop.relays.relay(topic)
-        if relay is None or publisher is None:
-            arrived = self._unrelayed.get(topic)
-            return relay is None and publisher is None and arrived is not None and _is_small(arrived)
-        if self._records_only or not self._loop.may_skip(topic):
-            return False
+        if relay is None:
+            return topic in self._unrelayed and _is_small(self._unrelayed[topic])
         period_ns = self._pace(topic).period_ns
-        # A topic that is Off, or nearly, rests at no cost at all, unless it is recorded.
-        is_paced = period_ns <= MAX_PERIOD_NS or (is_recorded and period_ns == NEVER_NS)
-        return is_paced and _is_small(relay.statistics.arrived)
+        # A topic that is Off, or nearly, rests at no cost at all, unless all its messages are wanted.
+        is_paced = period_ns <= MAX_PERIOD_NS or (use.wants_all and period_ns == NEVER_NS)
+        return is_paced and self._loop.may_leave(topic) and _is_small(relay.statistics.arrived)
 
     def _pace(self, topic: str) -> Pace:
         planned = self._loop.knowledge.plan.get(topic)
         return Pace.at(0.0 if planned is None else planned.rate.hz)
 
+    def _return(self, topic: str, copy: MessageCopy) -> None:
+        payload, publisher = copy.payload or b"", copy.publisher
+        passed = Relayed(topic, copy.stamp_ns, payload, copy.size_bytes, repeated=False, publisher=publisher)
+        self._passed([passed])
+
     def _take_back(self, topic: str, state: RelayState) -> None:
-        running = self._running.pop(topic, None)
-        if running is None or running.publisher is not None:
-            self._passed(take_back(self._loop.relays, topic, state))
-        elif topic in self._unrelayed:
+        _, use = self._running.pop(topic, (None, None))
+        if use is not None and not use.is_relayed:
             count_flow(self._unrelayed[topic], state.counts.arrived)
+        else:
+            self._passed(take_back(self._loop.relays, topic, state))
 
 
 def _is_small(arrived: Flow) -> bool:

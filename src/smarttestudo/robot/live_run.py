@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Hashable, Sequence
 from typing import TYPE_CHECKING
 
+from smarttestudo.domain.compiled_relay import MessageCopy
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import GraphChange, Robot
@@ -71,7 +72,7 @@ class LiveRun:
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
         is_told = bool(self._before_relays or self._publishing)
         self._compiled = CompiledTopics(
-            compiled, loop, self._sampling, self._relay, self._tell_parts, records_only=is_told
+            compiled, loop, self._sampling, self._relay, self._came, is_returned=is_told
         )
         self._status = LiveStatus(robot.name, read_own_process())
         self._standing: Callable[[], RulesInForce] = lambda: self.rules.in_force
@@ -182,6 +183,12 @@ class LiveRun:
         message = self._topics.decoded(topic, payload) if self.loop.needs_decoded(topic) else None
         self._sampling.received(topic, len(payload))
         self._take(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
+
+    def _came(self, topic: str, copy: MessageCopy) -> None:
+        if copy.payload is not None:
+            self._tell_parts(topic, copy.payload, copy.publisher, copy.stamp_ns)
+        if topic in self._given:
+            self._relay(self.loop.count(topic, copy.size_bytes, copy.stamp_ns))
 
     def _tell_parts(self, topic: str, payload: Payload, publisher: Hashable, stamp_ns: int) -> None:
         subscription = self._topics.subscription(topic)

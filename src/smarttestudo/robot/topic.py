@@ -165,15 +165,14 @@ class OpenTopic:
         if self._publishers is not None:
             self._publishers.publish(payload, publisher)
 
-    @property
-    def ends(self) -> tuple[Subscription, Publisher | None] | None:
+    def ends(self, *, is_published: bool) -> tuple[Subscription, Publisher | None] | None:
         """Where all messages come in and go out, if there is one place for each, and none is dropped.
 
-        Those of a topic that is not relayed go out nowhere; if it is latched, it has no such ends either.
+        Unless it ``is_published``, nothing goes out there; what is latched has no such ends then.
         """
         if self.subscription is None or self.unheard:
             return None
-        if self._publishers is None:
+        if self._publishers is None or not is_published:
             is_latched = self._opened_for is not None and self._opened_for.qos.transient_local
             return None if is_latched else (self.subscription, None)
         publisher = self._publishers.only

@@ -184,13 +184,14 @@ class LiveTopics:
             if topic not in self.recorded and len(self._publishers.of(topic)) <= 1
         }
 
-    def ends(self) -> dict[str, tuple[Subscription, Publisher | None]]:
-        """Where messages come in and go out, of topics that have one place for each, or are recorded only."""
-        return {
-            topic: ends
-            for topic, live in self._topics.items()
-            if (ends := live.ends) is not None and (live.output is not None or topic not in self._watched)
-        }
+    def ends(self, *, is_published: bool) -> dict[str, tuple[Subscription, Publisher | None]]:
+        """Where messages come in and go out, of topics that have one place for each, or are recorded only.
+
+        Unless what passes ``is_published``, they go out nowhere.
+        """
+        ends = {topic: live.ends(is_published=is_published) for topic, live in self._topics.items()}
+        read_only = {topic for topic in self._watched if self._topics[topic].output is None}
+        return {topic: one for topic, one in ends.items() if one is not None and topic not in read_only}
 
     def heard(self) -> Iterator[tuple[str, LiveSource]]:
         """The topics whose messages are received, with their sources."""

@@ -12,6 +12,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+enum { SIZES_TOPIC = 1, RETURNED_TOPIC = 2 };
 enum { TOPICS = 4, PUBLISHERS = 3, MAX_QUEUE = 10, MAX_SIZE = 70000, SLOW_TOPIC = 0, OTHERS_MEANWHILE = 5 };
 
 typedef struct {
@@ -26,7 +27,7 @@ typedef struct {
     item_t queue[MAX_QUEUE];
     size_t count;
     relay_t *called;
-    uint64_t next[PUBLISHERS], last[PUBLISHERS], offered, published, overflown, publishing, taken, copied;
+    uint64_t next[PUBLISHERS], last[PUBLISHERS], offered, published, overflown, publishing, taken, copied, returned;
     int index, is_full, is_fuzzed;
 } topic_t;
 
@@ -35,18 +36,23 @@ typedef struct {
     void *copies;
     int (*take)(const void *subscription, message_t *taken, void *info, void *allocation);
     const void *subscription;
-    uint64_t source, gid_bytes;
+    uint64_t source, gid_bytes, has_payload;
 } copied_t;
-typedef struct { uint64_t source, number, size_bytes; int64_t stamp_ns; uint8_t gid[GID_BYTES]; } header_t;
+typedef struct {
+    uint64_t source, number, size_bytes, copied_bytes;
+    int64_t stamp_ns;
+    uint8_t gid[GID_BYTES];
+} header_t;
 void *copies_new(size_t wakes_from_bytes, size_t most_bytes, int event_fd, int64_t (*now_ns)(void));
 int copies_take(const void *given, message_t *taken, void *info, void *allocation);
-size_t copies_swap(void *copies, const uint8_t **bytes);
+int copies_publish(const void *given, const message_t *passed, void *gid);
+size_t copies_swap(void *copies, const uint8_t **bytes, uint64_t *dropped);
 void copies_free(void *copies);
 
 static topic_t topics[TOPICS];
 static void *copies;
 static atomic_int is_over, is_wrong;
-static atomic_ullong others;
+static atomic_ullong others, returned_messages;
 
 static void *libc_allocate(size_t size, void *state) { return (void)state, malloc(size); }
 static void libc_free(void *memory, void *state) { (void)state, free(memory); }
@@ -173,21 +179,27 @@ static void end(topic_t *topic, relay_t *relay, counts_t *counts) {
 static void read_copies(void) {
     static int64_t last_ns;
     const uint8_t *at, *end;
-    size_t length = copies_swap(copies, &at);
+    uint64_t dropped;
+    size_t length = copies_swap(copies, &at, &dropped);
+    if (dropped) wrong("what passed found no room", RETURNED_TOPIC);
     for (end = at + length; at < end;) {
         header_t header;
         uint64_t number;
         memcpy(&header, at, sizeof header);
         at += sizeof header;
-        topic_t *topic = &topics[header.source];
+        topic_t *topic = &topics[header.source % TOPICS];
         if (header.stamp_ns < last_ns) wrong("a copy is older than the one before", topic->index);
         last_ns = header.stamp_ns;
-        topic->copied++;
-        if (header.size_bytes >= sizeof number) {
+        int has_passed = header.source >= TOPICS;
+        *(has_passed ? &topic->returned : &topic->copied) += 1;
+        if (header.copied_bytes != (topic->index == SIZES_TOPIC ? 0 : header.size_bytes))
+            wrong("a copy has another size", topic->index);
+        if (header.copied_bytes >= sizeof number) {
             memcpy(&number, at, sizeof number);
-            if (number != header.number) wrong("a copy is of another message", topic->index);
+            if (!has_passed && number != header.number) wrong("a copy is of another message", topic->index);
+            if (has_passed && memcmp(at + sizeof number, header.gid, 1)) wrong("it has another GID", topic->index);
         }
-        at += header.size_bytes + -header.size_bytes % sizeof number;
+        at += header.copied_bytes + -header.copied_bytes % sizeof number;
     }
 }
 
@@ -202,7 +214,9 @@ static void *read_all(void *unused) {
 
 static void *control(void *given) {
     topic_t *topic = given;
-    copied_t copied = {copies, take_item, topic, (uint64_t)topic->index, GID_BYTES};
+    uint64_t source = (uint64_t)topic->index;
+    copied_t copied = {copies, take_item, topic, source, GID_BYTES, topic->index != SIZES_TOPIC};
+    copied_t returned = {copies, NULL, NULL, TOPICS + source, GID_BYTES, 1};
     unsigned seed = (unsigned)topic->index + 99;
     settings_t settings = {
         .rcl = {copies_take, publish, error_text, reset_error, NULL},
@@ -213,6 +227,11 @@ static void *control(void *given) {
         .takes_on_callback = topic->index != 1,
         .publishes_at_once = topic->index == 2,
     };
+    if (topic->index == RETURNED_TOPIC) {
+        settings.rcl.publish = copies_publish;
+        settings.publisher = &returned;
+        settings.publishes_at_once = settings.gives_gid = 1;
+    }
     relay_t *relay = begin(topic, &settings, NULL);
     while (!atomic_load(&is_over)) {
         usleep(any(&seed, 5000));
@@ -239,7 +258,9 @@ static void *control(void *given) {
     end(topic, relay, &settings.counts);
     counts_t *counts = &settings.counts;
     if (counts->relayed.messages > counts->arrived.messages) wrong("more went than came", topic->index);
-    if (topic->published != counts->relayed.messages) wrong("what went is counted wrong", topic->index);
+    if (topic->index == RETURNED_TOPIC)
+        atomic_store(&returned_messages, counts->relayed.messages);
+    else if (topic->published != counts->relayed.messages) wrong("what went is counted wrong", topic->index);
     if (topic->is_full && counts->arrived.messages != counts->relayed.messages)
         wrong("at Full not all passed", topic->index);
     if (topic->is_full && topic->index != SLOW_TOPIC && topic->offered != counts->relayed.messages + topic->overflown)
@@ -270,6 +291,8 @@ int main(int count, char **arguments) {
     read_copies();
     for (int i = 0; i < TOPICS; i++)
         if (topics[i].copied != topics[i].taken) wrong("not all was copied once", i);
+    if (topics[RETURNED_TOPIC].returned != atomic_load(&returned_messages))
+        wrong("not all that passed was returned", RETURNED_TOPIC);
     copies_free(copies);
     uint64_t published = 0;
     for (int i = 0; i < TOPICS; i++) published += topics[i].published;

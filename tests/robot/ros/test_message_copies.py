@@ -8,6 +8,7 @@ import random
 import select
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -16,13 +17,16 @@ from hypothesis import strategies as st
 
 from compiled_relay import GID_BYTES, ListedRcl, library_in
 from pacing.scenarios import seeds
-from smarttestudo.domain.compiled_relay import MAX_PERIOD_NS
+from smarttestudo.domain.compiled_relay import MAX_PERIOD_NS, MessageCopy
+from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.ros.rcl.message_copies import CopiedSource, MessageCopies
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
 
 SANITIZED = ("-g", "-fsanitize=undefined", "-fno-sanitize-recover=all")
-HEADER_BYTES = 56
+HEADER_BYTES = 64
+SIZES_TOPIC = 3
+"""Of this one, only sizes are copied."""
 FIRST = b"\x01" * GID_BYTES
 
 
@@ -41,18 +45,19 @@ class CopiedTopics:
 
     def __init__(self, library: RelayLibrary, copies: MessageCopies, count: int, **others: int) -> None:
         self.library, self.copies = library, copies
-        self.given: list[tuple[int, int, bytes, bytes, int]] = []
+        self.given: list[tuple[int, int, bytes, bytes | None, int]] = []
         self.rcl = [ListedRcl() for _ in range(count)]
         self.open: dict[int, tuple[int, CopiedSource]] = {}
         for topic, rcl in enumerate(self.rcl):
             settings = rcl.settings(**others)
-
-            def copied(number: int, gid: bytes, payload: bytes, stamp_ns: int, topic: int = topic) -> None:
-                self.given.append((topic, number, gid, payload, stamp_ns))
-
-            source = copies.add(settings.rcl.take, 0, GID_BYTES, copied)
-            settings.rcl.take, settings.subscription = source.take, source.address
+            take, copied = settings.rcl.take, partial(self._copied, topic)
+            source = copies.of_taken(take, 0, GID_BYTES, copied, has_payload=topic != SIZES_TOPIC)
+            settings.rcl.take, settings.subscription = copies.take, source.address
             self.open[topic] = library.new(settings), source
+
+    def _copied(self, topic: int, number: int, copy: MessageCopy) -> None:
+        assert copy.payload is None or len(copy.payload) == copy.size_bytes
+        self.given.append((topic, number, copy.publisher, copy.payload, copy.stamp_ns))
 
     def send(self, topic: int, number: int, gid: bytes, payload: bytes) -> None:
         self.rcl[topic].to_take.append((gid, number, payload))
@@ -61,7 +66,7 @@ class CopiedTopics:
     def end(self, topic: int) -> None:
         relay, source = self.open.pop(topic)
         self.library.free(relay)
-        self.copies.remove(source)
+        self.copies.remove([source])
 
     def close(self) -> None:
         for topic in list(self.open):
@@ -70,9 +75,11 @@ class CopiedTopics:
 
 @contextmanager
 def copies_on(clock: ListedRcl, folder: Path, **limits: int) -> Iterator[MessageCopies]:
-    copies = MessageCopies(folder / "relay.so", now_ns=clock.settings().rcl.now_ns, **limits)
+    failures: list[RosError] = []
+    copies = MessageCopies(failures.append, folder / "relay.so", now_ns=clock.settings().rcl.now_ns, **limits)
     yield copies
     copies.close()
+    assert failures == []
 
 
 def any_payload(chance: random.Random) -> bytes:
@@ -94,7 +101,8 @@ def test_what_was_taken_by_then_is_delivered_once_in_the_order_of_all_topics(
             clock.now_ns += chance.randrange(NS_PER_S)
             message = (chance.randrange(topics), number, chance.randbytes(GID_BYTES), any_payload(chance))
             copied.send(*message)
-            sent.append((*message, clock.now_ns))
+            payload = None if message[0] == SIZES_TOPIC else message[3]
+            sent.append((*message[:3], payload, clock.now_ns))
             if chance.random() < 0.3:
                 # Some may be taken between a look at the clock and the delivery.
                 until_ns = chance.randint(looked_ns, clock.now_ns)

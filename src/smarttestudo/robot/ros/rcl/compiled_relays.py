@@ -6,11 +6,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from ctypes import c_void_p
+from functools import partial
 from typing import Any
 
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from smarttestudo.domain.compiled_relay import CompiledRelay, Copied, RelayCounts, RelayState
+from smarttestudo.domain.compiled_relay import (
+    CompiledRelay,
+    Copying,
+    MessageCopy,
+    RelayCounts,
+    RelayState,
+)
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Publisher, Subscription
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
@@ -48,7 +55,7 @@ class RclRelays:
         failed: Callable[[RosError], None],
     ) -> None:
         self._relays = relays
-        self.copies = MessageCopies()
+        self.copies = MessageCopies(failed)
         self._is_simulated = is_simulated
         self._failed = failed
         self._gid_bytes = layout.gid_bytes
@@ -69,12 +76,14 @@ class RclRelays:
         publisher: Publisher | None,
         state: Callable[[], RelayState],
         ended: Callable[[RelayState], None],
-        copied: Copied | None = None,
+        copying: Copying | None = None,
     ) -> CompiledRelay | None:
         """Relay from ``state`` on; ``None``: not yet."""
         assert isinstance(subscription, RclSource)
         assert publisher is None or isinstance(publisher, RclPublisher)
-        copies = None if copied is None else Copies(self.copies, subscription, self._gid_bytes, copied)
+        copies = None
+        if copying is not None:
+            copies = RelayCopies(self.copies, subscription, self._gid_bytes, copying)
         relay = RclRelay(self._relays, subscription, publisher, self._failed, self._gid_bytes, copies=copies)
 
         def told(last: RelayState) -> None:
@@ -87,7 +96,7 @@ class RclRelays:
         return relay
 
     def deliver(self, now_ns: int) -> None:
-        """Give copies of all messages that were taken by ``now_ns``, on the clock."""
+        """Tell of all messages that came or passed by ``now_ns``, on the clock."""
         self.copies.deliver(now_ns)
 
     def close(self) -> None:
@@ -107,39 +116,56 @@ def relay_settings(library: RclLibrary, layout: InfoLayout) -> dict[str, Any]:
     }
 
 
-class Copies:
-    """Copies of the messages of one source, each given to ``copied`` once, and counted by the source."""
+class RelayCopies:
+    """Copies of the messages of one source, each told of once, and counted by the source."""
 
-    def __init__(self, copies: MessageCopies, source: RclSource, gid_bytes: int, copied: Copied) -> None:
+    def __init__(self, copies: MessageCopies, source: RclSource, gid_bytes: int, copying: Copying) -> None:
         self._copies = copies
         self._source = source
         self._gid_bytes = gid_bytes
-        self._copied = copied
-        self._copied_source: CopiedSource | None = None
+        self._copying = copying
+        self._sources: list[CopiedSource] = []
 
-    def begin(self, functions: RelayFunctions, subscription: int) -> tuple[RelayFunctions, int]:
-        """Copy what is taken: functions to take from ``subscription`` by, and what to take from instead."""
-        take = c_void_p(functions.take)
-        source = self._copies.add(take, subscription, self._gid_bytes, self._came)
-        self._copied_source = source
-        copying = RelayFunctions.from_buffer_copy(functions)
-        copying.take = source.take
-        return copying, source.address
+    @property
+    def counts(self) -> bool:
+        """Whether the source's messages are counted by their copies."""
+        return self._copying.came is not None
+
+    def begin(self, settings: RelaySettings) -> None:
+        """Have a relay of ``settings`` copy what it takes, or what it lets pass."""
+        copies, copying = self._copies, self._copying
+        if copying.came is not None:
+            taken = copies.of_taken(
+                c_void_p(settings.rcl.take),
+                settings.subscription,
+                self._gid_bytes,
+                partial(self._came, copying.came),
+                has_payload=copying.has_payload,
+            )
+            settings.rcl.take, settings.subscription = copies.take, taken.address
+            self._sources.append(taken)
+        if copying.passed is not None:
+            passed = copies.of_passed(self._gid_bytes, partial(self._passed, copying.passed))
+            settings.rcl.publish, settings.publisher = copies.publish, passed.address
+            settings.publishes_at_once = settings.gives_gid = True
+            self._sources.append(passed)
 
     def end(self, sent: int) -> None:
-        """Give all that was copied; of so many messages that were sent, what was not copied is lost."""
-        if self._copied_source is None:
-            return
-        self._copies.remove(self._copied_source)
+        """Tell of all that was copied; of so many messages that were sent, what was not copied is lost."""
+        if self._sources:
+            self._copies.remove(self._sources)
         numbers = self._source.numbers
-        if numbers is not None and sent > numbers.sent:
+        if self.counts and numbers is not None and sent > numbers.sent:
             numbers.lost += sent - numbers.sent
             numbers.sent = sent
 
-    def _came(self, number: int, publisher: bytes, payload: bytes, stamp_ns: int) -> None:
+    def _came(self, came: Callable[[MessageCopy], None], number: int, copy: MessageCopy) -> None:
         numbers = self._source.numbers
-        if numbers is not None and numbers.is_new(publisher, number):
-            self._copied(payload, publisher, stamp_ns)
+        if numbers is not None and numbers.is_new(copy.publisher, number):
+            came(copy)
+
+    def _passed(self, passed: Callable[[MessageCopy], None], _number: int, copy: MessageCopy) -> None:
+        passed(copy)
 
 
 class RclRelay:
@@ -153,7 +179,7 @@ class RclRelay:
         failed: Callable[[RosError], None],
         gid_bytes: int,
         *,
-        copies: Copies | None,
+        copies: RelayCopies | None,
     ) -> None:
         self._library = library
         self._source = source
@@ -187,7 +213,12 @@ class RclRelay:
             source.take_back()
             return False
         self._pace = (start.period_ns, start.slack_ns)
-        self._relay = relay = library.new(self._all_settings(settings, subscription.pointer, start, numbers))
+        all_settings = self._all_settings(settings, subscription.pointer, start, numbers)
+        if self._copies is not None:
+            self._copies.begin(all_settings)
+        if self._publisher is not None:
+            self._publisher.serve(self.end)
+        self._relay = relay = library.new(all_settings)
         streams = {stream.publisher: stream for stream in start.streams}
         for gid, number in numbers.last.items():
             library.add_stream(relay, streams.get(gid), gid, number)
@@ -204,13 +235,9 @@ class RclRelay:
     def _all_settings(
         self, common: dict[str, Any], subscription: int, start: RelayState, numbers: MessageNumbers
     ) -> RelaySettings:
-        functions, publisher = common["rcl"], self._publisher
-        if self._copies is not None:
-            functions, subscription = self._copies.begin(functions, subscription)
-        if publisher is not None:
-            publisher.serve(self.end)
+        publisher = self._publisher
         return RelaySettings(
-            **{**common, "rcl": functions},
+            **common,
             subscription=subscription,
             publisher=None if publisher is None else publisher.pointer,
             period_ns=c_ns(start.period_ns),
@@ -266,7 +293,7 @@ class RclRelay:
 
     def _read(self, relay: int) -> CCounts:
         counts, numbers = self._library.counts(relay), self._source.numbers
-        if numbers is not None and self._copies is None:
+        if numbers is not None and (self._copies is None or not self._copies.counts):
             numbers.sent, numbers.lost = counts.sent, counts.lost
         if counts.errors > self._errors:
             self._errors = counts.errors

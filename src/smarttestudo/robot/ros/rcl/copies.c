@@ -1,10 +1,11 @@
 /* SPDX-FileCopyrightText: 2026 The SmartTestudo authors
    SPDX-License-Identifier: Apache-2.0
 
-   Copies of the messages that relays take, for Python, which reads many at once.
-   copies_take takes a message as librcl does, and appends a copy to the buffer that is being filled. Python swaps
-   the two buffers, and reads the one that was filled while the other is. Stamps are read while the mutex is held:
-   they are in the order of the copies, and none that comes later is older than a swap. */
+   Copies of the messages that relays take and let pass, for Python, which reads many at once.
+   copies_take takes a message as librcl does, copies_publish stands for its publishing; each appends a copy, or what
+   is known of the message, to the buffer that is being filled. Python swaps the two buffers, and reads the one that
+   was filled while the other is. Stamps are read while the mutex is held: they are in the order of the copies, and
+   none that comes later is older than a swap. */
 #include <pthread.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -16,27 +17,33 @@ enum { NUMBER_AT = 16, GID_AT = 40, GID_BYTES = 24, LEAST_BYTES = 1 << 16 };
 #define NS_PER_S INT64_C(1000000000)
 
 /* How an rcutils_uint8_array_t begins. */
-typedef struct { uint8_t *buffer; size_t length; } message_t;
+typedef struct { const uint8_t *buffer; size_t length; } message_t;
 typedef int take_t(const void *subscription, message_t *taken, void *info, void *allocation);
 
-/* Before each payload, which zeros fill up to a multiple of its size in words. */
-typedef struct { uint64_t source, number, size_bytes; int64_t stamp_ns; uint8_t gid[GID_BYTES]; } header_t;
+/* Before each payload, which zeros fill up to a multiple of eight bytes; its `copied_bytes` are all or none. */
+typedef struct {
+    uint64_t source, number, size_bytes, copied_bytes;
+    int64_t stamp_ns;
+    uint8_t gid[GID_BYTES];
+} header_t;
 typedef struct { uint8_t *bytes; size_t length, capacity; } buffer_t;
 
 typedef struct {
     pthread_mutex_t mutex;
     buffer_t filled, read;
     size_t wakes_from_bytes, most_bytes;
+    uint64_t dropped;        /* messages that passed, and found no room */
     int64_t (*now_ns)(void); /* the system's clock where it is NULL */
-    int event_fd;            /* counted up when that much is there to read */
+    int event_fd, is_woken;  /* counted up when that much is there to read, or something passed */
 } copies_t;
 
-/* What stands for the subscription whose messages are copied; `source` is given with each. */
+/* What stands for the subscription whose messages are copied, or, where it has none, for the publisher of what
+   passes; `source` is given with each. */
 typedef struct {
     copies_t *copies;
     take_t *take;
     const void *subscription;
-    uint64_t source, gid_bytes;
+    uint64_t source, gid_bytes, has_payload;
 } copied_t;
 
 const size_t copies_sizes[] = {sizeof(copied_t), sizeof(header_t)};
@@ -70,42 +77,60 @@ static int has_room(buffer_t *buffer, size_t size_bytes, size_t most_bytes) {
     return 1;
 }
 
-/* What finds no room is not copied, which the numbers of the others show. */
-static void append(copies_t *copies, header_t *header, const uint8_t *payload) {
-    buffer_t *filled = &copies->filled;
-    size_t rest = -header->size_bytes % sizeof header->number, length = header->size_bytes;
-    if (!has_room(filled, sizeof *header + length + rest, copies->most_bytes)) return;
+/* Whether it found room. */
+static int append(buffer_t *filled, header_t *header, const uint8_t *payload, const copies_t *copies) {
+    size_t length = header->copied_bytes, rest = -length % sizeof header->number;
+    if (!has_room(filled, sizeof *header + length + rest, copies->most_bytes)) return 0;
     header->stamp_ns = now_ns(copies);
     memcpy(filled->bytes + filled->length, header, sizeof *header);
     filled->length += sizeof *header;
     if (length) memcpy(filled->bytes + filled->length, payload, length);
     memset(filled->bytes + filled->length + length, 0, rest);
-    int was_below = filled->length - sizeof *header < copies->wakes_from_bytes;
     filled->length += length + rest;
-    if (was_below && filled->length >= copies->wakes_from_bytes) eventfd_write(copies->event_fd, 1);
+    return 1;
+}
+
+/* What is taken and finds no room is not copied, which the numbers of the others show. */
+static void add(const copied_t *copied, uint64_t number, const uint8_t *gid, const message_t *message) {
+    copies_t *copies = copied->copies;
+    header_t header = {.source = copied->source, .number = number, .size_bytes = message->length};
+    header.copied_bytes = copied->has_payload ? message->length : 0;
+    memcpy(header.gid, gid, copied->gid_bytes < GID_BYTES ? copied->gid_bytes : GID_BYTES);
+    pthread_mutex_lock(&copies->mutex);
+    int is_there = append(&copies->filled, &header, message->buffer, copies);
+    copies->dropped += !is_there && !copied->take;
+    int wakes = !copies->is_woken && (!copied->take || copies->filled.length >= copies->wakes_from_bytes);
+    if (wakes) copies->is_woken = !eventfd_write(copies->event_fd, 1);
+    pthread_mutex_unlock(&copies->mutex);
 }
 
 /* A relay calls it in place of librcl's, for a copied_t in place of a subscription. */
 int copies_take(const void *given, message_t *taken, void *info, void *allocation) {
     const copied_t *copied = given;
+    uint64_t number;
     int code = copied->take(copied->subscription, taken, info, allocation);
     if (code) return code;
-    header_t header = {.source = copied->source, .size_bytes = taken->length};
-    memcpy(&header.number, (uint8_t *)info + NUMBER_AT, sizeof header.number);
-    memcpy(header.gid, (uint8_t *)info + GID_AT, copied->gid_bytes < GID_BYTES ? copied->gid_bytes : GID_BYTES);
-    pthread_mutex_lock(&copied->copies->mutex);
-    append(copied->copies, &header, taken->buffer);
-    pthread_mutex_unlock(&copied->copies->mutex);
+    memcpy(&number, (uint8_t *)info + NUMBER_AT, sizeof number);
+    add(copied, number, (uint8_t *)info + GID_AT, taken);
     return 0;
 }
 
-/* What was filled until now, to be read until the next swap; its length. */
-size_t copies_swap(copies_t *copies, const uint8_t **bytes) {
+/* A relay calls it in place of librcl's, for a copied_t in place of a publisher, with the GID of the source. */
+int copies_publish(const void *given, const message_t *passed, const void *gid) {
+    add(given, 0, gid, passed);
+    return 0;
+}
+
+/* What was filled until now, to be read until the next swap; its length, and what passed and found no room. */
+size_t copies_swap(copies_t *copies, const uint8_t **bytes, uint64_t *dropped) {
     pthread_mutex_lock(&copies->mutex);
     buffer_t read = copies->filled;
     copies->filled = copies->read;
     copies->filled.length = 0;
     copies->read = read;
+    copies->is_woken = 0;
+    *dropped = copies->dropped;
+    copies->dropped = 0;
     pthread_mutex_unlock(&copies->mutex);
     *bytes = read.bytes;
     return read.length;

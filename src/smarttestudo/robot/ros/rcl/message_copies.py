@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Copies of the messages that compiled relays take, read many at once: the functions of copies.c."""
+"""Copies of the messages that compiled relays take or let pass, read many at once: copies.c."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ import ctypes
 import os
 import struct
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from ctypes import c_int, c_size_t, c_uint64, c_void_p
+from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from pathlib import Path
 
+from smarttestudo.domain.compiled_relay import MessageCopy
 from smarttestudo.domain.errors import RosError
 from smarttestudo.robot.ros.rcl.bindings import bytes_at
 from smarttestudo.robot.ros.rcl.relay_library import LIBRARY, REMEDY
@@ -23,10 +25,10 @@ WAKES_FROM_BYTES = 1 << 17
 MOST_BYTES = 1 << 23
 """What is not read by then is not copied any more."""
 
-Copied = Callable[[int, bytes, bytes, int], None]
-"""Takes a copy: the publisher's number of it, the publisher, the payload, and when it was taken."""
+Copied = Callable[[int, MessageCopy], None]
+"""Takes the publisher's number of a message, 0 for one that passed, and its copy."""
 
-_HEADER = struct.Struct("=QQQq24s")
+_HEADER = struct.Struct("=QQQQq24s")
 _WORD_BYTES = 8
 
 
@@ -39,59 +41,71 @@ class _CCopied(ctypes.Structure):
         ("subscription", c_void_p),
         ("source", c_uint64),
         ("gid_bytes", c_uint64),
+        ("has_payload", c_uint64),
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CopiedSource:
-    """A subscription whose messages are copied; a relay takes from ``address`` by ``take``."""
+    """A source of copies, which stands at ``address`` for a subscription, or for a publisher."""
 
-    def __init__(self, library: _Library, number: int, copied: Copied, structure: _CCopied) -> None:
-        self.take = library.take
-        self.number = number
-        self.copied = copied
-        self.gid_bytes: int = structure.gid_bytes
-        self.address = ctypes.addressof(structure)
-        self._structure = structure
+    number: int
+    gid_bytes: int
+    copied: Copied
+    structure: _CCopied
+
+    @property
+    def address(self) -> int:
+        """What a relay takes from, or publishes by."""
+        return ctypes.addressof(self.structure)
 
 
 class MessageCopies:
-    """Copies of the messages of several sources, in the order in which they were taken.
+    """Copies of the messages of several sources, in the order in which they were taken or passed.
 
-    ``event_fd`` is counted up when there is much to read. Raises ``RosError`` where the library of compiled
-    relays has no such functions.
+    ``event_fd`` is counted up when there is much to read, or something passed. ``failed`` is told of what
+    passed and was lost. Raises ``RosError`` where the library of compiled relays has no such functions.
     """
 
     priority = 1.0
 
     def __init__(
         self,
+        failed: Callable[[RosError], None],
         path: Path | None = None,
         *,
         wakes_from_bytes: int = WAKES_FROM_BYTES,
         most_bytes: int = MOST_BYTES,
         now_ns: c_void_p | None = None,
     ) -> None:
-        self._library = _Library(path or LIBRARY)
+        self._failed = failed
+        self._library = library = _Library(path or LIBRARY)
+        self.take, self.publish = library.take, library.publish
         self.event_fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-        self._address = self._library.new(wakes_from_bytes, most_bytes, self.event_fd, now_ns)
+        self._address = library.new(wakes_from_bytes, most_bytes, self.event_fd, now_ns)
         self._numbers = count()
         self._sources: dict[int, CopiedSource] = {}
         self._waiting: deque[Callable[[], None]] = deque()
 
-    def add(self, take: c_void_p, subscription: int, gid_bytes: int, copied: Copied) -> CopiedSource:
+    def of_taken(
+        self, take: c_void_p, subscription: int, gid_bytes: int, copied: Copied, *, has_payload: bool
+    ) -> CopiedSource:
         """Have ``copied`` told what is taken from ``subscription`` by ``take``, until it is removed."""
-        number = next(self._numbers)
-        structure = _CCopied(self._address, take, subscription, number, gid_bytes)
-        self._sources[number] = source = CopiedSource(self._library, number, copied, structure)
-        return source
+        structure = _CCopied(take=take, subscription=subscription, has_payload=has_payload)
+        return self._add(structure, gid_bytes, copied)
 
-    def remove(self, source: CopiedSource) -> None:
-        """Copy nothing more of a source that no relay takes from any more; all there is, is delivered."""
+    def of_passed(self, gid_bytes: int, copied: Copied) -> CopiedSource:
+        """Have ``copied`` told what passes, until it is removed."""
+        return self._add(_CCopied(has_payload=True), gid_bytes, copied)
+
+    def remove(self, sources: Iterable[CopiedSource]) -> None:
+        """Copy nothing more of sources that no relay uses any more; all there is, is delivered."""
         self._deliver(None)
-        del self._sources[source.number]
+        for source in sources:
+            del self._sources[source.number]
 
     def deliver(self, now_ns: int) -> None:
-        """Deliver what was taken by ``now_ns``, on the clock."""
+        """Deliver what came and passed by ``now_ns``, on the clock."""
         if self._sources:
             self._deliver(now_ns)
 
@@ -100,32 +114,47 @@ class MessageCopies:
         return False
 
     def close(self) -> None:
-        """Free the copies; no relay may take from a source any more."""
+        """Free the copies; no relay may use a source any more."""
         self._library.free(self._address)
         os.close(self.event_fd)
+
+    def _add(self, structure: _CCopied, gid_bytes: int, copied: Copied) -> CopiedSource:
+        number = next(self._numbers)
+        structure.copies, structure.source, structure.gid_bytes = self._address, number, gid_bytes
+        source = CopiedSource(number=number, gid_bytes=gid_bytes, copied=copied, structure=structure)
+        self._sources[number] = source
+        return source
 
     def _deliver(self, until_ns: int | None) -> None:
         waiting = self._waiting
         # What waits was taken before now; if its stamp is later all the same, the clock was set back.
         while waiting:
             waiting.popleft()()
-        for copied, number, publisher, payload, stamp_ns in self._read():
-            if waiting or (until_ns is not None and stamp_ns > until_ns):
-                waiting.append(partial(copied, number, publisher, payload, stamp_ns))
+        for copied, number, copy in self._read():
+            if waiting or (until_ns is not None and copy.stamp_ns > until_ns):
+                waiting.append(partial(copied, number, copy))
             else:
-                copied(number, publisher, payload, stamp_ns)
+                copied(number, copy)
 
-    def _read(self) -> Iterator[tuple[Copied, int, bytes, bytes, int]]:
+    def _read(self) -> Iterator[tuple[Copied, int, MessageCopy]]:
         """Copies made since the last time; to be gone through before the next."""
-        at, length = self._library.swap(self._address)
+        at, length, dropped = self._library.swap(self._address)
+        if dropped:
+            self._failed(
+                RosError(f"messages passed and were lost, since nobody took them in time: {dropped}")
+            )
         end = at + length
         while at < end:
-            header = bytes_at(at, _HEADER.size)
-            number_of_source, number, size_bytes, stamp_ns, gid = _HEADER.unpack(header)
+            header = _HEADER.unpack(bytes_at(at, _HEADER.size))
+            number_of_source, number, size_bytes, copied_bytes, stamp_ns, gid = header
             at += _HEADER.size
             source = self._sources[number_of_source]
-            yield source.copied, number, gid[: source.gid_bytes], bytes_at(at, size_bytes), stamp_ns
-            at += size_bytes + -size_bytes % _WORD_BYTES
+            payload = bytes_at(at, copied_bytes) if source.structure.has_payload else None
+            copy = MessageCopy(
+                stamp_ns=stamp_ns, publisher=gid[: source.gid_bytes], size_bytes=size_bytes, payload=payload
+            )
+            yield source.copied, number, copy
+            at += copied_bytes + -copied_bytes % _WORD_BYTES
 
 
 class _Library:
@@ -136,13 +165,14 @@ class _Library:
             library = ctypes.CDLL(str(path))
             sizes = (c_size_t * 2).in_dll(library, "copies_sizes")
             self.take = ctypes.cast(library.copies_take, c_void_p)
+            self.publish = ctypes.cast(library.copies_publish, c_void_p)
             self._new, self._swap, self.free = library.copies_new, library.copies_swap, library.copies_free
         except (OSError, ValueError, AttributeError) as error:
             raise RosError(f"messages cannot be copied: {error}", remedy=REMEDY) from error
         if tuple(sizes) != (ctypes.sizeof(_CCopied), _HEADER.size):
             raise RosError("the compiled relays are of another version", remedy=REMEDY)
         self._new.argtypes, self._new.restype = [c_size_t, c_size_t, c_int, c_void_p], c_void_p
-        self._swap.argtypes, self._swap.restype = [c_void_p, c_void_p], c_size_t
+        self._swap.argtypes, self._swap.restype = [c_void_p, c_void_p, c_void_p], c_size_t
         self.free.argtypes, self.free.restype = [c_void_p], None
 
     def new(self, wakes_from_bytes: int, most_bytes: int, event_fd: int, now_ns: c_void_p | None) -> int:
@@ -152,8 +182,8 @@ class _Library:
             raise MemoryError
         return copies
 
-    def swap(self, copies: int) -> tuple[int, int]:
-        """Where that is which was filled since the last swap, and its length."""
-        first = c_void_p()
-        length: int = self._swap(copies, ctypes.addressof(first))
-        return first.value or 0, length
+    def swap(self, copies: int) -> tuple[int, int, int]:
+        """Where that is which was filled since the last swap, its length, and what passed without room."""
+        first, dropped = c_void_p(), c_uint64()
+        length: int = self._swap(copies, ctypes.addressof(first), ctypes.addressof(dropped))
+        return first.value or 0, length, dropped.value

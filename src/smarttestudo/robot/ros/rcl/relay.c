@@ -37,7 +37,7 @@ typedef struct { uint8_t *buffer; size_t length, capacity; allocator_t allocator
 typedef struct { char text[RCL_ERROR_BYTES]; } rcl_error_t;
 typedef struct {
     int (*take)(const void *subscription, message_t *taken, void *info, void *allocation);
-    int (*publish)(const void *publisher, const message_t *sent, void *allocation);
+    int (*publish)(const void *publisher, const message_t *sent, void *allocation_or_gid);
     rcl_error_t (*error_text)(void);
     void (*reset_error)(void);
     int64_t (*now_ns)(void); /* the system's clock where it is NULL */
@@ -66,7 +66,7 @@ typedef struct {
     functions_t rcl;
     allocator_t allocator;
     const void *subscription, *publisher;
-    uint32_t gid_bytes, takes_on_callback, publishes_at_once, reserved;
+    uint32_t gid_bytes, takes_on_callback, publishes_at_once, gives_gid;
     int64_t period_ns, slack_ns;
     counts_t counts;
 } settings_t;
@@ -190,7 +190,8 @@ static void pass(relay_t *relay, stream_t *stream, message_t *message, int64_t n
     counts->beginning_bytes = message->length < BEGINNING_BYTES ? message->length : BEGINNING_BYTES;
     if (counts->beginning_bytes) memcpy(counts->beginning, message->buffer, counts->beginning_bytes);
     if (relay->settings.publishes_at_once) {
-        if (relay->settings.rcl.publish(relay->settings.publisher, message, NULL)) note_error(relay);
+        uint8_t *gid = relay->settings.gives_gid ? stream->gid : NULL;
+        if (relay->settings.rcl.publish(relay->settings.publisher, message, gid)) note_error(relay);
         return;
     }
     outgoing_t *outgoing = relay->unused ? relay->unused : calloc(1, sizeof *outgoing);

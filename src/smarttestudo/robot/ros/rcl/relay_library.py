@@ -115,7 +115,7 @@ class RelaySettings(ctypes.Structure):
         ("gid_bytes", c_uint32),
         ("takes_on_callback", c_uint32),
         ("publishes_at_once", c_uint32),
-        ("reserved", c_uint32),
+        ("gives_gid", c_uint32),
         ("period_ns", c_int64),
         ("slack_ns", c_int64),
         ("counts", CCounts),

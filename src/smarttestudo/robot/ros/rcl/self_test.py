@@ -11,6 +11,7 @@ from typing import Any
 
 from rclpy.serialization import serialize_message
 
+from smarttestudo.domain.compiled_relay import MessageCopy
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import DataPathKind, Qos
 from smarttestudo.robot.ros.message_types import message_type
@@ -87,20 +88,21 @@ def _require_relays(node: Any, library: RclLibrary, relays: RelayLibrary, layout
         opened.callback(relayed.close)
         source = RclSubscription(node, library, TOPIC, TYPE_NAME, QOS)
         opened.callback(source.close)
-        copies = MessageCopies()
+        copies = MessageCopies(_fail)
         opened.callback(copies.close)
-        settings = relay_settings(library, layout)
-        copied: list[bytes] = []
-        copied_source = copies.add(
-            c_void_p(settings["rcl"].take),
+        settings = RelaySettings(
+            **relay_settings(library, layout), subscription=source.pointer, publisher=relayed.pointer
+        )
+        copied: list[MessageCopy] = []
+        copied_source = copies.of_taken(
+            c_void_p(settings.rcl.take),
             source.pointer,
             layout.gid_bytes,
-            lambda _number, _publisher, payload, _stamp_ns: copied.append(payload),
+            lambda _, copy: copied.append(copy),
+            has_payload=True,
         )
-        settings["rcl"].take = copied_source.take
-        relay = relays.new(
-            RelaySettings(**settings, subscription=copied_source.address, publisher=relayed.pointer)
-        )
+        settings.rcl.take, settings.subscription = copies.take, copied_source.address
+        relay = relays.new(settings)
         opened.callback(relays.free, relay)
         if not relays.start(relay):
             raise RosError("no thread could be started")
@@ -116,9 +118,13 @@ def _require_relays(node: Any, library: RclLibrary, relays: RelayLibrary, layout
         info = MessageInfo(layout)
         if _Receiver(subscription, buffers, info).first(TIMEOUT_S) != sent:
             raise RosError("a message relayed without Python came back changed")
-        copies.remove(copied_source)
-        if copied != [sent]:
+        copies.remove([copied_source])
+        if [copy.payload for copy in copied] != [sent]:
             raise RosError("the copy of a message relayed without Python is another one")
+
+
+def _fail(error: RosError) -> None:
+    raise error
 
 
 class _Receiver:
