@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import resource
 import signal
@@ -17,7 +18,9 @@ import pytest
 import zstandard
 
 from bags.bag_factory import small_mission, write_bag
-from smarttestudo.files.whole_file import OutputFileError, whole_file
+from smarttestudo.files.whole_file import OutputFileError, not_written, whole_file
+from smarttestudo.incidents.folder_lock import FolderLock
+from smarttestudo.loop.decision_log import decision_log
 from smarttestudo.loop.input_log import input_log
 from smarttestudo.loop.inputs import WakeInput
 
@@ -75,7 +78,8 @@ def unchanged(desk: Path) -> Iterator[Path]:
 def run_testudo(*arguments: str, code: str | None = None, **options: Any) -> subprocess.CompletedProcess[str]:
     start = ("-m", "smarttestudo") if code is None else ("-c", code)
     ran: subprocess.CompletedProcess[str] = subprocess.run(
-        [sys.executable, *start, *arguments],
+        # Bytecode that a limit cuts off would break later imports.
+        [sys.executable, "-B", *start, *arguments],
         stderr=subprocess.PIPE,
         text=True,
         check=False,
@@ -210,6 +214,26 @@ def test_a_full_disk_is_told_from_a_bad_name() -> None:
         whole_file(FULL, "the report") as write,
     ):
         write("text")
+
+
+def test_a_file_in_place_of_a_folder_is_told_as_that(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    cause = "a file is there in place of a folder; name another place"
+    with pytest.raises(OutputFileError, match=f"file: error: the folder of --incidents .* written: {cause}"):
+        FolderLock(tmp_path / "file", "--incidents")
+    with (
+        pytest.raises(OutputFileError, match=f"the decision log cannot be written: {cause}"),
+        decision_log(tmp_path / "file" / "log.jsonl"),
+    ):
+        pass
+
+
+def test_a_place_that_is_forbidden_names_permissions() -> None:
+    error = PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    assert str(not_written(Path("rules.adirf"), "the rule file", error)) == (
+        "rules.adirf: error: the rule file cannot be written: Permission denied; "
+        "check its permissions and those of its folder, or name another place"
+    )
 
 
 def test_a_log_of_inputs_that_could_not_be_begun_does_not_stop_the_next(tmp_path: Path) -> None:

@@ -227,6 +227,17 @@ def test_what_cannot_be_read_is_on_the_page_and_the_rest_is_complete(testudo: Co
         assert f'<li class="words">{html.escape(line)}</li>' in text
 
 
+def test_what_is_odd_of_a_pair_is_said_once(testudo: Command, robots: Path) -> None:
+    for side in ("fleet", "received"):
+        write_mcap_file(robots / side / "r2" / "cut.mcap", small_mission())
+    with (robots / "fleet" / "r2" / "cut.mcap").open("r+b") as file:
+        file.truncate(9_000)
+    ran = report(testudo, "fleet/r2", "received/r2")
+    notes = [line for line in ran.err.splitlines() if "cut off" in line]
+    assert len(notes) == 1
+    assert (robots / "report.html").read_text("utf-8").count("cut off") == 1
+
+
 def test_a_page_of_nothing_but_failures_is_written_too(testudo: Command, robots: Path) -> None:
     for name in ("a.mcap", "b.mcap"):
         (robots / name).write_text("no recording")

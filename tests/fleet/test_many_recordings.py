@@ -120,7 +120,7 @@ def test_what_cannot_be_read_is_named_and_the_rest_is_complete(testudo: Command,
         f"nowhere: error: no such file or folder; {expected}",
     ]
     text = testudo("bag", "rates", "sent/*", "nowhere", "--workers", "1").out
-    assert "\n6 recordings, 3 of which could not be read: " in text
+    assert "\n6 recordings, 3 with an error: " in text
 
 
 def test_an_error_of_an_option_names_the_recording_as_well(testudo: Command, fleet: Path) -> None:

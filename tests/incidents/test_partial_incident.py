@@ -133,5 +133,7 @@ def test_no_name_leads_out_of_the_folder(tmp_path: Path, name: str) -> None:
 
 def test_what_the_disk_has_no_room_for_is_not_begun(tmp_path: Path) -> None:
     huge = TransferPlan(token=bytes(16), files=(PlannedFile("a.mcap", 2**60, "00" * 32),), levels=())
-    with pytest.raises(OutputFileError, match="there is no room"):
+    with pytest.raises(
+        OutputFileError, match=r"there is no room for 1 152 921 504 606\.8 MB with 50\.0 MB to spare"
+    ):
         PartialIncident(tmp_path, NAME, huge)

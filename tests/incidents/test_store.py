@@ -118,6 +118,24 @@ def test_one_that_cannot_be_read_costs_only_itself(
     assert len(captured.err.splitlines()) == 1
 
 
+def test_folders_that_are_no_incidents_are_named_with_what_to_do(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "ada" / NAME).mkdir(parents=True)
+    (folder / "Notizen über März").mkdir()
+    (folder / NAME).rename(folder / "Unfall im März")
+    assert main(["incidents", "list", str(folder)]) == 1
+    lacks = "is no incident: it has no incident.json; name this folder itself if there are incidents in it"
+    assert capsys.readouterr().err.splitlines() == [
+        f"{folder / 'Notizen über März'}: error: {lacks}",
+        f"{folder / 'Unfall im März'}: error: the name of an incident has at most 100 letters from a to z, "
+        "digits, - and _; rename the folder",
+        f"{folder / 'ada'}: error: {lacks}",
+    ]
+    assert main(["incidents", "show", str(folder), "ada"]) == 1
+    assert capsys.readouterr().err == f"{folder / 'ada'}: error: {lacks}\n"
+
+
 @pytest.mark.parametrize(
     "name", ["..", ".", "", "../incidents", "/etc", f"{NAME}/..", "linked", "x" * 10_000]
 )

@@ -97,7 +97,12 @@ def test_a_log_cut_anywhere_holds_all_that_was_whole(tmp_path: Path) -> None:
     content = (tmp_path / INPUTS_FILE).read_bytes()
     for length in range(len(content)):
         (tmp_path / INPUTS_FILE).write_bytes(content[:length])
-        assert list(read_inputs(tmp_path)) == whole[: content[:length].count(b"\n")]
+        notices: list[str] = []
+        lines = content[:length].count(b"\n")
+        assert list(read_inputs(tmp_path, notices.append)) == whole[:lines]
+        is_whole = content[:length].endswith(b"\n") or length == 0
+        place = f"{tmp_path / INPUTS_FILE}:{lines + 1}: cut off"
+        assert [notice.split(",")[0] for notice in notices] == ([] if is_whole else [place])
 
 
 @pytest.mark.parametrize(

@@ -123,6 +123,34 @@ def test_options_that_recorded_inputs_bring_along_are_refused(
     assert capsys.readouterr().err.startswith("--rules: error: ")
 
 
-def test_a_recording_still_needs_rules_and_an_output(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["replay", "bag"]) == 2
+def test_inputs_that_were_cut_off_are_replayed_as_far_as_they_go_and_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with input_log(tmp_path) as note:
+        drive(note)
+    log = tmp_path / "inputs.jsonl"
+    log.write_bytes(log.read_bytes()[:-5])
+    last = log.read_bytes().count(b"\n") + 1
+    assert main(["replay", str(tmp_path)]) == 0
+    assert capsys.readouterr().err.splitlines()[-1] == (
+        f"note: {log}:{last}: cut off, as where the run was killed or its disk was full; "
+        "later decisions are not repeated"
+    )
+
+
+def test_a_recording_still_needs_rules_and_an_output(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "bag.mcap").write_bytes(b"\x89MCAP0\r\n")
+    assert main(["replay", str(tmp_path / "bag.mcap")]) == 2
     assert capsys.readouterr().err == "--rules: error: a replay of a recording needs it; add --rules\n"
+
+
+def test_a_folder_that_is_not_there_is_said_before_the_rules_that_are_missing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["replay", str(tmp_path / "inptus"), "--decisions", str(tmp_path / "again.jsonl")]) == 1
+    assert capsys.readouterr().err.startswith(f"{tmp_path / 'inptus'}: error: ")
+    (tmp_path / "empty").mkdir()
+    assert main(["replay", str(tmp_path / "empty")]) == 1
+    assert capsys.readouterr().err.startswith(f"{tmp_path / 'empty'}: error: the folder holds no ")

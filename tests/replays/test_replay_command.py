@@ -199,13 +199,13 @@ def test_an_output_that_cannot_be_written(desk: Desk) -> None:
 def test_a_decision_log_that_cannot_be_written(desk: Desk) -> None:
     line = desk.refuses("--decisions", "nowhere/log.jsonl")
     cause = "the decision log cannot be written: No such file or directory"
-    assert line == f"nowhere/log.jsonl: error: {cause}; name another file"
+    assert line == f"nowhere/log.jsonl: error: {cause}; name another place"
 
 
 def test_a_report_that_cannot_be_written(desk: Desk) -> None:
     (desk.folder / "there").mkdir()
     line = desk.refuses("--report", "there")
-    assert line == "there: error: the report cannot be written: it is a folder; name another file"
+    assert line == "there: error: the report cannot be written: it is a folder; name another place"
 
 
 def test_rules_in_utf_16(desk: Desk) -> None:

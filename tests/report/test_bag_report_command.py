@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -115,6 +116,30 @@ def test_recordings_of_different_times_are_shown_from_their_starts_and_that_is_s
     assert "note: the recordings share no time; each is shown from its own start\n" in ran.err
     assert "note: what was lost is not known: it has no time in common with sent\n" in ran.err
     assert "share no time" in desk.html
+
+
+def test_of_decisions_before_the_recording_the_last_is_where_a_topic_starts(desk: Desk) -> None:
+    mission = small_mission()
+    at_ns = [START_NS + round(t_s * NS_PER_S) for t_s in (1.5, 3.5)]
+    part = tuple(one for one in mission.messages if at_ns[0] <= one.stamp_ns <= at_ns[1])
+    write_bag(desk.folder / "part", replace(mission, messages=part))
+    log = [json.loads(line) for line in (desk.folder / "log.jsonl").read_text().splitlines()]
+    assert [(one["topic"], one["to_hz"]) for one in log] == [
+        ("/odom", 10.0),
+        ("/scan", None),
+        ("/odom", 5.0),
+        ("/odom", 10.0),
+    ]
+    ran = desk.report("part", "--decisions", "log.jsonl", "--rules", "rules.adirf")
+    assert ran.out.endswith(", 3 decisions\n")
+    early = [one for one in log if one["stamp_ns"] < at_ns[0]]
+    # Another run of yesterday that relayed another topic, too.
+    other = [{**one, "stamp_ns": 5, "topic": f"/old{one['topic']}"} for one in early]
+    later = {**log[-1], "stamp_ns": at_ns[1] + NS_PER_S}
+    (desk.folder / "runs.jsonl").write_text("\n".join(map(json.dumps, [*other, *log, later])) + "\n")
+    again = desk.report("part", "--decisions", "runs.jsonl", "--rules", "rules.adirf", "-o", "again.html")
+    assert again.out.endswith(", 3 decisions\n")
+    assert (desk.folder / "again.html").read_text("utf-8").count("/old") == 0
 
 
 def test_decisions_of_another_time_are_left_out_and_that_is_said(desk: Desk) -> None:

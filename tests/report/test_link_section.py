@@ -78,12 +78,13 @@ def test_the_table_has_each_topic_s_ages_as_told_and_its_counts_through_a_restar
     imu, odom = history.topics
     assert [topic.topic for topic in history.topics] == ["/imu", "/odom"]
     assert odom.sorted_ages_ms == (10.0, 30.0, 90.0)
-    assert imu.counts == StreamCounts(sent=20, replaced=5, overflowed=1)
-    assert odom.counts == StreamCounts(sent=25, replaced=6, overflowed=1)
+    # What the robot had sent before the first status is in no recording that begins with it.
+    assert imu.counts == StreamCounts(sent=15, replaced=4, overflowed=1)
+    assert odom.counts == StreamCounts(sent=20, replaced=5, overflowed=1)
     shown = plain_table(link_table(history), width=100).splitlines()
     assert shown[2].split() == ["Topic", "Age", "p50", "p95", "Maximum", "Sent", "Replaced", "Overflowed"]
-    assert shown[5].split() == ["/imu", "–", "–", "–", "20", "5", "1"]
-    assert shown[6].split() == ["/odom", "30", "90", "90", "25", "6", "1"]
+    assert shown[5].split() == ["/imu", "–", "–", "–", "15", "4", "1"]
+    assert shown[6].split() == ["/odom", "30", "90", "90", "20", "5", "1"]
 
 
 def test_an_outage_is_where_no_status_arrived_or_one_said_so() -> None:
@@ -103,6 +104,15 @@ def test_an_outage_is_where_no_status_arrived_or_one_said_so() -> None:
     assert [(span.start_s, span.end_s) for span in chart.tints] == [(2.0, 12.0), (14.0, 15.0)]
     assert [line.run for line in chart.lines] == [Run.BEFORE, Run.BUDGET]
     assert [point.mean for point in chart.lines[0].points] == [250, 250, 250, 100, 100, 250, 100]
+
+
+def test_outages_before_the_recording_are_not_counted() -> None:
+    def after(outages: int) -> RuntimeStatus:
+        return status({}, link=LinkState(is_connected=True, outages=outages))
+
+    assert told([(1, after(7)), (2, after(7))]).outages == 0
+    # The robot is started again after two of them, and counts from 0.
+    assert told([(1, after(7)), (2, after(9)), (3, after(0)), (4, after(1))]).outages == 3
 
 
 def test_a_status_once_a_minute_is_no_outage() -> None:

@@ -113,6 +113,16 @@ def test_a_folder_for_logs_that_cannot_be_made_is_named_with_what_to_do(robot: S
     assert line.endswith("; set ROS_LOG_DIR to a folder that can be written\n")
 
 
+@pytest.mark.parametrize("domain", ["233", "999", "ada"])
+def test_a_domain_that_is_none_is_named_with_those_that_are(robot: SmallRobot, domain: str) -> None:
+    words = [sys.executable, "-c", TESTUDO, "run", "--rules", robot.rule_file(RULES)]
+    runtime = robot.command(*words, ROS_DOMAIN_ID=domain)
+    assert runtime.exit_code() == 1
+    (line,) = runtime.output
+    expected = f"{domain!r} is no ROS domain; set it to a number from 0 to 232"
+    assert line == f"ROS_DOMAIN_ID: error: {expected}\n"
+
+
 def test_without_rclpy_one_line_says_how_to_get_it(tmp_path: Path) -> None:
     rules = tmp_path / "rules.adirf"
     rules.write_text(RULES, encoding="utf-8")

@@ -154,8 +154,11 @@ def _delete(arguments: argparse.Namespace) -> int:
 
 
 def _json(stored: StoredIncident) -> dict[str, object]:
+    listed = stored.listed()
     return {
         "incident": stored.name,
+        "label": listed.label,
+        "messages": listed.messages,
         "size_bytes": stored.size_bytes,
         "read": stored.is_read,
         **incident_to_json(stored.record),

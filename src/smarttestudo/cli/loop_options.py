@@ -11,7 +11,7 @@ from smarttestudo.cli.paths import file_path
 from smarttestudo.domain import budget
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.parameter import ParameterValue
-from smarttestudo.domain.robot import DiscoveryRange, OutputDomain
+from smarttestudo.domain.robot import LAST_DOMAIN, DiscoveryRange, OutputDomain
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.robot.option import AnyOption, given_as
 
@@ -134,10 +134,6 @@ def _seed(text: str) -> int:
     if not (text.isascii() and text.isdigit()):
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of 0 or more")
     return int(text)
-
-
-# The last one whose ports exist.
-LAST_DOMAIN = 232
 
 
 def add_output_domain(parser: argparse.ArgumentParser) -> None:

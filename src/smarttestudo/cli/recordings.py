@@ -183,7 +183,7 @@ def each_recording(
         if executor.failure is not None:
             _print_error(arguments, executor.failure)
     if _is_text(arguments) and command.prints_each:
-        failures = f", {failed} of which could not be read" if failed else ""
+        failures = f", {failed} with an error" if failed else ""
         sums = [f"{counted(len(asked), 'recording')}{failures}", command.sum()]
         print(f"\n{': '.join(filter(None, sums))}")  # noqa: T201
     return EXIT_ERROR if failed or executor.failure else 0

@@ -179,7 +179,8 @@ def _share(progress: FetchProgress) -> str:
 
 
 def _json(one: RemoteIncident) -> dict[str, object]:
-    return {**asdict(one), "missing": list(one.missing)}
+    same_as_in_a_folder = {"incident": one.name, "read": one.is_read}
+    return {**same_as_in_a_folder, **asdict(one), "missing": list(one.missing)}
 
 
 def incident_table(incidents: Sequence[RemoteIncident]) -> Table:

@@ -193,8 +193,12 @@ def _profile(arguments: argparse.Namespace) -> Profile | None:
 
 
 def _require_rules(arguments: argparse.Namespace) -> None:
+    from smarttestudo.bags.bag_files import find_bag_files  # noqa: PLC0415  see measure
+
     for option in ("rules", "output"):
         if getattr(arguments, option) is None:
+            # Where nothing is, rules would not help.
+            find_bag_files(arguments.bag)
             raise UsageError(
                 "a replay of a recording needs it", place=f"--{option}", remedy=f"add --{option}"
             )

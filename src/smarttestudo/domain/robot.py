@@ -62,6 +62,10 @@ class DiscoveryRange(Enum):
     SUBNET = "subnet"
 
 
+LAST_DOMAIN = 232
+"""The last ROS domain whose ports exist."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutputDomain:
     """The ROS domain of the operators, and how far it reaches; ``None``: as the environment sets it."""

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from smarttestudo.domain.errors import RecordingError, UsageError
+from smarttestudo.files.whole_file import not_written
 
 _METADATA = "metadata.yaml"
 _METADATA_ROOT = b"rosbag2_bagfile_information"
@@ -89,11 +90,11 @@ def _refused(option: str, path: Path, cause: str) -> UsageError:
 
 
 def make_folder(path: Path) -> None:
-    """Make the folder ``path`` where there is none. Raises ``RecordingError`` where it cannot be made."""
+    """Make the folder ``path`` where there is none. Raises ``OutputFileError`` where it cannot be made."""
     try:
         path.mkdir(exist_ok=True)
     except OSError as error:
-        raise write_error(path, error) from error
+        raise not_written(path, "the folder", error) from error
 
 
 def require_new(path: Path) -> None:

@@ -20,6 +20,8 @@ from smarttestudo.files.removal import remove
 PARTIAL_SUFFIX = ".partial"
 """How the name of what is not whole ends; it begins with a point."""
 _FULL = (errno.ENOSPC, errno.EDQUOT)
+_FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)
+_IN_THE_WAY = (errno.EEXIST, errno.ENOTDIR)
 # What is added to it must fit into the 255 bytes of a name, too.
 _NAME_CHARACTERS = 40
 
@@ -77,12 +79,14 @@ def whole_binary_file(
 
 def not_written(path: Path, content: str, error: OSError) -> OutputFileError:
     """Why ``content`` is not at ``path``, and what helps."""
-    is_full = error.errno in _FULL
-    return OutputFileError(
-        f"{content} cannot be written: {error.strerror or error}",
-        place=str(path),
-        remedy="free some space or write to another disk" if is_full else "name another file",
-    )
+    cause, remedy = error.strerror or error, "name another place"
+    if error.errno in _FULL:
+        remedy = "free some space or write to another disk"
+    elif error.errno in _FORBIDDEN:
+        remedy = "check its permissions and those of its folder, or name another place"
+    elif error.errno in _IN_THE_WAY:
+        cause = "a file is there in place of a folder"
+    return OutputFileError(f"{content} cannot be written: {cause}", place=str(path), remedy=remedy)
 
 
 def _opened(path: Path, *, must_be_new: bool) -> tuple[BinaryIO, Path | None, Path]:

@@ -31,9 +31,12 @@ class ParquetFolder:
     """Adds the rows of one run to the tables in ``folder``, a file for each recording.
 
     A file is there whole or not at all, and no run has the names of another. Nothing is ever rewritten.
+    Raises ``OutputFileError`` where ``folder`` cannot be made.
     """
 
     def __init__(self, folder: Path) -> None:
+        # A wrong name must not cost the hours that a fleet takes.
+        make_folder(folder)
         self._folder = folder
         self._run = uuid.uuid4().hex
         self._files = 0

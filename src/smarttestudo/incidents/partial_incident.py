@@ -15,6 +15,7 @@ from types import TracebackType
 
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.units import BYTES_PER_MB, grouped
 from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, OutputFileError, not_written, whole_file
 from smarttestudo.incidents.transfer_messages import (
@@ -189,9 +190,13 @@ class PartialIncident:
 
     def _require_room(self) -> None:
         free_bytes = shutil.disk_usage(self.path).free
-        if self._plan.size_bytes - self.cursor + _SPARE_BYTES > free_bytes:
+        missing_bytes = self._plan.size_bytes - self.cursor
+        if missing_bytes + _SPARE_BYTES > free_bytes:
+            missing, spare, free = (
+                grouped(size / BYTES_PER_MB, 1) for size in (missing_bytes, _SPARE_BYTES, free_bytes)
+            )
             raise OutputFileError(
-                f"there is no room for {self._plan.size_bytes / 1e6:.0f} MB",
+                f"there is no room for {missing} MB with {spare} MB to spare: {free} MB are free",
                 place=str(self.path.parent),
                 remedy="free some space or write to another disk",
             )

@@ -84,6 +84,7 @@ class IncidentStore:
             if name.startswith("."):
                 continue
             try:
+                self._require_record(self._folder / name)
                 yield self.incident(name)
             except RecordingError as error:
                 yield error
@@ -91,6 +92,7 @@ class IncidentStore:
     def incident(self, name: str) -> StoredIncident:
         """The incident in the folder ``name``. Raises ``RecordingError`` where it cannot be read."""
         path, size_bytes = self._path(name), self.size_bytes(name)
+        self._require_record(path)
         with errors_at(path):
             is_read = (path / READ_NAME).exists()
         return StoredIncident(
@@ -134,6 +136,18 @@ class IncidentStore:
         path = self._path(name)
         with errors_at(path):
             remove_incident(path)
+
+    @staticmethod
+    def _require_record(folder: Path) -> None:
+        """Raise ``RecordingError`` where ``folder`` has no record, or a name that no command takes."""
+        with errors_at(folder):
+            has_record = _mode(folder / RECORD_NAME) != 0
+        if not has_record:
+            remedy = "name this folder itself if there are incidents in it"
+            raise RecordingError(f"is no incident: it has no {RECORD_NAME}", place=str(folder), remedy=remedy)
+        if _NAME.match(folder.name) is None:
+            cause = "the name of an incident has at most 100 letters from a to z, digits, - and _"
+            raise RecordingError(cause, place=str(folder), remedy="rename the folder")
 
     def _path(self, name: str) -> Path:
         path = self._folder / name

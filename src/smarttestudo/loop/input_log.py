@@ -33,6 +33,7 @@ from smarttestudo.loop.inputs import (
 
 INPUTS_FILE = "inputs.jsonl"
 _CONTENT = "the recorded inputs"
+_CUT_OFF = "cut off, as where the run was killed or its disk was full; later decisions are not repeated"
 # A line holds at most the largest message that a check reads, in base64, or all rules.
 MAX_LINE_BYTES = 64_000_000
 _CHANGES: Mapping[str, type[SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon]] = {
@@ -96,8 +97,8 @@ def holds_inputs(folder: Path) -> bool:
     return (folder / INPUTS_FILE).is_file()
 
 
-def read_inputs(folder: Path) -> Iterator[RecordedInput]:
-    """The inputs in ``folder``, in order. A last line that was cut off is left out.
+def read_inputs(folder: Path, noticed: Callable[[str], None] | None = None) -> Iterator[RecordedInput]:
+    """The inputs in ``folder``, in order. A last line that was cut off is left out, and ``noticed`` is told.
 
     Raises ``RecordingError`` for a log that cannot be read, or with the line that is none.
     """
@@ -108,6 +109,8 @@ def read_inputs(folder: Path) -> Iterator[RecordedInput]:
             while line := file.readline(MAX_LINE_BYTES):
                 number += 1
                 if not line.endswith(b"\n"):
+                    if noticed is not None:
+                        noticed(f"{path}:{number}: {_CUT_OFF}")
                     return
                 yield _parsed(line, f"{path}:{number}")
     except OSError as error:

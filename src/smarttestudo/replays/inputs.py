@@ -56,7 +56,8 @@ def replay_inputs(folder: Path, decided: Callable[[Sequence[Decision]], None]) -
         RecordingError: there is no such recording, or a line of it is no input.
         RuleFileError: its rules have errors, which those of a live run never had.
     """
-    inputs = read_inputs(folder)
+    cuts: list[str] = []
+    inputs = read_inputs(folder, cuts.append)
     first = next(inputs, None)
     if not isinstance(first, RuleTextsInput):
         raise RecordingError("the recorded inputs do not start with rules", place=str(folder))
@@ -69,7 +70,7 @@ def replay_inputs(folder: Path, decided: Callable[[Sequence[Decision]], None]) -
         inputs=again.inputs,
         decisions=again.decisions,
         duration_s=(again.now_ns - first.stamp_ns) / NS_PER_S,
-        notices=tuple(again.notices()),
+        notices=(*again.notices(), *cuts),
     )
 
 

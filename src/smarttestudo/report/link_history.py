@@ -5,14 +5,14 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.link_state import StreamCounts, TopicOnLink
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.status import RuntimeStatus
@@ -37,7 +37,7 @@ _MESSAGES_PER_REPORT = 4096
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicOverLink:
-    """How one topic did: its ages in ms over time and in order, and its counts at the end."""
+    """How one topic did: its ages in ms over time and in order, and its counts since the first status."""
 
     topic: str
     ages: Series
@@ -49,7 +49,8 @@ class TopicOverLink:
 class LinkHistory:
     """The load of the link and the budget that rates were planned within, in KB/s; times in s.
 
-    ``outages`` is how many the robot counted, ``silences`` when it was not connected or told nothing.
+    ``outages`` is how many the robot counted since the first status; in ``silences`` it was not connected or
+    told nothing.
     """
 
     capacity: Series
@@ -91,6 +92,7 @@ class _Topic:
     ages_ms: _Values = field(default_factory=_Values)
     counts: StreamCounts = field(default_factory=StreamCounts)
     before: StreamCounts = field(default_factory=StreamCounts)
+    """What earlier runs of the robot counted, less what was there at the first status."""
 
     def count(self, counts: StreamCounts) -> None:
         if counts.sent < self.counts.sent:
@@ -101,9 +103,9 @@ class _Topic:
     def total(self) -> StreamCounts:
         before, now = self.before, self.counts
         return StreamCounts(
-            sent=min(before.sent + now.sent, _MOST_COUNT),
-            replaced=min(before.replaced + now.replaced, _MOST_COUNT),
-            overflowed=min(before.overflowed + now.overflowed, _MOST_COUNT),
+            sent=_bounded(before.sent + now.sent),
+            replaced=_bounded(before.replaced + now.replaced),
+            overflowed=_bounded(before.overflowed + now.overflowed),
         )
 
 
@@ -128,7 +130,9 @@ class LinkHistoryBuilder:
             return
         t_s = (stamp_ns - self._start_ns) / NS_PER_S
         late_s = _LATE_PERIODS / max(status.status_hz, _LEAST_STATUS_HZ)
-        if self._end_s is not None and t_s - self._end_s > late_s and self._silent_since_s is None:
+        if self._end_s is None:
+            self._begin(link.outages, status)
+        elif t_s - self._end_s > late_s and self._silent_since_s is None:
             # In an outage no status arrives.
             self._silent_since_s = self._end_s
         self._end_s = t_s
@@ -141,15 +145,28 @@ class LinkHistoryBuilder:
             self._silent_since_s = t_s
         elif link.is_connected:
             self._end_silence(t_s)
-        for name, topic in status.topics.items():
-            if topic.on_link is None:
-                continue
-            if name not in self._topics and len(self._topics) >= MAX_TOPICS:
+        for name, told in _on_link(status):
+            if (known := self._topic(name)) is None:
                 self.left_out += 1
                 continue
-            known = self._topics.setdefault(name, _Topic())
-            known.count(topic.on_link.counts)
-            known.ages_ms.add(t_s, topic.on_link.age_ms)
+            known.count(told.counts)
+            known.ages_ms.add(t_s, told.age_ms)
+
+    def _begin(self, outages: int, status: RuntimeStatus) -> None:
+        """Count from here on: what was before is in no recording of this time."""
+        self._outages_before = -outages
+        for name, told in _on_link(status):
+            if (known := self._topic(name)) is not None:
+                known.before = StreamCounts(
+                    sent=-told.counts.sent,
+                    replaced=-told.counts.replaced,
+                    overflowed=-told.counts.overflowed,
+                )
+
+    def _topic(self, name: str) -> _Topic | None:
+        if name not in self._topics and len(self._topics) >= MAX_TOPICS:
+            return None
+        return self._topics.setdefault(name, _Topic())
 
     def history(self) -> LinkHistory | None:
         """All of it, or ``None`` where no status told of a link."""
@@ -160,7 +177,7 @@ class LinkHistoryBuilder:
             capacity=self._capacity.series(),
             budget=self._budget.series(),
             silences=tuple(self._silences),
-            outages=min(self._outages_before + self._outages, _MOST_COUNT),
+            outages=_bounded(self._outages_before + self._outages),
             topics=tuple(
                 TopicOverLink(
                     topic=name,
@@ -176,6 +193,15 @@ class LinkHistoryBuilder:
         if self._silent_since_s is not None and len(self._silences) < _MAX_SILENCES:
             self._silences.append((self._silent_since_s, end_s))
         self._silent_since_s = None
+
+
+def _on_link(status: RuntimeStatus) -> Iterator[tuple[str, TopicOnLink]]:
+    return ((name, topic.on_link) for name, topic in status.topics.items() if topic.on_link is not None)
+
+
+def _bounded(count: int) -> int:
+    # It comes from a stranger, too.
+    return max(0, min(count, _MOST_COUNT))
 
 
 def link_table(history: LinkHistory) -> Table:
@@ -194,7 +220,7 @@ def link_table(history: LinkHistory) -> Table:
         rows=tuple(_row(topic) for topic in history.topics),
         footnotes=(
             "Age: of the last message before each status. Replaced: gave way to a newer message. "
-            "Overflowed: dropped because the topic's queue was full.",
+            "Overflowed: dropped because the topic's queue was full. Counts begin at the first status.",
         ),
     )
 

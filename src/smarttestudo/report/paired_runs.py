@@ -106,13 +106,16 @@ class PairedRuns:
     def timed(self, decisions: Sequence[Decision]) -> tuple[tuple[Decision, ...], tuple[str, ...]]:
         """``decisions`` timed from the start of ``a``, and why there are none where they are of another time.
 
-        What was planned before the start held then already.
+        What was planned last before the start held then already, so it is where each topic starts.
         """
         span = self.a.summary.span
-        if decisions and not any(span.start_ns <= one.stamp_ns <= span.end_ns for one in decisions):
+        within = [one for one in decisions if span.start_ns <= one.stamp_ns <= span.end_ns]
+        if decisions and not within:
             return (), ("no decision falls into the time of the recording; they are left out",)
-        return tuple(
-            replace(one, t_s=max(one.stamp_ns - span.start_ns, 0) / NS_PER_S) for one in decisions
+        held = _held_at(span.start_ns, decisions)
+        return (
+            *(replace(one, t_s=0.0, from_rate=None, from_within={}) for one in held),
+            *(replace(one, t_s=(one.stamp_ns - span.start_ns) / NS_PER_S) for one in within),
         ), ()
 
     def notices(self) -> tuple[str, ...]:
@@ -134,6 +137,23 @@ class PairedRuns:
     @property
     def _span_of_b(self) -> RecordingSpan:
         return self.a.summary.span if self.b is None or self._share_time else self.b.summary.span
+
+
+def _held_at(start_ns: int, decisions: Sequence[Decision]) -> list[Decision]:
+    """The last decision on each topic that was relayed just before ``start_ns``, by the run of that time."""
+    held: dict[str, Decision] = {}
+    run_ns = None
+    for one in decisions:
+        if one.stamp_ns >= start_ns:
+            break
+        if one.t_s == 0 and one.stamp_ns != run_ns:
+            # A file holds one run after the other, and each begins at 0.
+            run_ns = one.stamp_ns
+            held.clear()
+        held.pop(one.topic, None)
+        if not one.is_end:
+            held[one.topic] = one
+    return [*held.values()]
 
 
 def _history(run: MeasuredRun | None, topic: str | None, span: RecordingSpan) -> TopicHistory:

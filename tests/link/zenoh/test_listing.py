@@ -34,12 +34,26 @@ def test_a_robot_that_keeps_no_incidents_is_said_and_those_of_others_are_listed(
         assert main(command) == 0
         listed = capsys.readouterr()
         assert main([*command, "--robot", "ada"]) == 1
+    assert "ada does not answer this" in capsys.readouterr().err
+    assert main(["incidents", "list", str(tmp_path / "bob"), "--json"]) == 0
+    (of_robot,), (in_folder,) = json.loads(listed.out), json.loads(capsys.readouterr().out.splitlines()[-1])
+    for key in (
+        "incident",
+        "label",
+        "rule",
+        "triggered_ns",
+        "from_ns",
+        "to_ns",
+        "messages",
+        "size_bytes",
+        "read",
+    ):
+        assert of_robot[key] == in_folder[key]
     assert [line.partition(";")[0] for line in silent.err.splitlines()] == [
         f"testudo: {robot}: {endpoint}: error: {robot} does not answer this" for robot in ("ada", "bob")
     ]
     assert [one["name"] for one in json.loads(listed.out)] == [NAME]
     assert [line.partition(": ")[2][:5] for line in listed.err.splitlines()] == ["ada: "]
-    assert "ada does not answer this" in capsys.readouterr().err
 
 
 def test_the_robots_of_several_places_are_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
 from smarttestudo.accuracy.bounds import BoundLoss
@@ -102,8 +103,13 @@ def measure_recording(question: RecordingQuestion) -> RecordingNumbers:
         unmatched=frozenset(
             one for one in question.topics if not any(_selected(own, [one]) for own in called.values())
         ),
-        notices=(*a.summary.notices, *(b.summary.notices if b else ()), *(loss.notices if loss else notices)),
+        notices=_once(a.summary.notices, b.summary.notices if b else (), loss.notices if loss else notices),
     )
+
+
+def _once(*notices: Sequence[str]) -> tuple[str, ...]:
+    """``notices`` without those that a recording gave again when it was read for its losses."""
+    return tuple(dict.fromkeys(chain.from_iterable(notices)))
 
 
 def _measure(question: RecordingQuestion, path: Path) -> _Measured:

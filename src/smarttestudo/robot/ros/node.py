@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,6 +15,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import get_rmw_implementation_identifier
 
 from smarttestudo.domain.errors import RosError, TestudoError, UsageError
 from smarttestudo.domain.parameter import (
@@ -25,6 +27,7 @@ from smarttestudo.domain.parameter import (
     Values,
 )
 from smarttestudo.domain.robot import (
+    LAST_DOMAIN,
     DataPath,
     DataPathKind,
     Endpoint,
@@ -65,6 +68,7 @@ if TYPE_CHECKING:
 
 _NO_LOG = ("log directory", "logging directory", "create logger")
 """What ROS says where the folder of its logs cannot be made or written."""
+_DOMAIN = "ROS_DOMAIN_ID"
 CLOCK_PERIOD_S = 1.0
 """How often to look whether time is simulated; a parameter of the node may change that."""
 
@@ -88,6 +92,7 @@ def open_node(
     except RosError as error:
         raise _refused(error, ros_arguments) from error
     try:
+        _require_domain(context)
         with ros_errors(name):
             node = Node(name, context=context)
         executor = SingleThreadedExecutor(context=context)
@@ -111,9 +116,23 @@ def _refused(error: RosError, ros_arguments: Sequence[str]) -> TestudoError:
     if any(part in error.cause for part in _NO_LOG):
         remedy = "set ROS_LOG_DIR to a folder that can be written"
         return RosError(error.cause, place="ROS_LOG_DIR", remedy=remedy)
+    if _DOMAIN in error.cause:
+        return _no_domain(os.environ.get(_DOMAIN, ""))
     if not ros_arguments:
         return error
     return UsageError(error.cause, place="--ros-args", remedy="see the ROS 2 manual")
+
+
+def _require_domain(context: Context) -> None:
+    """Raise ``RosError`` for a domain without ports: Fast DDS ends the process there."""
+    number = context.get_domain_id()
+    if number > LAST_DOMAIN and not get_rmw_implementation_identifier().startswith("rmw_zenoh"):
+        raise _no_domain(str(number))
+
+
+def _no_domain(text: str) -> RosError:
+    cause = f"{text!r:.80} is no ROS domain"
+    return RosError(cause, place=_DOMAIN, remedy=f"set it to a number from 0 to {LAST_DOMAIN}")
 
 
 class RosNode:
