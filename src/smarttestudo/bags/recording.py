@@ -16,7 +16,7 @@ from operator import itemgetter
 from pathlib import Path
 from typing import TypeVar
 
-from smarttestudo.bags import zstd_files
+from smarttestudo.bags import magic
 from smarttestudo.bags.metadata import BagMetadata
 from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
 from smarttestudo.domain.errors import RecordingError
@@ -265,8 +265,10 @@ class RosbagRecording:
         return {number: self._channels.of(channel) for number, channel in file.channels.items()}
 
     def _unpacked(self, messages: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
+        from smarttestudo.bags.zstd_files import unpack_message  # noqa: PLC0415  few are packed
+
         for channel, stamp_ns, packed in messages:
-            payload = zstd_files.unpack_message(packed)
+            payload = unpack_message(packed)
             if payload is None:
                 self._broken[channel.topic] += 1
             else:
@@ -314,6 +316,8 @@ def _stored_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[Reco
 
 def _unpacked_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
     """Raises ``OutlineError`` at a message whose beginning does not tell its size."""
+    from smarttestudo.bags import zstd_files  # noqa: PLC0415  few are packed
+
     for channel, stamp_ns, _, head in file.outlines(channels, zstd_files.HEADER_BYTES):
         size_bytes = zstd_files.unpacked_bytes(head)
         if size_bytes is None:
@@ -322,4 +326,4 @@ def _unpacked_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[Re
 
 
 def _is_packed(message: RecordedMessage) -> bool:
-    return message[2].startswith(zstd_files.MAGIC)
+    return message[2].startswith(magic.ZSTD)

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import BinaryIO
 
-MAGIC = b"\x89MCAP0\r\n"
+from smarttestudo.bags import magic
+
 FRAME = struct.Struct("<BQ")
 MESSAGE_HEADER = struct.Struct("<HIQQ")
 MESSAGE_START = struct.Struct("<BQHIQQ")
@@ -18,7 +19,7 @@ CHUNK_HEADER = struct.Struct("<QQQIIQ")
 """What an uncompressed chunk has before its records: stamps, their bytes, checksum, 0, their bytes again."""
 CHUNK_START = struct.Struct("<BQQQQIIQ")
 """The frame of an uncompressed chunk and its header."""
-FOOTER_BYTES = FRAME.size + 20 + len(MAGIC)
+FOOTER_BYTES = FRAME.size + 20 + len(magic.MCAP)
 RecordPlace = tuple[int, int, int, bytes]
 """Kind of a record, the byte its frame begins at, the byte after it, and the first ones of its content."""
 _LIBRARY = "smarttestudo"
@@ -116,7 +117,7 @@ def record(op: Op, content: bytes) -> bytes:
 
 def file_start() -> bytes:
     """Bytes at the beginning of a file."""
-    return MAGIC + record(Op.HEADER, _text("ros2") + _text(_LIBRARY))
+    return magic.MCAP + record(Op.HEADER, _text("ros2") + _text(_LIBRARY))
 
 
 def schema_record(number: int, channel: StoredChannel) -> bytes:
@@ -179,7 +180,7 @@ def file_end(summary_start: int, groups: Sequence[tuple[Op, bytes]]) -> bytes:
             summary += group
             place += len(group)
     footer = record(Op.FOOTER, struct.pack("<QQI", summary_start, place, 0))
-    return summary + offsets + footer + MAGIC
+    return summary + offsets + footer + magic.MCAP
 
 
 def read_schema(content: bytes) -> tuple[int, str, str]:

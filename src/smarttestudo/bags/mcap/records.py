@@ -18,11 +18,11 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.records import Channel, Chunk, McapRecord, Message, Schema
 
+from smarttestudo.bags import magic
 from smarttestudo.bags.mcap.record_bytes import (
     CHUNK_HEADER,
     CHUNK_START,
     FRAME,
-    MAGIC,
     MESSAGE_HEADER,
     Op,
     RecordPlace,
@@ -78,7 +78,7 @@ class RecordReader:
 
     def places(self) -> Iterator[RecordPlace]:
         """Every schema, channel, message and chunk up to the footer; the last may be cut off."""
-        end = len(MAGIC)
+        end = len(magic.MCAP)
         for place in record_places(self._file, end, self.file_bytes, MESSAGE_HEADER.size):
             op, start, end, _ = place
             if op == Op.FOOTER:

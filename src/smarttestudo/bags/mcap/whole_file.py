@@ -16,10 +16,15 @@ from mcap.summary import Summary
 from smarttestudo.bags.mcap.channels import stored_channel
 from smarttestudo.bags.mcap.record_bytes import CHUNK_START, FRAME, MESSAGE_HEADER, Op, record_places
 from smarttestudo.bags.mcap.records import BROKEN, chunk_content
-from smarttestudo.bags.mcap.recovered import RecoveredMcapFile
 from smarttestudo.bags.mcap.time_order import in_time_order
 from smarttestudo.bags.qos import QosReader
-from smarttestudo.bags.stored_file import ChannelsByNumber, ContinuedFile, Outline, OutlineError
+from smarttestudo.bags.stored_file import (
+    ChannelsByNumber,
+    ContinuedFile,
+    Outline,
+    OutlineError,
+    StoredFile,
+)
 from smarttestudo.domain.recording import RecordedMessage
 from smarttestudo.domain.units import LAST_STAMP_NS
 
@@ -69,6 +74,7 @@ class McapFile(ContinuedFile):
 
     def __init__(self, path: Path, index: Summary) -> None:
         assert index.statistics is not None
+        self._path = path
         self._qos = QosReader()
         self.channels: ChannelsByNumber = {
             number: stored_channel(channel, index.schemas[channel.schema_id], self._qos)
@@ -79,7 +85,6 @@ class McapFile(ContinuedFile):
         self._places = [(chunk.message_start_time, chunk) for chunk in chunks]
         self._file = path.open("rb")
         super().__init__(
-            partial(RecoveredMcapFile, path),
             message_count=index.statistics.message_count,
             start_ns=index.statistics.message_start_time,
             end_ns=index.statistics.message_end_time,
@@ -106,6 +111,11 @@ class McapFile(ContinuedFile):
         read = partial(self._messages_in, channels=channels)
         for stamp_ns, number, records, start, end in in_time_order(self._places, read):
             yield channels[number], stamp_ns, records[start:end]
+
+    def _recovered(self) -> StoredFile:
+        from smarttestudo.bags.mcap.recovered import RecoveredMcapFile  # noqa: PLC0415  most are whole
+
+        return RecoveredMcapFile(self._path)
 
     def _messages_in(self, chunk: ChunkIndex, channels: ChannelsByNumber) -> list[_Found]:
         """The messages of ``channels`` in a chunk."""

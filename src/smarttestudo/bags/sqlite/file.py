@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 
 import apsw
@@ -14,8 +13,13 @@ import apsw
 from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.sqlite.database import BROKEN, open_database, read_topics
 from smarttestudo.bags.sqlite.log import WriteAheadLog
-from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile
-from smarttestudo.bags.stored_file import ChannelsByNumber, ContinuedFile, Outline, OutlineError
+from smarttestudo.bags.stored_file import (
+    ChannelsByNumber,
+    ContinuedFile,
+    Outline,
+    OutlineError,
+    StoredFile,
+)
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage
 
@@ -69,12 +73,8 @@ class SqliteFile(ContinuedFile):
             except BROKEN as error:
                 raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
             self._resources = opened.pop_all()
-        super().__init__(
-            partial(RecoveredSqliteFile, path, log, int(count)),
-            message_count=int(count),
-            start_ns=int(start_ns or 0),
-            end_ns=int(end_ns or 0),
-        )
+        self._rows = int(count)
+        super().__init__(message_count=self._rows, start_ns=int(start_ns or 0), end_ns=int(end_ns or 0))
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``, without reading payloads."""
@@ -101,3 +101,8 @@ class SqliteFile(ContinuedFile):
                 raise TypeError("a message of a topic that the file does not name")
             if number in channels:
                 yield channels[number], stamp_ns, payload
+
+    def _recovered(self) -> StoredFile:
+        from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile  # noqa: PLC0415  most are whole
+
+        return RecoveredSqliteFile(self._path, self._log, self._rows)
