@@ -78,6 +78,8 @@ def test_by_its_index_a_file_gives_what_it_gives_without(
         assert sorted((one.topic, stamp, data) for one, stamp, data in read) == sorted(
             (one.topic, one.stamp_ns, one.payload) for one in by_mcap
         )
+        for file in (whole, walked):
+            assert list(file.sizes(wanted)) == [(one, stamp_ns, len(data)) for one, stamp_ns, data in read]
         for head_bytes in (0, 7):
             assert list(whole.outlines(wanted, head_bytes)) == [
                 (channel, stamp_ns, len(data), data[:head_bytes]) for channel, stamp_ns, data in read

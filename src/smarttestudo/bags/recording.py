@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain, islice
+from itertools import chain, count, islice
 from operator import itemgetter
 from pathlib import Path
 from typing import TypeVar
@@ -237,13 +237,13 @@ class RosbagRecording:
         if first is None:
             return
         is_packed = _is_packed(first)
-        delivered = 0
+        sizes = _unpacked_sizes(file, channels) if is_packed else file.sizes(channels)
+        delivered = count()
         try:
-            for size in _unpacked_sizes(file, channels) if is_packed else _stored_sizes(file, channels):
-                yield size
-                delivered += 1
+            # Counted without a step of Python for each.
+            yield from map(itemgetter(0), zip(sizes, delivered))  # noqa: B905  one has no end
         except OutlineError:
-            rest = islice(file.messages(channels), delivered, None)
+            rest = islice(file.messages(channels), next(delivered), None)
             for channel, stamp_ns, payload in self._unpacked(rest) if is_packed else rest:
                 yield channel, stamp_ns, len(payload)
 
@@ -308,10 +308,6 @@ def _from_its_start(
     yield file.start_ns, None
     for entry in read(file):
         yield entry[1], entry
-
-
-def _stored_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
-    return (outline[:3] for outline in file.outlines(channels, 0))
 
 
 def _unpacked_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:

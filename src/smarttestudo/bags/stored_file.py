@@ -10,7 +10,7 @@ from contextlib import closing
 from itertools import islice
 from typing import Protocol
 
-from smarttestudo.domain.recording import Channel, RecordedMessage, readable_until
+from smarttestudo.domain.recording import Channel, RecordedMessage, RecordedSize, readable_until
 from smarttestudo.domain.units import counted
 
 ChannelsByNumber = Mapping[int, Channel]
@@ -50,6 +50,12 @@ class StoredFile(Protocol):
         """Results of ``messages``, in the same order, each with the first ``head_bytes`` of its payload.
 
         Raises ``OutlineError`` where only ``messages`` can go on.
+        """
+
+    def sizes(self, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+        """Results of ``messages`` in the same order, each with its stored bytes in place of its payload.
+
+        Raises ``OutlineError`` as ``outlines`` does.
         """
 
     def notices(self) -> Sequence[str]:

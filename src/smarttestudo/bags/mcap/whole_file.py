@@ -25,7 +25,7 @@ from smarttestudo.bags.stored_file import (
     OutlineError,
     StoredFile,
 )
-from smarttestudo.domain.recording import RecordedMessage
+from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS
 
 _INDEX_ENTRY_BYTES = 16
@@ -99,6 +99,15 @@ class McapFile(ContinuedFile):
         except BROKEN as error:
             raise OutlineError(str(error)) from error
 
+    def sizes(self, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+        """The sizes of ``messages``, read as ``outlines`` are."""
+        read = partial(self._heads_in, channels=channels, head_bytes=0)
+        try:
+            for stamp_ns, number, _, start, end in in_time_order(self._places, read):
+                yield channels[number], stamp_ns, end - start
+        except BROKEN as error:
+            raise OutlineError(str(error)) from error
+
     def notices(self) -> Sequence[str]:
         """Losses, one line each, once all messages were read."""
         return [*dict.fromkeys((*self._qos.notices, *super().notices()))]
@@ -124,11 +133,10 @@ class McapFile(ContinuedFile):
         if FRAME.unpack_from(data) != (Op.CHUNK, chunk.chunk_length - FRAME.size):
             raise OutlineError("a chunk is not where its index says")
         if chunk.compression:
-            return _messages_of(chunk_content(data[FRAME.size :], is_whole=True), channels)
-        records = data[CHUNK_START.size :]
-        if len(records) != chunk.uncompressed_size:
+            return _messages_of(chunk_content(data[FRAME.size :], is_whole=True), 0, channels)
+        if len(data) != CHUNK_START.size + chunk.uncompressed_size:
             raise OutlineError("a chunk is of another size than its index says")
-        return _messages_of(records, channels)
+        return _messages_of(data, CHUNK_START.size, channels)
 
     def _heads_in(self, chunk: ChunkIndex, channels: ChannelsByNumber, head_bytes: int) -> list[_Found]:
         """The same, with the first bytes of each at least."""
@@ -155,22 +163,25 @@ class McapFile(ContinuedFile):
         return found
 
 
-def _messages_of(records: bytes, channels: ChannelsByNumber) -> list[_Found]:
-    """The messages of ``channels`` among the records of a chunk."""
+def _messages_of(records: bytes, at: int, channels: ChannelsByNumber) -> list[_Found]:
+    """The messages of ``channels`` among the records of a chunk, of which the first begins at byte ``at``."""
     found: list[_Found] = []
-    frame, header, at, end = FRAME, MESSAGE_HEADER, 0, len(records)
-    while at + frame.size <= end:
-        op, size_bytes = frame.unpack_from(records, at)
-        content = at + frame.size
+    end = len(records)
+    # Attributes of classes and enumerations would take half of the time.
+    frame_at, frame_bytes, message = FRAME.unpack_from, FRAME.size, int(Op.MESSAGE)
+    header_at, header_bytes = MESSAGE_HEADER.unpack_from, MESSAGE_HEADER.size
+    while at + frame_bytes <= end:
+        op, size_bytes = frame_at(records, at)
+        content = at + frame_bytes
         at = content + size_bytes
         if at > end:
             raise OutlineError("a record is longer than its chunk")
-        if op == Op.MESSAGE:
-            if size_bytes < header.size:
+        if op == message:
+            if size_bytes < header_bytes:
                 raise OutlineError("a message is shorter than its header")
-            number, _, stamp_ns, _ = header.unpack_from(records, content)
+            number, _, stamp_ns, _ = header_at(records, content)
             if number in channels:
-                found.append((stamp_ns, number, records, content + header.size, at))
+                found.append((stamp_ns, number, records, content + header_bytes, at))
     if at < end:
         raise OutlineError("a record is cut off")
     return found
