@@ -186,22 +186,18 @@ def file_end(summary_start: int, groups: Sequence[tuple[Op, bytes]]) -> bytes:
 def read_schema(content: bytes) -> tuple[int, str, str]:
     """Number, type and definition of a schema; ``struct.error`` and ``ValueError`` for what is none."""
     (number,) = struct.unpack_from("<H", content)
-    name, place = _read_text(content, 2)
-    _, place = _read_text(content, place)
-    definition, _ = _read_text(content, place)
+    name, place = read_text(content, 2)
+    _, place = read_text(content, place)
+    definition, _ = read_text(content, place)
     return number, name, definition
 
 
 def read_channel(content: bytes, schemas: Mapping[int, tuple[str, str]]) -> tuple[int, StoredChannel]:
     """Number and channel, whose type and definition are in ``schemas``; errors as in ``read_schema``."""
     number, schema = struct.unpack_from("<HH", content)
-    topic, place = _read_text(content, 4)
-    serialization_format, place = _read_text(content, place)
-    notes: dict[str, str] = {}
-    place += 4
-    while place < len(content):
-        key, place = _read_text(content, place)
-        notes[key], place = _read_text(content, place)
+    topic, place = read_text(content, 4)
+    serialization_format, place = read_text(content, place)
+    notes, _ = read_notes(content, place)
     type_name, definition = schemas.get(schema, ("", ""))
     channel = StoredChannel(
         topic=topic,
@@ -214,10 +210,29 @@ def read_channel(content: bytes, schemas: Mapping[int, tuple[str, str]]) -> tupl
     return number, channel
 
 
-def _read_text(content: bytes, place: int) -> tuple[str, int]:
-    (size,) = struct.unpack_from("<I", content, place)
-    end = place + 4 + size
-    return content[place + 4 : end].decode(), end
+def read_notes(content: bytes, place: int) -> tuple[dict[str, str], int]:
+    """Texts by their names from byte ``place`` on, and where they end."""
+    notes: dict[str, str] = {}
+    (size_bytes,) = struct.unpack_from("<I", content, place)
+    place += 4
+    end = place + size_bytes
+    while place < end:
+        key, place = read_text(content, place)
+        notes[key], place = read_text(content, place)
+    return notes, place
+
+
+def read_text(content: bytes, place: int) -> tuple[str, int]:
+    """The text at byte ``place``, and where it ends; of one that is cut off, what is there."""
+    data, end = read_bytes(content, place)
+    return data.decode(), end
+
+
+def read_bytes(content: bytes, place: int) -> tuple[bytes, int]:
+    """The bytes that are counted at byte ``place``, as ``read_text``."""
+    (size_bytes,) = struct.unpack_from("<I", content, place)
+    end = place + 4 + size_bytes
+    return content[place + 4 : end], end
 
 
 def _text(text: str) -> bytes:

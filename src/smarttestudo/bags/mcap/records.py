@@ -28,6 +28,7 @@ from smarttestudo.bags.mcap.record_bytes import (
     RecordPlace,
     record_places,
 )
+from smarttestudo.bags.stored_file import OutlineError
 
 _CONTENT = frozenset({Op.SCHEMA, Op.CHANNEL, Op.MESSAGE, Op.CHUNK})
 BROKEN = (
@@ -191,6 +192,14 @@ def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
         if header.uncompressed_crc and zlib.crc32(content) != header.uncompressed_crc:
             raise ValueError("checksum mismatch")
     return content
+
+
+def whole_chunk_content(chunk: bytes) -> bytes:
+    """The records in a chunk of a whole file. Raises ``OutlineError`` where they cannot be decompressed."""
+    try:
+        return chunk_content(chunk, is_whole=True)
+    except BROKEN as error:
+        raise OutlineError(str(error)) from error
 
 
 def _decompress(compression: str, data: bytes) -> bytes:
