@@ -24,7 +24,8 @@ from bags.bag_factory import (
     write_mcap_file,
 )
 from bags.bag_reading import read_bag, read_with_mcap
-from smarttestudo.bags.mcap.record_bytes import FRAME, MAGIC, Op, record_places
+from smarttestudo.bags import magic
+from smarttestudo.bags.mcap.record_bytes import FRAME, Op, record_places
 from smarttestudo.bags.mcap.recovered import RecoveredMcapFile
 from smarttestudo.bags.mcap.whole_file import McapFile, full_index
 from smarttestudo.bags.reader import open_recording
@@ -77,6 +78,8 @@ def test_by_its_index_a_file_gives_what_it_gives_without(
         assert sorted((one.topic, stamp, data) for one, stamp, data in read) == sorted(
             (one.topic, one.stamp_ns, one.payload) for one in by_mcap
         )
+        for file in (whole, walked):
+            assert list(file.sizes(wanted)) == [(one, stamp_ns, len(data)) for one, stamp_ns, data in read]
         for head_bytes in (0, 7):
             assert list(whole.outlines(wanted, head_bytes)) == [
                 (channel, stamp_ns, len(data), data[:head_bytes]) for channel, stamp_ns, data in read
@@ -88,9 +91,8 @@ def _changed(path: Path, change: Callable[[bytearray, int], None]) -> None:
     """Change the third chunk index of a file; ``change`` has its bytes and where that begins."""
     data = bytearray(path.read_bytes())
     with path.open("rb") as file:
-        places = [
-            start for op, start, *_ in record_places(file, len(MAGIC), len(data), 0) if op == Op.CHUNK_INDEX
-        ]
+        records = record_places(file, len(magic.MCAP), len(data), 0)
+        places = [start for op, start, *_ in records if op == Op.CHUNK_INDEX]
     change(data, places[2] + FRAME.size)
     path.write_bytes(data)
 

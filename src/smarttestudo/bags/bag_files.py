@@ -7,15 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.bags import zstd_files
-from smarttestudo.bags.mcap import record_bytes
+from smarttestudo.bags import magic
 from smarttestudo.bags.metadata import BagMetadata, read_metadata, require_known_formats
 from smarttestudo.bags.metadata_text import METADATA_NAME
-from smarttestudo.bags.sqlite import pages as sqlite_pages
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.files.input_file import require_file
 
-_MAGIC_BY_SUFFIX = {".db3": sqlite_pages.MAGIC, ".mcap": record_bytes.MAGIC}
+_MAGIC_BY_SUFFIX = {".db3": magic.SQLITE, ".mcap": magic.MCAP}
 _ROS1_MAGIC = b"#ROSBAG V"
 _MAGIC_BYTES = 16
 _EXPECTED = "give a rosbag2 folder, a .db3 or an .mcap file"
@@ -78,12 +76,12 @@ def require_bag_file(path: Path) -> None:
 
 def is_packed(path: Path) -> bool:
     """Whether ``path`` is a whole storage file compressed with Zstandard."""
-    return path.suffix == zstd_files.SUFFIX
+    return path.suffix == magic.ZSTD_SUFFIX
 
 
 def _expected_magic(path: Path) -> bytes | None:
     if is_packed(path):
-        return zstd_files.MAGIC if path.with_suffix("").suffix in _MAGIC_BY_SUFFIX else None
+        return magic.ZSTD if path.with_suffix("").suffix in _MAGIC_BY_SUFFIX else None
     return _MAGIC_BY_SUFFIX.get(path.suffix)
 
 

@@ -6,13 +6,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from smarttestudo.bags.statistics import Latency, RecordingSpan, TopicStatistics
-from smarttestudo.domain.incident import IncidentRecord
 from smarttestudo.domain.record import JsonEntry, to_json
 from smarttestudo.domain.recording import Storage
 from smarttestudo.domain.units import utc_time
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.incident import IncidentRecord
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,10 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from smarttestudo.bags.statistics import RecordingSpan
-from smarttestudo.domain.incident import IncidentRecord, Missing
 from smarttestudo.domain.units import NS_PER_S, counted, grouped, utc_time
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.incident import IncidentRecord, Missing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,16 +8,20 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.incident import IncidentRecord
-from smarttestudo.domain.incident_json import MAX_RECORD_BYTES, read_incident
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.incident import IncidentRecord
 
 RECORD_NAME = "incident.json"
 
 
 def read_record(folder: Path) -> IncidentRecord:
     """The record of the incident in ``folder``. Raises ``RecordingError`` where it cannot be read."""
+    from smarttestudo.domain.incident_json import MAX_RECORD_BYTES, read_incident  # noqa: PLC0415  most are no incident
+
     place = folder / RECORD_NAME
     with errors_at(place):
         found = place.lstat()

@@ -26,7 +26,6 @@ from smarttestudo.bags.statistics import (
 )
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.incident import IncidentRecord
 from smarttestudo.domain.intervals import Intervals
 from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader
 from smarttestudo.domain.units import grouped
@@ -35,6 +34,7 @@ from smarttestudo.pacing.cdr import HEADER_BYTES, STAMP_BYTES, header_stamp_ns
 if TYPE_CHECKING:
     from smarttestudo.bags.floor import PathPoint
     from smarttestudo.bags.robot_path import PathReader
+    from smarttestudo.domain.incident import IncidentRecord
 
 
 class TopicCounter:

@@ -6,10 +6,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from smarttestudo.bags.mcap.record_bytes import StoredChannel
-from smarttestudo.bags.mcap.writer import FileContent
-from smarttestudo.domain.robot import Qos
+if TYPE_CHECKING:
+    from smarttestudo.bags.mcap.record_bytes import StoredChannel
+    from smarttestudo.bags.mcap.writer import FileContent
+    from smarttestudo.domain.robot import Qos
 
 METADATA_NAME = "metadata.yaml"
 _UNLIMITED = "{sec: 9223372036, nsec: 854775807}"

@@ -7,13 +7,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from enum import Enum
 from functools import lru_cache
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
-from smarttestudo.domain import robot
+if TYPE_CHECKING:
+    from smarttestudo.domain import robot
 
 _Policy = TypeVar("_Policy", bound=Enum)
 _TEXTS_KEPT = 64

@@ -4,14 +4,11 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from tempfile import gettempdir
 
-from smarttestudo.bags import zstd_files
 from smarttestudo.bags.bag_files import BagFiles, find_bag_files, is_packed, require_bag_file
 from smarttestudo.bags.metadata import BagMetadata, embedded_metadata
 from smarttestudo.bags.recording import RecordingPart, RosbagRecording
@@ -19,9 +16,6 @@ from smarttestudo.bags.remote_path import fetched_in_full, is_remote
 from smarttestudo.bags.storage_files import open_storage_file
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordingReader
-from smarttestudo.files.removal import temporary_folder
-
-_COPIED_BYTES = 1 << 20
 
 
 @contextmanager
@@ -63,46 +57,16 @@ def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPa
     try:
         require_bag_file(path)
         storage_path, whole_bytes = path, None
-        if is_packed(path):
-            storage_path = _unpacked(path, opened, notices)
-            whole_bytes = zstd_files.unpacked_file_bytes(path)
-        elif is_remote(path) and path.suffix != ".mcap":
-            storage_path = _fetched(path, opened)
+        if is_packed(path) or (is_remote(path) and path.suffix != ".mcap"):
+            from smarttestudo.bags.file_copies import readable_copy  # noqa: PLC0415  most are read where they are
+
+            storage_path, whole_bytes = readable_copy(path, opened, notices)
         file = open_storage_file(storage_path, whole_bytes)
     except OSError as error:
         cause = f"cannot be read: {error.strerror}"
         raise RecordingError(cause, place=str(path), remedy="check the path and its permissions") from error
     opened.callback(file.close)
     return RecordingPart(path=path, storage_path=storage_path, file=file)
-
-
-def _fetched(path: Path, opened: ExitStack) -> Path:
-    """A copy of a file that cannot be read by ranges, with the log beside it; it goes with ``opened``."""
-    folder = opened.enter_context(temporary_folder(prefix="testudo-"))
-    for one in (path, path.with_name(f"{path.name}-wal")):
-        if one.is_file():
-            with one.open("rb") as file, (folder / one.name).open("wb") as copy:
-                shutil.copyfileobj(file, copy, _COPIED_BYTES)
-    return folder / path.name
-
-
-def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
-    try:
-        folder = opened.enter_context(temporary_folder(prefix="testudo-"))
-        target = folder / path.with_suffix("").name
-        is_whole = zstd_files.unpack(path, target)
-    except OSError as error:
-        cause = f"it cannot be decompressed into {gettempdir()}: {error.strerror}"
-        remedy = "free some space there, or set TMPDIR to a folder that has more"
-        raise RecordingError(cause, place=str(path), remedy=remedy) from error
-    try:
-        require_bag_file(target)
-    except RecordingError as error:
-        cause = "its compressed content is no recording" if is_whole else "no part of it can be decompressed"
-        raise RecordingError(cause, place=str(path)) from error
-    if not is_whole:
-        notices.append(f"{path}: its compressed data are truncated or damaged; read as far as possible")
-    return target
 
 
 def _metadata_within(parts: Sequence[RecordingPart]) -> BagMetadata:

@@ -11,12 +11,12 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain, islice
+from itertools import chain, count, islice
 from operator import itemgetter
 from pathlib import Path
 from typing import TypeVar
 
-from smarttestudo.bags import zstd_files
+from smarttestudo.bags import magic
 from smarttestudo.bags.metadata import BagMetadata
 from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
 from smarttestudo.domain.errors import RecordingError
@@ -237,13 +237,13 @@ class RosbagRecording:
         if first is None:
             return
         is_packed = _is_packed(first)
-        delivered = 0
+        sizes = _unpacked_sizes(file, channels) if is_packed else file.sizes(channels)
+        delivered = count()
         try:
-            for size in _unpacked_sizes(file, channels) if is_packed else _stored_sizes(file, channels):
-                yield size
-                delivered += 1
+            # Counted without a step of Python for each.
+            yield from map(itemgetter(0), zip(sizes, delivered))  # noqa: B905  one has no end
         except OutlineError:
-            rest = islice(file.messages(channels), delivered, None)
+            rest = islice(file.messages(channels), next(delivered), None)
             for channel, stamp_ns, payload in self._unpacked(rest) if is_packed else rest:
                 yield channel, stamp_ns, len(payload)
 
@@ -265,8 +265,10 @@ class RosbagRecording:
         return {number: self._channels.of(channel) for number, channel in file.channels.items()}
 
     def _unpacked(self, messages: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
+        from smarttestudo.bags.zstd_files import unpack_message  # noqa: PLC0415  few are packed
+
         for channel, stamp_ns, packed in messages:
-            payload = zstd_files.unpack_message(packed)
+            payload = unpack_message(packed)
             if payload is None:
                 self._broken[channel.topic] += 1
             else:
@@ -308,12 +310,10 @@ def _from_its_start(
         yield entry[1], entry
 
 
-def _stored_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
-    return (outline[:3] for outline in file.outlines(channels, 0))
-
-
 def _unpacked_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
     """Raises ``OutlineError`` at a message whose beginning does not tell its size."""
+    from smarttestudo.bags import zstd_files  # noqa: PLC0415  few are packed
+
     for channel, stamp_ns, _, head in file.outlines(channels, zstd_files.HEADER_BYTES):
         size_bytes = zstd_files.unpacked_bytes(head)
         if size_bytes is None:
@@ -322,4 +322,4 @@ def _unpacked_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[Re
 
 
 def _is_packed(message: RecordedMessage) -> bool:
-    return message[2].startswith(zstd_files.MAGIC)
+    return message[2].startswith(magic.ZSTD)

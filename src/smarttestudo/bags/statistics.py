@@ -8,8 +8,6 @@ import math
 from array import array
 from collections import Counter
 from dataclasses import dataclass, replace
-from fractions import Fraction
-from math import ceil
 from typing import Annotated
 
 from smarttestudo.bags.trace import TraceAccumulator
@@ -97,7 +95,7 @@ def _binned_hz(messages: int, first_ns: int | None, last_ns: int | None) -> floa
     return messages / (last_ns // NS_PER_S - first_ns // NS_PER_S + 1)
 
 
-_P95 = Fraction(95, 100)
+_P95_PERCENT = 95
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,7 +129,7 @@ class LatencyAccumulator:
         rising_ns = sorted(self._latencies_ns)
         return Latency(
             mean_s=sum(rising_ns) / len(rising_ns) / NS_PER_S,
-            p95_s=rising_ns[ceil(_P95 * len(rising_ns)) - 1] / NS_PER_S,
+            p95_s=rising_ns[-(-_P95_PERCENT * len(rising_ns) // 100) - 1] / NS_PER_S,
             max_s=rising_ns[-1] / NS_PER_S,
         )
 

@@ -7,9 +7,6 @@ from __future__ import annotations
 from contextlib import suppress
 from pathlib import Path
 
-from smarttestudo.bags.sqlite.file import SqliteFile
-from smarttestudo.bags.sqlite.log import read_log
-from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile
 from smarttestudo.bags.stored_file import StoredFile
 from smarttestudo.domain.errors import RecordingError
 
@@ -24,15 +21,23 @@ def open_storage_file(path: Path, whole_bytes: int | None = None) -> StoredFile:
 
 
 def _open_mcap(path: Path, whole_bytes: int | None) -> StoredFile:
-    from smarttestudo.bags.mcap.recovered import RecoveredMcapFile  # noqa: PLC0415  slow to import
-    from smarttestudo.bags.mcap.whole_file import McapFile, full_index  # noqa: PLC0415
+    from smarttestudo.bags.mcap.whole_file import McapFile, full_index  # noqa: PLC0415  slow to import
 
     index = full_index(path)
-    return RecoveredMcapFile(path, whole_bytes) if index is None else McapFile(path, index)
+    if index is not None:
+        return McapFile(path, index)
+    from smarttestudo.bags.mcap.recovered import RecoveredMcapFile  # noqa: PLC0415
+
+    return RecoveredMcapFile(path, whole_bytes)
 
 
 def _open_sqlite(path: Path) -> StoredFile:
+    from smarttestudo.bags.sqlite.file import SqliteFile  # noqa: PLC0415  as above
+    from smarttestudo.bags.sqlite.log import read_log  # noqa: PLC0415
+
     log = read_log(path)
     with suppress(RecordingError):
         return SqliteFile(path, log)
+    from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile  # noqa: PLC0415
+
     return RecoveredSqliteFile(path, log)

@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
-import sqlite3
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from itertools import islice
 from typing import Protocol
 
-from smarttestudo.domain.recording import Channel, RecordedMessage, readable_until
+from smarttestudo.domain.recording import Channel, RecordedMessage, RecordedSize, readable_until
 from smarttestudo.domain.units import counted
 
 ChannelsByNumber = Mapping[int, Channel]
@@ -53,6 +52,12 @@ class StoredFile(Protocol):
         Raises ``OutlineError`` where only ``messages`` can go on.
         """
 
+    def sizes(self, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+        """Results of ``messages`` in the same order, each with its stored bytes in place of its payload.
+
+        Raises ``OutlineError`` as ``outlines`` does.
+        """
+
     def notices(self) -> Sequence[str]:
         """Losses, one line each."""
 
@@ -86,13 +91,10 @@ def left_out(count: int, which: str) -> str:
 class ContinuedFile(ABC):
     """A file that is opened once more, in the way of a damaged one, when reading it fails half-way.
 
-    ``recover`` opens it so; ``message_count``, ``start_ns`` and ``end_ns`` are what the file says until then.
+    ``message_count``, ``start_ns`` and ``end_ns`` are what the file says until then.
     """
 
-    def __init__(
-        self, recover: Callable[[], StoredFile], *, message_count: int, start_ns: int, end_ns: int
-    ) -> None:
-        self._recover = recover
+    def __init__(self, *, message_count: int, start_ns: int, end_ns: int) -> None:
         self._message_count = message_count
         self.start_ns = start_ns
         self.end_ns = end_ns
@@ -107,7 +109,7 @@ class ContinuedFile(ABC):
                 yield message
                 delivered += 1
         except Exception as error:  # noqa: BLE001 - libraries leak all kinds; what is behind the damage is read
-            with closing(self._recover()) as recovered:
+            with closing(self._recovered()) as recovered:
                 yield from islice(recovered.messages(channels), delivered, None)
                 self._damage = recovered.notices() or [f"damaged: {error}"]
                 self._take_over(recovered)
@@ -139,30 +141,6 @@ class ContinuedFile(ABC):
     def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """All messages in time order as the file's library reads them; any error is damage."""
 
-
-class TimeIndex:
-    """Places in a file by stamp, in a temporary database on disk, so that memory stays constant.
-
-    A key counts once: adding it again changes nothing.
-    """
-
-    def __init__(self) -> None:
-        self._database = sqlite3.connect("")
-        self._database.execute(
-            "CREATE TABLE place (key INTEGER PRIMARY KEY, stamp_ns INTEGER, offset INTEGER)"
-        )
-
-    def add(self, *, key: int, stamp_ns: int, offset: int) -> bool:
-        """Note the message ``key`` at byte ``offset``; false if the key was there already."""
-        cursor = self._database.execute(
-            "INSERT OR IGNORE INTO place VALUES (?, ?, ?)", (key, stamp_ns, offset)
-        )
-        return cursor.rowcount == 1
-
-    def places(self) -> Iterator[tuple[int, int]]:
-        """Stamp and offset of every place, by stamp and then by key."""
-        return iter(self._database.execute("SELECT stamp_ns, offset FROM place ORDER BY stamp_ns, key"))
-
-    def close(self) -> None:
-        """Drop the index."""
-        self._database.close()
+    @abstractmethod
+    def _recovered(self) -> StoredFile:
+        """The file opened in the way of a damaged one."""

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from smarttestudo.domain.errors import RecordingError
@@ -39,5 +38,7 @@ def select_topics(
 
 
 def _remedy(pattern: str, known: Collection[str]) -> str:
+    from difflib import get_close_matches  # noqa: PLC0415  most patterns name a topic
+
     close = get_close_matches(pattern, sorted(known), n=1)
     return f"did you mean {close[0]}?" if close else ""

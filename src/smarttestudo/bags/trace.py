@@ -8,7 +8,7 @@ from array import array
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from operator import lt
 
 from smarttestudo.domain.units import NS_PER_S
 
@@ -56,7 +56,7 @@ class TraceAccumulator:
 
     def add_all(self, stamps_ns: Sequence[int], sizes_bytes: Sequence[int]) -> None:
         """Count several messages; where they are in time order, second by second."""
-        if any(after < before for before, after in pairwise(stamps_ns)):
+        if any(map(lt, stamps_ns[1:], stamps_ns)):
             for stamp_ns, size_bytes in zip(stamps_ns, sizes_bytes, strict=True):
                 self.add(stamp_ns, size_bytes)
             return

@@ -10,8 +10,6 @@ from typing import BinaryIO
 
 import zstandard
 
-MAGIC = b"\x28\xb5\x2f\xfd"
-SUFFIX = ".zstd"
 HEADER_BYTES = 18
 """The longest header of a frame (RFC 8878, 3.1.1)."""
 _READ_BYTES = 1 << 20

@@ -8,31 +8,24 @@ import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import datetime, timezone
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from smarttestudo.bags.bag_comparison import BagComparison, compare_bags
 from smarttestudo.bags.bag_summary import BagSummary
-from smarttestudo.bags.incident_mark import incident_subtitle
 from smarttestudo.bags.topic_selection import is_selected, select_topics
 from smarttestudo.cli import bag_figures
-from smarttestudo.cli.bag_options import add_map, add_topics_and_form, print_tables, topic_mapping
+from smarttestudo.cli.bag_options import add_topics_and_form, print_tables
 from smarttestudo.cli.command_parser import CommandParser, add_lazy
 from smarttestudo.cli.progress import Progress
-from smarttestudo.cli.recording_options import add_pair, add_recordings, add_several
+from smarttestudo.cli.recording_options import add_recordings, add_several
 from smarttestudo.cli.recordings import (
     Asked,
     RecordingCommand,
     each_recording,
-    pairs_asked,
     recordings_asked,
 )
 from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_S, counted, grouped
 from smarttestudo.fleet.row_tables import RowTable
-from smarttestudo.report import bag_tables, comparison_tables
+from smarttestudo.report import bag_tables
 from smarttestudo.report.table import Table
-
-if TYPE_CHECKING:
-    from smarttestudo.cli.command_parser import Subcommands
 
 _TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table]]] = {
     "info": ("when a recording was made, and its topics with type, size and QoS", bag_tables.info_table),
@@ -41,6 +34,7 @@ _TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table]]] = {
 }
 
 _LAZY = {
+    "compare": "the rates and the bandwidth of two recordings, and how much they differ",
     "loss": "what the operator lost: errors, ages, crossings, images",
     "accuracy": "how far the operator's picture is off, at fixed rates and under your rules",
     "report": "one HTML file: rates, bandwidth, decisions, path and loss, for any browser and for paper",
@@ -70,25 +64,8 @@ def add_arguments(parser: CommandParser) -> None:
         if name in _DRAWN:
             bag_figures.add_figures(action, _DRAWN[name])
         add_several(action)
-    _add_compare(actions)
     for name, purpose in _LAZY.items():
         add_lazy(actions, name, f"smarttestudo.cli.bag_{name}", purpose)
-
-
-def _add_compare(actions: Subcommands) -> None:
-    purpose = "the rates and the bandwidth of two recordings, and how much they differ"
-    action = actions.add_parser(
-        "compare",
-        help=purpose,
-        description=f"Show {purpose}. With A's /odom pairs B's /testudo/odom or /odom_receive, "
-        "else its /odom.",
-    )
-    add_pair(action, a="the recording to compare with", b="the recording to compare")
-    add_map(action)
-    add_topics_and_form(action)
-    bag_figures.add_figures(action, bag_figures.Drawn.BOTH)
-    add_several(action)
-    action.set_defaults(run=_run_compare)
 
 
 def _run_summary(arguments: argparse.Namespace) -> int:
@@ -121,7 +98,7 @@ class _Summaries(RecordingCommand[BagSummary]):
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> BagSummary:
         """All topics of a recording."""
-        return _measure(arguments.bag, progress, with_latency=arguments.latency)
+        return measured(arguments.bag, progress, with_latency=arguments.latency)
 
     def shown(self, result: BagSummary) -> BagSummary:
         """The topics that are asked for; of several recordings, not each need have one."""
@@ -165,56 +142,8 @@ class _Summaries(RecordingCommand[BagSummary]):
             select_topics(self._patterns, self._topics, place=place)
 
 
-def _run_compare(arguments: argparse.Namespace) -> int:
-    topic_mapping(arguments.map)
-    asked = pairs_asked(arguments)
-    if arguments.figures is not None:
-        asked = bag_figures.with_figures(asked, arguments.figures)
-    return each_recording(arguments, asked, _Comparisons())
-
-
-class _Comparisons(RecordingCommand[BagComparison]):
-    """``compare`` of pairs of recordings."""
-
-    table = RowTable.COMPARISONS
-    is_named_by_text = True
-
-    @staticmethod
-    def measure(arguments: argparse.Namespace, progress: Progress) -> BagComparison:
-        """Both recordings, and their topics paired."""
-        mapping = topic_mapping(arguments.map)
-        a, b = _measure(arguments.a, progress), _measure(arguments.b, progress)
-        select_topics(tuple(mapping), a.statistics, place=a.name)
-        select_topics(tuple(mapping.values()), b.statistics, place=b.name)
-        compared = compare_bags(a, b, mapping)
-        if not arguments.topics:
-            return compared
-        place = f"{a.name}, {b.name}"
-        return compared.only(select_topics(arguments.topics, compared.names, place=place))
-
-    def print_text(self, result: BagComparison) -> None:
-        """The recordings' names, and a table of each quantity."""
-        for letter, bag in (("A", result.a), ("B", result.b)):
-            print(f"{letter}: {bag.name}{incident_subtitle(bag.incident)}")  # noqa: T201
-        print()  # noqa: T201
-        print_tables(_compare_tables(result))
-
-    def finish(self, arguments: argparse.Namespace) -> None:
-        """Draw both."""
-        if arguments.figures is not None:
-            mapping = topic_mapping(arguments.map)
-            bag_figures.draw_pair(
-                arguments, arguments.a, arguments.b, mapping=mapping, folder=arguments.figures
-            )
-
-
-def _compare_tables(compared: BagComparison) -> list[Table]:
-    names = comparison_tables.RunNames(before="A", after="B")
-    tables = (comparison_tables.frequency_table, comparison_tables.bandwidth_table)
-    return [build(compared.comparison, names) for build in tables]
-
-
-def _measure(path: Path, progress: Progress, *, with_latency: bool = False) -> BagSummary:
+def measured(path: Path, progress: Progress, *, with_latency: bool = False) -> BagSummary:
+    """All topics of the recording at ``path``."""
     from smarttestudo.bags.measure import measure_bag  # noqa: PLC0415  needs packages a robot lacks
 
     with progress(f"Reading {path}") as report:

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from enum import Enum
 from pathlib import Path
 
-from smarttestudo.cli.loop_options import budget_kb_per_s
+from smarttestudo.cli.budget import budget_kb_per_s
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.recordings import Asked, outputs_of_each, recordings_in

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from smarttestudo.cli.loop_options import budget_kb_per_s
+from smarttestudo.cli.budget import budget_kb_per_s
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.command import command_topics
 from smarttestudo.domain.errors import UsageError

@@ -7,8 +7,8 @@ from __future__ import annotations
 import argparse
 from functools import partial
 
+from smarttestudo.cli.budget import budget_kb_per_s
 from smarttestudo.cli.paths import file_path
-from smarttestudo.domain import budget
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import LAST_DOMAIN, DiscoveryRange, OutputDomain
@@ -82,14 +82,6 @@ def add_ros_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="all that follows goes to ROS, as in --ros-args -r __ns:=/tb3_0 -p use_sim_time:=true",
     )
-
-
-def budget_kb_per_s(text: str) -> float:
-    """A budget from the command line; ``ArgumentTypeError`` for anything but a number of KB/s."""
-    try:
-        return budget.budget_kb_per_s(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from error
 
 
 _MIN_SECONDS = 1.0

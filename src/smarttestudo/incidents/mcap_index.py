@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
 
+from smarttestudo.bags import magic
 from smarttestudo.bags.mcap.record_bytes import (
     CHUNK_HEADER,
     CHUNK_START,
     FRAME,
-    MAGIC,
     MESSAGE_HEADER,
     Op,
     RecordPlace,
@@ -58,10 +58,10 @@ class _Index:
         self._ranges = FileRanges()
 
     def read(self) -> FileRanges:
-        if self._at(0, len(MAGIC)) != MAGIC:
+        if self._at(0, len(magic.MCAP)) != magic.MCAP:
             raise ValueError("not an mcap file")
-        self._add(self._ranges.head, 0, len(MAGIC))
-        at, end = len(MAGIC), self._size_bytes - len(MAGIC)
+        self._add(self._ranges.head, 0, len(magic.MCAP))
+        at, end = len(magic.MCAP), self._size_bytes - len(magic.MCAP)
         chunk_end = at
         for place in record_places(self._opened, at, end, CHUNK_HEADER.size, enters_chunks=True):
             op, start, at, head = place
@@ -77,9 +77,9 @@ class _Index:
                 self._add(self._ranges.head, start, CHUNK_START.size)
             else:
                 self._add(self._ranges.head if op == Op.HEADER else self._ranges.tail, start, at - start)
-        if at != end or self._at(end, len(MAGIC)) != MAGIC:
+        if at != end or self._at(end, len(magic.MCAP)) != magic.MCAP:
             raise ValueError("without an end")
-        self._add(self._ranges.tail, end, len(MAGIC))
+        self._add(self._ranges.tail, end, len(magic.MCAP))
         return self._ranges
 
     def _note_message(self, place: RecordPlace) -> None:

@@ -5,10 +5,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from smarttestudo.bags.comparison import Comparison, TopicComparison
-from smarttestudo.bags.statistics import TopicStatistics
 from smarttestudo.report.table import Align, Column, Number, Row, Table, Text, percent_cell
+
+if TYPE_CHECKING:
+    from smarttestudo.bags.comparison import Comparison, TopicComparison
+    from smarttestudo.bags.statistics import TopicStatistics
 
 DECLARED = "declared"
 _TOPIC = Column(heading="Topic", align=Align.LEFT)

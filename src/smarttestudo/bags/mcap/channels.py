@@ -5,19 +5,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-
-from mcap.records import Channel as ChannelRecord
-from mcap.records import Schema
+from typing import TYPE_CHECKING
 
 from smarttestudo.bags.definition_text import normal_definition
 from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.domain.recording import Channel
 
+if TYPE_CHECKING:
+    from mcap.records import Channel as ChannelRecord
+    from mcap.records import Schema
+
+    from smarttestudo.bags.mcap.summary import ChannelEntry, SchemaEntry
+
 _IDL_ENCODINGS = frozenset({"ros2idl", "omgidl"})
 _DEFINED_ENCODINGS = frozenset({"ros2msg"}) | _IDL_ENCODINGS
 
 
-def stored_channel(record: ChannelRecord, schema: Schema | None, qos_reader: QosReader) -> Channel:
+def stored_channel(
+    record: ChannelRecord | ChannelEntry, schema: Schema | SchemaEntry | None, qos_reader: QosReader
+) -> Channel:
     """The channel of a record, with its type if the file has a ``schema`` for it."""
     metadata: Mapping[str, str] = record.metadata
     qos = qos_reader.read_or_note(record.topic, metadata.get("offered_qos_profiles"))

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import BinaryIO
 
-MAGIC = b"\x89MCAP0\r\n"
+from smarttestudo.bags import magic
+
 FRAME = struct.Struct("<BQ")
 MESSAGE_HEADER = struct.Struct("<HIQQ")
 MESSAGE_START = struct.Struct("<BQHIQQ")
@@ -18,7 +19,7 @@ CHUNK_HEADER = struct.Struct("<QQQIIQ")
 """What an uncompressed chunk has before its records: stamps, their bytes, checksum, 0, their bytes again."""
 CHUNK_START = struct.Struct("<BQQQQIIQ")
 """The frame of an uncompressed chunk and its header."""
-FOOTER_BYTES = FRAME.size + 20 + len(MAGIC)
+FOOTER_BYTES = FRAME.size + 20 + len(magic.MCAP)
 RecordPlace = tuple[int, int, int, bytes]
 """Kind of a record, the byte its frame begins at, the byte after it, and the first ones of its content."""
 _LIBRARY = "smarttestudo"
@@ -116,7 +117,7 @@ def record(op: Op, content: bytes) -> bytes:
 
 def file_start() -> bytes:
     """Bytes at the beginning of a file."""
-    return MAGIC + record(Op.HEADER, _text("ros2") + _text(_LIBRARY))
+    return magic.MCAP + record(Op.HEADER, _text("ros2") + _text(_LIBRARY))
 
 
 def schema_record(number: int, channel: StoredChannel) -> bytes:
@@ -179,28 +180,24 @@ def file_end(summary_start: int, groups: Sequence[tuple[Op, bytes]]) -> bytes:
             summary += group
             place += len(group)
     footer = record(Op.FOOTER, struct.pack("<QQI", summary_start, place, 0))
-    return summary + offsets + footer + MAGIC
+    return summary + offsets + footer + magic.MCAP
 
 
 def read_schema(content: bytes) -> tuple[int, str, str]:
     """Number, type and definition of a schema; ``struct.error`` and ``ValueError`` for what is none."""
     (number,) = struct.unpack_from("<H", content)
-    name, place = _read_text(content, 2)
-    _, place = _read_text(content, place)
-    definition, _ = _read_text(content, place)
+    name, place = read_text(content, 2)
+    _, place = read_text(content, place)
+    definition, _ = read_text(content, place)
     return number, name, definition
 
 
 def read_channel(content: bytes, schemas: Mapping[int, tuple[str, str]]) -> tuple[int, StoredChannel]:
     """Number and channel, whose type and definition are in ``schemas``; errors as in ``read_schema``."""
     number, schema = struct.unpack_from("<HH", content)
-    topic, place = _read_text(content, 4)
-    serialization_format, place = _read_text(content, place)
-    notes: dict[str, str] = {}
-    place += 4
-    while place < len(content):
-        key, place = _read_text(content, place)
-        notes[key], place = _read_text(content, place)
+    topic, place = read_text(content, 4)
+    serialization_format, place = read_text(content, place)
+    notes, _ = read_notes(content, place)
     type_name, definition = schemas.get(schema, ("", ""))
     channel = StoredChannel(
         topic=topic,
@@ -213,10 +210,29 @@ def read_channel(content: bytes, schemas: Mapping[int, tuple[str, str]]) -> tupl
     return number, channel
 
 
-def _read_text(content: bytes, place: int) -> tuple[str, int]:
-    (size,) = struct.unpack_from("<I", content, place)
-    end = place + 4 + size
-    return content[place + 4 : end].decode(), end
+def read_notes(content: bytes, place: int) -> tuple[dict[str, str], int]:
+    """Texts by their names from byte ``place`` on, and where they end."""
+    notes: dict[str, str] = {}
+    (size_bytes,) = struct.unpack_from("<I", content, place)
+    place += 4
+    end = place + size_bytes
+    while place < end:
+        key, place = read_text(content, place)
+        notes[key], place = read_text(content, place)
+    return notes, place
+
+
+def read_text(content: bytes, place: int) -> tuple[str, int]:
+    """The text at byte ``place``, and where it ends; of one that is cut off, what is there."""
+    data, end = read_bytes(content, place)
+    return data.decode(), end
+
+
+def read_bytes(content: bytes, place: int) -> tuple[bytes, int]:
+    """The bytes that are counted at byte ``place``, as ``read_text``."""
+    (size_bytes,) = struct.unpack_from("<I", content, place)
+    end = place + 4 + size_bytes
+    return content[place + 4 : end], end
 
 
 def _text(text: str) -> bytes:

@@ -18,16 +18,17 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.records import Channel, Chunk, McapRecord, Message, Schema
 
+from smarttestudo.bags import magic
 from smarttestudo.bags.mcap.record_bytes import (
     CHUNK_HEADER,
     CHUNK_START,
     FRAME,
-    MAGIC,
     MESSAGE_HEADER,
     Op,
     RecordPlace,
     record_places,
 )
+from smarttestudo.bags.stored_file import OutlineError
 
 _CONTENT = frozenset({Op.SCHEMA, Op.CHANNEL, Op.MESSAGE, Op.CHUNK})
 BROKEN = (
@@ -78,7 +79,7 @@ class RecordReader:
 
     def places(self) -> Iterator[RecordPlace]:
         """Every schema, channel, message and chunk up to the footer; the last may be cut off."""
-        end = len(MAGIC)
+        end = len(magic.MCAP)
         for place in record_places(self._file, end, self.file_bytes, MESSAGE_HEADER.size):
             op, start, end, _ = place
             if op == Op.FOOTER:
@@ -191,6 +192,14 @@ def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
         if header.uncompressed_crc and zlib.crc32(content) != header.uncompressed_crc:
             raise ValueError("checksum mismatch")
     return content
+
+
+def whole_chunk_content(chunk: bytes) -> bytes:
+    """The records in a chunk of a whole file. Raises ``OutlineError`` where they cannot be decompressed."""
+    try:
+        return chunk_content(chunk, is_whole=True)
+    except BROKEN as error:
+        raise OutlineError(str(error)) from error
 
 
 def _decompress(compression: str, data: bytes) -> bytes:

@@ -22,12 +22,12 @@ from smarttestudo.bags.stored_file import (
     HOMELESS,
     ChannelsByNumber,
     Outline,
-    TimeIndex,
     left_out,
     read_so_far,
 )
+from smarttestudo.bags.time_index import TimeIndex
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel, RecordedMessage
+from smarttestudo.domain.recording import Channel, RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS, counted, grouped
 
 _NO_SCHEMA = 0
@@ -72,7 +72,12 @@ class RecoveredMcapFile:
         """The outlines of ``messages``; chunks are unpacked, messages outside of them are not read."""
         read = partial(self._heads_at, head_bytes=head_bytes)
         for stamp_ns, number, (size_bytes, head) in in_time_order(self._index.places(), read):
-            yield channels[number], stamp_ns, size_bytes, head
+            if number in channels:
+                yield channels[number], stamp_ns, size_bytes, head
+
+    def sizes(self, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+        """The sizes of ``messages``, read as ``outlines`` are."""
+        return (outline[:3] for outline in self.outlines(channels, 0))
 
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""

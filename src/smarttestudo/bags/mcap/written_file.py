@@ -8,11 +8,11 @@ import struct
 from pathlib import Path
 from typing import BinaryIO
 
+from smarttestudo.bags import magic
 from smarttestudo.bags.mcap.record_bytes import (
     CHUNK_START,
     FOOTER_BYTES,
     FRAME,
-    MAGIC,
     MESSAGE_HEADER,
     ChunkPlace,
     Op,
@@ -116,7 +116,7 @@ class _Walk:
         self._schemas: dict[int, tuple[str, str]] = {}
         self._numbers: set[int] = set()
         self.state = state = McapState()
-        if self._at(0, len(MAGIC)) != MAGIC:
+        if self._at(0, len(magic.MCAP)) != magic.MCAP:
             raise ValueError("not an mcap file")
         self.is_whole = self._has_end()
         self.ends_with_message = False
@@ -132,7 +132,7 @@ class _Walk:
 
     def _read_records(self) -> int:
         """Note all records; where the last whole one ends."""
-        end = len(MAGIC)
+        end = len(magic.MCAP)
         for place in record_places(self._file, end, self._end, MESSAGE_HEADER.size, enters_chunks=True):
             op, start, next_start, _ = place
             if op == Op.CHUNK:
@@ -194,7 +194,7 @@ class _Walk:
 
     def _has_end(self) -> bool:
         end = self._at(max(self._end - FOOTER_BYTES, 0), FOOTER_BYTES)
-        return end[:1] == bytes([Op.FOOTER]) and end.endswith(MAGIC)
+        return end[:1] == bytes([Op.FOOTER]) and end.endswith(magic.MCAP)
 
     def _at(self, offset: int, size: int) -> bytes:
         self._file.seek(offset)

@@ -5,8 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
-from functools import partial
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import apsw
@@ -14,39 +13,24 @@ import apsw
 from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.sqlite.database import BROKEN, open_database, read_topics
 from smarttestudo.bags.sqlite.log import WriteAheadLog
-from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile
-from smarttestudo.bags.stored_file import ChannelsByNumber, ContinuedFile, Outline, OutlineError
+from smarttestudo.bags.stored_file import (
+    ChannelsByNumber,
+    ContinuedFile,
+    Outline,
+    OutlineError,
+    StoredFile,
+)
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import RecordedMessage
+from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 
 # SQLite knows the length of a blob from the head of its row, and leaves the pages that hold the rest alone.
-_LENGTHS = """
+_SIZES = """
 SELECT topic_id, timestamp,
-    CASE WHEN typeof(data) = 'blob' AND typeof(timestamp) = 'integer' THEN length(data) END, x''
+    CASE WHEN typeof(data) = 'blob' AND typeof(timestamp) = 'integer' THEN length(data) END
 FROM messages ORDER BY timestamp, id
 """
-_HEADS = _LENGTHS.replace("x''", "substr(data, 1, ?)")
-
-
-def sqlite_outlines(
-    path: Path, channels: ChannelsByNumber, head_bytes: int, log: WriteAheadLog | None = None
-) -> Iterator[Outline]:
-    """The outlines of the messages of ``channels``, all of the database at ``path``, in time order.
-
-    Raises ``OutlineError`` at a row that is no message, or where SQLite cannot read on.
-    """
-    try:
-        with open_database(path, log) as database:
-            rows = database.execute(_HEADS, (head_bytes,)) if head_bytes else database.execute(_LENGTHS)
-            for number, stamp_ns, size_bytes, head in rows:
-                channel = channels.get(number)
-                if channel is None or size_bytes is None:
-                    raise OutlineError("a row without topic, stamp or payload")
-                yield channel, stamp_ns, size_bytes, head
-    except apsw.Error as error:
-        raise OutlineError(str(error)) from error
-
-
+_HEADS = _SIZES.replace("END", "END, substr(data, 1, ?)")
+_NO_MESSAGE = "a row without topic, stamp or payload"
 _SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages WHERE typeof(timestamp) = 'integer'"
 _MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestamp, id"
 
@@ -69,16 +53,26 @@ class SqliteFile(ContinuedFile):
             except BROKEN as error:
                 raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
             self._resources = opened.pop_all()
-        super().__init__(
-            partial(RecoveredSqliteFile, path, log, int(count)),
-            message_count=int(count),
-            start_ns=int(start_ns or 0),
-            end_ns=int(end_ns or 0),
-        )
+        self._promised = int(count)
+        super().__init__(message_count=self._promised, start_ns=int(start_ns or 0), end_ns=int(end_ns or 0))
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``, without reading payloads."""
-        return sqlite_outlines(self._path, channels, head_bytes, self._log)
+        with self._rows(_HEADS, (head_bytes,)) as rows:
+            for number, stamp_ns, size_bytes, head in rows:
+                channel = channels.get(number)
+                if channel is None or size_bytes is None:
+                    raise OutlineError(_NO_MESSAGE)
+                yield channel, stamp_ns, size_bytes, head
+
+    def sizes(self, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+        """The sizes of ``messages``, without reading payloads."""
+        with self._rows(_SIZES) as rows:
+            for number, stamp_ns, size_bytes in rows:
+                channel = channels.get(number)
+                if channel is None or size_bytes is None:
+                    raise OutlineError(_NO_MESSAGE)
+                yield channel, stamp_ns, size_bytes
 
     def notices(self) -> Sequence[str]:
         """Losses, one line each, once all messages were read."""
@@ -89,6 +83,15 @@ class SqliteFile(ContinuedFile):
     def close(self) -> None:
         """Let go of the file and its log."""
         self._resources.close()
+
+    @contextmanager
+    def _rows(self, query: str, values: tuple[int, ...] = ()) -> Iterator[apsw.Cursor]:
+        """The rows of ``query``; ``OutlineError`` where SQLite cannot read on."""
+        try:
+            with open_database(self._path, self._log) as database:
+                yield database.execute(query, values)
+        except apsw.Error as error:
+            raise OutlineError(str(error)) from error
 
     def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         # A row that is not wanted is left unread; where all are, damage in any of them is seen.
@@ -101,3 +104,8 @@ class SqliteFile(ContinuedFile):
                 raise TypeError("a message of a topic that the file does not name")
             if number in channels:
                 yield channels[number], stamp_ns, payload
+
+    def _recovered(self) -> StoredFile:
+        from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile  # noqa: PLC0415  most are whole
+
+        return RecoveredSqliteFile(self._path, self._log, self._promised)

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from os import SEEK_END
 from typing import Protocol
 
+from smarttestudo.bags import magic
+
 _READ_BYTES = 1 << 20
 _WORD_BYTES = 4
 
@@ -45,7 +47,6 @@ def page_heads(file: PageFile, *, file_bytes: int, page_bytes: int) -> array[int
     return heads
 
 
-MAGIC = b"SQLite format 3\0"
 HEADER_BYTES = 100
 _TABLE_LEAF = 0x0D
 _LEAF_HEADER_BYTES = 8
@@ -76,7 +77,7 @@ class SqlitePages:
 
     def __init__(self, file: PageFile) -> None:
         header = file.read(HEADER_BYTES)
-        if len(header) < HEADER_BYTES or not header.startswith(MAGIC):
+        if len(header) < HEADER_BYTES or not header.startswith(magic.SQLITE):
             raise DamagedRowError("no SQLite header")
         self._file = file
         size = int.from_bytes(header[16:18], "big")

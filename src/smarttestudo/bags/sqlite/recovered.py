@@ -16,12 +16,12 @@ from smarttestudo.bags.stored_file import (
     HOMELESS,
     ChannelsByNumber,
     Outline,
-    TimeIndex,
     left_out,
     read_so_far,
 )
+from smarttestudo.bags.time_index import TimeIndex
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import RecordedMessage
+from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import grouped
 
 # More than a row of rosbag2's table ``messages`` has before its payload.
@@ -73,6 +73,10 @@ class RecoveredSqliteFile:
             if message is not None and message[0] in channels:
                 number, stamp_ns, payload = message
                 yield channels[number], stamp_ns, row.sizes[-1], payload[:head_bytes]
+
+    def sizes(self, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
+        """The sizes of ``messages``, read as ``outlines`` are."""
+        return (outline[:3] for outline in self.outlines(channels, 0))
 
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""

@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The summary at the end of an MCAP file: what is in it, and where (https://mcap.dev/spec)."""
+
+from __future__ import annotations
+
+import os
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import BinaryIO
+
+from smarttestudo.bags import magic
+from smarttestudo.bags.mcap.record_bytes import FOOTER_BYTES, FRAME, Op, read_bytes, read_notes, read_text
+
+_FOOTER = struct.Struct("<BQQQI8s")
+_CHANNEL_START = struct.Struct("<HH")
+_CHUNK_START = struct.Struct("<QQQQI")
+_CHUNK_END = struct.Struct("<QQ")
+_STATISTICS = struct.Struct("<QHIIIIQQI")
+_PLACE = struct.Struct("<HQ")
+_DESCRIBED = frozenset({Op.SCHEMA, Op.CHANNEL, Op.CHUNK_INDEX, Op.STATISTICS})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SchemaEntry:
+    """A type: its name, and its definition in the language ``encoding``."""
+
+    name: str
+    encoding: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChannelEntry:
+    """A topic whose type is the schema with the number ``schema_id``; 0 is none."""
+
+    schema_id: int
+    topic: str
+    message_encoding: str
+    metadata: dict[str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChunkEntry:
+    """Where a chunk is; ``indexed_channels`` are those that have an index of their messages behind it."""
+
+    message_start_time: int
+    chunk_start_offset: int
+    chunk_length: int
+    indexed_channels: int
+    message_index_length: int
+    compression: str
+    uncompressed_size: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StatisticsEntry:
+    """How many messages of which channels there are, and their stamps in ns."""
+
+    message_count: int
+    message_start_time: int
+    message_end_time: int
+    channels: tuple[int, ...]
+
+
+@dataclass(slots=True, kw_only=True)
+class McapSummary:
+    """Content of a summary, schemas and channels by their numbers."""
+
+    statistics: StatisticsEntry | None = None
+    schemas: dict[int, SchemaEntry] = field(default_factory=dict)
+    channels: dict[int, ChannelEntry] = field(default_factory=dict)
+    chunks: list[ChunkEntry] = field(default_factory=list)
+
+
+def read_summary(file: BinaryIO) -> McapSummary | None:
+    """The summary of a file, ``None`` where it has none.
+
+    Raises ``struct.error`` or ``ValueError`` where it makes no sense, and ``OSError``.
+    """
+    end = file.seek(-FOOTER_BYTES, os.SEEK_END)
+    op, size_bytes, start, _, _, last = _FOOTER.unpack(file.read(FOOTER_BYTES))
+    if (op, size_bytes, last) != (Op.FOOTER, FOOTER_BYTES - FRAME.size - len(magic.MCAP), magic.MCAP):
+        raise ValueError("no footer")
+    if not start:
+        return None
+    if start > end:
+        raise ValueError("the summary begins behind its end")
+    summary = McapSummary()
+    for kind, content in _records(file, start, end):
+        match kind:
+            case Op.SCHEMA:
+                number, summary.schemas[number] = _schema(content)
+            case Op.CHANNEL:
+                number, summary.channels[number] = _channel(content)
+            case Op.CHUNK_INDEX:
+                summary.chunks.append(_chunk(content))
+            case Op.STATISTICS:
+                summary.statistics = _statistics(content)
+    return summary
+
+
+def _records(file: BinaryIO, at: int, end: int) -> Iterator[tuple[int, bytes]]:
+    """The records between two bytes that describe something."""
+    file.seek(at)
+    while at < end:
+        op, size_bytes = FRAME.unpack(file.read(FRAME.size))
+        at += FRAME.size + size_bytes
+        if at > end:
+            raise ValueError("a record is longer than the summary")
+        if op in _DESCRIBED:
+            yield op, file.read(size_bytes)
+        else:
+            file.seek(at)
+
+
+def _schema(content: bytes) -> tuple[int, SchemaEntry]:
+    name, place = read_text(content, 2)
+    encoding, place = read_text(content, place)
+    data, place = read_bytes(content, place)
+    _require_within(content, place)
+    return int.from_bytes(content[:2], "little"), SchemaEntry(name=name, encoding=encoding, data=data)
+
+
+def _channel(content: bytes) -> tuple[int, ChannelEntry]:
+    number, schema = _CHANNEL_START.unpack_from(content)
+    topic, place = read_text(content, _CHANNEL_START.size)
+    encoding, place = read_text(content, place)
+    metadata, place = read_notes(content, place)
+    _require_within(content, place)
+    return number, ChannelEntry(schema_id=schema, topic=topic, message_encoding=encoding, metadata=metadata)
+
+
+def _chunk(content: bytes) -> ChunkEntry:
+    first_ns, _, start, length, places_bytes = _CHUNK_START.unpack_from(content)
+    place = _CHUNK_START.size + places_bytes
+    (index_length,) = struct.unpack_from("<Q", content, place)
+    compression, place = read_text(content, place + 8)
+    _, uncompressed = _CHUNK_END.unpack_from(content, place)
+    return ChunkEntry(
+        message_start_time=first_ns,
+        chunk_start_offset=start,
+        chunk_length=length,
+        indexed_channels=places_bytes // _PLACE.size,
+        message_index_length=index_length,
+        compression=compression,
+        uncompressed_size=uncompressed,
+    )
+
+
+def _statistics(content: bytes) -> StatisticsEntry:
+    count, _, _, _, _, _, first_ns, last_ns, counts_bytes = _STATISTICS.unpack_from(content)
+    end = _STATISTICS.size + counts_bytes
+    _require_within(content, end)
+    return StatisticsEntry(
+        message_count=count,
+        message_start_time=first_ns,
+        message_end_time=last_ns,
+        channels=tuple(number for number, _ in _PLACE.iter_unpack(content[_STATISTICS.size : end])),
+    )
+
+
+def _require_within(content: bytes, place: int) -> None:
+    if place > len(content):
+        raise ValueError("a record is shorter than what it holds")
