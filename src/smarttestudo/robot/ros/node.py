@@ -170,8 +170,9 @@ class RosNode:
 
     def publisher_count(self, topic: str) -> int:
         """How many publishers ``publishers`` would find, for a fraction of its cost."""
-        with ros_errors(topic):
-            count: int = self._node.count_publishers(topic)
+        handle = self._node.handle
+        with ros_errors(topic), handle:
+            count: int = handle.get_count_publishers(topic)
         return count
 
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
@@ -181,8 +182,9 @@ class RosNode:
 
     def subscriber_count(self, topic: str) -> int:
         """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
-        with ros_errors(topic):
-            count: int = self._operators.count_subscribers(topic)
+        handle = self._operators.handle
+        with ros_errors(topic), handle:
+            count: int = handle.get_count_subscribers(topic)
         return count
 
     def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
