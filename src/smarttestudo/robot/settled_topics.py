@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What follows from the topics of a live run while none of them changes."""
+"""All that follows from the topics of a live run while none of them changes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EndpointsOf = Callable[[str], Sequence[Endpoint]]
 
 
 class SettledTopics:
-    """What follows from ``topics`` and their endpoints, each made when it is first asked for, and kept.
+    """All that follows from ``topics`` and their endpoints, each made when it is first asked for, and kept.
 
     With hundreds of topics it costs more than the looks at the graph, so there is a new one only after a
     change: of what is open, of a source, or of an endpoint.
@@ -51,7 +51,7 @@ class SettledTopics:
 
     @cached_property
     def listeners(self) -> Mapping[str, frozenset[bytes]]:
-        """Who subscribes to the output of each relayed topic."""
+        """The GIDs of those that subscribe to the output of each relayed topic."""
         return {
             live.topic: frozenset(one.gid for one in self._subscribers_of(output))
             for output, live in self.outputs.items()
