@@ -12,6 +12,7 @@ import pytest
 from smarttestudo.domain.robot import DataPathKind, GraphChange, OutputDomain, Qos, Robot
 from smarttestudo.robot.ros import graph_looks, open_robot
 from smarttestudo.robot.ros.graph_looks import GraphLooks
+from smarttestudo.robot.ros.rcl import path
 from smarttestudo.robot.ros.real_timers import RealTimers
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
@@ -158,6 +159,19 @@ def test_an_operator_in_another_domain_is_looked_at_when_it_comes(
         with open_robot(name="operator") as operator:
             operator.data_path.subscribe("/words", TEXT, PLAIN, lambda *_: None)
             wait_until(relay, lambda: counts[-1] == 1)
+
+
+def test_after_a_quiet_time_rclpy_warns_of_a_subscriber_that_an_output_does_not_suit(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(path, "WARNS_S", QUIET_S / 2)
+    looks: list[GraphChange] = []
+    robot.look_at_graph(looks.append)
+    robot.data_path.advertise("/words", TEXT, Qos(reliable=False, transient_local=False))
+    wait_for_quiet(robot, looks)
+    with open_robot(name="other") as other:
+        other.data_path.subscribe("/words", TEXT, PLAIN, lambda *_: None)
+        wait_until(robot, lambda: "'/words', requesting incompatible QoS" in capfd.readouterr().err)
 
 
 @pytest.mark.parametrize("robot", [DataPathKind.RCLPY], indirect=True)

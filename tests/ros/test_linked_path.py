@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import importlib.util
+import time
 
 import pytest
 
@@ -12,7 +13,9 @@ from robot.memory_link import MemoryLink
 from robot.small_graph import TEXT, SmallGraph
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.link import StreamInfo
-from smarttestudo.domain.robot import Publisher, Qos
+from smarttestudo.domain.link_state import LinkState
+from smarttestudo.domain.robot import GraphChange, Publisher, Qos
+from smarttestudo.robot.ros import open_robot
 
 if importlib.util.find_spec("rclpy") is None:
     pytest.skip("ROS 2 (rclpy) is not installed", allow_module_level=True)
@@ -24,6 +27,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"
 
 UNKNOWN = "new_msgs/msg/New"
 QOS = Qos(reliable=True, transient_local=False)
+TIMEOUT_S = 120.0
 
 
 class OpenLink(MemoryLink):
@@ -46,3 +50,21 @@ def test_a_type_that_is_missing_here_leaves_no_stream_on_the_link() -> None:
     assert (here.advertised, link.there.advertised) == ([], [])
     path.advertise("/words", TEXT, QOS).publish(b"hello")
     assert here.published == link.there.published == [("/words", b"hello")]
+
+
+@pytest.mark.usefixtures("in_domain")
+def test_an_operators_end_that_comes_or_goes_is_a_change_of_the_graph() -> None:
+    link = OpenLink()
+    looks: list[tuple[bool, GraphChange]] = []
+    with open_robot(link=link) as robot:
+        robot.look_at_graph(lambda graph: looks.append((link.state.is_connected, graph)))
+        end_s = time.monotonic() + TIMEOUT_S
+        for is_connected in (False, True, False):
+            while not looks or looks[-1][1] is not GraphChange.NONE:
+                assert time.monotonic() < end_s
+                robot.wait(None, 0.1)
+            link.state = LinkState(is_connected=is_connected)
+            while looks[-1][0] is not is_connected:
+                assert time.monotonic() < end_s
+                robot.wait(None, 0.1)
+            assert looks[-1] == (is_connected, GraphChange.TOLD)

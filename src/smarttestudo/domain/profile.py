@@ -59,6 +59,9 @@ class TopicProfile:
         return needs_hz
 
 
+_EMPTY = TopicProfile()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Profile:
     """Topics by full name, the link's budget in KB/s, and how long a lower rate waits, in seconds."""
@@ -70,7 +73,7 @@ class Profile:
 
     def topic(self, name: str) -> TopicProfile:
         """The entry of ``name``, or an empty one."""
-        return self.topics.get(name) or TopicProfile()
+        return self.topics.get(name, _EMPTY)
 
     def resolved(self, resolve: Callable[[str], str]) -> Profile:
         """This profile with every topic, also those paced with, by the name that ``resolve`` gives it."""

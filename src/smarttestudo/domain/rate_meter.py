@@ -70,18 +70,21 @@ class RateWindow:
     """Message counts at looks, about a second apart, over ten seconds; longer where messages are rarer.
 
     Only looks cost time, messages do not. The rate is exact: from the last message before the window to the
-    last one in it.
+    last one in it, between which ``intervals`` lie, and ``span_ns`` of time.
     """
 
-    __slots__ = ("_looks", "_messages")
+    __slots__ = ("_looks", "_messages", "intervals", "span_ns")
 
     def __init__(self) -> None:
+        self.span_ns = 0
+        self.intervals = 0
         self._looks: deque[_Look] = deque()
         self._messages = 0
 
     def restart(self) -> None:
         """Forget what was: the next message begins a window."""
         self._looks.clear()
+        self.span_ns = self.intervals = 0
 
     def begun_anew(self) -> RateWindow:
         """Another window of the same flow, which its next message begins."""
@@ -93,24 +96,18 @@ class RateWindow:
         """Take the counts at ``now_ns``; whether messages came. On a clock that jumped back, begin anew."""
         looks = self._looks
         if looks and now_ns < looks[-1].now_ns:
-            looks.clear()
+            self.restart()
         has_come = messages != self._messages
         if has_come:
             self._messages = messages
             looks.append(_Look(now_ns, messages, position_ns, size_bytes))
         while len(looks) > 1 and looks[1].now_ns <= now_ns - WINDOW_NS and self._has_enough_without_first:
             looks.popleft()
+        if looks:
+            first, last = looks[0], looks[-1]
+            self.span_ns = last.position_ns - first.position_ns
+            self.intervals = last.messages - first.messages
         return has_come
-
-    @property
-    def span_ns(self) -> int:
-        """From the first message of the window to the last."""
-        return self._looks[-1].position_ns - self._looks[0].position_ns if self._looks else 0
-
-    @property
-    def intervals(self) -> int:
-        """How many intervals lie between them."""
-        return self._looks[-1].messages - self._looks[0].messages if self._looks else 0
 
     @property
     def rate_hz(self) -> float | None:

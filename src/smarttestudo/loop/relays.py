@@ -64,7 +64,7 @@ class Relays:
         return {
             topic: relay.pacer.discarded + relay.pacer.undecided
             for topic, relay in self._relays.items()
-            if isinstance(relay.pacer, Follower)
+            if relay.leader is not None and isinstance(relay.pacer, Follower)
         }
 
     def relay(self, topic: str) -> Relay | None:

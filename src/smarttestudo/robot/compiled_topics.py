@@ -31,7 +31,7 @@ MOST_MEAN_BYTES = 1 << 16
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Use:
-    """What a relay publishes by, and what is told of its messages."""
+    """How a topic is relayed: by which publisher, and who is told of its messages."""
 
     publisher: Publisher | None
     is_relayed: bool

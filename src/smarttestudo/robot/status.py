@@ -320,13 +320,16 @@ def _error(meters: _Meters, rates: _Rates, link: TopicLink) -> _Error:
 
 
 def _silence(link: TopicLink, meters: _Meters) -> Silence | None:
-    reasons = {
-        Silence.OFF: meters.target_hz == 0,
-        Silence.NO_PUBLISHER: link.publishers == 0,
-        Silence.CANNOT_RELAY: link.problem is not None,
-        Silence.NO_SUBSCRIBER: link.subscribers == 0,
-        Silence.INCOMPATIBLE_QOS: link.subscribers == len(link.incompatible),
-        Silence.NO_MESSAGE: meters.statistics.arrived.messages == 0,
-        Silence.SOURCE_SILENT: meters.arrived.is_silent,
-    }
-    return next((reason for reason, holds in reasons.items() if holds), None)
+    reasons = (
+        (Silence.OFF, meters.target_hz == 0),
+        (Silence.NO_PUBLISHER, link.publishers == 0),
+        (Silence.CANNOT_RELAY, link.problem is not None),
+        (Silence.NO_SUBSCRIBER, link.subscribers == 0),
+        (Silence.INCOMPATIBLE_QOS, link.subscribers == len(link.incompatible)),
+        (Silence.NO_MESSAGE, meters.statistics.arrived.messages == 0),
+        (Silence.SOURCE_SILENT, meters.arrived.is_silent),
+    )
+    for reason, holds in reasons:
+        if holds:
+            return reason
+    return None

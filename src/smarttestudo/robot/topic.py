@@ -135,7 +135,7 @@ class OpenTopic:
         if is_wanted:
             with self._closed_on_error():
                 self._subscribe(self._opened_for)
-        elif self._opened_for.qos.transient_local:
+        elif self.is_latched:
             # What is latched comes anew with the next subscription, and must not be there twice.
             self._open()
         else:
@@ -147,8 +147,12 @@ class OpenTopic:
 
         What is latched must come anew for another output; nobody misses what is not recorded meanwhile.
         """
-        is_latched = self._opened_for is not None and self._opened_for.qos.transient_local
-        return self.is_recorded and is_recorded and not is_latched
+        return self.is_recorded and is_recorded and not self.is_latched
+
+    @property
+    def is_latched(self) -> bool:
+        """Whether it is open for a source that keeps its last messages for late subscribers."""
+        return self._opened_for is not None and self._opened_for.qos.transient_local
 
     def serve(self, output: str | None) -> None:
         """Have another output topic, or none, by the same subscription. Raises ``RosError``."""

@@ -4,60 +4,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from functools import partial
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Undecodable
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Endpoint, GraphChange, Publisher, Robot, Subscription
+from smarttestudo.domain.robot import Endpoint, GraphChange, Robot, Subscription
 from smarttestudo.domain.visible_topics import relaying_nodes
 from smarttestudo.loop.relay import Relayed
+from smarttestudo.robot.endpoint_cache import EndpointCache
+from smarttestudo.robot.settled_topics import Ends, SettledTopics
 from smarttestudo.robot.topic import LiveSource, OpenTopic, live_source, suits
-from smarttestudo.robot.topic_link import TopicLink, not_offered, topic_link
-
-LOOKS_PER_ROUND = 5
-
-
-class EndpointCache:
-    """A cache of the endpoints of topics, of which ``count`` gives the number, and ``find`` all.
-
-    ``find`` costs several times as much. Where changes of the graph are told, it is called for all topics
-    after one. Where they are not, each look counts, and finds anew where the number changed and for a fifth
-    of the others in turn, so that one that was replaced by another is noticed too. Where none was told, a
-    look does that for a fifth of the topics: what was not told all the same is found then.
-    """
-
-    def __init__(self, count: Callable[[str], int], find: Callable[[str], Sequence[Endpoint]]) -> None:
-        self._count = count
-        self._find = find
-        self._found: dict[str, Sequence[Endpoint]] = {}
-        self._looks = 0
-
-    def look(self, topics: Iterable[str], graph: GraphChange) -> list[str]:
-        """Topics among ``topics`` whose endpoints are not what they were at the last look."""
-        counted = LOOKS_PER_ROUND if graph is GraphChange.NONE else 1
-        found = 1 if graph is GraphChange.TOLD else counted * LOOKS_PER_ROUND
-        looks = self._looks
-        self._looks += 1
-        return [
-            topic
-            for place, topic in enumerate(topics)
-            if (place - looks) % counted == 0 or topic not in self._found
-            if self._is_new(topic, is_to_be_found=(place - looks) % found == 0)
-        ]
-
-    def of(self, topic: str) -> Sequence[Endpoint]:
-        """The endpoints of ``topic`` as of the last look."""
-        return self._found.get(topic, ())
-
-    def _is_new(self, topic: str, *, is_to_be_found: bool) -> bool:
-        known = self._found.get(topic)
-        if known is not None and not is_to_be_found and self._count(topic) == len(known):
-            return False
-        self._found[topic] = found = self._find(topic)
-        return found != known
-
+from smarttestudo.robot.topic_link import TopicLink, not_offered
 
 Received = Callable[[str, Payload, Hashable], None]
 """Takes a message: its topic, its payload, and its publisher where that is known."""
@@ -91,9 +50,12 @@ class LiveTopics:
         self._leaders: Mapping[str, str] = {}
         self._publishers = EndpointCache(robot.publisher_count, robot.publishers)
         self._subscribers = EndpointCache(robot.subscriber_count, robot.subscribers)
-        self._heard: dict[str, frozenset[bytes]] = {}
+        self._heard: Mapping[str, frozenset[bytes]] = {}
         self._testudos: frozenset[str] = frozenset()
         self._said: set[str] = set()
+        self._settled = self._settled_now()
+        self._wanted_by: SettledTopics | None = None
+        """Those of which the wanted ones are subscribed to."""
 
     def follow(
         self,
@@ -128,29 +90,31 @@ class LiveTopics:
         for topic, live in before.items():
             if self._topics.get(topic) is not live:
                 live.close()
+        self._settled = self._settled_now()
 
     def look(self, graph: GraphChange) -> list[SourceChanged]:
         """Follow the graph: what changed since the last look."""
         self._look_at_operators(graph)
         testudos = relaying_nodes(self._robot, self._warn_once)
         moved = self._publishers.look(self._topics, graph)
-        unseen = [topic for topic, live in self._topics.items() if live.source is None or not live.is_told]
+        unseen = self._settled.unseen
         if testudos != self._testudos:
             moved, self._testudos = list(self._topics), testudos
         changes = [self._look_at(self._topics[topic]) for topic in dict.fromkeys([*moved, *unseen])]
+        told = [change for change in changes if change is not None]
+        if moved or told:
+            self._settled = self._settled_now()
         now_ns = self._robot.steady_ns()
-        for live in self._topics.values():
+        for live in self._settled.latched:
             self._forget_undiscovered(live, now_ns)
-        return [change for change in changes if change is not None]
+        return told
 
     def listeners(self) -> list[ListenersChanged]:
         """Which relayed topics have, as of the last look, gained a subscriber or lost their last one."""
-        heard = {
-            topic: frozenset(one.gid for one in self._subscribers.of(live.output))
-            for topic, live in self._topics.items()
-            if live.output is not None
-        }
+        heard = self._settled.listeners
         before, self._heard = self._heard, heard
+        if heard is before:
+            return []
         return [
             ListenersChanged(topic=topic, are_there=bool(now))
             for topic, now in heard.items()
@@ -170,34 +134,24 @@ class LiveTopics:
         live = self._topics.get(topic)
         return None if live is None else live.subscription
 
-    def subscriptions(self) -> dict[str, Subscription]:
+    def subscriptions(self) -> Mapping[str, Subscription]:
         """All subscriptions that are open."""
-        return {
-            topic: live.subscription for topic, live in self._topics.items() if live.subscription is not None
-        }
+        return self._settled.subscriptions
 
-    def pausable(self) -> dict[str, Subscription]:
+    def pausable(self) -> Mapping[str, Subscription]:
         """The subscriptions to topics that are not recorded and have one publisher, or none any more."""
-        return {
-            topic: subscription
-            for topic, subscription in self.subscriptions().items()
-            if topic not in self.recorded and len(self._publishers.of(topic)) <= 1
-        }
+        return self._settled.pausable
 
-    def ends(self, *, is_published: bool) -> dict[str, tuple[Subscription, Publisher | None]]:
+    def ends(self, *, is_published: bool) -> Ends:
         """Where messages come in and go out, of topics that have one place for each, or are recorded only.
 
         Unless what passes ``is_published``, they go out nowhere.
         """
-        ends = {topic: live.ends(is_published=is_published) for topic, live in self._topics.items()}
-        read_only = {topic for topic in self._watched if self._topics[topic].output is None}
-        return {topic: one for topic, one in ends.items() if one is not None and topic not in read_only}
+        return self._settled.ends if is_published else self._settled.beginnings
 
-    def heard(self) -> Iterator[tuple[str, LiveSource]]:
+    def heard(self) -> Sequence[tuple[str, LiveSource]]:
         """The topics whose messages are received, with their sources."""
-        for topic, live in self._topics.items():
-            if live.subscription is not None and live.source is not None:
-                yield topic, live.source
+        return self._settled.heard
 
     def decoded(self, topic: str, payload: Payload) -> object:
         """The message of a payload that just came, or ``Undecodable``."""
@@ -219,13 +173,18 @@ class LiveTopics:
         except RosError as error:
             self._warn_once(str(error))
 
-    def links(self) -> dict[str, TopicLink]:
+    def links(self) -> Mapping[str, TopicLink]:
         """Connections of each relayed topic."""
-        return {
-            topic: topic_link(live, live.output, self._subscribers.of(live.output))
-            for topic, live in self._topics.items()
-            if live.output is not None
-        }
+        return self._settled.links
+
+    def _settled_now(self) -> SettledTopics:
+        return SettledTopics(
+            self._topics,
+            self._publishers.of,
+            self._subscribers.of,
+            recorded=self.recorded,
+            watched=self._watched,
+        )
 
     def _new(self, topic: str, output: str | None) -> OpenTopic:
         priority = self._priority_of(topic)
@@ -241,12 +200,19 @@ class LiveTopics:
         return live
 
     def _look_at_operators(self, graph: GraphChange) -> None:
-        outputs = {live.output: live for live in self._topics.values() if live.output is not None}
-        for output in self._subscribers.look(outputs, graph):
+        outputs = self._settled.outputs
+        moved = self._subscribers.look(outputs, graph)
+        for output in moved:
             self._name_unserved(outputs[output])
+        if moved:
+            self._settled = self._settled_now()
+        if self._wanted_by is self._settled:
+            return
+        self._wanted_by = self._settled
         wanted = self._wanted(live.topic for output, live in outputs.items() if self._subscribers.of(output))
         for topic, live in self._topics.items():
-            self._want(live, is_wanted=topic in wanted)
+            if self._want(live, is_wanted=topic in wanted):
+                self._settled = self._settled_now()
 
     def _wanted(self, heard: Iterable[str]) -> Collection[str]:
         if not self._is_lazy:
@@ -264,14 +230,16 @@ class LiveTopics:
             topic for topic, live in topics if live.source is not None and live.source.qos.transient_local
         )
 
-    def _want(self, live: OpenTopic, *, is_wanted: bool) -> None:
+    def _want(self, live: OpenTopic, *, is_wanted: bool) -> bool:
+        """Whether that changes what is open."""
         try:
             has_changed = live.want(is_wanted=is_wanted)
         except RosError as error:
             self._warn_once(str(error))
-            return
+            return True
         if has_changed:
             self._robot.log.info(f"{live.topic}: {self._why(live)}")
+        return has_changed
 
     def _why(self, live: OpenTopic) -> str:
         if not live.is_wanted:

@@ -4,20 +4,14 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-import rclpy
-from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
-from rclpy.utilities import get_rmw_implementation_identifier
 
-from smarttestudo.domain.errors import RosError, TestudoError, UsageError
 from smarttestudo.domain.parameter import (
     Accept,
     Parameter,
@@ -27,7 +21,6 @@ from smarttestudo.domain.parameter import (
     Values,
 )
 from smarttestudo.domain.robot import (
-    LAST_DOMAIN,
     DataPath,
     DataPathKind,
     Endpoint,
@@ -46,6 +39,7 @@ from smarttestudo.robot.ros.graph_looks import GraphLooks
 from smarttestudo.robot.ros.message_types import begins_with_header, message_type
 from smarttestudo.robot.ros.node_log import node_log
 from smarttestudo.robot.ros.output_domain import operators_node
+from smarttestudo.robot.ros.own_context import own_context
 from smarttestudo.robot.ros.parameters import (
     REMOTE_LOOK_PERIOD_S,
     NodeParameterClients,
@@ -66,9 +60,6 @@ if TYPE_CHECKING:
     from smarttestudo.robot.ros.rcl.path import RclPath
 
 
-_NO_LOG = ("log directory", "logging directory", "create logger")
-"""What ROS says where the folder of its logs cannot be made or written."""
-_DOMAIN = "ROS_DOMAIN_ID"
 CLOCK_PERIOD_S = 1.0
 """How often to look whether time is simulated; a parameter of the node may change that."""
 
@@ -84,15 +75,7 @@ def open_node(
 
     ``make`` makes it of the rclpy node, its executor and the node that publishes.
     """
-    context = Context()
-    arguments = ["--ros-args", *ros_arguments] if ros_arguments else []
-    try:
-        with ros_errors():
-            rclpy.init(args=arguments, context=context, signal_handler_options=SignalHandlerOptions.NO)
-    except RosError as error:
-        raise _refused(error, ros_arguments) from error
-    try:
-        _require_domain(context)
+    with own_context(ros_arguments) as context:
         with ros_errors(name):
             node = Node(name, context=context)
         executor = SingleThreadedExecutor(context=context)
@@ -107,32 +90,6 @@ def open_node(
         finally:
             executor.shutdown()
             node.destroy_node()
-    finally:
-        rclpy.try_shutdown(context=context)
-
-
-def _refused(error: RosError, ros_arguments: Sequence[str]) -> TestudoError:
-    """An error that says what to do where ROS does not begin."""
-    if any(part in error.cause for part in _NO_LOG):
-        remedy = "set ROS_LOG_DIR to a folder that can be written"
-        return RosError(error.cause, place="ROS_LOG_DIR", remedy=remedy)
-    if _DOMAIN in error.cause:
-        return _no_domain(os.environ.get(_DOMAIN, ""))
-    if not ros_arguments:
-        return error
-    return UsageError(error.cause, place="--ros-args", remedy="see the ROS 2 manual")
-
-
-def _require_domain(context: Context) -> None:
-    """Raise ``RosError`` for a domain without ports: Fast DDS ends the process there."""
-    number = context.get_domain_id()
-    if number > LAST_DOMAIN and not get_rmw_implementation_identifier().startswith("rmw_zenoh"):
-        raise _no_domain(str(number))
-
-
-def _no_domain(text: str) -> RosError:
-    cause = f"{text!r:.80} is no ROS domain"
-    return RosError(cause, place=_DOMAIN, remedy=f"set it to a number from 0 to {LAST_DOMAIN}")
 
 
 class RosNode:
@@ -189,8 +146,9 @@ class RosNode:
 
     def publisher_count(self, topic: str) -> int:
         """How many publishers ``publishers`` would find, for a fraction of its cost."""
-        with ros_errors(topic):
-            count: int = self._node.count_publishers(topic)
+        handle = self._node.handle
+        with ros_errors(topic), handle:
+            count: int = handle.get_count_publishers(topic)
         return count
 
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
@@ -200,8 +158,9 @@ class RosNode:
 
     def subscriber_count(self, topic: str) -> int:
         """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
-        with ros_errors(topic):
-            count: int = self._operators.count_subscribers(topic)
+        handle = self._operators.handle
+        with ros_errors(topic), handle:
+            count: int = handle.get_count_subscribers(topic)
         return count
 
     def own_subscribers(self, topic: str) -> Sequence[Endpoint]:

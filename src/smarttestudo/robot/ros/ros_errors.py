@@ -4,18 +4,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from types import TracebackType
 
 from smarttestudo.domain.errors import RosError
 
 
-@contextmanager
-def ros_errors(place: str | None = None) -> Iterator[None]:
+def ros_errors(place: str | None = None) -> _RosErrors:
     """Make a ``RosError`` of what rclpy raises in the block."""
-    try:
-        yield
-    except RuntimeError as error:
+    return _RosErrors(place)
+
+
+class _RosErrors:
+    """No generator: each look at the graph enters it for hundreds of topics."""
+
+    __slots__ = ("_place",)
+
+    def __init__(self, place: str | None) -> None:
+        self._place = place
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         # All errors of rcl and the middleware are RuntimeErrors; only their first line is for people.
-        cause = (str(error).splitlines() or [type(error).__name__])[0]
-        raise RosError(cause, place=place) from error
+        if isinstance(error, RuntimeError):
+            cause = (str(error).splitlines() or [type(error).__name__])[0]
+            raise RosError(cause, place=self._place) from error

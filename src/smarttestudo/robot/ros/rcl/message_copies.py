@@ -56,7 +56,7 @@ class CopiedSource:
 
     @property
     def address(self) -> int:
-        """What a relay takes from, or publishes by."""
+        """The place that a relay takes from, or publishes by."""
         return ctypes.addressof(self.structure)
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -22,7 +23,7 @@ from smarttestudo.robot.ros.message_types import decoded, is_installed
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
 from smarttestudo.robot.ros.rcl.compiled_relays import RclRelays
 from smarttestudo.robot.ros.rcl.graph import GraphEvents
-from smarttestudo.robot.ros.rcl.publisher import RclPublisher
+from smarttestudo.robot.ros.rcl.publisher import AttendedWhile, RclPublisher
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
 from smarttestudo.robot.ros.rcl.source import RclSource
 from smarttestudo.robot.ros.rcl.subscription import RclSubscription, RclTaker, Unattended
@@ -30,6 +31,8 @@ from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
 
 UNTOLD_PERIOD_S = 5.0
 """How often rclpy's executor checks for work without a wake-up, beside each change of the graph."""
+WARNS_S = 2 * UNTOLD_PERIOD_S
+"""How long after a change of the graph rclpy may warn of a subscriber that its publishers do not suit."""
 
 
 class RclpyPart:
@@ -129,6 +132,7 @@ class RclPath:
             self._wake_ups.add(self.compiled.copies.event_fd, self.compiled.copies)
         self._rclpy_part = RclpyPart(node, executor, library, self._wake_ups)
         self._graph_changed: Callable[[], None] = _nothing
+        self._changed_s = -math.inf
         nodes = [node] if operators is node else [node, operators]
         self._graph = GraphEvents(nodes, library, self._wake_ups, self._changed)
 
@@ -191,7 +195,8 @@ class RclPath:
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """Publish on ``topic``. Raises ``RosError``."""
-        return RclPublisher(self._operators, self._library, topic, type_name, qos)
+        events = AttendedWhile(self._may_warn)
+        return RclPublisher(self._operators, self._library, topic, type_name, qos, events=events)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""
@@ -218,8 +223,13 @@ class RclPath:
         if self._graph.problem is not None:
             self._failed(RosError(f"changes of the graph are no longer reported: {self._graph.problem}"))
         # New services of ours change it, and so does what rclpy warns of: a subscriber with another QoS.
+        self._changed_s = time.monotonic()
         self._rclpy_part.look_next()
         self._graph_changed()
+
+    def _may_warn(self) -> bool:
+        # The executor takes milliseconds to wait for the events of hundreds of publishers.
+        return not self.tells_graph or time.monotonic() < self._changed_s + WARNS_S
 
     def _failed(self, error: RosError) -> None:
         if str(error) not in self._failures:

@@ -8,6 +8,8 @@ import ctypes
 from collections.abc import Callable
 from typing import Any
 
+from rclpy.callback_groups import ReentrantCallbackGroup
+
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Qos
 from smarttestudo.robot.ros.message_types import message_type
@@ -17,15 +19,41 @@ from smarttestudo.robot.ros.rcl.buffers import RclPayload
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 
-class RclPublisher:
-    """A publisher of rclpy, on any node, that librcl gives serialized messages; ``pointer`` is librcl's."""
+class AttendedWhile(ReentrantCallbackGroup):  # type: ignore[misc]
+    """Entities that rclpy's executor leaves alone unless ``is_time``."""
 
-    def __init__(self, node: Any, library: RclLibrary, topic: str, type_name: str, qos: Qos) -> None:
+    def __init__(self, is_time: Callable[[], bool]) -> None:
+        super().__init__()
+        self._is_time = is_time
+
+    def can_execute(self, entity: Any) -> bool:  # noqa: ARG002 - of any entity
+        """Whether it is time."""
+        return self._is_time()
+
+
+class RclPublisher:
+    """A publisher of rclpy, on any node, that librcl gives serialized messages; ``pointer`` is librcl's.
+
+    ``events`` is the group of what rclpy warns of; without one, its executor waits for that all the time.
+    """
+
+    def __init__(
+        self,
+        node: Any,
+        library: RclLibrary,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        *,
+        events: AttendedWhile | None = None,
+    ) -> None:
         self._node = node
         self._library = library
         self.topic = topic
         with ros_errors(topic):
-            self._handle = node.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
+            self._handle = node.create_publisher(
+                message_type(type_name, topic), topic, qos_profile(qos), callback_group=events
+            )
         self.pointer: int = self._handle.handle.pointer
         self.is_reliable = qos.reliable
         self._foreign = library.new_message()
