@@ -85,6 +85,8 @@ class MemoryRelay:
 class MemoryRelays:
     """A ``CompiledRelays`` that keeps what is told of until it is to be delivered."""
 
+    can_relay = True
+
     def __init__(self) -> None:
         self.running: dict[str, MemoryRelay] = {}
         self.begun = 0

@@ -95,6 +95,10 @@ class CompiledRelay(Protocol):
 class CompiledRelays(Protocol):
     """Maker of compiled relays."""
 
+    @property
+    def can_relay(self) -> bool:
+        """Whether there may be any now: not while time is simulated."""
+
     def serves(self, subscription: Subscription, publisher: Publisher | None) -> bool:
         """Whether there may be one between these two, or one that publishes nothing."""
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import partial
 
@@ -23,6 +23,7 @@ from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.robot.sampling import LiveSampling
+from smarttestudo.robot.settled_topics import Ends
 from smarttestudo.robot.topics import LiveTopics
 
 MOST_MEAN_BYTES = 1 << 16
@@ -70,19 +71,26 @@ class CompiledTopics:
         self._is_returned = is_returned
         self._running: dict[str, tuple[CompiledRelay, _Use]] = {}
         self._unrelayed: dict[str, Flow] = {}
-        self._is_counted = False
+        self._sampled: Mapping[str, Subscription] = {}
+        self._looked_at: object = None
+        """What the last look found, where another one that finds the same would decide the same."""
 
     def look(self, topics: LiveTopics, now_ns: int, *, is_quiet: bool = False) -> None:
         """Decide by the plan as it is now which of ``topics`` are relayed so; one that rests works first.
 
-        Where it ``is_quiet``, neither graph nor plan have changed since the last look: what is relayed so
-        stays so.
+        Where it ``is_quiet``, neither graph nor plan have changed since the last look.
         """
-        staying = frozenset(self._running) if is_quiet and not self._is_counted else frozenset()
-        self._is_counted = False
-        compiled = () if self._relays is None else self._look(self._relays, topics, staying, now_ns)
-        pausable = topics.pausable()
-        self._sampling.look({topic: pausable[topic] for topic in pausable if topic not in compiled}, now_ns)
+        relays, pausable = self._relays, topics.pausable()
+        ends: Ends = {}
+        if relays is not None and relays.can_relay:
+            ends = topics.ends(is_published=not self._is_returned)
+        found = (ends, pausable, topics.recorded, self._loop.counts_all)
+        if not is_quiet or found != self._looked_at:
+            wanted = {} if relays is None else self._look(relays, ends, topics.recorded, now_ns)
+            self._sampled = {topic: pausable[topic] for topic in pausable if topic not in wanted}
+            # What is not relayed so may be as soon as a message comes.
+            self._looked_at = found if self._running.keys() == ends.keys() else None
+        self._sampling.look(self._sampled, now_ns)
 
     def received(self, topic: str, size_bytes: int, now_ns: int) -> None:
         """A message of a topic came to Python, which is recorded only."""
@@ -96,7 +104,7 @@ class CompiledTopics:
 
     def count(self, note: Callable[[Relayed], None]) -> None:
         """Have the statistics as of now; ``note`` is given the beginning of each last relayed message."""
-        self._is_counted = True
+        self._looked_at = None
         for topic, (running, use) in self._running.items():
             relay, counts = self._loop.relays.relay(topic), running.counts()
             if not use.is_relayed:
@@ -112,14 +120,15 @@ class CompiledTopics:
         for relay, _ in list(self._running.values()):
             relay.end()
 
-    def _look(self, relays: CompiledRelays, topics: LiveTopics, staying: Set[str], now_ns: int) -> Set[str]:
-        ends = topics.ends(is_published=not self._is_returned)
+    def _look(
+        self, relays: CompiledRelays, ends: Ends, recorded: Set[str], now_ns: int
+    ) -> Mapping[str, _Use]:
         uses = {
-            topic: self._use(topic, publisher, is_recorded=topic in topics.recorded)
+            topic: self._use(topic, publisher, is_recorded=topic in recorded)
             for topic, (subscription, publisher) in ends.items()
             if relays.serves(subscription, publisher)
         }
-        wanted = {topic: use for topic, use in uses.items() if topic in staying or self._suits(topic, use)}
+        wanted = {topic: use for topic, use in uses.items() if self._suits(topic, use)}
         for topic, (relay, use) in list(self._running.items()):
             if wanted.get(topic) != use:
                 relay.end()
@@ -131,10 +140,10 @@ class CompiledTopics:
         for topic, use in wanted.items():
             if topic not in self._running:
                 self._begin(relays, topic, ends[topic][0], use, now_ns)
-            elif topic not in staying:
+            else:
                 pace = self._pace(topic)
                 self._running[topic][0].set_pace(pace.period_ns, pace.slack_ns)
-        return wanted.keys()
+        return wanted
 
     def _use(self, topic: str, publisher: Publisher | None, *, is_recorded: bool) -> _Use:
         is_relayed = self._loop.relays.relay(topic) is not None

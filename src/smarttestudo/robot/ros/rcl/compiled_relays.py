@@ -62,13 +62,15 @@ class RclRelays:
         self._begun: set[RclRelay] = set()
         self._settings = relay_settings(library, layout)
 
+    @property
+    def can_relay(self) -> bool:
+        """Whether there may be any now: relays read the system's clock."""
+        return not self._is_simulated()
+
     def serves(self, subscription: Subscription, publisher: Publisher | None) -> bool:
         """Whether there may be a relay between these two, or one that publishes nothing."""
-        return (
-            isinstance(subscription, RclSource)
-            and (publisher is None or isinstance(publisher, RclPublisher))
-            and not self._is_simulated()
-        )
+        is_published = publisher is None or isinstance(publisher, RclPublisher)
+        return isinstance(subscription, RclSource) and is_published
 
     def begin(
         self,
