@@ -14,7 +14,7 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import GraphChange
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.gone_publishers import FOUND_WITHIN_NS
-from smarttestudo.robot.topics import LiveTopics
+from smarttestudo.robot.topics import UNKNOWN_NODE, LiveTopics
 
 DRIVER, SECOND, OTHER = b"driver", b"second", b"other"
 
@@ -391,3 +391,20 @@ def test_on_a_graph_that_has_changed_a_publisher_that_replaced_another_is_found_
     live.topics.look(GraphChange.TOLD)
     sources = {publisher.topic: publisher.qos.reliable for publisher in graph.advertised}
     assert sources == {f"/testudo{topic}": False for topic in topics}
+
+
+def test_nobody_is_warned_of_endpoints_whose_node_is_not_discovered_yet() -> None:
+    graph, unknown = SmallGraph(), f"_NODE_NAMESPACE_UNKNOWN_{UNKNOWN_NODE}"
+    live = Live(graph, "/imu")
+    graph.listens("/testudo/imu")
+    graph.joins("/imu", DRIVER, node=unknown)
+    graph.joins(DECISIONS_TOPIC, OTHER, node=unknown)
+    live.looks(1)
+    assert lines_with(graph, "SmartTestudo") == []
+    for topic, gid, node in (("/imu", DRIVER, "/driver"), (DECISIONS_TOPIC, OTHER, "/other_testudo")):
+        graph.leaves(topic, gid)
+        graph.joins(topic, gid, node=node)
+    live.looks()
+    graph.sends("/imu", DRIVER, b"measured")
+    assert graph.published == [("/testudo/imu", b"measured")]
+    assert lines_with(graph, "SmartTestudo") == []

@@ -18,6 +18,9 @@ from smarttestudo.robot.settled_topics import Ends, SettledTopics
 from smarttestudo.robot.topic import LiveSource, OpenTopic, live_source, suits
 from smarttestudo.robot.topic_link import TopicLink, not_offered
 
+UNKNOWN_NODE = "/_NODE_NAME_UNKNOWN_"
+"""How the name ends that an endpoint has until its node is discovered, too."""
+
 Received = Callable[[str, Payload, Hashable], None]
 """Takes a message: its topic, its payload, and its publisher where that is known."""
 
@@ -275,6 +278,9 @@ class LiveTopics:
             self._warn_once(str(error))
 
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
+        if any(one.node.endswith(UNKNOWN_NODE) for one in endpoints):
+            # Whose they are is known a moment later.
+            return
         if endpoints and not own:
             self._warn_once(f"{topic}: only SmartTestudo nodes publish it, so it is not relayed")
         elif len(endpoints) > len(own) and self._data_path.tells_publishers:
