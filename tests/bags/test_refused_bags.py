@@ -69,6 +69,10 @@ def test_a_ros_1_bag(tmp_path: Path) -> None:
     path.write_bytes(b"#ROSBAG V2.0\nxxxxxxxxxxx")
     remedy = f"convert it: rosbags-convert --src {path.name} --dst {path.stem}"
     assert refusal(path) == f"a ROS 1 bag, not a rosbag2; {remedy}"
+    (tmp_path / "older.bag").mkdir()
+    with pytest.raises(RecordingError) as refused, open_recording(tmp_path):
+        pass
+    assert str(refused.value) == f"{path}: error: a ROS 1 bag, not a rosbag2; {remedy}"
 
 
 def test_a_database_that_is_no_bag(tmp_path: Path) -> None:

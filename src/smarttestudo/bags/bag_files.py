@@ -106,6 +106,9 @@ def _storage_files(folder: Path) -> tuple[Path, ...]:
     found = sorted(path for path in folder.iterdir() if path.is_file() and _expected_magic(path) is not None)
     paths = tuple(path for path in found if not (is_packed(path) and path.with_suffix("") in found))
     if not paths:
+        for path in sorted(path for path in folder.glob("*.bag") if path.is_file()):
+            # Those of ROS 1 are refused with the command that converts them.
+            require_bag_file(path)
         raise RecordingError("the folder holds no .db3 or .mcap file", place=str(folder), remedy=_EXPECTED)
     storages = {path.with_suffix("").suffix if is_packed(path) else path.suffix for path in paths}
     if len(storages) > 1:
