@@ -177,8 +177,7 @@ class OpenTopic:
         if self.subscription is None or self.unheard:
             return None
         if self._publishers is None or not is_published:
-            is_latched = self._opened_for is not None and self._opened_for.qos.transient_local
-            return None if is_latched else (self.subscription, None)
+            return None if self.is_latched else (self.subscription, None)
         publisher = self._publishers.only
         return None if publisher is None else (self.subscription, publisher)
 
