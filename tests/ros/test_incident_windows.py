@@ -54,6 +54,17 @@ def come_home(source: Process, runtime: Process) -> None:
     runtime.line_with("/odom: 10 Hz → 5 Hz")
 
 
+def leave_at_random(random: Random, source: Process, runtime: Process, subscriber: Process) -> None:
+    """Have incidents at random moments, among what the subscriber hears."""
+    for _ in range(INCIDENTS):
+        for _ in range(random.randint(1, 12)):
+            subscriber.line_with("heard ")
+        leave(source, runtime)
+        for _ in range(random.randint(0, 3)):
+            subscriber.line_with("heard ")
+        come_home(source, runtime)
+
+
 def whole(folder: Path, count: int) -> list[Path]:
     """So many incidents, once they are there."""
     while len(found := sorted(folder.glob("[!.]*"))) < count:
@@ -84,14 +95,7 @@ def test_incidents_at_random_moments_hold_what_the_loop_and_a_plain_subscriber_h
     runtime.line_with("/count: std_msgs/msg/String")
     robot.operator(odom={"type": "nav_msgs/msg/Odometry"}).line_with("heard")
     subscriber = robot.operator(span_s=0.1, count=HEARD_COUNT)
-    random = Random(data_path)
-    for _ in range(INCIDENTS):
-        for _ in range(random.randint(1, 12)):
-            subscriber.line_with("heard ")
-        leave(source, runtime)
-        for _ in range(random.randint(0, 3)):
-            subscriber.line_with("heard ")
-        come_home(source, runtime)
+    leave_at_random(Random(data_path), source, runtime, subscriber)
     paths = whole(folder, INCIDENTS)
     heard = {int(value) for _, value, _ in subscriber.result()["count"]}
     runtime.signal(signal.SIGINT)
@@ -124,26 +128,20 @@ def test_incidents_of_a_topic_that_comes_without_python_hold_what_a_plain_subscr
     robot: SmallRobot, is_relayed: bool
 ) -> None:
     folder = robot.folder / "incidents"
-    source = robot.source(odom=ODOM, count=COUNT)
     text = rules('Record "near miss" /odom /count Before 2 s After 500 ms')
     runtime = robot.runtime(
         text if is_relayed else text.replace("SetFrequency /count 5", ""),
         *("--incidents", str(folder), "--data-path", "fast"),
     )
-    runtime.line_with("/count: std_msgs/msg/String")
+    runtime.line_with("compiled relays")
     threads = threads_of(runtime.pid)
+    source = robot.source(odom=ODOM, count=COUNT)
+    runtime.line_with("/count: std_msgs/msg/String")
     robot.operator(odom={"type": "nav_msgs/msg/Odometry"}).line_with("heard")
     subscriber = robot.operator(span_s=0.1, count=HEARD_COUNT)
     while not threads_of(runtime.pid) - threads:
         subscriber.line_with("heard ")
-    random = Random(3)
-    for _ in range(INCIDENTS):
-        for _ in range(random.randint(1, 12)):
-            subscriber.line_with("heard ")
-        leave(source, runtime)
-        for _ in range(random.randint(0, 3)):
-            subscriber.line_with("heard ")
-        come_home(source, runtime)
+    leave_at_random(Random(3), source, runtime, subscriber)
     paths = whole(folder, INCIDENTS)
     heard = {int(value) for _, value, _ in subscriber.result()["count"]}
     for path in paths:
