@@ -4,13 +4,17 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 from pathlib import Path
 
 import pytest
 
 from incidents.test_folders import files_of_at_most
+from smarttestudo.bags.incident_record import errors_at
 from smarttestudo.cli.main import main
+from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import (
     IncidentRecord,
     IncidentTopic,
@@ -193,3 +197,10 @@ def test_a_folder_that_is_none_is_named_with_the_command_that_writes_one(
         assert main(["incidents", "list", str(tmp_path / name)]) == 1
         remedy = "name the one that 'testudo run --incidents DIR' wrote into"
         assert capsys.readouterr().err == f"{tmp_path / name}: error: {said}; {remedy}\n"
+
+
+def test_what_may_not_be_read_says_what_to_check(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError) as refused, errors_at(tmp_path):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    remedy = "check its permissions and those of its folder"
+    assert str(refused.value) == f"{tmp_path}: error: Permission denied; {remedy}"

@@ -46,4 +46,7 @@ def errors_at(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise RecordingError(error.strerror or str(error), place=str(path)) from error
+        remedy = (
+            "check its permissions and those of its folder" if isinstance(error, PermissionError) else None
+        )
+        raise RecordingError(error.strerror or str(error), place=str(path), remedy=remedy) from error
