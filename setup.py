@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The shared files of the ROS package, compiled relays, the page in a wheel, and pyproject.toml where it is not read.
+"""The shared files of the ROS package, compiled relays, a wheel's page; pyproject.toml where none reads it.
 
 Setuptools before 61 (ROS 2 Humble's) does not know pyproject.toml, and ``colcon build --symlink-install``
 runs a link to this file in another folder.
