@@ -102,7 +102,8 @@ def test_a_figure_is_no_wider_for_a_name_without_end(tmp_path: Path, kind: Figur
 
 def test_a_folder_that_cannot_be_made_is_told_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "figures").touch()
-    with pytest.raises(OutputFileError, match=r"figures: error: the figures cannot be written: File exists"):
+    cause = "the figures cannot be written: a file is there in place of a folder; name another place"
+    with pytest.raises(OutputFileError, match=rf"figures: error: {cause}"):
         draw_figures(small_report(), {FigureKind.PATH}, tmp_path / "figures")
 
 
