@@ -86,6 +86,15 @@ def shifted(content: BagContent, seconds: int) -> BagContent:
     return replace(content, messages=tuple(later))
 
 
+def test_decisions_that_were_cut_off_are_told_of(desk: Desk) -> None:
+    whole = (desk.folder / "log.jsonl").read_text("utf-8")
+    (desk.folder / "cut.jsonl").write_text(whole + whole[:20], "utf-8")
+    for command in (("report", "sent"), ("loss", "sent", "received")):
+        ran = desk.run("bag", *command, "--rules", "rules.adirf", "--decisions", "cut.jsonl")
+        assert ran.code == 0
+        assert "note: cut.jsonl:5: cut off, as where the run was killed" in ran.err
+
+
 @pytest.mark.slow
 def test_a_report_of_a_replay_has_summary_rules_decisions_path_and_loss(desk: Desk) -> None:
     ran = desk.report(

@@ -16,6 +16,7 @@ from smarttestudo.cli.bag_options import (
     add_predict,
     add_topics_and_form,
     print_incident,
+    print_notice,
     print_tables,
     require_bounded,
     topic_mapping,
@@ -158,7 +159,7 @@ def _decisions(
     from smarttestudo.replays.decisions import decisions_over  # noqa: PLC0415  as above
 
     if arguments.decisions is not None:
-        return read_decisions(arguments.decisions)
+        return read_decisions(arguments.decisions, print_notice)
     rule_set = rules.rule_set if rules else None
     if rule_set is None or not any(needs_decisions(rule_set, topic) for topic in bounded_topics(rule_set)):
         return ()

@@ -150,6 +150,11 @@ class CsvPrinter:
 
 def print_notices(notices: Iterable[str]) -> None:
     """Print what was lost or odd on standard error, after what was printed."""
-    sys.stdout.flush()
     for notice in notices:
-        print(f"note: {notice}", file=sys.stderr)  # noqa: T201
+        print_notice(notice)
+
+
+def print_notice(notice: str) -> None:
+    """Print one of them."""
+    sys.stdout.flush()
+    print(f"note: {notice}", file=sys.stderr)  # noqa: T201

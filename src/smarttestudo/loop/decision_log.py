@@ -19,6 +19,7 @@ from smarttestudo.files.whole_file import not_written, whole_file
 _CONTENT = "the decision log"
 _LINE_START = b'{"t":'
 _MAX_LINE_BYTES = 1 << 20
+_CUT_OFF = "cut off, as where the run was killed, its disk was full or it goes on; what follows is not known"
 
 
 class DecisionLogError(TestudoError):
@@ -79,8 +80,8 @@ def _cut_half_a_line(path: Path) -> None:
             file.truncate(start + line_start)
 
 
-def read_decisions(path: Path) -> list[Decision]:
-    """The decisions in the file at ``path``; a last line that was cut off is left out.
+def read_decisions(path: Path, noticed: Callable[[str], None] | None = None) -> list[Decision]:
+    """The decisions in the file at ``path``; ``noticed`` is told of a last line that was cut off.
 
     Raises ``DecisionLogError`` for a file that cannot be read, or with the line that is no decision.
     """
@@ -89,7 +90,9 @@ def read_decisions(path: Path) -> list[Decision]:
     except (OSError, UnicodeDecodeError) as error:
         cause = f"the decision log cannot be read: {getattr(error, 'strerror', None) or error}"
         raise DecisionLogError(cause, place=str(path), remedy="give a file that --decisions wrote") from error
-    lines = text.split("\n")[:-1]
+    *lines, rest = text.split("\n")
+    if rest and noticed is not None:
+        noticed(f"{path}:{len(lines) + 1}: {_CUT_OFF}")
     return [_parsed(line, f"{path}:{number}") for number, line in enumerate(lines, 1)]
 
 
