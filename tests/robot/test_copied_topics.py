@@ -111,10 +111,9 @@ class MemoryRelays:
         publisher: Publisher | None,
         state: Callable[[], RelayState],
         ended: Callable[[RelayState], None],
-        copying: Copying | None = None,
+        copying: Copying,
     ) -> CompiledRelay | None:
         assert isinstance(subscription, MemorySubscription)
-        assert copying is not None
         relay = MemoryRelay(self, subscription, publisher, copying, ended)
         relay.begin(state())
         self.running[relay.topic] = relay

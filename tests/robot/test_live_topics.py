@@ -14,7 +14,7 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import GraphChange
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.gone_publishers import FOUND_WITHIN_NS
-from smarttestudo.robot.topics import UNKNOWN_NODE, LiveTopics
+from smarttestudo.robot.topics import LiveTopics
 
 DRIVER, SECOND, OTHER = b"driver", b"second", b"other"
 
@@ -264,19 +264,6 @@ def test_what_a_publisher_latched_stays_while_the_graph_has_not_found_it_yet() -
     assert b"roof" in graph.for_late_subscribers("/testudo/map")
 
 
-def test_what_another_smarttestudo_sends_on_a_topic_of_the_robot_is_not_relayed() -> None:
-    graph = SmallGraph()
-    live = Live(graph, "/imu")
-    graph.listens("/testudo/imu")
-    graph.joins("/imu", DRIVER)
-    graph.joins("/imu", OTHER, node="/second_testudo")
-    graph.joins("/testudo/decisions", b"d", node="/second_testudo")
-    live.looks()
-    graph.sends("/imu", OTHER, b"relayed before")
-    graph.sends("/imu", DRIVER, b"measured")
-    assert graph.published == [("/testudo/imu", b"measured")]
-
-
 def test_an_operator_who_asks_for_more_than_the_source_offers_is_named_once() -> None:
     graph = SmallGraph()
     live = Live(graph, "/imu")
@@ -391,20 +378,3 @@ def test_on_a_graph_that_has_changed_a_publisher_that_replaced_another_is_found_
     live.topics.look(GraphChange.TOLD)
     sources = {publisher.topic: publisher.qos.reliable for publisher in graph.advertised}
     assert sources == {f"/testudo{topic}": False for topic in topics}
-
-
-def test_nobody_is_warned_of_endpoints_whose_node_is_not_discovered_yet() -> None:
-    graph, unknown = SmallGraph(), f"_NODE_NAMESPACE_UNKNOWN_{UNKNOWN_NODE}"
-    live = Live(graph, "/imu")
-    graph.listens("/testudo/imu")
-    graph.joins("/imu", DRIVER, node=unknown)
-    graph.joins(DECISIONS_TOPIC, OTHER, node=unknown)
-    live.looks(1)
-    assert lines_with(graph, "SmartTestudo") == []
-    for topic, gid, node in (("/imu", DRIVER, "/driver"), (DECISIONS_TOPIC, OTHER, "/other_testudo")):
-        graph.leaves(topic, gid)
-        graph.joins(topic, gid, node=node)
-    live.looks()
-    graph.sends("/imu", DRIVER, b"measured")
-    assert graph.published == [("/testudo/imu", b"measured")]
-    assert lines_with(graph, "SmartTestudo") == []

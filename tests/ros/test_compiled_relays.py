@@ -95,7 +95,7 @@ class Echo:
         self.heard.clear()
 
     def begin(self, *, is_copied: bool = False) -> None:
-        copying = Copying(came=self._see_copy, has_payload=True) if is_copied else None
+        copying = Copying(came=self._see_copy, has_payload=True) if is_copied else Copying()
         self.relay = self.compiled.begin(
             self.subscription, self.publisher, lambda: self.state, self._ended, copying
         )

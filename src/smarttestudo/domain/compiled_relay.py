@@ -108,7 +108,7 @@ class CompiledRelays(Protocol):
         publisher: Publisher | None,
         state: Callable[[], RelayState],
         ended: Callable[[RelayState], None],
-        copying: Copying | None = None,
+        copying: Copying,
     ) -> CompiledRelay | None:
         """Relay from ``state`` on, which is asked for at the last moment; ``None``: not yet.
 

@@ -78,14 +78,12 @@ class RclRelays:
         publisher: Publisher | None,
         state: Callable[[], RelayState],
         ended: Callable[[RelayState], None],
-        copying: Copying | None = None,
+        copying: Copying,
     ) -> CompiledRelay | None:
         """Relay from ``state`` on; ``None``: not yet."""
         assert isinstance(subscription, RclSource)
         assert publisher is None or isinstance(publisher, RclPublisher)
-        copies = None
-        if copying is not None:
-            copies = RelayCopies(self.copies, subscription, self._gid_bytes, copying)
+        copies = RelayCopies(self.copies, subscription, self._gid_bytes, copying)
         relay = RclRelay(self._relays, subscription, publisher, self._failed, self._gid_bytes, copies=copies)
 
         def told(last: RelayState) -> None:
@@ -146,8 +144,9 @@ class RelayCopies:
             )
             settings.rcl.take, settings.subscription = copies.take, taken.address
             self._sources.append(taken)
-        if copying.passed is not None:
-            passed = copies.of_passed(self._gid_bytes, partial(self._passed, copying.passed))
+        told = copying.passed
+        if told is not None:
+            passed = copies.of_passed(self._gid_bytes, lambda _, copy: told(copy))
             settings.rcl.publish, settings.publisher = copies.publish, passed.address
             settings.publishes_at_once = settings.gives_gid = True
             self._sources.append(passed)
@@ -166,9 +165,6 @@ class RelayCopies:
         if numbers is not None and numbers.is_new(copy.publisher, number):
             came(copy)
 
-    def _passed(self, passed: Callable[[MessageCopy], None], _number: int, copy: MessageCopy) -> None:
-        passed(copy)
-
 
 class RclRelay:
     """One topic that is relayed by relay.c."""
@@ -181,7 +177,7 @@ class RclRelay:
         failed: Callable[[RosError], None],
         gid_bytes: int,
         *,
-        copies: RelayCopies | None,
+        copies: RelayCopies,
     ) -> None:
         self._library = library
         self._source = source
@@ -216,8 +212,7 @@ class RclRelay:
             return False
         self._pace = (start.period_ns, start.slack_ns)
         all_settings = self._all_settings(settings, subscription.pointer, start, numbers)
-        if self._copies is not None:
-            self._copies.begin(all_settings)
+        self._copies.begin(all_settings)
         if self._publisher is not None:
             self._publisher.serve(self.end)
         self._relay = relay = library.new(all_settings)
@@ -279,8 +274,7 @@ class RclRelay:
         if self._publisher is not None:
             self._publisher.serve(None)
         counts, streams = self._read(relay), library.streams(relay)
-        if self._copies is not None:
-            self._copies.end(counts.sent)
+        self._copies.end(counts.sent)
         numbers.go_on({bytes(stream.gid[: self._gid_bytes]): stream.number for stream in streams})
         state = RelayState(
             now_ns=counts.now_ns,
@@ -295,7 +289,7 @@ class RclRelay:
 
     def _read(self, relay: int) -> CCounts:
         counts, numbers = self._library.counts(relay), self._source.numbers
-        if numbers is not None and (self._copies is None or not self._copies.counts):
+        if numbers is not None and not self._copies.counts:
             numbers.sent, numbers.lost = counts.sent, counts.lost
         if counts.errors > self._errors:
             self._errors = counts.errors
