@@ -84,20 +84,13 @@ class IncidentStore:
             if name.startswith("."):
                 continue
             try:
-                self._require_record(self._folder / name)
-                yield self.incident(name)
+                yield self._stored(self._folder / name)
             except RecordingError as error:
                 yield error
 
     def incident(self, name: str) -> StoredIncident:
         """The incident in the folder ``name``. Raises ``RecordingError`` where it cannot be read."""
-        path, size_bytes = self._path(name), self.size_bytes(name)
-        self._require_record(path)
-        with errors_at(path):
-            is_read = (path / READ_NAME).exists()
-        return StoredIncident(
-            name=name, path=path, size_bytes=size_bytes, is_read=is_read, record=read_record(path)
-        )
+        return self._stored(self._path(name))
 
     def size_bytes(self, name: str) -> int:
         """Size in bytes of an incident's files, whether its record can be read or not."""
@@ -136,6 +129,15 @@ class IncidentStore:
         path = self._path(name)
         with errors_at(path):
             remove_incident(path)
+
+    def _stored(self, path: Path) -> StoredIncident:
+        self._require_record(path)
+        name, size_bytes = path.name, self.size_bytes(path.name)
+        with errors_at(path):
+            is_read = (path / READ_NAME).exists()
+        return StoredIncident(
+            name=name, path=path, size_bytes=size_bytes, is_read=is_read, record=read_record(path)
+        )
 
     @staticmethod
     def _require_record(folder: Path) -> None:
