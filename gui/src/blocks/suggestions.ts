@@ -3,6 +3,7 @@
 import type { ReadonlySignal } from "@preact/signals";
 import { type KnownTopic, type Live, type Property, TIERS, type Vocabulary } from "../api/types";
 import type { Trial } from "../state/trial";
+import type { Words } from "../state/words";
 import { hz, readable } from "../ui/numbers";
 import type { PickerChoice } from "../ui/picker_matches";
 import type { Suggestions } from "./fields";
@@ -15,7 +16,7 @@ export const ON_ROBOT = "on the robot now";
 interface KnownNow {
   /** The topic parameters of the rules. */
   profile: ReadonlySignal<{ name: string } | null>;
-  vocabulary: ReadonlySignal<Vocabulary | null>;
+  words: Pick<Words, "vocabulary" | "offered">;
   live: ReadonlySignal<Live | null>;
   /** The last try of the rules on a recording. */
   tried: ReadonlySignal<Trial | null>;
@@ -23,7 +24,7 @@ interface KnownNow {
 
 /** What is suggested of what is known at the moment; words for a field are read so that an effect follows them. */
 export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
-  const { vocabulary } = now;
+  const { vocabulary } = now.words;
   const known = (words: Vocabulary | null, topic: string) => words?.topics.find((each) => each.topic === topic);
   const properties = (words: Vocabulary | null, topic: string) => [
     ...(known(words, topic)?.properties ?? []),
@@ -36,7 +37,7 @@ export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
   const choice = (topic: string) => (property: Property) => propertyChoice(now, topic, property);
   return {
     topics: () => vocabulary.peek()?.topics.map(({ topic }) => topic) ?? [],
-    topicChoices: () => vocabulary.value?.topics.map((topic) => topicChoice(now, topic)) ?? [],
+    topicChoices: () => now.words.offered()?.topics.map((topic) => topicChoice(now, topic)) ?? [],
     properties: (topic) => properties(vocabulary.value, topic).map(choice(topic)),
     bounds: (topic) => bounds(vocabulary.value, topic).map(choice(topic)),
     rates: (topic) => [

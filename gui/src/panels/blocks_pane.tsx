@@ -159,7 +159,7 @@ function openWorkspace(
     },
     suggestions: {
       ...suggestionsOf({
-        vocabulary: editor.vocabulary,
+        words: editor.words,
         profile: editor.profile,
         live: robotRules.live,
         tried,

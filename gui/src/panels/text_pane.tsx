@@ -24,7 +24,7 @@ function openText(host: HTMLElement, editor: RuleEditor): () => void {
       editor.spot.value = { offset, end_offset: offset, from: "text" };
     },
     fix: (finding: PlacedFinding) => void editor.fix(finding),
-    vocabulary: () => editor.vocabulary.peek(),
+    vocabulary: () => editor.words.offered(),
   };
   const text = new TextEditor(host, owner, editor.text.peek());
   const stops = [
@@ -36,7 +36,7 @@ function openText(host: HTMLElement, editor: RuleEditor): () => void {
       text.mark(findings);
     }),
     effect(() => {
-      if (editor.vocabulary.value !== null) text.suggestAnew();
+      if (editor.words.vocabulary.value !== null) text.suggestAnew();
     }),
     effect(() => {
       const spot = editor.spot.value;

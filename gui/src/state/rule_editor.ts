@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, signal } from "@preact/signals";
 import { type Api, type Rules, refusal, refusalOf } from "../api/client";
-import type { Edit, PlacedFinding, Repair, RuleDocument, Statement, Vocabulary } from "../api/types";
+import type { Edit, PlacedFinding, Repair, RuleDocument, Statement } from "../api/types";
 import { sectionsOf } from "../blocks/sections";
 import { CheckQueue } from "./check_queue";
 import {
@@ -35,7 +35,6 @@ export class RuleEditor implements Contested {
   readonly document = signal<RuleDocument>(EMPTY);
   /** The last document that could be read whole: what the blocks show, with the text it was read from. */
   readonly shown = signal<{ document: RuleDocument; text: string } | null>(null);
-  readonly vocabulary = signal<Vocabulary | null>(null);
   readonly profileChoice: RuleProfile;
   readonly profile: RuleProfile["used"];
   readonly spot = signal<Spot | null>(null);
@@ -92,7 +91,8 @@ export class RuleEditor implements Contested {
     () => this.rules,
     (rules) => this.ask(rules),
   );
-  private readonly words: Words;
+  /** What to suggest. */
+  readonly words: Words;
 
   constructor(
     private readonly api: Api,
@@ -349,7 +349,7 @@ export class RuleEditor implements Contested {
       const [document, vocabulary] = await Promise.all([read, this.words.of(rules, read)]);
       if (rules.text !== this.text.value) return;
       batch(() => {
-        this.vocabulary.value = vocabulary;
+        this.words.vocabulary.value = vocabulary;
         this.accept(document, rules.text);
         if (isProfileKnown) this.isChecked.value = true;
       });

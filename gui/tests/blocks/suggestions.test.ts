@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { effect, signal } from "@preact/signals";
+import { effect, type Signal, signal } from "@preact/signals";
 import { expect, test } from "vitest";
 import type { KnownTopic, Live, RobotCheck, TopicStatus, Vocabulary } from "../../src/api/types";
 import { ON_ROBOT, suggestionsOf } from "../../src/blocks/suggestions";
@@ -21,6 +21,10 @@ const ODOM: KnownTopic = {
   is_published: false,
 };
 
+function wordsOf(vocabulary: Signal<Vocabulary | null>) {
+  return { vocabulary, offered: () => vocabulary.value };
+}
+
 function known(topic: Partial<KnownTopic> = {}) {
   const vocabulary = signal<Vocabulary | null>({ topics: [{ ...ODOM, ...topic }], every_topic: [AGE] });
   const live = signal<Live | null>(null);
@@ -29,7 +33,7 @@ function known(topic: Partial<KnownTopic> = {}) {
     vocabulary,
     live,
     tried,
-    suggestions: suggestionsOf({ vocabulary, profile: signal({ name: "radio.toml" }), live, tried }),
+    suggestions: suggestionsOf({ words: wordsOf(vocabulary), profile: signal({ name: "radio.toml" }), live, tried }),
   };
 }
 
@@ -40,7 +44,8 @@ function robot(topics: Record<string, Partial<TopicStatus>>, checks: Partial<Rob
 
 test("what is suggested grows when a robot's topics come later", () => {
   const vocabulary = signal<Vocabulary | null>(null);
-  const suggestions = suggestionsOf({ vocabulary, profile: signal(null), live: signal(null), tried: signal(null) });
+  const nothing = { profile: signal(null), live: signal(null), tried: signal(null) };
+  const suggestions = suggestionsOf({ words: wordsOf(vocabulary), ...nothing });
   const shown: unknown[] = [];
   const words = (choices: readonly { word: string }[]) => choices.map(({ word }) => word);
   const stop = effect(() => {
