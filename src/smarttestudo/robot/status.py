@@ -189,7 +189,7 @@ class _Error(NamedTuple):
 
 
 class LiveStatus:
-    """Measures a live run at each ``look``: once a second, or every five while nobody asks."""
+    """Measures a live run at each ``look``: once a second, or every ten while nobody asks."""
 
     def __init__(self, node: str, start: ProcessReading) -> None:
         self._cpu_percent: float | None = None

@@ -116,7 +116,7 @@ _MOST_BLOCKS_UNHEARD = 20
 """How many blocks the latched status holds while nobody listens: it costs the same whatever the rules."""
 # A period of one second is met by timers that are a little early.
 _DIAGNOSIS_AFTER_NS = NS_PER_S * 9 // 10
-_UNHEARD_AFTER_NS = 5 * NS_PER_S - NS_PER_S // 10
+_UNHEARD_AFTER_NS = 10 * NS_PER_S - NS_PER_S // 10
 """How old the latched status becomes while nobody needs one: with many topics it costs what relaying does."""
 
 
@@ -124,7 +124,7 @@ class StatusTimer:
     """Once a second, or ``asked_hz`` times where somebody receives them; diagnostics once a second.
 
     So a requested rate ends with its subscriber. While nobody receives them, nor ``needs_all``, one comes
-    every five seconds, and at once for other rules in force.
+    every ten seconds, and at once for other rules in force.
     """
 
     def __init__(self, robot: Robot, link: OutgoingLink | None = None, *, needs_all: bool = False) -> None:

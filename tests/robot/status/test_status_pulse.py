@@ -64,12 +64,12 @@ def told_at(pulse: StatusTimer, seconds: Iterable[float], rules: RulesInForce = 
     return [second for second in seconds if pulse.is_due(round(second * SECOND), rules)]
 
 
-def test_while_nobody_needs_one_a_status_comes_every_five_seconds() -> None:
+def test_while_nobody_needs_one_a_status_comes_every_ten_seconds() -> None:
     robot = VirtualRobot(listeners=0)
     pulse = StatusTimer(robot, MemoryLink())
-    assert told_at(pulse, range(100, 121)) == [100, 105, 110, 115, 120]
+    assert told_at(pulse, range(100, 131)) == [100, 110, 120, 130]
     slightly_early = StatusTimer(robot)
-    assert told_at(slightly_early, [tick * 0.999 for tick in range(11)]) == [0, 5 * 0.999, 10 * 0.999]
+    assert told_at(slightly_early, [tick * 0.999 for tick in range(21)]) == [0, 10 * 0.999, 20 * 0.999]
 
 
 def test_whoever_comes_has_the_next_one_at_once() -> None:
@@ -79,16 +79,16 @@ def test_whoever_comes_has_the_next_one_at_once() -> None:
     robot.listeners = 1
     assert told_at(pulse, range(3, 6)) == [3, 4, 5]
     robot.listeners = 0
-    assert told_at(pulse, range(6, 11)) == [10]
+    assert told_at(pulse, range(6, 16)) == [15]
     link.is_watched = True
-    assert told_at(pulse, range(11, 14)) == [11, 12, 13]
+    assert told_at(pulse, range(16, 19)) == [16, 17, 18]
 
 
 def test_other_rules_in_force_are_told_at_once() -> None:
     pulse = StatusTimer(VirtualRobot(listeners=0))
     assert told_at(pulse, range(3)) == [0]
     pushed = replace(RULES, origin=RulesOrigin.PUSHED)
-    assert told_at(pulse, range(3, 9), pushed) == [3, 8]
+    assert told_at(pulse, range(3, 14), pushed) == [3, 13]
 
 
 def test_a_part_that_needs_all_has_one_each_second() -> None:
