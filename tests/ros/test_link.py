@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from ros.calm_window import Arrival, calm_window
-from ros.ros_processes import LINE_TIMEOUT_S, TESTUDO, Process, SmallRobot
+from ros.ros_processes import LINE_TIMEOUT_S, TESTUDO, Process, SmallRobot, told_apart
 from ros.test_telling import diagnostics_when
 from smarttestudo.domain.robot import DataPathKind
 from smarttestudo.robot.ros import open_robot
@@ -104,6 +104,7 @@ def test_what_arrives_is_byte_for_byte_what_the_robot_published(
     assert len(set(arrived)) == len(arrived), "stamps tell messages apart"
 
 
+@told_apart
 def test_publishers_stay_apart_with_type_and_qos_and_a_late_subscriber_gets_what_each_latched(
     robot: SmallRobot,
     operators: SmallRobot,
@@ -123,6 +124,7 @@ def test_publishers_stay_apart_with_type_and_qos_and_a_late_subscriber_gets_what
     assert sorted(values(late, "names")) == ["hall", "yard"]
 
 
+@told_apart
 def test_what_a_node_latched_before_it_was_restarted_is_given_to_nobody_at_the_operator(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:
