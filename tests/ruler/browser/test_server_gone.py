@@ -189,6 +189,18 @@ def test_a_table_that_changes_on_disk_is_noticed_while_it_is_open(page: RulerPag
     expect(size).to_have_value("3")
 
 
+def test_a_table_that_somebody_saves_counts_in_the_rules_that_are_open(
+    page: RulerPage, project: Path
+) -> None:
+    table = project / "quality" / "radio.toml"
+    page.page.get_by_label("Profile (topic parameters)").select_option("quality/radio.toml")
+    page.page.get_by_role("tab", name="Optimize").click()
+    load = page.page.get_by_role("row").filter(has_text="/odom").first
+    expect(load).to_contain_text("3.6 KB/s")
+    table.write_text(table.read_text().replace("message_kb = 0.72", "message_kb = 1.44"))
+    expect(load).to_contain_text("7.2 KB/s")
+
+
 def _is_grey(page: RulerPage) -> list[bool]:
     """Whether the marks on blocks are shown as things of the past."""
     grey: list[bool] = page.page.evaluate(
