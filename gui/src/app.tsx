@@ -54,11 +54,15 @@ export function App({ api }: { api: Api }) {
   useEffect(() => {
     // The page comes while the server lists the project.
     if (route.page !== "home") PAGES[route.page].preload();
-    void refresh();
-  }, []);
+    // Files may have been saved, added or removed, also by others, since they were listed.
+    const look = () => void refresh();
+    look();
+    addEventListener("focus", look);
+    return () => removeEventListener("focus", look);
+  }, [route.page]);
   useEffect(() => {
     if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
-  }, [project]);
+  }, [project?.opened]);
   useEffect(() => void keepings.follow(), []);
   useReturn(() => Promise.all([refresh(), keepings.follow()]));
   const { returns } = useRobot();

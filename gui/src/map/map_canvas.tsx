@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Icon, type IconName } from "../ui/icon";
+import { useRobot } from "../ui/robot_state";
 import { watchSize, watchTheme } from "../ui/watch";
 import type { MapView } from "./map_view";
 import type { MapOwner, MapPicture, MapZone, Point } from "./shapes";
@@ -31,6 +32,7 @@ export function MapCanvas(props: {
   opened?: (view: MapView | null) => void;
 }) {
   const host = useRef<HTMLDivElement>(null);
+  const [Loaded, setLoaded] = useState<typeof MapView | null>(null);
   const [view, setView] = useState<MapView | null>(null);
   const [place, setPlace] = useState<Point | null>(null);
   const [bar, setBar] = useState<{ metres: number; px: number } | null>(null);
@@ -41,19 +43,24 @@ export function MapCanvas(props: {
   }, [isWheeled]);
   const told = useRef(props);
   told.current = props;
+  const returns = useRobot().returns.value;
+  useEffect(() => {
+    // Of a server that is gone nothing can be loaded until it is back.
+    if (Loaded === null) void import("./map_view").then((module) => setLoaded(() => module.MapView));
+  }, [returns]);
   useEffect(() => {
     const element = host.current;
-    if (!element) return;
+    if (!element || Loaded === null) return;
     const owner = { ...forwarded(() => told.current.owner), scaled: setBar };
     const pointed = (at: Point | null) => {
       setPlace(at);
       told.current.owner?.pointed?.(at);
     };
-    return openLater(element, { ...owner, pointed }, props.owner !== undefined, (opened) => {
+    return openView(Loaded, element, { ...owner, pointed }, props.owner !== undefined, (opened) => {
       setView(opened);
       told.current.opened?.(opened);
     });
-  }, []);
+  }, [Loaded]);
   const { picture = null, path = NONE, dots = NONE, zones = NO_ZONES } = props;
   useEffect(() => view?.setPicture(picture), [view, picture]);
   useEffect(() => view?.setPath(path), [view, path]);
@@ -106,28 +113,20 @@ function forwarded(owner: () => MapOwner | undefined): MapOwner {
   };
 }
 
-function openLater(
+function openView(
+  View: typeof MapView,
   host: HTMLElement,
   owner: MapOwner,
   isEditable: boolean,
   done: (view: MapView | null) => void,
 ): () => void {
-  let close: (() => void) | null = null;
-  let isWanted = true;
-  void import("./map_view").then(({ MapView }) => {
-    if (!isWanted) return;
-    const { chosen, ...others } = owner;
-    const view = new MapView(host, isEditable && chosen ? { ...others, chosen } : others);
-    const stops = [watchSize(host, () => view.resize()), watchTheme(() => view.applyTheme())];
-    close = () => {
-      for (const stop of stops) stop();
-      done(null);
-      view.dispose();
-    };
-    done(view);
-  });
+  const { chosen, ...others } = owner;
+  const view = new View(host, isEditable && chosen ? { ...others, chosen } : others);
+  const stops = [watchSize(host, () => view.resize()), watchTheme(() => view.applyTheme())];
+  done(view);
   return () => {
-    isWanted = false;
-    close?.();
+    for (const stop of stops) stop();
+    done(null);
+    view.dispose();
   };
 }

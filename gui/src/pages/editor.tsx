@@ -69,7 +69,10 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
   }, []);
   useUndoKeys(editor);
   useDiskLooks(editor, state === "open");
-  useReturn(() => state === "open" && editor.revive());
+  useReturn(() => {
+    if (state === "open") return editor.revive();
+    return state !== "opening" && open(editor, setState);
+  });
   const results = useRef<HTMLElement>(null);
   const openTool = (next: Tool) => {
     tool.value = next;

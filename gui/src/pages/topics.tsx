@@ -31,9 +31,10 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
   const guarded = async (work: () => Promise<void>) => {
     setProblem(await refusalOf(work));
   };
-  useEffect(() => void guarded(() => editor.open(project.files).then(() => setOpen(true))), []);
+  const open = () => guarded(() => editor.open(project.files).then(() => setOpen(true)));
+  useEffect(() => void open(), []);
   useDiskLooks(editor, isOpen);
-  useReturn(() => guarded(() => editor.lookAtDisk()));
+  useReturn(() => (isOpen ? guarded(() => editor.revive()) : problem && open()));
   const canSave = () => (editor.isNew.value || !editor.isSaved.value) && editor.problems.value.length === 0;
   const save = () =>
     guarded(async () => {

@@ -8,6 +8,7 @@ import type { FullScreen } from "../state/room";
 import type { RuleEditor } from "../state/rule_editor";
 import { ZoneEditor } from "../state/zone_editor";
 import { FullScreenButton } from "../ui/full_screen_button";
+import { useRobot } from "../ui/robot_state";
 import { type Choice, Tabs } from "../ui/tabs";
 import { FloorChoice } from "./floor_bar";
 import { MapPanel } from "./map_panel";
@@ -38,7 +39,8 @@ export function SidePane(props: {
   const floor = useMemo(() => new MapFloor(api, editor), []);
   const zones = useMemo(() => new ZoneEditor(api, editor), []);
   const isMap = side.value === "map";
-  useEffect(() => (isMap ? floor.follow() : undefined), [isMap]);
+  const returns = useRobot().returns.value;
+  useEffect(() => (isMap ? floor.follow() : undefined), [isMap, returns]);
   useEffect(() => {
     if (!isMap && full.part.peek() === "map") full.leave();
   }, [isMap]);

@@ -41,13 +41,8 @@ interface Props {
 /** What the rules would have done to a recording, or to each in a folder. */
 export function TryPanel(props: Props) {
   const { editor, project, tries, refresh } = props;
-  useEffect(() => {
-    // A recording may have been changed, or come, while nobody looked.
-    const look = () => void refresh();
-    look();
-    addEventListener("focus", look);
-    return () => removeEventListener("focus", look);
-  }, []);
+  // A recording may have been changed, or come, since the page was opened.
+  useEffect(() => void refresh(), []);
   const bags = bagsIn(project.files);
   if (bags.length === 0) {
     return (

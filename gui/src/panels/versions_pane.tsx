@@ -9,7 +9,7 @@ import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
 import { DifferenceWords, TextComparison } from "../ui/difference_words";
 import { Problem } from "../ui/notice";
-import { NeedsServer } from "../ui/server_gone";
+import { NeedsServer, useReturn } from "../ui/server_gone";
 import { moment } from "../ui/times";
 
 const SHOWN_CHANGES = 5;
@@ -29,6 +29,7 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
     void editor.savedText.value;
     void read();
   });
+  useReturn(read);
   useEffect(() => () => (compared.value = null), []);
   const textOf = async (id: string) => (await api.ask("POST /api/version", { name: editor.name, id })).text;
   const compare = (id: string) =>

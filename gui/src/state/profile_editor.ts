@@ -159,6 +159,12 @@ export class ProfileEditor implements Contested {
     }
   }
 
+  /** Looks at what may be another by now: the server was gone, and checked nothing. */
+  async revive(): Promise<void> {
+    await this.lookAtDisk();
+    await this.check();
+  }
+
   async saveAs(name: string): Promise<void> {
     const { text } = await this.api.writeProfile(name, this.table(), this.baseText);
     await this.api.save(name, text, null);

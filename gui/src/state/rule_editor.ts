@@ -266,8 +266,8 @@ export class RuleEditor implements Contested {
     await this.check();
   }
 
-  lookAtDisk(): Promise<void> {
-    return this.inTurn(async () => {
+  async lookAtDisk(): Promise<void> {
+    await this.inTurn(async () => {
       if (this.conflict.value !== null) return;
       const change = await diskChangeOf(this.api, this.name, this.saved.value.hash);
       if (change === "changed" && this.isSaved.value) {
@@ -275,6 +275,7 @@ export class RuleEditor implements Contested {
         await this.take(await this.api.read(this.name), message);
       } else this.diskChange.value = change;
     });
+    if (await this.profileChoice.lookAtDisk(this.rules)) await this.check();
   }
 
   /** Asks the server for everything again, as after it was gone. */

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
 import type { Api, Rules } from "../api/client";
+import type { FileAnswer } from "../api/types";
+import { diskChangeOf } from "./conflict";
 
 /** The topic parameters that a rule file is checked and optimized with. */
 export class RuleProfile {
-  readonly used = signal<{ name: string; text: string } | null>(null);
+  readonly used = signal<FileAnswer | null>(null);
   /** Whether it was asked which profile goes with the rules, and no other is being read. */
   readonly isKnown = signal(false);
   /** The profile that was chosen for the rules, where it is no longer there. */
@@ -38,6 +40,16 @@ export class RuleProfile {
     } finally {
       if (this.wanted === wanted) this.isKnown.value = true;
     }
+  }
+
+  /** Takes the profile as it is on disk by now, or the one in its place; whether that is another. */
+  async lookAtDisk(rules: Rules): Promise<boolean> {
+    const used = this.used.value;
+    if (used === null) return false;
+    const change = await diskChangeOf(this.api, used.name, used.hash);
+    if (change === null || used !== this.used.value) return false;
+    await (change === "gone" ? this.recall(rules) : this.revive());
+    return true;
   }
 
   /** Reads the profile again. */

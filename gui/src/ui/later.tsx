@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ComponentType } from "preact";
 import { useEffect, useState } from "preact/hooks";
+import { useRobot } from "./robot_state";
 
 /** A component that is loaded when it is shown first, or before that. */
 export type Later<P> = ComponentType<P> & { preload(): void };
@@ -10,13 +11,15 @@ export function later<P extends object>(load: () => Promise<ComponentType<P>>): 
   let loaded: ComponentType<P> | null = null;
   function Shown(props: P) {
     const [, setLoaded] = useState(loaded !== null);
+    const returns = useRobot().returns.value;
     useEffect(() => {
       if (loaded !== null) return;
       void load().then((component) => {
         loaded = component;
         setLoaded(true);
       });
-    }, []);
+      // Of a server that is gone nothing can be loaded until it is back.
+    }, [returns]);
     if (loaded === null) return <p class="quiet center">Loading …</p>;
     const Component = loaded;
     return <Component {...props} />;

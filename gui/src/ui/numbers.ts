@@ -18,7 +18,9 @@ export function typedNumber(text: string, hasComma?: boolean): number {
 
 /** Why a text is not one number, in words; empty where it is one. */
 export function numberProblem(text: string, hasComma?: boolean): string {
-  if (!Number.isNaN(typedNumber(text, hasComma))) return "";
+  const typed = typedNumber(text, hasComma);
+  if (Math.abs(typed) === Infinity) return `“${text.trim()}” is too large a number`;
+  if (!Number.isNaN(typed)) return "";
   const plain = plainText(text);
   if (plain === "") return "A number is needed here";
   const said = `“${text.trim()}”`;

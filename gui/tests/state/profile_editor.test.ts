@@ -8,7 +8,10 @@ import { type Answers, type Disk, draftsIn, fileAnswers, serve } from "./served"
 
 const FILE: FoundFile = { name: "lte.toml", kind: "profile", size_bytes: 1, changed_at_s: 1 };
 const row = (topic: string, message_kb: number | null) => ({ topic, message_kb });
-afterEach(() => vi.unstubAllGlobals());
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
 
 /** A table that is open, and kept as JSON by a server that answers `more` as well. */
 async function openTable(disk: Disk, more: Answers = {}): Promise<ProfileEditor> {
@@ -71,4 +74,20 @@ test("a save while another one is under way meets no conflict with oneself", asy
     true,
     JSON.stringify([row("/odom", 112)]),
   ]);
+});
+
+test("what was typed while the server was gone is checked when it is back", async () => {
+  const editor = await openTable(
+    { text: JSON.stringify([row("/odom", 10)]) },
+    { "POST /api/profile/check": () => ({ problem: "the levels fall" }) },
+  );
+  vi.useFakeTimers();
+  const { fetch } = globalThis;
+  vi.stubGlobal("fetch", () => Promise.reject(new TypeError("Failed to fetch")));
+  type(editor, 0, "11");
+  await vi.runAllTimersAsync();
+  expect(editor.problems.value).toEqual([]);
+  vi.stubGlobal("fetch", fetch);
+  await editor.revive();
+  expect(editor.problems.value).toEqual(["the levels fall"]);
 });

@@ -3,6 +3,7 @@
 import { afterEach, expect, test, vi } from "vitest";
 import { Api } from "../../src/api/client";
 import { RuleProfile } from "../../src/state/rule_profile";
+import { type Disk, fileAnswers, serve } from "./served";
 
 const RULES = { text: "begin end", name: "far.adirf", profile_text: null };
 afterEach(() => vi.unstubAllGlobals());
@@ -68,4 +69,23 @@ test("a profile that is gone is still named once the server is there again", asy
     await done;
     expect(profile.gone.value).toBe("old.toml");
   }
+});
+
+test("a profile that changes on disk is read again, and one that goes has another in its place", async () => {
+  const disk: Disk = { text: "budget_kb_per_s = 1" };
+  const other: Disk = { text: "budget_kb_per_s = 3" };
+  serve({
+    ...fileAnswers("lte.toml", disk),
+    "GET /api/file": (asked) =>
+      fileAnswers(asked.name ?? "", asked.name === "lte.toml" ? disk : other)["GET /api/file"]?.(asked),
+    "POST /api/profile/for": () => ({ name: "wifi.toml", gone: "lte.toml" }),
+  });
+  const profile = new RuleProfile(new Api());
+  await profile.use("lte.toml");
+  expect(await profile.lookAtDisk(RULES)).toBe(false);
+  disk.text = "budget_kb_per_s = 2";
+  expect([await profile.lookAtDisk(RULES), profile.used.value?.text]).toEqual([true, "budget_kb_per_s = 2"]);
+  disk.text = null;
+  expect(await profile.lookAtDisk(RULES)).toBe(true);
+  expect([profile.used.value?.name, profile.gone.value]).toEqual(["wifi.toml", "lte.toml"]);
 });

@@ -40,6 +40,7 @@ test.each([
   ["1.234,5", "“1.234,5” has thousands marked: write 1234.5"],
   ["1,234.5", "“1,234.5” has thousands marked: write 1234.5"],
   ["ten", "“ten” is not a number"],
+  ["1e999", "“1e999” is too large a number"],
   ["", "A number is needed here"],
   ["0,5", ""],
 ])("of %j is said %j", (text, words) => {

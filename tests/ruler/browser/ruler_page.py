@@ -185,7 +185,7 @@ def see_no_changes(page: Page, name: str) -> None:
     state = page.evaluate(
         "name => fetch(`api/file/state?name=${name}`).then(answer => answer.json())", arg=name
     )
-    page.route("**/api/file/state?*", lambda route: route.fulfill(json=state))
+    page.route(f"**/api/file/state?name={name}", lambda route: route.fulfill(json=state))
 
 
 def copied(source: Path, target: Path) -> Path:

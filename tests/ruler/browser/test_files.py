@@ -91,3 +91,16 @@ def test_an_address_that_changes_while_the_page_starts_is_followed(ruler: RulerP
     ruler.page.add_init_script(GOES_ON_AT_ONCE)
     ruler.page.goto(ruler.url)
     expect(ruler.text).to_contain_text("CheckValue /odom pose_x")
+
+
+def test_the_list_tells_what_was_saved_and_what_others_added(ruler: RulerPage, project: Path) -> None:
+    first = ruler.page.get_by_role("region", name="Rules").get_by_role("listitem").first
+    ruler.open("zone.adirf")
+    ruler.text.click()
+    ruler.page.keyboard.type("// Seen again.\n")
+    ruler.save()
+    ruler.page.get_by_role("link", name="Home").click()
+    expect(first).to_contain_text(re.compile("zone.adirf.*just now"))
+    (project / "of_somebody_else.adirf").write_text("begin\nend\n")
+    ruler.page.evaluate("dispatchEvent(new Event('focus'))")
+    expect(ruler.page.get_by_role("link", name="of_somebody_else.adirf")).to_be_visible()

@@ -114,6 +114,48 @@ def test_a_file_that_changed_while_the_server_was_gone_is_read_again(
     expect(page.blocks.get_by_role("button", name="Edit topic to send: /imu")).to_be_attached()
 
 
+@pytest.mark.parametrize("name", ["other.adirf", "quality/weak_radio.toml"])
+def test_what_is_opened_while_the_server_is_gone_opens_when_it_is_back(
+    page: RulerPage, server: Server, project: Path, name: str
+) -> None:
+    (project / "other.adirf").write_text(RULES)
+    page.home()
+    # A page of each kind was seen, so that the browser has the code.
+    page.page.get_by_role("link", name="quality/radio.toml", exact=True).click()
+    page.page.get_by_label("Message size (KB) of /odom").wait_for()
+    page.page.get_by_role("link", name="Home").click()
+    server.stop()
+    expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_be_visible()
+    page.page.get_by_role("link", name=name, exact=True).click()
+    refused = page.page.get_by_text("What you typed is kept on this page, and blocks stay as they are")
+    expect(refused).to_be_visible()
+    server.start()
+    content = {"other.adirf": page.text, "quality/weak_radio.toml": page.page.get_by_role("table")}[name]
+    expect(content).to_be_visible()
+    expect(refused).to_have_count(0)
+
+
+def test_the_map_and_the_versions_come_when_the_server_is_back(page: RulerPage, server: Server) -> None:
+    server.stop()
+    expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_be_visible()
+    page.page.get_by_role("tab", name="Map").click()
+    loading = page.page.get_by_text("Loading the map …")
+    expect(loading).to_be_visible()
+    server.start()
+    expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_have_count(0)
+    expect(loading).to_have_count(0)
+    expect(
+        page.page.get_by_label("Background").get_by_role("option", name="Map: warehouse_map.yaml")
+    ).to_be_attached()
+    page.forgive("Failed to fetch dynamically imported module")
+    server.stop()
+    page.page.get_by_role("tab", name="Versions").click()
+    versions = page.page.locator(".versions-pane")
+    expect(versions).to_contain_text("The Ruler's server does not answer.")
+    server.start()
+    expect(versions).to_contain_text("None yet: each save of this file keeps one.")
+
+
 def test_a_file_that_changes_on_disk_is_noticed_while_it_is_open(page: RulerPage, project: Path) -> None:
     file = project / "rules.adirf"
     file.write_text(RULES.replace("/odom 5", "/imu 5"))
@@ -145,6 +187,18 @@ def test_a_table_that_changes_on_disk_is_noticed_while_it_is_open(page: RulerPag
     table.write_text(text)
     expect(page.page.get_by_text("Somebody else changed quality/radio.toml on disk")).to_be_visible()
     expect(size).to_have_value("3")
+
+
+def test_a_table_that_somebody_saves_counts_in_the_rules_that_are_open(
+    page: RulerPage, project: Path
+) -> None:
+    table = project / "quality" / "radio.toml"
+    page.page.get_by_label("Profile (topic parameters)").select_option("quality/radio.toml")
+    page.page.get_by_role("tab", name="Optimize").click()
+    load = page.page.get_by_role("row").filter(has_text="/odom").first
+    expect(load).to_contain_text("3.6 KB/s")
+    table.write_text(table.read_text().replace("message_kb = 0.72", "message_kb = 1.44"))
+    expect(load).to_contain_text("7.2 KB/s")
 
 
 def _is_grey(page: RulerPage) -> list[bool]:
