@@ -150,6 +150,13 @@ def test_a_profile_that_exists_is_not_overwritten(
     assert output.read_text() == "mine"
 
 
+def test_topics_may_be_named_by_several_options(bag: Path, tmp_path: Path) -> None:
+    output = tmp_path / "profile.toml"
+    named = ("--topics", "/map", "--topics", "/scan")
+    assert main(["profile", "--bag", str(bag), *named, "-o", str(output)]) == 0
+    assert set(load_profile(output).topics) == {"/map", "/scan"}
+
+
 @given(intervals_ns=st.lists(st.integers(1, 10 * S), min_size=2, max_size=30))
 def test_jitter_is_the_standard_deviation_of_the_intervals(intervals_ns: list[int]) -> None:
     measure, stamp_ns = TopicMeasure("type"), 5

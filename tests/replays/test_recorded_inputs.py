@@ -101,6 +101,17 @@ def test_the_decisions_are_the_same_line_for_line(tmp_path: Path) -> None:
     assert {line["rule"] for line in lines} >= {"Stays", "Was near", "Silent"}
 
 
+def test_how_long_the_run_was_is_not_said_as_the_time_of_the_replay(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with input_log(tmp_path / "inputs") as note:
+        drive(note)
+    assert main(["replay", str(tmp_path / "inputs"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert main(["replay", str(tmp_path / "inputs")]) == 0
+    assert capsys.readouterr().out.endswith(f" inputs of {told['duration_s']:.1f} s\n")
+
+
 def test_of_a_message_only_what_decides_is_recorded() -> None:
     recorded: list[RecordedInput] = []
     drive(recorded.append)

@@ -233,3 +233,17 @@ def test_only_relayed_topics_can_be_predicted(tmp_path: Path, capsys: pytest.Cap
     arguments = ["replay", str(tmp_path / "monitored"), "--rules", str(rules), "--output", output]
     assert main([*arguments, "--predict", "/tf"]) != 0
     assert "no rule relays /tf" in capsys.readouterr().err
+
+
+def test_predicted_topics_may_be_named_by_several_options(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    replay_content(recorded("/odom", ODOMETRY, 50, 20, driven), "SetFrequency /odom Full", tmp_path)
+    rules = tmp_path / "bounds.adirf"
+    rules.write_text("begin SetFrequency /tf 1 KeepWithin /odom position 0.05 end")
+    command = ["replay", str(tmp_path / "monitored"), "--rules", str(rules), "--json", "--output"]
+    sent = []
+    for number, named in enumerate((["/odom", "/tf"], ["/odom", "--predict", "/tf"])):
+        assert main([*command, str(tmp_path / str(number)), "--predict", *named]) == 0
+        sent.append(json.loads(capsys.readouterr().out)["topics"]["/odom"]["out"])
+    assert sent[0] == sent[1]

@@ -351,3 +351,18 @@ def test_times_before_1970_are_no_times_for_mcap_and_sqlite_has_them(desk: Desk)
     assert "--storage sqlite3" in ran.err
     assert desk.replay(bag="old").code == 0
     assert [one.stamp_ns for one in read_bag(desk.folder / "out").messages] == [m.stamp_ns for m in messages]
+
+
+def test_the_error_is_against_the_mean_of_a_source_that_varies_and_says_so(desk: Desk) -> None:
+    stamps_s = [number / 20 for number in range(40)] + [2 + number for number in range(11)]
+    stamps_ns = [START_NS + round(1e9 * stamp_s) for stamp_s in stamps_s]
+    messages = tuple(BagMessage("/odom", stamp_ns, odometry(0, 0)) for stamp_ns in stamps_ns)
+    write_bag(desk.folder / "varies", BagContent((ODOM,), messages))
+    desk.write_rules("begin SetFrequency /odom 10 end")
+    ran = desk.replay(bag="varies")
+    row = next(line.split() for line in ran.out.splitlines() if line.startswith("/odom"))
+    source_hz, mean_hz, error_percent = (float(row[at].replace("−", "-")) for at in (3, 5, 6))
+    assert error_percent == pytest.approx(100 * (mean_hz / source_hz - 1), abs=0.2)
+    told = " ".join(ran.out.split())
+    assert "against the target, or the source's mean where that is less" in told
+    assert "Where the source's own rate varies, error says little." in told

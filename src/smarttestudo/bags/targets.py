@@ -25,8 +25,8 @@ class Target:
     """Time-weighted means of a topic's planned rate, in Hz.
 
     ``planned_hz`` is that of the rates as planned, Full counting as the source's; ``attainable_hz`` that of
-    the lesser of planned rate and source's at each time, which is what a relay can reach. It is ``None`` of
-    transforms, whose planned rate is that of each frame.
+    the lesser of planned rate and the source's mean, which is what a relay of an even source can reach. It is
+    ``None`` of transforms, whose planned rate is that of each frame.
     """
 
     planned_hz: float

@@ -47,8 +47,9 @@ def add_arguments(parser: CommandParser) -> None:
         "--topics",
         metavar="TOPIC",
         nargs="+",
+        action="extend",
         type=topic_pattern,
-        default=(),
+        default=[],
         help="these only; * ? […] as in a shell",
     )
     parser.add_argument(

@@ -96,7 +96,8 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         metavar="TOPIC",
         type=resolve_topic,
         nargs="+",
-        default=(),
+        action="extend",
+        default=[],
         help="pace as if the operator's end reckoned these topics on (Odometry, transforms, joint states) "
         "where it has no message; the recording holds what was sent",
     )
@@ -175,7 +176,7 @@ class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
         """The rates, the bounds and the volume, or the decisions over inputs."""
         if not isinstance(result, ReplayOutcome):
             inputs = f"{counted(result.decisions, 'decision')} from {counted(result.inputs, 'input')}"
-            print(f"{inputs} in {result.duration_s:.1f} s")  # noqa: T201
+            print(f"{inputs} of {result.duration_s:.1f} s")  # noqa: T201
             return
         tables = [rates_table(result), volume_table(result)]
         if any(topic.bounds for topic in result.topics.values()):

@@ -19,7 +19,7 @@ _CHANGE = Column(heading="Change", unit="%")
 _RATE_NOTE = "Hz: mean count of the 1 s bins from first to last message."
 _TARGET_NOTE = (
     " Target: planned rate, weighted by time. "
-    "Error: mean rate (n − 1) / (last − first) against the target, or the source where that is slower."
+    "Error: mean rate (n − 1) / (last − first) against the target, or the source's mean where that is less."
 )
 _FRAMES_NOTE = " Of transforms the target is that of each frame, and there is no error."
 BANDWIDTH_NOTE = "1 KB is 1000 bytes; 1 KB/s is 8 kbit/s."

@@ -11,8 +11,8 @@ from smarttestudo.report.table import Align, Column, Number, Row, Table, Text, p
 
 _TOPIC = Column(heading="Topic", align=Align.LEFT)
 _RATES_NOTE = (
-    "Hz: (n − 1) / (last − first). Error: the mean against the lesser of target and source at each time. "
-    "Target and error are weighted by time."
+    "Hz: (n − 1) / (last − first). Error: the mean against the target, or the source's mean where that is "
+    "less. Target and error are weighted by time. Where the source's own rate varies, error says little."
 )
 _BOUNDS_NOTE = (
     "Bound and worst are in the property's unit: m, degrees, or the field's own. Worst is how far the "

@@ -84,6 +84,8 @@ def _shortened(text: str, characters: int | None) -> str:
 
 # What queued up while the subscription was made comes at once, and would count as a higher rate.
 _WARM_UP_NS = NS_PER_S // 2
+# On a slow machine the queue comes later than that: all that is measured so far came within this.
+_AT_ONCE_NS = NS_PER_S // 20
 # Messages wait here while others are counted and shown.
 _DEPTH = 100
 _MOST_SUGGESTIONS = 3
@@ -168,14 +170,20 @@ class EchoedTopic:
     def echo(self) -> Echo:
         """State of the reception now, with the last message."""
         if self._is_metered:
-            transient_local = self._source is not None and self._source.qos.transient_local
-            self._meter.look(self._robot.steady_ns(), transient_local=transient_local)
+            self._measure(self._robot.steady_ns())
         return self._echo(self._last)
 
     def take_kept(self) -> list[Echo]:
         """The messages that were kept since the last call."""
         kept, self._kept = self._kept, []
         return [self._echo(heard) for heard in kept]
+
+    def _measure(self, now_ns: int) -> None:
+        transient_local = self._source is not None and self._source.qos.transient_local
+        self._meter.look(now_ns, transient_local=transient_local)
+        if 0 < self._meter.span_ns < _AT_ONCE_NS:
+            self._meter = FlowMeter(self._flow)
+            self._meter.look(now_ns, transient_local=transient_local)
 
     def _subscribe(self, type_name: str, qos: Qos) -> Subscription:
         def receive(payload: Payload, _publisher: Hashable) -> None:

@@ -80,6 +80,21 @@ def test_what_queued_up_before_the_start_does_not_count_as_a_rate() -> None:
     assert heard_for(robot, topic, 5).rate_hz == pytest.approx(10, rel=0.01)
 
 
+def test_what_queued_up_while_the_machine_was_slow_does_not_count_as_a_rate() -> None:
+    robot = VirtualRobot(sources={"/imu": Source(hz=1e-9)})
+    topic = echoed(robot, "/imu")
+    topic.poll()
+    robot.say("/imu", "the first")
+    robot.wait(None, 0.8)
+    for _ in range(18):
+        robot.say("/imu", "a burst")
+        robot.wait(None, 2e-5)
+    echo = topic.echo()
+    assert (echo.messages, echo.rate_hz, echo.kb_per_s) == (19, None, 0.0)
+    robot.sources["/imu"] = Source(from_s=0.8, hz=10)
+    assert heard_for(robot, topic, 5).rate_hz == pytest.approx(10, rel=0.03)
+
+
 def test_a_topic_that_falls_silent_has_a_rate_of_0() -> None:
     robot = VirtualRobot(sources={"/imu": Source(hz=50)})
     topic = echoed(robot, "/imu")
