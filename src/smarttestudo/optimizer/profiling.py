@@ -13,7 +13,7 @@ from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
 from smarttestudo.domain.intervals import Intervals
 from smarttestudo.domain.rate import MAX_RATE_HZ, MIN_SOURCE_HZ, RATE_STEP_HZ
 from smarttestudo.domain.rate_meter import Flow
-from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.domain.units import BYTES_PER_KB, counted
 from smarttestudo.optimizer.accuracy_measure import AccuracyMeasure, levelled_properties
 from smarttestudo.optimizer.wording import kb_text
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
@@ -145,8 +145,8 @@ def profile_text(
     measured_in = "".join(letter if letter.isprintable() else "?" for letter in measured_in)
     total_kb_per_s = sum(one.kb for one in measures.values()) / duration_s if duration_s > 0 else 0.0
     lines = [
-        f"# Measured by testudo profile in {measured_in}: {duration_s:.1f} s, {len(measures)} topics,"
-        f" {kb_text(total_kb_per_s)} KB/s in all.",
+        f"# Measured by testudo profile in {measured_in}: {duration_s:.1f} s, "
+        f"{counted(len(measures), 'topic')}, {kb_text(total_kb_per_s)} KB/s in all.",
         _TIERS_FROM_LOSS if proposals else _TIERS_GUESSED,
         "# budget_kb_per_s = 1000.0  # what your link carries; the optimizer needs it",
     ]

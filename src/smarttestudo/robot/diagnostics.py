@@ -100,7 +100,7 @@ def node_health(status: RuntimeStatus) -> Health:
         return Health(DiagnosticLevel.WARN, "incidents cannot be written", status.incidents.problem)
     if status.link is not None and not status.link.is_connected:
         return Health(DiagnosticLevel.WARN, "no operator is connected over the link")
-    return Health(DiagnosticLevel.OK, f"relaying {len(status.topics)} topics")
+    return Health(DiagnosticLevel.OK, f"relaying {counted(len(status.topics), 'topic')}")
 
 
 def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.domain.command import IncomingCommands
 from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.units import counted
 from smarttestudo.robot.decisions import Decided, LiveDecisions
 from smarttestudo.robot.fallback import Fallback
 from smarttestudo.robot.input_recorder import InputRecorder, Note
@@ -92,7 +93,7 @@ def run_live(
         parameters.serve(keeper.accept)
         # What is made at the start stays: to look for cycles in it would hold up messages.
         gc.freeze()
-        robot.log.info(f"Relaying {len(rules.output_topics)} topics as {settings[OUTPUT_TOPIC]}")
+        robot.log.info(f"Relaying {counted(len(rules.output_topics), 'topic')} as {settings[OUTPUT_TOPIC]}")
         live.drive(stopped)
 
 

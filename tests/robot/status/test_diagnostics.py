@@ -106,7 +106,7 @@ LINKED = replace(
 
 def test_the_node_says_how_its_link_does() -> None:
     node = named("smarttestudo", LINKED)
-    assert (node.level, node.message) == (DiagnosticLevel.OK, "relaying 1 topics")
+    assert (node.level, node.message) == (DiagnosticLevel.OK, "relaying 1 topic")
     assert {name: value for name, value in node.values.items() if name.startswith("link_")} == {
         "link_connected": "true",
         "link_capacity_kb_per_s": "231.500",
