@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Icon, type IconName } from "../ui/icon";
-import { useRobot } from "../ui/robot_state";
+import { useLoaded } from "../ui/later";
 import { watchSize, watchTheme } from "../ui/watch";
 import type { MapView } from "./map_view";
 import type { MapOwner, MapPicture, MapZone, Point } from "./shapes";
@@ -32,7 +32,7 @@ export function MapCanvas(props: {
   opened?: (view: MapView | null) => void;
 }) {
   const host = useRef<HTMLDivElement>(null);
-  const [Loaded, setLoaded] = useState<typeof MapView | null>(null);
+  const module = useLoaded(() => import("./map_view"));
   const [view, setView] = useState<MapView | null>(null);
   const [place, setPlace] = useState<Point | null>(null);
   const [bar, setBar] = useState<{ metres: number; px: number } | null>(null);
@@ -43,24 +43,19 @@ export function MapCanvas(props: {
   }, [isWheeled]);
   const told = useRef(props);
   told.current = props;
-  const returns = useRobot().returns.value;
-  useEffect(() => {
-    // Of a server that is gone nothing can be loaded until it is back.
-    if (Loaded === null) void import("./map_view").then((module) => setLoaded(() => module.MapView));
-  }, [returns]);
   useEffect(() => {
     const element = host.current;
-    if (!element || Loaded === null) return;
+    if (!element || module === null) return;
     const owner = { ...forwarded(() => told.current.owner), scaled: setBar };
     const pointed = (at: Point | null) => {
       setPlace(at);
       told.current.owner?.pointed?.(at);
     };
-    return openView(Loaded, element, { ...owner, pointed }, props.owner !== undefined, (opened) => {
+    return openView(module.MapView, element, { ...owner, pointed }, props.owner !== undefined, (opened) => {
       setView(opened);
       told.current.opened?.(opened);
     });
-  }, [Loaded]);
+  }, [module]);
   const { picture = null, path = NONE, dots = NONE, zones = NO_ZONES } = props;
   useEffect(() => view?.setPicture(picture), [view, picture]);
   useEffect(() => view?.setPath(path), [view, path]);

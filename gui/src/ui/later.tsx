@@ -10,21 +10,24 @@ export type Later<P> = ComponentType<P> & { preload(): void };
 export function later<P extends object>(load: () => Promise<ComponentType<P>>): Later<P> {
   let loaded: ComponentType<P> | null = null;
   function Shown(props: P) {
-    const [, setLoaded] = useState(loaded !== null);
-    const returns = useRobot().returns.value;
-    useEffect(() => {
-      if (loaded !== null) return;
-      void load().then((component) => {
-        loaded = component;
-        setLoaded(true);
-      });
-      // Of a server that is gone nothing can be loaded until it is back.
-    }, [returns]);
-    if (loaded === null) return <p class="quiet center">Loading …</p>;
-    const Component = loaded;
-    return <Component {...props} />;
+    const Component = useLoaded(async () => {
+      loaded = await load();
+      return loaded;
+    }, loaded);
+    return Component === null ? <p class="quiet center">Loading …</p> : <Component {...props} />;
   }
   return Object.assign(Shown, { preload: () => void load() });
+}
+
+/** What is loaded when it is shown first, unless it is `known`: null until then. */
+export function useLoaded<T>(load: () => Promise<T>, known: T | null = null): T | null {
+  const [loaded, setLoaded] = useState<T | null>(() => known);
+  const returns = useRobot().returns.value;
+  useEffect(() => {
+    // Of a server that is gone nothing can be loaded until it is back.
+    if (loaded === null) void load().then((one) => setLoaded(() => one));
+  }, [returns]);
+  return loaded;
 }
 
 /** Opens something once its module is loaded; returns how to close it, which may be before that. */

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarttestudo.cli.bag_options import topic_pattern
+from smarttestudo.cli.bag_options import add_topics
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
@@ -43,15 +43,7 @@ def add_arguments(parser: CommandParser) -> None:
         "--seconds", metavar="N", type=duration_s, help="measure the topics of a running robot for N seconds"
     )
     add_timeout(parser, "with --seconds: how long to wait for the first topic")
-    parser.add_argument(
-        "--topics",
-        metavar="TOPIC",
-        nargs="+",
-        action="extend",
-        type=topic_pattern,
-        default=[],
-        help="these only; * ? […] as in a shell",
-    )
+    add_topics(parser)
     parser.add_argument(
         "--from-curve",
         action="store_true",

@@ -44,7 +44,7 @@ class CopiedTopics:
     """Relays of several topics, each taking from a list of its own, all copied."""
 
     def __init__(self, library: RelayLibrary, copies: MessageCopies, count: int, **others: int) -> None:
-        self.library, self.copies = library, copies
+        self.relays, self.copies = library, copies
         self.given: list[tuple[int, int, bytes, bytes | None, int]] = []
         self.rcl = [ListedRcl() for _ in range(count)]
         self.open: dict[int, tuple[int, CopiedSource]] = {}
@@ -61,11 +61,11 @@ class CopiedTopics:
 
     def send(self, topic: int, number: int, gid: bytes, payload: bytes) -> None:
         self.rcl[topic].to_take.append((gid, number, payload))
-        self.library.step(self.open[topic][0])
+        self.relays.step(self.open[topic][0])
 
     def end(self, topic: int) -> None:
         relay, source = self.open.pop(topic)
-        self.library.free(relay)
+        self.relays.free(relay)
         self.copies.remove([source])
 
     def close(self) -> None:
