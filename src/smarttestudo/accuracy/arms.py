@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from smarttestudo.accuracy.track import Message
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record import JsonObject
 from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecords
 from smarttestudo.pacing.reckoning.picture import Picture

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from smarttestudo.accuracy.arms import Receiver
 from smarttestudo.accuracy.track import Message
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.record import JsonObject
 from smarttestudo.domain.units import NS_PER_S

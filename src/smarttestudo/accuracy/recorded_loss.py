@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from pathlib import Path
 
@@ -40,6 +40,7 @@ from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.measure import measure_bag
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.topic_selection import select_topics
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile

@@ -7,10 +7,11 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from smarttestudo.accuracy.samples import Field, TopicSamples
 from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.recording import Channel, RecordingReader, left_out_of_second

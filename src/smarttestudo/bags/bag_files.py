@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from smarttestudo.bags import magic
 from smarttestudo.bags.metadata import BagMetadata, read_metadata, require_known_formats
 from smarttestudo.bags.metadata_text import METADATA_NAME
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.files.input_file import require_file
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path, PurePosixPath
 from typing import Any
 from urllib.parse import quote
@@ -17,6 +17,7 @@ from ruamel.yaml.error import YAMLError
 
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.bags.qos import QosReader, is_transient_local
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, Storage
 from smarttestudo.files.input_file import require_file

@@ -9,7 +9,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import chain, count, islice
 from operator import itemgetter
@@ -19,6 +19,7 @@ from typing import TypeVar
 from smarttestudo.bags import magic
 from smarttestudo.bags.metadata import BagMetadata
 from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import chain
 from operator import attrgetter
 
@@ -14,6 +13,7 @@ from smarttestudo.checks import blocks, bounds, conditions, rates, recordings, t
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.rule_model import RuleModel, read_rule_model
 from smarttestudo.checks.text_lines import NumberedFinding, TextLines
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.parser.rule_file import ParseResult

@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.checks.text_lines import Found, NumberedFinding
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Severity
 
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from itertools import chain
 from typing import TypeVar
@@ -13,6 +13,7 @@ from typing import TypeVar
 from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.fixes import DefaultPlace, default_place
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (

@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import NamedTuple
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Finding, Fix, ProfileFix, Severity
 from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.line_numbers import LineNumbers

@@ -8,7 +8,6 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from datetime import timedelta
 from enum import Enum
 from pathlib import Path
@@ -16,6 +15,7 @@ from pathlib import Path
 from smarttestudo.cli.tables import write_text
 from smarttestudo.cli.terminal import is_unicode
 from smarttestudo.domain.bound_texts import bound_texts
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import CommandTopic, LinkState

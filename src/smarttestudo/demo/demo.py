@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from smarttestudo import __version__
@@ -20,6 +20,7 @@ from smarttestudo.demo.folder import MARKER, demo_folder
 from smarttestudo.demo.live import LOGS, LiveDemoRequest, record_live
 from smarttestudo.demo.mission import bytes_per_second, record_mission, route_of
 from smarttestudo.demo.rules import PREDICTED, RULES, WITHIN, DemoRules, put_rules
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S

@@ -9,7 +9,6 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from enum import Enum
 from functools import partial
 from pathlib import Path
@@ -17,6 +16,7 @@ from pathlib import Path
 from smarttestudo.demo.link_side import ENDPOINT, READY, LinkRole
 from smarttestudo.demo.network_namespaces import ThinLink, in_namespace
 from smarttestudo.demo.processes import ChildProcess, child_process, testudo_command
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.robot import DiscoveryRange
 from smarttestudo.domain.units import BITS_PER_BYTE, NS_PER_S

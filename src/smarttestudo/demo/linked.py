@@ -8,13 +8,13 @@ import hashlib
 import zlib
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.demo.link_run import Contender, DrivenAcross, LinkDrive, drive_across
 from smarttestudo.demo.network_namespaces import ThinLink, require_links, thin_link
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.files.removal import temporary_folder

@@ -6,12 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.demo.mission import DECLARED_BYTES
 from smarttestudo.demo.processes import ChildProcess, child_process, testudo_command
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.names import DECISIONS_TOPIC, output_name
 from smarttestudo.domain.payload import Payload

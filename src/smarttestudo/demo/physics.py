@@ -7,12 +7,12 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 from smarttestudo.demo.lost_time import LostTime
 from smarttestudo.demo.mission import JPEG_BYTES, route_of
 from smarttestudo.demo.simulate import advertise, left_out
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher, Robot
 from smarttestudo.domain.units import ns_from_s

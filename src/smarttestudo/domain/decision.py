@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from enum import Enum
 from typing import Annotated
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import Decimals, JsonEntry, from_json, to_json
 

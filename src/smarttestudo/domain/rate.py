@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from enum import Enum
+
+from smarttestudo.domain.dataclass import dataclass
 
 
 class Tier(Enum):

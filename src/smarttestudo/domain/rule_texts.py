@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record.plain import read_any
 
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 import hashlib
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.source import Span
 from smarttestudo.editing.later import MadeLater
 from smarttestudo.editing.line_index import LineIndex

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import count
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.editing.document import CollectionPart, Document, Entry
 from smarttestudo.editing.meaning import meaning

@@ -8,13 +8,13 @@ import signal
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from types import FrameType
 from typing import Generic, cast
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.units import counted
 from smarttestudo.fleet.executor import Item, Result, WorkerError, attempt

@@ -7,13 +7,13 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from glob import glob, has_magic
 from pathlib import Path
 
 from smarttestudo.bags.bag_files import is_recording
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, is_url, remote_matches, remote_path
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 
 _WILDCARD = re.compile(r"[*?]|\[[^]]*\]?")

@@ -10,7 +10,7 @@ import struct
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import chain
 from operator import attrgetter
 from pathlib import Path
@@ -20,6 +20,7 @@ from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.mcap.writer import FileContent
 from smarttestudo.bags.mcap.written_file import complete_files
 from smarttestudo.bags.metadata_text import METADATA_NAME, metadata_text
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError, testudo_error
 from smarttestudo.domain.incident import (
     IncidentRecord,

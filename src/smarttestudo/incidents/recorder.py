@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import mmap
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.incidents.latched import Gone, LatchedSamples, holds_static_frames, nobody
 from smarttestudo.incidents.missing import missing_for_memory, unheard, without

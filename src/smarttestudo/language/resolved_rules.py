@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import accumulate, chain, islice
 from operator import attrgetter, lt
 from typing import Any
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span

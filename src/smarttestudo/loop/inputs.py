@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Annotated
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon, SourceChanged
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile

@@ -8,8 +8,8 @@ import bisect
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import Model, Requirement
 from smarttestudo.optimizer.problem import Allocation, Budget, Solver, fits, round_down, used_kb_per_s

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import BoundNeeds, Model, Requirement
 from smarttestudo.optimizer.problem import round_down

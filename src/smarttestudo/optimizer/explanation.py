@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import Model, Requirement
 from smarttestudo.optimizer.quality import interval_hz, skipped_thresholds, tier_of

@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.optimizer.changes import Change
 from smarttestudo.optimizer.model import Model, Requirement

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple, Protocol
+
+from smarttestudo.domain.dataclass import dataclass
 
 _RELATIVE_SLACK = 1e-9
 _STEPS_PER_HZ = 1000

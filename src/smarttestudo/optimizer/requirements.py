@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from enum import Enum
 from functools import cache
 
 from smarttestudo.domain.accuracy import AccuracyTiers
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.source import Span

@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from statistics import fmean
 from typing import Annotated, NamedTuple
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.record import JsonEntry, to_json
 from smarttestudo.domain.units import BYTES_PER_KB

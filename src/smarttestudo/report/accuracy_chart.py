@@ -7,11 +7,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from enum import Enum
 
 from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost
 from smarttestudo.accuracy.arms import PacedPicture
+from smarttestudo.domain.dataclass import dataclass
 
 _MARGIN = 1.15
 _STEPS = ((1, 2, 3, 5), (1, 2, 5), (1,))

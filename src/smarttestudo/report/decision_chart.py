@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from smarttestudo.bags.incident_mark import IncidentMark
 from smarttestudo.bags.targets import target_spans
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.report.markup import Markup, tag
 from smarttestudo.report.rule_styles import RuleStyles

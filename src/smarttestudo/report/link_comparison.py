@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.report.table import MISSING, Align, Cell, Column, Number, Row, Table, Text
 
 _SHARES = (0.5, 0.95, 1.0)

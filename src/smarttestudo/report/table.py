@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from itertools import pairwise
 from textwrap import wrap
 from unicodedata import category
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import grouped
 
 MISSING = "–"

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
-from dataclasses import dataclass
 from functools import partial
 
 from smarttestudo.domain.compiled_relay import (
@@ -16,6 +15,7 @@ from smarttestudo.domain.compiled_relay import (
     MessageCopy,
     RelayState,
 )
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.robot import Publisher, Subscription
 from smarttestudo.loop.hand_over import count, count_flow, hand_over, take_back, unrelayed

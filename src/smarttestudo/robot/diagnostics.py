@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.link_state import TopicOnLink
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import to_json

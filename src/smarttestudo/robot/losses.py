@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.robot import RobotLog, Subscription
 from smarttestudo.domain.units import NS_PER_S
 

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC, TOPIC_PLACEHOLDER, output_name
 from smarttestudo.language.rule_set import RuleSet

@@ -16,10 +16,11 @@ import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from io import BytesIO
 from multiprocessing.connection import Connection, Pipe
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleBlock, WrittenBlock

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import DataPath, Endpoint, Publisher, Qos, Receive, Subscription

@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.robot import Endpoint, Qos
 from smarttestudo.robot.topic import OpenTopic
 

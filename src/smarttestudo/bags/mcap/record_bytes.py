@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import IntEnum
 from typing import BinaryIO
 
 from smarttestudo.bags import magic
+from smarttestudo.domain.dataclass import dataclass
 
 FRAME = struct.Struct("<BQ")
 MESSAGE_HEADER = struct.Struct("<HIQQ")

@@ -9,7 +9,6 @@ import struct
 import zlib
 from collections.abc import Generator, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import BinaryIO
 
 import lz4.frame  # type: ignore[import-untyped]
@@ -29,6 +28,7 @@ from smarttestudo.bags.mcap.record_bytes import (
     record_places,
 )
 from smarttestudo.bags.stored_file import OutlineError
+from smarttestudo.domain.dataclass import dataclass
 
 _CONTENT = frozenset({Op.SCHEMA, Op.CHANNEL, Op.MESSAGE, Op.CHUNK})
 BROKEN = (

@@ -7,11 +7,12 @@ from __future__ import annotations
 import os
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import BinaryIO
 
 from smarttestudo.bags import magic
 from smarttestudo.bags.mcap.record_bytes import FOOTER_BYTES, FRAME, Op, read_bytes, read_notes, read_text
+from smarttestudo.domain.dataclass import dataclass
 
 _FOOTER = struct.Struct("<BQQQI8s")
 _CHANNEL_START = struct.Struct("<HH")

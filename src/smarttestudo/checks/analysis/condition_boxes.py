@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes import (
     Box,

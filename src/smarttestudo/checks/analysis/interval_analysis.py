@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from itertools import islice
 from operator import attrgetter
@@ -19,6 +19,7 @@ from smarttestudo.checks.analysis.redundant_rates import redundant_rates
 from smarttestudo.checks.analysis.results import Analysis, Clash, Gap, Shadow, SharedBorder
 from smarttestudo.checks.analysis.topic_branches import Setter
 from smarttestudo.checks.context import CheckContext
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.boxes import Domain, Effort, TooComplexError, find_box
 from smarttestudo.language.normal_form import Form, negation

@@ -7,10 +7,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from heapq import merge
 
 from smarttestudo.checks.analysis.condition_boxes import ConditionBoxes
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes import BoxIndex, Effort, IndexEntry

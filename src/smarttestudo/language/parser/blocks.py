@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Fix
 from smarttestudo.language.comments import NO_TRIVIA, Comment, Trivia, label_in
 from smarttestudo.language.parser.conditions import parse_condition, parse_property

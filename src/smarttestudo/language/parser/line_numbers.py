@@ -7,10 +7,11 @@ from __future__ import annotations
 import sys
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from itertools import accumulate
 from typing import Any, TypeVar
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Fix
 from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.stretches import Stretch

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import islice
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.source import Span
 from smarttestudo.domain.utf_8 import without_mark
 from smarttestudo.language.parser.lexer import lex

@@ -7,7 +7,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from smarttestudo.domain.dataclass import dataclass
 
 Reader = Callable[[object], float]
 """Reads a decoded message; NaN stands for unknown."""

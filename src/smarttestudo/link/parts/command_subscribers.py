@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from smarttestudo.domain.command import IncomingCommands, TooOld
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import Publisher, Qos, Robot

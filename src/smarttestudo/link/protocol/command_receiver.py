@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 from smarttestudo.domain.command import MAX_AGE_NS
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S

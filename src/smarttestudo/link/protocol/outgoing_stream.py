@@ -6,9 +6,10 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Collection, Hashable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import NamedTuple
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin
 from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.units import NS_PER_S

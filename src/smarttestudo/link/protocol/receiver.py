@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.link.protocol.messages import Report
 
 MAX_RECEIVERS = 64

@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import NamedTuple
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.link import Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.properties import gauges_for, properties_for_bounds

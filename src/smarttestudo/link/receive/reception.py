@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.link import ReceivedMessage, Sink, StreamInfo
 from smarttestudo.domain.rate_meter import Flow, FlowMeter
 from smarttestudo.domain.units import NS_PER_MS

@@ -7,10 +7,11 @@ from __future__ import annotations
 import secrets
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import zenoh
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import STATUS_TOPIC

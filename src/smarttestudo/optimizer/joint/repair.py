@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Reason
 from smarttestudo.language.evaluator import Evaluator
 from smarttestudo.language.rule_set import RuleSet

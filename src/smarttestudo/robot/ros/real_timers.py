@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from smarttestudo.domain.dataclass import dataclass
 
 
 @dataclass(slots=True)

@@ -6,12 +6,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import count, repeat
 
 import msgspec
 
 from smarttestudo.checks.text_lines import LineOf, NumberedFinding
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.source import Span
 from smarttestudo.editing import Document, WrittenStatement
 from smarttestudo.language.syntax import unnamed_label

@@ -11,12 +11,12 @@ import stat
 import threading
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from enum import Enum
 from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from smarttestudo.bags.metadata_text import METADATA_NAME
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.files.input_file import read_input, require_file
 from smarttestudo.files.removal import remove
