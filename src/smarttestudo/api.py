@@ -29,7 +29,7 @@ from smarttestudo.loop import decision_log
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.replays import replay as replaying
 from smarttestudo.replays.outcome import ReplayOutcome
-from smarttestudo.rules.budget_findings import all_findings
+from smarttestudo.rules.findings import all_findings
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
 from smarttestudo.rules.rule_sets import load_rules

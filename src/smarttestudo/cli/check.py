@@ -22,10 +22,9 @@ from smarttestudo.cli.robots import add_robot, topics_of_robot
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import RuleFileError, UsageError
 from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.profile import Profile
 from smarttestudo.language.parser import parse
-from smarttestudo.link.zenoh import open_link_robots
-from smarttestudo.rules.budget_findings import all_findings
-from smarttestudo.rules.profile_file import load_profile
+from smarttestudo.rules.findings import all_findings
 from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
 
 _T = TypeVar("_T")
@@ -52,7 +51,7 @@ def add_arguments(parser: CommandParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print all findings; 1 if one is an error or a file could not be read."""
-    profile = None if arguments.profile is None else load_profile(arguments.profile)
+    profile = None if arguments.profile is None else _profile_of(arguments.profile)
     bag_topics = _topics(arguments)
     texts, unreadable = _read(arguments.files)
     context = CheckContext(profile=profile, bag_topics=bag_topics, has_all_files=not unreadable)
@@ -104,8 +103,16 @@ def _topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
         return None if arguments.bag is None else _topics_of(arguments.bag)
     if arguments.bag is not None:
         raise UsageError("topics come from one place", place="--bag", remedy="leave out --bag or --connect")
+    from smarttestudo.link.zenoh import open_link_robots  # noqa: PLC0415  most checks ask no robot
+
     with stop_signals() as stopped, open_link_robots(options, warn) as robots:
         return topics_of_robot(robots, arguments.robot, stopped)
+
+
+def _profile_of(path: Path) -> Profile:
+    from smarttestudo.rules.profile_file import load_profile  # noqa: PLC0415  it loads a parser of TOML
+
+    return load_profile(path)
 
 
 def _topics_of(bag: Path) -> dict[str, str]:

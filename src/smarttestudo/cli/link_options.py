@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.cli.budget import budget_kb_per_s
 from smarttestudo.cli.paths import file_path
-from smarttestudo.domain.command import command_topics
 from smarttestudo.domain.errors import UsageError
 
 if TYPE_CHECKING:
@@ -83,6 +82,8 @@ def open_link(arguments: argparse.Namespace, robot: str) -> Iterator[RobotEnd | 
 
     Raises ``LinkError`` as ``open_robot_end`` does, and ``UsageError`` for options of a link without one.
     """
+    from smarttestudo.domain.command import command_topics  # noqa: PLC0415  most commands have no link
+
     options = _robot_options(arguments, command_topics(arguments.accept, "--accept"))
     if options is None:
         yield None

@@ -7,9 +7,12 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from smarttestudo.domain.errors import RosError, TestudoError, UsageError
-from smarttestudo.domain.remote_robots import RemoteRobots, Topics
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.remote_robots import RemoteRobots, Topics
 
 WAIT_S = 0.1
 _HEARD_WITHIN_S = 10.0

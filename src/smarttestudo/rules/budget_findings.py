@@ -6,14 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from smarttestudo.checks import CheckContext, check_rules, wording
+from smarttestudo.checks import wording
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.source import Span
 from smarttestudo.language.boxes import Domain
 from smarttestudo.language.normal_form import Resolve
-from smarttestudo.language.parser import ParseResult
 from smarttestudo.language.rule_set import (
     RefusedTiers,
     RuleBlock,
@@ -39,16 +38,6 @@ from smarttestudo.rules.rule_sets import has_tiers
 from smarttestudo.rules.tier_rates import optimize_tiers
 
 _MISSING_NAMED = 3
-
-
-def all_findings(results: Sequence[ParseResult], context: CheckContext) -> list[Finding]:
-    """Findings of the checker on files that were read, and where they have no errors, on the budget."""
-    findings = check_rules(results, context)
-    has_error = any(finding.severity is Severity.ERROR for finding in findings)
-    if results and context.profile is not None and context.has_all_files and not has_error:
-        files = [result.file for result in results]
-        findings += budget_findings(files, context.profile, context.resolve, context.domain)
-    return findings
 
 
 def budget_findings(

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import codecs
-import hashlib
 import stat
 from collections.abc import Iterable
 from pathlib import Path
@@ -19,6 +18,8 @@ from smarttestudo.language.parser import MAX_FILE_BYTES
 
 def sha256_of(path: Path) -> str:
     """The SHA-256 of the file at ``path`` in hexadecimal; ``TestudoError`` where it cannot be read."""
+    import hashlib  # noqa: PLC0415  slow to import
+
     try:
         return hashlib.sha256(read_input(path)).hexdigest()
     except OSError as error:
