@@ -26,6 +26,7 @@ WITH_NOTHING: Mapping[str, str] = {
     "optimizer_speed": "--topics 20 --blocks 5",
     "replay_memory": "--gigabytes 0.02",
     "replay_speed": "--seconds 3 --turns 2",
+    "start_up": "--turns 1",
     "throttle_accuracy": "",
     "timed_rules": "--side 12 --turns 1",
 }
