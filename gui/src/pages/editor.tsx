@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, type Signal, useSignal } from "@preact/signals";
+import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { refusal } from "../api/client";
 import { BlocksPane } from "../panels/blocks_pane";
@@ -19,7 +19,7 @@ import { RobotRules } from "../state/robot_rules";
 import { FullScreen, PaneSizes } from "../state/room";
 import type { RuleEditor } from "../state/rule_editor";
 import { RulePush } from "../state/rule_push";
-import { type SelfSaving, saveByItself } from "../state/save_by_itself";
+import { saveByItself } from "../state/save_by_itself";
 import type { FileTries } from "../state/tries";
 import { showInEditor } from "../try/show_in_editor";
 import { ConflictDialog } from "../ui/conflict_dialog";
@@ -68,7 +68,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
     void open(editor, setState);
   }, []);
   useUndoKeys(editor);
-  useDiskLooks(editor, state === "open");
+  useDiskLooks(editor);
   useReturn(() => {
     if (state === "open") return editor.revive();
     return state !== "opening" && open(editor, setState);
@@ -84,7 +84,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
   }, [state]);
   const { onlyWatches } = useRobot();
   const savesByItself = project.saves_by_itself && state === "open" && !onlyWatches.value;
-  useEffect(() => (savesByItself ? saveByItself(selfSaving(editor)) : undefined), [savesByItself]);
+  useEffect(() => (savesByItself ? saveByItself(editor, () => editor.save(true)) : undefined), [savesByItself]);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
   return (
@@ -215,18 +215,11 @@ function ResultTabs({ editor, tool }: { editor: RuleEditor; tool: Signal<Tool> }
   return <Tabs label="Results" choices={choices} chosen={tool} />;
 }
 
-function selfSaving(editor: RuleEditor): SelfSaving {
-  const { isInFile, conflict, restored } = editor;
-  const content = computed(() => [editor.text.value, editor.map.value]);
-  const [isSound, save] = [() => editor.isSound(), () => editor.save(true)];
-  return { content, isSaved: isInFile, conflict, restored, isSound, save };
-}
-
 type Opened = "open" | { problem: string };
 
 async function open(editor: RuleEditor, done: (state: Opened) => void): Promise<void> {
   try {
-    if (editor.isOpen) void editor.recallProfile();
+    if (editor.isOpen.peek()) void editor.recallProfile();
     else await editor.open();
     done("open");
   } catch (error) {

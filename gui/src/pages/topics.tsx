@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import { computed } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusal, refusalOf } from "../api/client";
 import { LevelPanel } from "../levels/level_panel";
@@ -27,19 +26,19 @@ import type { PageProps } from "./page_props";
 export function TopicsPage({ api, project, name, rules, refresh, editors }: PageProps) {
   const editor = useMemo(() => editors.profileOf(api, name), []);
   const [problem, setProblem] = useState("");
-  const [isOpen, setOpen] = useState(false);
+  const isOpen = editor.isOpen.value;
   const guarded = async (work: () => Promise<void>) => {
     setProblem(await refusalOf(work));
   };
-  const open = () => guarded(() => editor.open(project.files).then(() => setOpen(true)));
+  const open = () => guarded(() => editor.open(project.files.some((file) => file.name === name)));
   useEffect(() => void open(), []);
-  useDiskLooks(editor, isOpen);
+  useDiskLooks(editor);
   useReturn(() => (isOpen ? guarded(() => editor.revive()) : problem && open()));
   const canSave = () => (editor.isNew.value || !editor.isSaved.value) && editor.problems.value.length === 0;
-  const save = () =>
+  const save = (byItself = false) =>
     guarded(async () => {
       const wasNew = editor.isNew.peek();
-      await editor.save();
+      await editor.save(byItself);
       // A table that was made for rules is theirs from now on, for everybody.
       if (wasNew && !editor.isNew.peek() && rules !== undefined) await api.chooseProfile(rules, name);
       await refresh();
@@ -51,12 +50,7 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
   });
   const { onlyWatches } = useRobot();
   const savesByItself = project.saves_by_itself && isOpen && !onlyWatches.value;
-  useEffect(() => {
-    const { isSaved, conflict, restored } = editor;
-    const content = computed(() => JSON.stringify([editor.rows.value, editor.budget.value]));
-    const isSound = () => editor.problems.peek().length === 0;
-    return savesByItself ? saveByItself({ content, isSaved, conflict, restored, isSound, save }) : undefined;
-  }, [savesByItself]);
+  useEffect(() => (savesByItself ? saveByItself(editor, () => save(true)) : undefined), [savesByItself]);
   const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
   const isSaved = editor.isSaved.value;
   return (

@@ -25,7 +25,7 @@ const CHOICES: Choice<Side>[] = [
 
 /** Whether the text is what the file says. */
 function SavedNote({ editor }: { editor: RuleEditor }) {
-  return <span class="quiet">{editor.isTextSaved.value ? "the text is saved" : "the text is not saved yet"}</span>;
+  return <span class="quiet">{editor.isContentSaved.value ? "the text is saved" : "the text is not saved yet"}</span>;
 }
 
 /** The right half: the rules as text, their zones on a map, or what was saved of them. */

@@ -26,7 +26,7 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
   const read = () => guarded(async () => (list.value = await api.versions(editor.name)));
   // Each save makes a version.
   useSignalEffect(() => {
-    void editor.savedText.value;
+    void editor.savedContent.value;
     void read();
   });
   useReturn(read);
@@ -39,8 +39,8 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
       const text = await textOf(id);
       compared.value = null;
       // What was not saved is a version, too.
-      if (!editor.isTextSaved.value) await editor.save();
-      if (!editor.isTextSaved.value) return;
+      if (!editor.isContentSaved.value) await editor.save();
+      if (!editor.isContentSaved.value) return;
       await editor.setText(text);
       await editor.save();
     });

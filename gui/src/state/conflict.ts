@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
-import type { Restored } from "./drafts";
 
 /** A text that was not saved, since somebody else changed the file; `theirs` and `hash` are null where it is gone. */
 export interface Conflict {
@@ -16,32 +14,7 @@ export interface OnDisk {
   hash: string;
 }
 
-/** A file that is gone. */
-export const NOT_THERE = { text: "", hash: null };
-
 export type DiskChange = "changed" | "gone";
-
-/** An open file that can meet a conflict; each way out fails with an ApiError and then changes nothing. */
-export interface Contested {
-  readonly name: string;
-  readonly conflict: Signal<Conflict | null>;
-  /** What happened to the file on disk since it was read or saved here. */
-  readonly diskChange: Signal<DiskChange | null>;
-  /** Looks whether somebody else changed the file; where nothing is unsaved here, what is on disk is taken. */
-  lookAtDisk(): Promise<void>;
-  /** Takes what is on disk; undo brings the own text back. */
-  readAgain(): Promise<void>;
-  /** What was restored, until it is saved or dropped. */
-  readonly restored: Signal<Restored | null>;
-  /** Shows the conflict with what is on disk now. */
-  compare(): Promise<void>;
-  /** Goes back to what is on disk; undo brings what was restored back. */
-  dropRestored(): Promise<void>;
-  /** Replaces what is on disk. */
-  saveAnyway(): Promise<void>;
-  /** Saves the own text as a new file and leaves this one as it is on disk. */
-  saveAs(name: string): Promise<void>;
-}
 
 /** Saves a text where the file still has this hash; else nothing is written, and what is on disk is told. */
 export async function saveOver(

@@ -33,11 +33,6 @@ export class History {
     return this.step(this.future, this.past, current);
   }
 
-  clear(): void {
-    this.past.value = [];
-    this.future.value = [];
-  }
-
   private step(from: typeof this.past, to: typeof this.past, current: string): string | null {
     const text = from.value.at(-1);
     if (text === undefined) return null;

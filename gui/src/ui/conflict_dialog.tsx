@@ -3,7 +3,8 @@
 
 import { useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
-import { type Conflict, type Contested, isStatus } from "../state/conflict";
+import { type Conflict, isStatus } from "../state/conflict";
+import type { OpenFile } from "../state/open_file";
 import { Button } from "./button";
 import { FormDialog } from "./dialog";
 import { DifferenceWords, TextComparison } from "./difference_words";
@@ -11,7 +12,7 @@ import { Problem } from "./notice";
 
 interface Props {
   api: Api;
-  file: Contested;
+  file: OpenFile;
   /** Called with the name of the new file, after the text was saved under it. */
   onSavedAs: (name: string) => unknown;
 }

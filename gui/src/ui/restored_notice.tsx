@@ -1,23 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import { refusal } from "../api/client";
-import type { Contested } from "../state/conflict";
+import type { OpenFile } from "../state/open_file";
 import { Button } from "./button";
 
 const TIME = { dateStyle: "medium", timeStyle: "short" } as const;
 
 /** Says that a draft was restored, until it is saved, dropped or closed. */
-export function RestoredNotice({ file }: { file: Contested & { message: { value: string } } }) {
+export function RestoredNotice({ file }: { file: OpenFile }) {
   const restored = file.restored.value;
   if (restored === null) return null;
-  const guarded = async (work: () => Promise<void>) => {
-    try {
-      await work();
-    } catch (error) {
-      file.message.value = refusal(error);
-    }
-  };
+  const guarded = (work: Promise<void>) => void work.catch((error: unknown) => file.tell(error));
   const when = new Date(restored.changedMs).toLocaleString("en-GB", TIME);
   return (
     <div class="notice warning restored" role="status">
@@ -26,10 +19,8 @@ export function RestoredNotice({ file }: { file: Contested & { message: { value:
         {restored.isContested && " Somebody else changed the file since: a save asks what to do."}
       </span>
       <span class="row">
-        {restored.isContested && (
-          <Button label="Compare" class="small" onClick={() => void guarded(() => file.compare())} />
-        )}
-        <Button label="Drop them" class="small" onClick={() => void guarded(() => file.dropRestored())} />
+        {restored.isContested && <Button label="Compare" class="small" onClick={() => guarded(file.compare())} />}
+        <Button label="Drop them" class="small" onClick={() => guarded(file.dropRestored())} />
         <Button label="Close" class="small" onClick={() => (file.restored.value = null)} />
       </span>
     </div>

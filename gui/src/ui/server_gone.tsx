@@ -4,7 +4,7 @@ import { useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { refusal } from "../api/client";
-import type { Contested } from "../state/conflict";
+import type { OpenFile } from "../state/open_file";
 import { Notice } from "./notice";
 import { useRobot } from "./robot_state";
 import { clock } from "./times";
@@ -73,7 +73,8 @@ export function useReturn(act: () => unknown): void {
 }
 
 /** Looks at an open file on disk every few seconds while the page is seen, and when somebody comes back to it. */
-export function useDiskLooks(file: Contested, isOpen: boolean): void {
+export function useDiskLooks(file: OpenFile): void {
+  const isOpen = file.isOpen.value;
   const link = useRobot();
   useEffect(() => {
     if (!isOpen) return;
@@ -89,7 +90,7 @@ export function useDiskLooks(file: Contested, isOpen: boolean): void {
   }, [file, isOpen]);
 }
 
-async function looked(file: Contested): Promise<void> {
+async function looked(file: OpenFile): Promise<void> {
   try {
     await file.lookAtDisk();
   } catch (error) {
@@ -99,7 +100,7 @@ async function looked(file: Contested): Promise<void> {
 }
 
 /** Says that somebody else changed a file of which something here is not saved. */
-export function DiskNotice({ file }: { file: Contested }) {
+export function DiskNotice({ file }: { file: OpenFile }) {
   const change = file.diskChange.value;
   if (change === null) return null;
   if (change === "gone") return <Notice kind="warning" text={`${file.name} is no longer on disk: a save writes it.`} />;

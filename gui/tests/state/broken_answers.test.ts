@@ -80,19 +80,19 @@ test("a check that met a bug costs no later one", async () => {
 test("a save by itself that met a bug costs no later one", async () => {
   vi.useFakeTimers();
   vi.stubGlobal("window", globalThis);
-  const [content, isSaved] = [signal("one"), signal(false)];
+  const [whole, isInFile] = [signal({ text: "one" }), signal(false)];
   const save = vi.fn(async () => {
-    if (content.value === "one") throw new TypeError("a bug");
-    isSaved.value = true;
+    if (whole.value.text === "one") throw new TypeError("a bug");
+    isInFile.value = true;
   });
   const told = vi.fn();
   process.once("unhandledRejection", told);
-  const file = { content, isSaved, conflict: signal<Conflict | null>(null), restored: signal<Restored | null>(null) };
-  const stop = saveByItself({ ...file, isSound: () => true, save });
+  const file = { whole, isInFile, conflict: signal<Conflict | null>(null), restored: signal<Restored | null>(null) };
+  const stop = saveByItself({ ...file, isSound: () => true }, save);
   await vi.advanceTimersByTimeAsync(2000);
-  content.value = "two";
+  whole.value = { text: "two" };
   await vi.advanceTimersByTimeAsync(2000);
   stop();
-  expect([save.mock.calls.length, isSaved.value]).toEqual([2, true]);
+  expect([save.mock.calls.length, isInFile.value]).toEqual([2, true]);
   expect(told).toHaveBeenCalledOnce();
 });

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { vi } from "vitest";
 import { Api } from "../../src/api/client";
+import type { ProfileRow } from "../../src/api/types";
 import { type DraftStorage, Drafts } from "../../src/state/drafts";
+import { ProfileEditor } from "../../src/state/profile_editor";
 import { RuleEditor } from "../../src/state/rule_editor";
 
 /** What was asked, from the query and the body. */
@@ -66,17 +68,41 @@ export function storage(): DraftStorage {
   };
 }
 
-export const draftsIn = (kept = storage()) => new Drafts(kept, "shelf", "tab", async () => new Set());
+/** The drafts of this tab, beside those of `others` that are open. */
+export const draftsIn = (kept = storage(), others: string[] = [], tab = "tab") =>
+  new Drafts(kept, "shelf", tab, async () => new Set(others));
 
 /** A rule file that is open, of a server that answers `more` as well. */
-export async function openRules(disk: Disk, more: Answers = {}, kept = storage()): Promise<RuleEditor> {
+export async function openRules(disk: Disk, more: Answers = {}, drafts = draftsIn()): Promise<RuleEditor> {
   serve({
     ...fileAnswers("a.adirf", disk),
     "POST /api/document": () => ({ collections: [], findings: [], parses: true }),
     "POST /api/profile/for": () => ({ name: null, gone: null }),
     ...more,
   });
-  const editor = new RuleEditor(new Api(), "a.adirf", draftsIn(kept));
+  const editor = new RuleEditor(new Api(), "a.adirf", drafts);
   await editor.open();
   return editor;
+}
+
+/** A table that is open, and kept as JSON by a server that answers `more` as well. */
+export async function openTable(disk: Disk, more: Answers = {}, drafts = draftsIn()): Promise<ProfileEditor> {
+  const written = (rows: ProfileRow[]) => rows.map(({ topic, message_kb }) => ({ topic, message_kb }));
+  serve({
+    ...fileAnswers("lte.toml", disk),
+    "POST /api/profile/parse": ({ text = "" }) => ({ rows: JSON.parse(text), budget_kb_per_s: 100 }),
+    "POST /api/profile/write": ({ rows }) => ({ text: JSON.stringify(written(rows as unknown as ProfileRow[])) }),
+    "POST /api/profile/check": () => ({ problem: "" }),
+    ...more,
+  });
+  const editor = new ProfileEditor(new Api(), "lte.toml", drafts);
+  await editor.open(disk.text !== null);
+  return editor;
+}
+
+/** Types a message's size into a row. */
+export function typeSize(editor: ProfileEditor, at: number, message_kb: string): void {
+  const typed = editor.rows.value[at];
+  if (!typed) throw new Error("the table has this row");
+  editor.change(typed.key, { message_kb });
 }

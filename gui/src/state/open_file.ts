@@ -1,0 +1,239 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
+import { type Api, refusal } from "../api/client";
+import {
+  type Conflict,
+  conflictWith,
+  type DiskChange,
+  diskChangeOf,
+  type OnDisk,
+  readIfThere,
+  saveOver,
+} from "./conflict";
+import type { Draft, DraftKind, Drafts, Restored } from "./drafts";
+import { History } from "./history";
+import { keepDraft } from "./kept_draft";
+
+/**
+ * A file that is open: what is in it here, what of it is saved, and what happens to it on disk meanwhile.
+ *
+ * What a person asks for fails with an ApiError and then changes nothing.
+ */
+export abstract class OpenFile {
+  readonly message = signal("");
+  readonly conflict = signal<Conflict | null>(null);
+  /** What was restored, until it is saved or dropped. */
+  readonly restored = signal<Restored | null>(null);
+  /** What happened to the file on disk since it was read or saved here. */
+  readonly diskChange = signal<DiskChange | null>(null);
+  readonly history = new History();
+  readonly isOpen = signal(false);
+  /** What is here of the file as it was read or saved last; the hash is null where there was none. */
+  protected readonly saved = signal<{ content: string; hash: string | null }>({ content: "", hash: null });
+  readonly savedContent = computed(() => this.saved.value.content);
+  readonly isContentSaved = computed(() => this.content.value === this.savedContent.value);
+  /** Whether the file holds the whole. */
+  readonly isInFile: ReadonlySignal<boolean> = this.isContentSaved;
+  /** Whether the file holds all that the page shows. */
+  readonly isSaved: ReadonlySignal<boolean> = this.isInFile;
+  protected queue: Promise<void> = Promise.resolve();
+
+  /** What undo goes through: the text, or all that it is made of. */
+  abstract readonly content: ReadonlySignal<string>;
+  /** All that a save writes, as a draft keeps it; another one with each change. */
+  abstract readonly whole: ReadonlySignal<object>;
+  /** Whether what is there now is worth a save that nobody asks for. */
+  abstract isSound(): boolean | Promise<boolean>;
+  protected abstract setContent(content: string): void;
+  /** Asks the server what it says of the content of now. */
+  abstract check(): Promise<void>;
+  /** Takes what a draft holds beside the content, and returns that; null where it cannot be read. */
+  protected abstract unpacked(draft: string): string | null;
+
+  constructor(
+    protected readonly api: Api,
+    readonly name: string,
+    private readonly kind: DraftKind,
+    private readonly drafts: Drafts,
+  ) {}
+
+  /** The content that a text of the file is; null for a file that is not there. */
+  protected async contentOf(text: string | null): Promise<string> {
+    return text ?? "";
+  }
+
+  /** The text to save under this name. */
+  protected async written(_name: string): Promise<string> {
+    return this.content.value;
+  }
+
+  /** Reads the file, where `isThere`, and what was not saved of it. */
+  async open(isThere = true): Promise<void> {
+    if (this.isOpen.value) return;
+    const draft = await this.drafts.takeOver(this.kind, this.name);
+    // What was not saved of a file that is gone can still be saved.
+    const read = () => (draft ? readIfThere(this.api, this.name) : this.api.read(this.name));
+    const [onDisk] = await Promise.all([isThere ? read() : null, this.readBeside()]);
+    const content = await this.contentOf(onDisk?.text ?? null);
+    batch(() => {
+      this.saved.value = { content, hash: onDisk?.hash ?? null };
+      this.setContent(content);
+      if (draft !== null) this.restore(draft);
+      this.isOpen.value = true;
+    });
+    if (this.drafts.isElsewhere(this.kind, this.name)) {
+      this.message.value = `Another tab has unsaved changes of ${this.name}`;
+    }
+    keepDraft(this.drafts, this.kind, this);
+  }
+
+  /** Goes on with what was not saved; where the file is another one by now, a save meets that. */
+  private restore({ content, hash, changedMs }: Draft): void {
+    const mine = this.unpacked(content);
+    if (mine === null) return;
+    this.remember();
+    this.setContent(mine);
+    this.restored.value = { changedMs, isContested: hash !== this.saved.value.hash };
+    this.saved.value = { ...this.saved.value, hash };
+  }
+
+  draft(): (() => Draft) | null {
+    const [whole, { hash }, changedMs] = [this.whole.value, this.saved.value, Date.now()];
+    return this.isInFile.value ? null : () => ({ content: JSON.stringify(whole), hash, changedMs });
+  }
+
+  /** Remembers what is there before a change; `typedMs` is the time of a key stroke. */
+  protected remember(typedMs: number | null = null): void {
+    this.history.push(this.content.value, typedMs);
+  }
+
+  /** Puts another content in its place, as one step of undo. */
+  protected async replace(content: string): Promise<void> {
+    this.remember();
+    this.setContent(content);
+    await this.check();
+  }
+
+  undo(): void {
+    this.goTo(this.history.undo(this.content.value));
+  }
+
+  redo(): void {
+    this.goTo(this.history.redo(this.content.value));
+  }
+
+  private goTo(content: string | null): void {
+    if (content === null) return;
+    this.setContent(content);
+    void this.check();
+  }
+
+  /** Saves it where nobody else changed the file; `byItself` is whether nobody asked for it. */
+  save(byItself = false): Promise<void> {
+    return this.queued(() => this.saveOver(this.saved.value.hash, byItself));
+  }
+
+  /** Replaces what the conflict is with. */
+  saveAnyway(): Promise<void> {
+    return this.queued(async () => {
+      const hash = this.conflict.value?.hash;
+      if (hash !== undefined) await this.saveOver(hash, false);
+    });
+  }
+
+  /** Saves what is here as a new file, and leaves this one as it is on disk. */
+  async saveAs(name: string): Promise<void> {
+    const content = this.content.value;
+    await this.api.save(name, await this.written(name), null);
+    await this.saveBeside(name);
+    this.conflict.value = null;
+    this.saved.value = { ...this.saved.value, content };
+  }
+
+  private async saveOver(baseHash: string | null, byItself: boolean): Promise<void> {
+    const content = this.content.value;
+    const text = await this.written(this.name);
+    const done = await saveOver(this.api, this.name, text, baseHash, byItself);
+    this.conflict.value = "mine" in done ? done : null;
+    if ("mine" in done) return;
+    batch(() => {
+      this.diskChange.value = null;
+      // What was typed meanwhile is not in the file.
+      this.saved.value = { content: this.asSaved(content, text), hash: done.hash };
+    });
+    await this.saveBeside(this.name);
+    if (done.note) this.message.value = `Saved ${this.name}, but no version is kept of it: ${done.note}`;
+    else if (!byItself) this.message.value = `Saved ${this.name}${this.lackWords()}`;
+  }
+
+  /** The content that was saved as this text, as it is once it is on disk. */
+  protected asSaved(content: string, _text: string): string {
+    return content;
+  }
+
+  /** Reads what belongs to the file and is kept beside it. */
+  protected async readBeside(): Promise<void> {}
+
+  /** Saves that beside the file of this name. */
+  protected async saveBeside(_name: string): Promise<void> {}
+
+  /** What a saved file lacks, in words. */
+  protected lackWords(): string {
+    return "";
+  }
+
+  /** Shows the conflict with what is on disk now. */
+  async compare(): Promise<void> {
+    this.conflict.value = conflictWith(await this.written(this.name), await readIfThere(this.api, this.name));
+  }
+
+  /** Takes what is on disk; undo brings back what was here. */
+  readAgain(): Promise<void> {
+    return this.queued(async () => this.take(await this.api.read(this.name), `Read ${this.name} again`));
+  }
+
+  /** Goes back to what is on disk; undo brings back what was restored. */
+  dropRestored(): Promise<void> {
+    return this.queued(async () => {
+      const onDisk = await readIfThere(this.api, this.name);
+      await this.take(onDisk, onDisk ? `Read ${this.name} again` : `${this.name} is not on disk`);
+    });
+  }
+
+  /** Looks whether somebody else changed the file; where nothing is unsaved here, what is on disk is taken. */
+  lookAtDisk(): Promise<void> {
+    return this.queued(async () => {
+      if (this.conflict.value !== null) return;
+      const change = await diskChangeOf(this.api, this.name, this.saved.value.hash);
+      if (change !== "changed" || !this.isSaved.value) this.diskChange.value = change;
+      else {
+        const message = `${this.name} was changed on disk and is read again. Undo brings back what was here`;
+        await this.take(await this.api.read(this.name), message);
+      }
+    });
+  }
+
+  private async take(onDisk: OnDisk | null, message: string): Promise<void> {
+    const content = await this.contentOf(onDisk?.text ?? null);
+    this.message.value = message;
+    await batch(() => {
+      this.conflict.value = this.diskChange.value = null;
+      this.saved.value = { content, hash: onDisk?.hash ?? null };
+      return this.replace(content);
+    });
+  }
+
+  /** Does this once all that was asked for before is done; a save makes the hash that the next one needs. */
+  protected async queued(work: () => Promise<void>): Promise<void> {
+    const done = this.queue.then(work);
+    // Whoever asked hears what went wrong; what comes after it has its turn all the same.
+    this.queue = done.catch(() => undefined);
+    await done;
+  }
+
+  /** Says a refusal; anything else is a bug and goes on. */
+  tell(error: unknown): void {
+    this.message.value = refusal(error);
+  }
+}
