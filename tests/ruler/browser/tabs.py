@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from playwright.sync_api import BrowserContext, Page
+from playwright.sync_api import BrowserContext, CDPSession, Page
 
 STORED = ("cookies", "local_storage", "indexeddb", "cache_storage", "service_workers")
 SMALL_FILE = "icon.svg"
@@ -17,16 +17,16 @@ class Tabs:
     def __init__(self, context: BrowserContext) -> None:
         self._context = context
         self._staying: Page | None = None
+        self._storage: CDPSession | None = None
 
     def open_at(self, address: str) -> Page:
         """An empty tab; nothing that an earlier test stored at this address is there any more."""
-        staying = self._context.new_page()
-        staying.goto(f"{address}/{SMALL_FILE}")
-        storage = self._context.new_cdp_session(staying)
-        storage.send("Storage.clearDataForOrigin", {"origin": address, "storageTypes": ",".join(STORED)})
-        if self._staying is not None:
-            self._staying.close()
-        self._staying = staying
+        if self._storage is None:
+            self._staying = self._context.new_page()
+            self._staying.goto(f"{address}/{SMALL_FILE}")
+            self._storage = self._context.new_cdp_session(self._staying)
+        asked = {"origin": address, "storageTypes": ",".join(STORED)}
+        self._storage.send("Storage.clearDataForOrigin", asked)
         return self._context.new_page()
 
     def close(self) -> None:
