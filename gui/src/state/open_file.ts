@@ -32,7 +32,9 @@ export abstract class OpenFile {
   /** What is here of the file as it was read or saved last; the hash is null where there was none. */
   protected readonly saved = signal<{ content: string; hash: string | null }>({ content: "", hash: null });
   readonly savedContent = computed(() => this.saved.value.content);
-  readonly isContentSaved = computed(() => this.content.value === this.savedContent.value);
+  readonly isContentSaved = computed(
+    () => this.content.value === this.savedContent.value && this.diskChange.value !== "gone",
+  );
   /** Whether the file holds the whole. */
   readonly isInFile: ReadonlySignal<boolean> = this.isContentSaved;
   /** Whether the file holds all that the page shows. */
@@ -147,7 +149,7 @@ export abstract class OpenFile {
     const content = this.content.value;
     await this.api.save(name, await this.written(name), null);
     await this.saveBeside(name);
-    this.conflict.value = null;
+    this.conflict.value = this.diskChange.value = null;
     this.saved.value = { ...this.saved.value, content };
   }
 
@@ -206,8 +208,8 @@ export abstract class OpenFile {
     return this.queued(async () => {
       if (this.conflict.value !== null) return;
       const change = await diskChangeOf(this.api, this.name, this.saved.value.hash);
-      if (change !== "changed" || !this.isSaved.value) this.diskChange.value = change;
-      else {
+      this.diskChange.value = change;
+      if (change === "changed" && this.isSaved.value) {
         const message = `${this.name} was changed on disk and is read again. Undo brings back what was here`;
         await this.take(await this.api.read(this.name), message);
       }

@@ -6,7 +6,7 @@ import type { OpenFile } from "./open_file";
 const AFTER_MS = 2000;
 const AGAIN_AFTER_MS = 10_000;
 
-type SelfSaving = Pick<OpenFile, "whole" | "isInFile" | "conflict" | "restored" | "isSound">;
+type SelfSaving = Pick<OpenFile, "whole" | "isInFile" | "conflict" | "restored" | "diskChange" | "isSound">;
 
 /**
  * Saves a file two seconds after its last change; what is there when the returned function is called, at once.
@@ -17,7 +17,9 @@ export function saveByItself(file: SelfSaving, save: () => Promise<void>): () =>
   let timer: number | undefined;
   let isHeld = false;
   let isSaving = false;
-  const mayNot = () => isHeld || isSaving || file.isInFile.peek() || file.restored.peek()?.isContested === true;
+  // Who removed a file does not want it back by itself.
+  const isContested = () => file.restored.peek()?.isContested === true || file.diskChange.peek() === "gone";
+  const mayNot = () => isHeld || isSaving || file.isInFile.peek() || isContested();
   const saveNow = async () => {
     if (mayNot()) return;
     isSaving = true;

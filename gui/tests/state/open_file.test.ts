@@ -3,6 +3,7 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import type { DraftStorage, Drafts } from "../../src/state/drafts";
 import type { OpenFile } from "../../src/state/open_file";
+import { saveByItself } from "../../src/state/save_by_itself";
 import { type Answers, type Disk, draftsIn, fileAnswers, openRules, openTable, storage, typeSize } from "./served";
 
 interface Kind {
@@ -255,6 +256,48 @@ describe.each([RULES, TABLE])("a file of $kind that is open", ({ kind, name, ope
     const { file } = await contested(theirs);
     await file.lookAtDisk();
     expect([file.diskChange.value, shown(file)]).toEqual([change, text(11)]);
+  });
+
+  test("is not saved where it is gone, kept by the browser, and saved again once it is back", async () => {
+    const [disk, kept] = [{ text: text(10) } as Disk, storage()];
+    const file = await open(disk, {}, draftsIn(kept));
+    disk.text = null;
+    await file.lookAtDisk();
+    await vi.runAllTimersAsync();
+    expect([file.isSaved.value, draftsIn(kept).names(kind), shown(file)]).toEqual([false, [name], text(10)]);
+    disk.text = text(10);
+    await file.lookAtDisk();
+    expect([file.isSaved.value, file.diskChange.value, draftsIn(kept).names(kind)]).toEqual([true, null, []]);
+    disk.text = null;
+    await file.lookAtDisk();
+    disk.text = text(7);
+    await file.lookAtDisk();
+    expect([shown(file), file.isSaved.value, file.diskChange.value]).toEqual([text(7), true, null]);
+  });
+
+  test("is not saved by itself where somebody removed it", async () => {
+    const { disk, file } = await contested(null);
+    await file.lookAtDisk();
+    const stop = saveByItself(file, () => file.save(true));
+    await vi.advanceTimersByTimeAsync(60_000);
+    stop();
+    expect([disk.text, file.conflict.value, shown(file)]).toEqual([null, null, text(11)]);
+  });
+
+  test("is written again by a save that was told that it is gone", async () => {
+    const disk: Disk = { text: text(10) };
+    const file = await open(disk);
+    disk.text = null;
+    await file.lookAtDisk();
+    await file.save();
+    expect([disk.text, file.conflict.value?.theirs]).toEqual([null, null]);
+    await file.saveAnyway();
+    expect([disk.text, file.isSaved.value, file.conflict.value, file.diskChange.value]).toEqual([
+      text(10),
+      true,
+      null,
+      null,
+    ]);
   });
 
   test("is not looked at while a conflict is to be decided", async () => {

@@ -172,6 +172,12 @@ def test_a_file_that_changes_on_disk_is_noticed_while_it_is_open(page: RulerPage
     assert file.read_text() == RULES
     file.unlink()
     expect(page.page.get_by_text("rules.adirf is no longer on disk: a save writes it.")).to_be_visible()
+    page.tool("Save").click()
+    page.button("Save anyway").click()
+    expect(page.tool("Save")).to_be_disabled()
+    assert file.read_text() == RULES
+    page.forgive("409 (Conflict)")
+    page.forgive("404 (Not Found)")
 
 
 def test_a_table_that_changes_on_disk_is_noticed_while_it_is_open(page: RulerPage, project: Path) -> None:
