@@ -12,7 +12,7 @@ import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { Button } from "../ui/button";
-import { onceLoaded } from "../ui/later";
+import { useLoaded } from "../ui/later";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
 import { isNarrow, watchNarrow, watchSize, watchTheme } from "../ui/watch";
@@ -111,19 +111,18 @@ interface HostProps extends Omit<Shown, "isServerGone"> {
 function BlocksHost({ opened, ...props }: HostProps) {
   const host = useRef<HTMLDivElement>(null);
   const { isServerGone } = useRobot();
+  // The text can be read and changed before the blocks are there, which take longer.
+  const loaded = useLoaded(() => import("../blocks/rule_workspace"));
   useEffect(() => {
     const here = host.current;
-    if (!here) return;
-    // The text can be read and changed before the blocks are there, which take longer.
-    return onceLoaded(import("../blocks/rule_workspace"), ({ RuleWorkspace }) => {
-      const { workspace, close } = openWorkspace(RuleWorkspace, here, { ...props, isServerGone });
-      opened(workspace);
-      return () => {
-        opened(null);
-        close();
-      };
-    });
-  }, []);
+    if (!here || loaded === null) return;
+    const { workspace, close } = openWorkspace(loaded.RuleWorkspace, here, { ...props, isServerGone });
+    opened(workspace);
+    return () => {
+      opened(null);
+      close();
+    };
+  }, [loaded]);
   return <div class="blocks-host" ref={host} />;
 }
 

@@ -135,6 +135,23 @@ def test_what_is_opened_while_the_server_is_gone_opens_when_it_is_back(
     expect(refused).to_have_count(0)
 
 
+def test_blocks_come_when_the_server_is_back(page: RulerPage, server: Server) -> None:
+    code = re.compile("rule_workspace-.*[.]js")
+    page.page.route(code, lambda route: route.abort())
+    page.home()
+    page.page.get_by_role("link", name="rules.adirf", exact=True).click()
+    page.expect_lines("SetFrequency /odom 10")
+    server.stop()
+    expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_be_visible()
+    page.page.unroute(code)
+    server.start()
+    expect(page.blocks.get_by_role("button", name="Edit topic to send")).to_have_count(2)
+    page.button("New rate").click()
+    expect(page.blocks.get_by_role("button", name="Edit topic to send")).to_have_count(3)
+    page.forgive("ERR_FAILED")
+    page.forgive("Failed to fetch dynamically imported module")
+
+
 def test_the_map_and_the_versions_come_when_the_server_is_back(page: RulerPage, server: Server) -> None:
     server.stop()
     expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_be_visible()
