@@ -112,11 +112,19 @@ def test_tables_written_in_one_line_are_not_guessed_at(text: str) -> None:
     ("row", "said"),
     [
         (ProfileRow(topic="no topic"), "not a valid ROS 2 topic name"),
-        (ProfileRow(topic="/a", message_kb=-1.0), "must be above 0"),
-        (ProfileRow(topic="/a", tiers_hz=(6.0, 5.0, 4.0, 3.0, 2.0, 1.0)), "must not fall"),
+        (ProfileRow(topic="/a", message_kb=-1.0), "Message size of /a must be above 0, it is -1"),
+        (
+            ProfileRow(topic="/a", tiers_hz=(6.0, 5.0, 4.0, 3.0, 2.0, 1.0)),
+            "Levels of /a must not fall from one level to the next",
+        ),
+        (
+            ProfileRow(topic="/a", tiers_m=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0)),
+            "Accuracies in position of /a must not rise from one level to the next",
+        ),
+        (ProfileRow(topic="/a", source_hz=1e9), "Source rate of /a must be from"),
     ],
 )
-def test_a_row_that_no_profile_can_hold_is_refused(row: ProfileRow, said: str) -> None:
+def test_a_row_that_no_profile_can_hold_is_refused_in_words_of_the_table(row: ProfileRow, said: str) -> None:
     with pytest.raises(ProfileError, match=said):
         write_table(ProfileTable(rows=(row,), budget_kb_per_s=None), PROFILE, P_TOML)
 

@@ -51,15 +51,19 @@ def load_profile(path: Path) -> Profile:
     return parse_profile(read_toml_text(path), path)
 
 
-def parse_profile(text: str, path: Path) -> Profile:
-    """The profile in ``text``, which is that of ``path``; see ``load_profile``."""
+def parse_profile(text: str, path: Path, *, named: Callable[[KeyPath], str] | None = None) -> Profile:
+    """The profile in ``text``, which is that of ``path``; see ``load_profile``.
+
+    ``named`` is how errors call the value at a place; without it they spell the path of its key.
+    """
     values, lines = parse_toml(text, path)
-    return _ProfileReader(path=path, lines=lines).profile(values)
+    return _ProfileReader(path=path, lines=lines, named=named or _name).profile(values)
 
 
 class _ProfileReader:
-    def __init__(self, *, path: Path, lines: Mapping[KeyPath, int]) -> None:
+    def __init__(self, *, path: Path, lines: Mapping[KeyPath, int], named: Callable[[KeyPath], str]) -> None:
         self._path = path
+        self._named = named
         self._lines = lines
         self._top: dict[str, Callable[[KeyPath, object], object]] = {
             "budget_kb_per_s": partial(self._in_range, _BUDGET),
@@ -90,12 +94,12 @@ class _ProfileReader:
         self, at: KeyPath, values: object, readers: Mapping[str, Callable[[KeyPath, object], object]]
     ) -> dict[str, object]:
         if not isinstance(values, Mapping):
-            raise self._error(at, f"{_name(at)} must be a table")
+            raise self._error(at, f"{self._named(at)} must be a table")
         for key in values:
             if key not in readers:
                 close = difflib.get_close_matches(key, readers, n=1)
                 remedy = f"did you mean {close[0]}?" if close else f"known keys: {', '.join(readers)}"
-                raise self._error((*at, key), f"unknown key {_name((*at, key))}", remedy=remedy)
+                raise self._error((*at, key), f"unknown key {self._named((*at, key))}", remedy=remedy)
         return {key: readers[key]((*at, key), value) for key, value in values.items()}
 
     def _topics(self, at: KeyPath, values: object) -> dict[str, TopicProfile]:
@@ -124,7 +128,9 @@ class _ProfileReader:
     def _accuracy_tiers(self, at: KeyPath, read: Mapping[str, Any]) -> dict[LevelledProperty, AccuracyTiers]:
         for one in LevelledProperty:
             if one.needs_key in read and one.tiers_key not in read:
-                cause = f"{_name((*at, one.needs_key))} says what {one.tiers_key} need, which is missing"
+                cause = (
+                    f"{self._named((*at, one.needs_key))} says what {one.tiers_key} need, which is missing"
+                )
                 raise self._error((*at, one.needs_key), cause, remedy=f"add {one.tiers_key}, or remove it")
         return {
             one: AccuracyTiers(bounds=read[one.tiers_key], needs_hz=read.get(one.needs_key))
@@ -135,13 +141,13 @@ class _ProfileReader:
     def _in_range(self, bounds: _Range, at: KeyPath, value: object) -> float:
         number = self._number(at, value)
         if bounds.least > 0 and number <= 0:
-            raise self._error(at, f"{_name(at)} must be above 0, it is {number:g}")
+            raise self._error(at, f"{self._named(at)} must be above 0, it is {number:g}")
         if number < 0:
-            raise self._error(at, f"{_name(at)} must not be negative, it is {number:g}")
+            raise self._error(at, f"{self._named(at)} must not be negative, it is {number:g}")
         if not bounds.least <= number <= bounds.most:
             limits = f"from {bounds.least:g} to {bounds.most:g}{bounds.unit}"
             remedy = f"is it in{bounds.unit}?" if bounds.unit else bounds.remedy
-            raise self._error(at, f"{_name(at)} must be {limits}, it is {number:g}", remedy=remedy)
+            raise self._error(at, f"{self._named(at)} must be {limits}, it is {number:g}", remedy=remedy)
         return number
 
     def _number(self, at: KeyPath, value: object) -> float:
@@ -149,47 +155,49 @@ class _ProfileReader:
             if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
                 return float(value)
         except OverflowError as error:
-            cause = f"{_name(at)} has more digits than a number can have"
+            cause = f"{self._named(at)} has more digits than a number can have"
             raise self._error(at, cause, remedy="write it shorter, as in 1500.0") from error
-        raise self._error(at, f"{_name(at)} must be a finite number")
+        raise self._error(at, f"{self._named(at)} must be a finite number")
 
     def _rate(self, at: KeyPath, value: object) -> float:
         number = self._number(at, value)
         if number < 0:
-            raise self._error(at, f"{_name(at)} must not be negative, it is {number:g}")
+            raise self._error(at, f"{self._named(at)} must not be negative, it is {number:g}")
         if number != 0 and not RATE_STEP_HZ <= number <= MAX_RATE_HZ:
             limits = f"0, or from {RATE_STEP_HZ:g} to {MAX_RATE_HZ:g} Hz"
-            raise self._error(at, f"{_name(at)} must be {limits}, it is {number:g}")
+            raise self._error(at, f"{self._named(at)} must be {limits}, it is {number:g}")
         return number
 
     def _tiers(self, at: KeyPath, value: object) -> tuple[float, ...]:
         if not isinstance(value, list) or len(value) != len(Tier):
             given = f"{len(value)} numbers" if isinstance(value, list) else "something else"
-            raise self._error(at, f"{_name(at)} must be a list of six rates τ0 … τ5 in Hz, it is {given}")
+            raise self._error(
+                at, f"{self._named(at)} must be a list of six rates τ0 … τ5 in Hz, it is {given}"
+            )
         tiers = tuple(self._rate(at, one) for one in value)
         for (lower, lower_hz), (higher, higher_hz) in itertools.pairwise(zip(Tier, tiers, strict=True)):
             if higher_hz < lower_hz:
                 fall = f"{higher.value} ({higher_hz:g} Hz) is below {lower.value} ({lower_hz:g} Hz)"
-                raise self._error(at, f"{_name(at)} must not fall from one level to the next: {fall}")
+                raise self._error(at, f"{self._named(at)} must not fall from one level to the next: {fall}")
         return tiers
 
     def _accuracies(self, kind: LevelledProperty, at: KeyPath, value: object) -> tuple[float, ...]:
         if not isinstance(value, list) or len(value) != len(Tier):
             given = f"{len(value)} numbers" if isinstance(value, list) else "something else"
             what = f"a list of six accuracies α0 … α5 in {kind.unit}"
-            raise self._error(at, f"{_name(at)} must be {what}, it is {given}")
+            raise self._error(at, f"{self._named(at)} must be {what}, it is {given}")
         bounds = tuple(self._in_range(_ACCURACY, at, one) for one in value)
         for (lower, loose), (higher, tight) in itertools.pairwise(zip(Tier, bounds, strict=True)):
             if tight > loose:
                 rise = f"{higher.value} ({tight:g}) is above {lower.value} ({loose:g})"
                 remedy = "write the widest bound first"
-                cause = f"{_name(at)} must not rise from one level to the next: {rise}"
+                cause = f"{self._named(at)} must not rise from one level to the next: {rise}"
                 raise self._error(at, cause, remedy=remedy)
         return bounds
 
     def _text(self, at: KeyPath, value: object) -> str:
         if not isinstance(value, str) or not value:
-            raise self._error(at, f"{_name(at)} must be a string in quotes")
+            raise self._error(at, f"{self._named(at)} must be a string in quotes")
         return value
 
     def _topic_name(self, at: KeyPath, value: object) -> str:
@@ -202,7 +210,7 @@ class _ProfileReader:
         for unit in LevelUnit:
             if unit.value == value:
                 return unit
-        raise self._error(at, f'{_name(at)} must be "percent" or "fraction"')
+        raise self._error(at, f'{self._named(at)} must be "percent" or "fraction"')
 
     def _error(self, at: KeyPath, cause: str, *, remedy: str | None = None) -> ProfileError:
         known = next(

@@ -13,7 +13,7 @@ from msgspec import Struct, structs
 from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import is_topic_name
-from smarttestudo.files.toml_text import parse_toml
+from smarttestudo.files.toml_text import KeyPath, parse_toml
 from smarttestudo.rules.profile_edit import edited_profile
 from smarttestudo.rules.profile_file import parse_profile
 
@@ -120,8 +120,31 @@ def write_table(table: ProfileTable, base_text: str, path: Path) -> str:
         {"budget_kb_per_s": table.budget_kb_per_s},
         {row.topic: row.keys() for row in table.rows},
     )
-    parse_profile(text, path)
+    parse_profile(text, path, named=_in_words)
     return text
+
+
+def _in_words(at: KeyPath) -> str:
+    """What the table calls the value at this place of a profile."""
+    match at:
+        case ("topics", topic, key) if key in _COLUMNS:
+            return f"{_COLUMNS[key]} of {topic}"
+        case ("budget_kb_per_s",):
+            return "The budget, the total bandwidth,"
+        case _:
+            return ".".join(at)
+
+
+_COLUMNS = {
+    "message_kb": "Message size",
+    "source_hz": "Source rate",
+    "priority": "Priority",
+    "min_hz": "Lowest rate",
+    "max_hz": "Highest rate",
+    "tiers_hz": "Levels",
+    **{one.tiers_key: f"Accuracies in {one.value}" for one in LevelledProperty},
+    **{one.needs_key: f"Rates for the accuracies in {one.value}" for one in LevelledProperty},
+}
 
 
 def write_entry(text: str, path: Path, *, topic: str, key: str, value: str | None) -> str:
