@@ -39,7 +39,7 @@ export class ProfileEditor extends OpenFile {
   private readonly refusal = signal("");
   readonly problems = computed(() => [
     ...problemsOf(this.rows.value, this.budget.value),
-    ...(this.refusal.value ? [this.refusal.value] : []),
+    ...(this.refusal.value ? [`${this.refusal.value}.`] : []),
   ]);
   private timer: number | undefined;
   private nextKey = 0;

@@ -40,5 +40,5 @@ test("what was typed while the server was gone is checked when it is back", asyn
   expect(editor.problems.value).toEqual([]);
   vi.stubGlobal("fetch", fetch);
   await editor.revive();
-  expect(editor.problems.value).toEqual(["the levels fall"]);
+  expect(editor.problems.value).toEqual(["the levels fall."]);
 });
