@@ -143,5 +143,40 @@ def test_a_run_imports_only_what_it_was_asked_for(tmp_path: Path) -> None:
     )
     imported = done.stdout.split()
     assert "smarttestudo.robot.live_run" in imported
-    unasked = (*HEAVY, *(f"smarttestudo.{name}" for name in NOT_FOR_A_PLAIN_RUN))
-    assert [name for name in imported if any(f"{name}.".startswith(f"{one}.") for one in unasked)] == []
+    assert unasked(imported, NOT_FOR_A_PLAIN_RUN) == []
+
+
+def unasked(imported: list[str], names: tuple[str, ...]) -> list[str]:
+    """The modules among ``imported`` that are slow to import, or one of our ``names`` or in it."""
+    ours = (f"smarttestudo.{name}" for name in names)
+    parts = tuple(f"{name}." for name in (*HEAVY, *ours))
+    return [name for name in imported if f"{name}.".startswith(parts)]
+
+
+NOT_FOR_A_PLAIN_CHECK = (
+    "bags",
+    "domain.status",
+    "link",
+    "optimizer",
+    "rules.budget_findings",
+    "rules.profile_file",
+)
+"""What only a profile, a recording or a robot needs."""
+
+
+def test_a_check_imports_only_what_it_was_asked_for(tmp_path: Path) -> None:
+    rules = tmp_path / "plain.adirf"
+    rules.write_text("begin SetFrequency /odom 10 end", encoding="utf-8")
+    program = (
+        "import sys; before = set(sys.modules)\n"
+        "from smarttestudo.cli.main import main\n"
+        "main(['check', sys.argv[1]])\n"
+        "print(*sorted(set(sys.modules) - before))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(rules)], capture_output=True, text=True, check=True
+    )
+    said, _, imported = done.stdout.partition("\n")
+    assert said == "no findings in 1 file"
+    assert "smarttestudo.checks.registry" in imported.split()
+    assert unasked(imported.split(), NOT_FOR_A_PLAIN_CHECK) == []
