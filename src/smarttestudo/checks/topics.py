@@ -37,6 +37,17 @@ def _unknown_property(rules: RuleModel) -> Iterator[Found]:
     return chain.from_iterable(rules.recall.runs("doubtful", doubtful, checks))
 
 
+def _nothing_relayed(rules: RuleModel) -> Iterator[Found]:
+    """Files in which nothing that counts names a topic to relay, or records."""
+    for path in [] if rules.relayed or rules.recordings else list(rules.default_places)[:1]:
+        yield Found(
+            path=path,
+            span=_START,
+            message="nothing is relayed: no rate is set that counts",
+            hint="set one, as in SetFrequency /odom 10",
+        )
+
+
 def _tf_without_tf_static(rules: RuleModel) -> Iterator[Found]:
     """/tf without /tf_static."""
     for topic, first in rules.relayed.items():
@@ -131,6 +142,12 @@ def _absent_from_bag(rules: RuleModel) -> Iterator[Found]:
 
 CHECKS = (
     RuleCheck(code="unknown-property", severity=Severity.WARNING, find=_unknown_property),
+    RuleCheck(
+        code="nothing-relayed",
+        severity=Severity.WARNING,
+        find=_nothing_relayed,
+        needs_all_statements=True,
+    ),
     RuleCheck(
         code="tf-without-tf-static",
         severity=Severity.INFO,
