@@ -282,6 +282,17 @@ def test_a_recording_that_ends_early_is_said(desk: Desk, tmp_path: Path) -> None
     assert ran.err.endswith(" s before sent; nothing came in that time\n")
 
 
+def test_a_recording_that_begins_late_is_said(desk: Desk, tmp_path: Path) -> None:
+    late = [message for message in MISSION.messages if message.stamp_ns >= START_NS + 3 * 10**9]
+    write_bag(tmp_path / "late", BagContent(MISSION.topics, tuple(late)))
+    ran = desk.loss("sent", "late", "--topics", "/odom", "--json")
+    unseen_s = ran.json["topics"]["/odom"]["received"]["age"]["unseen_s"]
+    assert unseen_s >= 3
+    assert ran.err == (
+        f"note: /odom: nothing received in the first {unseen_s:.1f} s; errors and ages count from then\n"
+    )
+
+
 def test_recordings_that_cannot_be_compared_are_refused_in_one_line(desk: Desk, tmp_path: Path) -> None:
     write_bag(tmp_path / "empty", BagContent(MISSION.topics))
     write_bag(tmp_path / "other", of_floats([1.0], hz=1))

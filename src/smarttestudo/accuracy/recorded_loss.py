@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import field
 from functools import partial
@@ -20,7 +21,7 @@ from smarttestudo.accuracy.bounds import (
 )
 from smarttestudo.accuracy.crossings import thresholds_of
 from smarttestudo.accuracy.fixed_rates import Source, best_fixed_rates
-from smarttestudo.accuracy.loss_report import Carried, LossReport
+from smarttestudo.accuracy.loss_report import Carried, LossReport, TopicLoss
 from smarttestudo.accuracy.measure import (
     SharedTopic,
     crossing_losses,
@@ -50,6 +51,7 @@ from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.pacing.reckoning.picture import Picture
 
 _ENDS_EARLY_S = 2.0
+_BEGINS_LATE_S = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,11 +140,12 @@ class LossMeasurement:
         received = self._read_received(sent.topics, report)
         topics = self._shared(sent.topics, received.topics)
         shown = [shared for shared in topics if shared.topic in self._asked]
+        carried = tuple(topic_loss(shared) for shared in shown)
         return LossReport(
             a=self._a.name,
             b=self._b.name,
             duration_s=self._a.span.duration_s,
-            topics=tuple(topic_loss(shared) for shared in shown),
+            topics=carried,
             fields=tuple(loss for shared in shown for loss in field_losses(shared)),
             crossings=tuple(loss for shared in shown for loss in crossing_losses(shared, self._thresholds)),
             images=tuple(loss for shared in shown for loss in image_losses(shared)),
@@ -158,7 +161,7 @@ class LossMeasurement:
                 received_bytes=sum(shared.received.size_bytes for shared in topics),
                 fixed_bytes=sum(shared.fixed.size_bytes for shared in topics),
             ),
-            notices=(*sent.notices, *received.notices, *self._notices(topics)),
+            notices=(*sent.notices, *received.notices, *self._notices(topics), *_late_notices(carried)),
         )
 
     def _bounds_in_force(self) -> dict[str, Sequence[BoundsFrom]]:
@@ -292,6 +295,16 @@ class LossMeasurement:
         """Whether nobody says when the bounds of a topic were in force."""
         rule_set = self._question.rule_set
         return rule_set is not None and not self._question.decisions and needs_decisions(rule_set, topic)
+
+
+def _late_notices(topics: Sequence[TopicLoss]) -> Iterator[str]:
+    """Says of which topics errors and ages leave out a beginning in which nothing was received."""
+    ages = ((loss.topic, loss.received.age) for loss in topics)
+    unseen_s = {topic: age.unseen_s for topic, age in ages if age and age.unseen_s > _BEGINS_LATE_S}
+    for seconds, group in itertools.groupby(unseen_s, key=lambda topic: f"{unseen_s[topic]:.1f}"):
+        yield (
+            f"{', '.join(group)}: nothing received in the first {seconds} s; errors and ages count from then"
+        )
 
 
 def _same_fields(sent: TopicSamples, type_name: str, _: object) -> Sequence[Field]:
