@@ -275,6 +275,15 @@ def test_a_topic_of_which_nothing_was_received_has_no_numbers(desk: Desk, tmp_pa
     assert desk.loss("sent", "scans").code == 0
 
 
+def test_a_topic_of_which_nothing_was_sent_is_named(desk: Desk, tmp_path: Path) -> None:
+    silent = BagTopic("/alarm", "std_msgs/msg/String")
+    for name in ("a", "b"):
+        write_bag(tmp_path / name, BagContent((*MISSION.topics, silent), MISSION.messages))
+    ran = desk.loss("a", "b", "--topics", "/odom", "/alarm", "--json")
+    assert list(ran.json["topics"]) == ["/odom"]
+    assert ran.err == "note: /alarm: a holds no message of it, so there is no loss to measure\n"
+
+
 def test_a_recording_that_ends_early_is_said(desk: Desk, tmp_path: Path) -> None:
     write_bag(tmp_path / "short", MISSION.between(0, 40))
     ran = desk.loss("sent", "short", "--json")

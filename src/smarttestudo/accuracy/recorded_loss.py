@@ -40,7 +40,7 @@ from smarttestudo.bags.bag_comparison import compare_bags
 from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.measure import measure_bag
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.bags.topic_selection import select_topics
+from smarttestudo.bags.topic_selection import is_selected, select_topics
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
@@ -115,11 +115,13 @@ class LossMeasurement:
         select_topics(tuple(question.mapping.values()), self._b.statistics, place=self._b.name)
         compared = compare_bags(a, self._b, question.mapping)
         _require_common_time(a, self._b)
+        pairs = [pair for pair in compared.comparison.topics if pair.before and pair.after_topic]
         self._partners = {
             pair.topic: pair.after_topic
-            for pair in compared.comparison.topics
-            if pair.before and pair.before.messages and pair.after_topic
+            for pair in pairs
+            if pair.after_topic and pair.before and pair.before.messages
         }
+        self._unsent = frozenset(pair.topic for pair in pairs).difference(self._partners)
         self._asked = self._topics_asked()
         rule_set = question.rule_set
         self._thresholds = thresholds_of(rule_set) if rule_set else ()
@@ -206,7 +208,8 @@ class LossMeasurement:
         if not self._question.topics:
             return frozenset(partners)
         place = f"{self._a.name}, {self._b.name}"
-        chosen = select_topics(self._question.topics, {*partners, *partners.values()}, place=place)
+        known = {*partners, *partners.values(), *self._unsent}
+        chosen = select_topics(self._question.topics, known, place=place)
         return asked | {topic for topic, partner in partners.items() if {topic, partner} & chosen}
 
     def _sent_reading(self, topic: str) -> TopicReading:
@@ -277,6 +280,9 @@ class LossMeasurement:
                     f"{shared.topic}: {sent} in {self._a.name} and {received} in {self._b.name}; "
                     "its fields are not compared"
                 )
+        for topic in sorted(self._unsent):
+            if is_selected(topic, self._question.topics):
+                yield f"{topic}: {self._a.name} holds no message of it, so there is no loss to measure"
         early_s = (self._a.span.end_ns - self._b.span.end_ns) / NS_PER_S
         if early_s > _ENDS_EARLY_S:
             yield f"{self._b.name}: ends {early_s:.1f} s before {self._a.name}; nothing came in that time"
