@@ -23,10 +23,11 @@ SECTIONS: Mapping[str, Sequence[str]] = {
     "Over a link": ("link",),
     "Incidents": ("incidents", "loop"),
     "Recordings": ("bags", "replays", "accuracy", "report", "fleet"),
+    "From Python": ("api.py",),
     "The demo": ("demo",),
     "The Ruler's page": ("ruler/answers", "ruler/server", "language", "checks", "editing"),
 }  # fmt: skip
-"""Folders of the code, by where a user meets their texts."""
+"""Folders and files of the code, by where a user meets their texts."""
 WARNINGS = re.compile(r"(\.log|get_logger\(\))\.(warning|error)$|\._?(warn|warn_once|say)$")
 LEAST_CHARACTERS = 6
 
@@ -67,7 +68,8 @@ def cell(text: str) -> str:
 def texts_of(folders: Sequence[str], ours: frozenset[str]) -> Iterator[ErrorText]:
     """Those in the code of ``folders``, raised as errors of ``ours`` or logged."""
     for folder in folders:
-        for path in sorted((SOURCES / folder).rglob("*.py")):
+        place = SOURCES / folder
+        for path in [place] if place.is_file() else sorted(place.rglob("*.py")):
             tree = ast.parse(path.read_text(encoding="utf-8"))
             constants = assigned(tree.body)
             for function in ast.walk(tree):

@@ -110,3 +110,16 @@ def test_a_replay_does_not_write_over_what_it_reads(tmp_path: Path) -> None:
     bag = tmp_path / "bag"
     with pytest.raises(UsageError, match=r"^output: error: .* is read by this command"):
         smarttestudo.replay(bag, rules, bag)
+
+
+def test_a_path_in_place_of_rules_and_a_budget_below_zero_are_refused(tmp_path: Path) -> None:
+    path, output = rule_file(tmp_path, RULES), tmp_path / "output"
+    rules = smarttestudo.read_rules(path)
+    needed = "rules: error: rules that were read are needed, not '.*; give what read_rules returns"
+    with pytest.raises(UsageError, match=needed):
+        smarttestudo.replay(tmp_path, str(path), output)  # type: ignore[arg-type]
+    with pytest.raises(UsageError, match=needed):
+        smarttestudo.measure_loss(tmp_path, tmp_path, rules=str(path))  # type: ignore[arg-type]
+    for budget in (-3.0, float("nan")):
+        with pytest.raises(UsageError, match="budget_kb_per_s: error: a budget is a number of KB/s from 0"):
+            smarttestudo.replay(tmp_path, rules, output, budget_kb_per_s=budget)

@@ -19,7 +19,9 @@ from smarttestudo.bags import measure
 from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.checks import CheckContext
+from smarttestudo.domain.budget import budget_kb_per_s as budget_kb_per_s_of
 from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.profile import Profile
 from smarttestudo.files.outputs import require_separate
@@ -88,6 +90,8 @@ def replay(
     A source below its target is repeated where ``repeat_slow``, else passed as it comes. ``decisions`` names
     a file for the decisions (JSON Lines). Raises ``TestudoError`` for what cannot be read or written.
     """
+    _require_rules(rules)
+    budget = None if budget_kb_per_s is None else _budget(budget_kb_per_s)
     log = None if decisions is None else Path(decisions)
     inputs = (Path(bag), None if profile is None else Path(profile))
     require_separate({"output": Path(output), "decisions": log}, inputs)
@@ -98,7 +102,7 @@ def replay(
             output=Path(output),
             profile=Profile() if profile is None else load_profile(Path(profile)),
             when_slow=WhenSlow.REPEAT if repeat_slow else WhenSlow.PASS,
-            budget_kb_per_s=budget_kb_per_s,
+            budget_kb_per_s=budget,
             decided=_ignore if log is None else opened.enter_context(decision_log.decision_log(log)),
         )
         return replaying.replay(request)
@@ -125,6 +129,8 @@ def measure_loss(
     ``rules`` give the thresholds whose crossings count, ``topics`` are names or patterns, empty for all.
     Raises ``TestudoError`` where one cannot be read, or they share nothing.
     """
+    if rules is not None:
+        _require_rules(rules)
     question = loss.LossQuestion(
         topics=topics,
         rule_set=rules,
@@ -146,6 +152,23 @@ def rows(result: Tabular | Iterable[Record]) -> list[dict[str, object]]:
     if isinstance(result, Tabular):
         return [dict(row) for row in result.rows()]
     return [one.to_json() for one in result]
+
+
+def _require_rules(rules: object) -> None:
+    """Refuse what is no rule set, such as the path of a file."""
+    if not isinstance(rules, RuleSet):
+        raise UsageError(
+            f"rules that were read are needed, not {rules!r:.40}",
+            place="rules",
+            remedy="give what read_rules returns",
+        )
+
+
+def _budget(value: float) -> float:
+    try:
+        return budget_kb_per_s_of(value)
+    except ValueError as error:
+        raise UsageError(str(error), place="budget_kb_per_s", remedy="leave it out for none") from error
 
 
 def _ignore(_: object) -> None:

@@ -169,6 +169,25 @@ def test_without_a_bound_the_joints_that_the_rules_relay_are_compared(
     assert ",positions,rad,0.0" in by_rules
 
 
+def test_messages_that_cannot_be_compared_and_topics_that_are_not_there_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def half_cut_off(stamp_ns: int, t_s: float) -> bytes:
+        return cdr(BOOL, message_of(BOOL)) if t_s < 5 else b"\x00\x01"
+
+    bag = write_bag(tmp_path / "bag", stream("/estop", BOOL, 2, 10, half_cut_off))
+    rules = tmp_path / "within.adirf"
+    rules.write_text("begin SetFrequency /estop Full SetFrequency /odom 5 KeepWithin /estop data 0 end")
+    command = ["bag", "accuracy", str(bag), "--rules", str(rules), "--predicted", str(rules), "--json"]
+
+    assert main(command) == 0
+
+    notices = json.loads(capsys.readouterr().out)["notices"]
+    assert notices.count("/odom: not in the recording, so nothing of it is relayed") == 1
+    unread = "/estop: 10 messages could not be compared with the receiver's picture"
+    assert notices.count(f"{unread}, and so passed as its rate allows") == 1
+
+
 def test_rules_that_relay_nothing_that_can_be_measured_are_wrong_usage(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -275,11 +275,31 @@ def test_a_topic_of_which_nothing_was_received_has_no_numbers(desk: Desk, tmp_pa
     assert desk.loss("sent", "scans").code == 0
 
 
+def test_a_topic_of_which_nothing_was_sent_is_named(desk: Desk, tmp_path: Path) -> None:
+    silent = BagTopic("/alarm", "std_msgs/msg/String")
+    for name in ("a", "b"):
+        write_bag(tmp_path / name, BagContent((*MISSION.topics, silent), MISSION.messages))
+    ran = desk.loss("a", "b", "--topics", "/odom", "/alarm", "--json")
+    assert list(ran.json["topics"]) == ["/odom"]
+    assert ran.err == "note: /alarm: a holds no message of it, so there is no loss to measure\n"
+
+
 def test_a_recording_that_ends_early_is_said(desk: Desk, tmp_path: Path) -> None:
     write_bag(tmp_path / "short", MISSION.between(0, 40))
     ran = desk.loss("sent", "short", "--json")
     assert ran.err.startswith("note: short: ends 3.")
     assert ran.err.endswith(" s before sent; nothing came in that time\n")
+
+
+def test_a_recording_that_begins_late_is_said(desk: Desk, tmp_path: Path) -> None:
+    late = [message for message in MISSION.messages if message.stamp_ns >= START_NS + 3 * 10**9]
+    write_bag(tmp_path / "late", BagContent(MISSION.topics, tuple(late)))
+    ran = desk.loss("sent", "late", "--topics", "/odom", "--json")
+    unseen_s = ran.json["topics"]["/odom"]["received"]["age"]["unseen_s"]
+    assert unseen_s >= 3
+    assert ran.err == (
+        f"note: /odom: nothing received in the first {unseen_s:.1f} s; errors and ages count from then\n"
+    )
 
 
 def test_recordings_that_cannot_be_compared_are_refused_in_one_line(desk: Desk, tmp_path: Path) -> None:

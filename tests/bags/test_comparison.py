@@ -50,7 +50,7 @@ def test_of_several_partners_the_relay_wins_and_the_others_stand_alone() -> None
     found = compare({"/odom": carrying(25.0)}, after)
     assert [(pair.topic, pair.before is None) for pair in found.topics] == [
         ("/odom", False),
-        ("/odom", True),
+        ("/odom (B)", True),
         ("/odom_receive", True),
     ]
     assert found.topics[0].change_percent == -80

@@ -138,6 +138,18 @@ def test_a_recording_tells_which_topics_it_lacks_and_what_types_it_has(
     assert found == {"absent-from-bag": "did you mean '/odom'?", "unknown-property": "did you mean 'pose_x'?"}
 
 
+def test_a_recording_that_is_not_whole_is_told_beside_the_findings(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with create_recording(folder / "bag") as recording:
+        recording.write(Channel(topic="/odom", type_name="nav_msgs/msg/Odometry"), 1, b"\0\1\0\0")
+    (folder / "bag" / "metadata.yaml").unlink()
+    assert run_check("good.adirf", "--bag", "bag", "--format", "json") == 0
+    said = capsys.readouterr()
+    assert json.loads(said.out) == []
+    assert said.err == "note: bag: metadata.yaml is missing; the files in the folder were read instead\n"
+
+
 def test_an_unknown_format_is_wrong_usage(folder: Path) -> None:
     with pytest.raises(UsageError, match="invalid choice: 'xml'"):
         run_check("good.adirf", "--format", "xml")

@@ -19,7 +19,7 @@ from typing import Any
 import duckdb
 import pytest
 
-from bags.bag_factory import START_NS, BagContent, small_mission, write_bag, write_mcap_file
+from bags.bag_factory import START_NS, BagContent, BagTopic, small_mission, write_bag, write_mcap_file
 from docs.code_blocks import blocks_of
 from fleet.commands import Command
 from fleet.dask_processes import DaskProcesses
@@ -134,6 +134,21 @@ def test_the_sizes_on_the_page_are_the_sums_of_each_recordings_json(testudo: Com
     sizes = [one["total"]["bytes"] for one in each]
     volumes = [float(cell.replace(" ", "")) for cell in shown.column("Recordings", 1).values()]
     assert volumes == sorted((round(size / 1000, 2) for size in sizes), reverse=True)
+
+
+def test_a_topic_without_a_message_leaves_the_losses_of_the_others_known(
+    testudo: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    silent = BagTopic("/alarm", "std_msgs/msg/String")
+    for folder, every in (("fleet", 1), ("received", 4)):
+        for day in range(2):
+            content = day_of(0, day, every=every)
+            write_bag(Path(folder, f"{day}"), BagContent((*content.topics, silent), content.messages))
+    ran = report(testudo, "fleet", "received", "--csv")
+    lost = {row["topic"]: row["lost_messages"] for row in ran.csv}
+    assert (ran.code, ran.err) == (0, "wrote report.html\n")
+    assert lost == {"/alarm": "", "/image": "15", "/odom": "15", "/scan": "15"}
 
 
 def test_the_losses_on_the_page_are_the_sums_of_each_pairs_json(testudo: Command, robots: Path) -> None:

@@ -107,6 +107,17 @@ def test_frames_and_joints_have_accuracies_and_other_topics_have_none(tmp_path: 
     assert needs[2] == pytest.approx(20 / 5, rel=0.2)
 
 
+def test_messages_that_cannot_be_read_are_told_beside_the_rates_that_they_raise(tmp_path: Path) -> None:
+    def cut_off(stamp_ns: int, t_s: float) -> bytes:
+        return hurried(stamp_ns, t_s) if t_s < SECONDS / 2 else b"\x00\x01"
+
+    profiled(tmp_path, recorded("/odom", ODOMETRY, 20, SECONDS, cut_off))
+    text = (tmp_path / "profile.toml").read_text(encoding="utf-8")
+    needs = [line for line in text.splitlines() if "_need_hz" in line]
+    assert len(needs) == 2
+    assert all(line.endswith("; 300 messages could not be read and passed") for line in needs)
+
+
 def test_one_message_says_nothing_about_what_accuracies_need(tmp_path: Path) -> None:
     content = recorded("/odom", ODOMETRY, 1, 1, hurried)
     assert content.messages[0].stamp_ns == START_NS

@@ -206,6 +206,15 @@ def test_messages_that_cannot_be_read_break_no_bound(tmp_path: Path) -> None:
     assert (sent.messages, sent.unreadable) == (900, 100)
 
 
+def test_fields_of_messages_that_cannot_be_decoded_are_counted_as_poses_are(tmp_path: Path) -> None:
+    def broken(stamp_ns: int, t_s: float) -> bytes:
+        return cdr(BOOL, message_of(BOOL)) if t_s < 5 else b"\x00\x01"
+
+    content = recorded("/estop", BOOL, 2, 10, broken)
+    run = replay_content(content, "SetFrequency /estop Full KeepWithin /estop data 0", tmp_path)
+    assert run.outcome.topics["/estop"].unreadable == 10
+
+
 def test_a_bound_of_what_cannot_be_read_at_all_has_no_worst(tmp_path: Path) -> None:
     content = recorded("/odom", ODOMETRY, 50, 2, lambda _stamp_ns, _t_s: b"\x00\x01\x00\x00")
     run = replay_content(content, "SetFrequency /odom 1 KeepWithin /odom position 0.1", tmp_path)

@@ -175,6 +175,19 @@ def test_a_mapping_pairs_topics_of_any_name(desk: Desk, tmp_path: Path) -> None:
     assert paired["/robot/scan"] == "/robot/scan"
 
 
+def test_a_source_recorded_beside_its_relay_hides_no_pair(desk: Desk, tmp_path: Path) -> None:
+    write_bag(tmp_path / "a", MISSION)
+    relayed = thinned(5, "/testudo{}")
+    both = sorted([*MISSION.messages, *relayed.messages], key=lambda message: message.stamp_ns)
+    write_bag(tmp_path / "b", BagContent((*MISSION.topics, *relayed.topics), tuple(both)))
+    topics = desk.bag("compare", "a", "b", "--json").json["topics"]
+    messages = desk.bag("info", "a", "--json").json["topics"]["/odom"]["messages"]
+    assert (topics["/odom"]["a"]["messages"], topics["/odom"]["b_topic"]) == (messages, "/testudo/odom")
+    assert (topics["/odom (B)"]["a"], topics["/odom (B)"]["b_topic"]) == (None, "/odom")
+    rows = desk.bag("compare", "a", "b", "--topics", "/odom", "--csv").csv
+    assert [row["topic"] for row in rows] == ["/odom", "/odom (B)"]
+
+
 def test_the_sum_of_a_comparison_is_over_the_topics_shown(desk: Desk, tmp_path: Path) -> None:
     write_bag(tmp_path / "a", MISSION)
     write_bag(tmp_path / "b", thinned(5))

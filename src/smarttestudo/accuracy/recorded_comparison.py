@@ -142,7 +142,8 @@ class ComparisonMeasurement:
             )
             for rules, taker, outcome in zip(replayed, passed, outcomes, strict=True)
         )
-        return RecordedSamples(topics=sent.samples, notices=(*recording.notices(), *sent.notices()))
+        told = (*recording.notices(), *sent.notices(), *(line for one in outcomes for line in one.notices))
+        return RecordedSamples(topics=sent.samples, notices=tuple(dict.fromkeys(told)))
 
     def _received(self) -> list[_Run]:
         """The run under the first rules, where it was recorded and no bound of theirs could be broken."""

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import field
 from functools import partial
@@ -20,7 +21,7 @@ from smarttestudo.accuracy.bounds import (
 )
 from smarttestudo.accuracy.crossings import thresholds_of
 from smarttestudo.accuracy.fixed_rates import Source, best_fixed_rates
-from smarttestudo.accuracy.loss_report import Carried, LossReport
+from smarttestudo.accuracy.loss_report import Carried, LossReport, TopicLoss
 from smarttestudo.accuracy.measure import (
     SharedTopic,
     crossing_losses,
@@ -39,7 +40,7 @@ from smarttestudo.bags.bag_comparison import compare_bags
 from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.measure import measure_bag
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.bags.topic_selection import select_topics
+from smarttestudo.bags.topic_selection import is_selected, select_topics
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
@@ -50,6 +51,7 @@ from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.pacing.reckoning.picture import Picture
 
 _ENDS_EARLY_S = 2.0
+_BEGINS_LATE_S = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,11 +115,13 @@ class LossMeasurement:
         select_topics(tuple(question.mapping.values()), self._b.statistics, place=self._b.name)
         compared = compare_bags(a, self._b, question.mapping)
         _require_common_time(a, self._b)
+        pairs = [pair for pair in compared.comparison.topics if pair.before and pair.after_topic]
         self._partners = {
             pair.topic: pair.after_topic
-            for pair in compared.comparison.topics
-            if pair.before and pair.before.messages and pair.after_topic
+            for pair in pairs
+            if pair.after_topic and pair.before and pair.before.messages
         }
+        self._unsent = frozenset(pair.topic for pair in pairs).difference(self._partners)
         self._asked = self._topics_asked()
         rule_set = question.rule_set
         self._thresholds = thresholds_of(rule_set) if rule_set else ()
@@ -138,11 +142,12 @@ class LossMeasurement:
         received = self._read_received(sent.topics, report)
         topics = self._shared(sent.topics, received.topics)
         shown = [shared for shared in topics if shared.topic in self._asked]
+        carried = tuple(topic_loss(shared) for shared in shown)
         return LossReport(
             a=self._a.name,
             b=self._b.name,
             duration_s=self._a.span.duration_s,
-            topics=tuple(topic_loss(shared) for shared in shown),
+            topics=carried,
             fields=tuple(loss for shared in shown for loss in field_losses(shared)),
             crossings=tuple(loss for shared in shown for loss in crossing_losses(shared, self._thresholds)),
             images=tuple(loss for shared in shown for loss in image_losses(shared)),
@@ -158,7 +163,7 @@ class LossMeasurement:
                 received_bytes=sum(shared.received.size_bytes for shared in topics),
                 fixed_bytes=sum(shared.fixed.size_bytes for shared in topics),
             ),
-            notices=(*sent.notices, *received.notices, *self._notices(topics)),
+            notices=(*sent.notices, *received.notices, *self._notices(topics), *_late_notices(carried)),
         )
 
     def _bounds_in_force(self) -> dict[str, Sequence[BoundsFrom]]:
@@ -203,7 +208,8 @@ class LossMeasurement:
         if not self._question.topics:
             return frozenset(partners)
         place = f"{self._a.name}, {self._b.name}"
-        chosen = select_topics(self._question.topics, {*partners, *partners.values()}, place=place)
+        known = {*partners, *partners.values(), *self._unsent}
+        chosen = select_topics(self._question.topics, known, place=place)
         return asked | {topic for topic, partner in partners.items() if {topic, partner} & chosen}
 
     def _sent_reading(self, topic: str) -> TopicReading:
@@ -274,6 +280,9 @@ class LossMeasurement:
                     f"{shared.topic}: {sent} in {self._a.name} and {received} in {self._b.name}; "
                     "its fields are not compared"
                 )
+        for topic in sorted(self._unsent):
+            if is_selected(topic, self._question.topics):
+                yield f"{topic}: {self._a.name} holds no message of it, so there is no loss to measure"
         early_s = (self._a.span.end_ns - self._b.span.end_ns) / NS_PER_S
         if early_s > _ENDS_EARLY_S:
             yield f"{self._b.name}: ends {early_s:.1f} s before {self._a.name}; nothing came in that time"
@@ -292,6 +301,16 @@ class LossMeasurement:
         """Whether nobody says when the bounds of a topic were in force."""
         rule_set = self._question.rule_set
         return rule_set is not None and not self._question.decisions and needs_decisions(rule_set, topic)
+
+
+def _late_notices(topics: Sequence[TopicLoss]) -> Iterator[str]:
+    """Says of which topics errors and ages leave out a beginning in which nothing was received."""
+    ages = ((loss.topic, loss.received.age) for loss in topics)
+    unseen_s = {topic: age.unseen_s for topic, age in ages if age and age.unseen_s > _BEGINS_LATE_S}
+    for seconds, group in itertools.groupby(unseen_s, key=lambda topic: f"{unseen_s[topic]:.1f}"):
+        yield (
+            f"{', '.join(group)}: nothing received in the first {seconds} s; errors and ages count from then"
+        )
 
 
 def _same_fields(sent: TopicSamples, type_name: str, _: object) -> Sequence[Field]:

@@ -32,7 +32,8 @@ class BagComparison:
     def names(self) -> frozenset[str]:
         """Names of the topics in either recording."""
         pairs = self.comparison.topics
-        return frozenset(name for pair in pairs for name in (pair.topic, pair.after_topic) if name)
+        before = {pair.topic for pair in pairs if pair.before}
+        return frozenset(before | {pair.after_topic for pair in pairs if pair.after_topic})
 
     @property
     def notices(self) -> tuple[str, ...]:

@@ -22,7 +22,8 @@ def change_percent(before: float | None, after: float | None) -> float | None:
 class TopicComparison:
     """One topic in both runs; ``None`` where a run does not have it.
 
-    ``after_topic`` is its name in the second run, ``target`` what was planned for it there.
+    ``after_topic`` is its name in the second run, ``target`` what was planned for it there. A topic that only
+    the second run has is called ``/odom (B)`` where the first run has another ``/odom``.
     """
 
     topic: str
@@ -108,7 +109,13 @@ def compare(
             )
         )
     pairs += [
-        TopicComparison(topic=topic, before=None, after=alone[topic], after_topic=topic) for topic in alone
+        TopicComparison(
+            topic=f"{topic} (B)" if topic in before else topic,
+            before=None,
+            after=statistics,
+            after_topic=topic,
+        )
+        for topic, statistics in alone.items()
     ]
     return Comparison(topics=tuple(pairs))
 

@@ -67,6 +67,11 @@ class AccuracyMeasure:
         for one in self._gauged:
             one.offer(payload, frames, stamp_ns)
 
+    @property
+    def unread(self) -> int:
+        """How many messages could not be read: as on a robot, they passed at each accuracy."""
+        return max((one.unread for one in self._gauged), default=0)
+
     def tiers(self, source_hz: float) -> dict[LevelledProperty, AccuracyTiers]:
         """The accuracies with what they need of a source of ``source_hz``."""
         return {
@@ -81,12 +86,13 @@ class AccuracyMeasure:
 class _Gauged:
     """One property, with a pacer for each of its accuracies."""
 
-    __slots__ = ("_pacers", "_picture", "bounds", "levelled", "passed")
+    __slots__ = ("_pacers", "_picture", "bounds", "levelled", "passed", "unread")
 
     def __init__(self, type_name: str, levelled: LevelledProperty, bounds: tuple[float, ...]) -> None:
         self.levelled = levelled
         self.bounds = bounds
         self.passed = [0] * len(bounds)
+        self.unread = 0
         gauges = gauges_for(type_name, [levelled.value])
         self._picture = Picture(gauges, reckons=False)
         self._pacers = [TopicPacer(kind=_kind(type_name)) for _ in bounds]
@@ -101,6 +107,7 @@ class _Gauged:
     def offer(self, payload: bytes, frames: tuple[str, ...], now_ns: int) -> None:
         sample = Sample(payload, len(payload), frames=frames)
         sample.readings = self._picture.read(payload, None, now_ns)
+        self.unread += None in sample.readings
         for number, pacer in enumerate(self._pacers):
             for _, passes in pacer.wake_until(now_ns):
                 self.passed[number] += len(passes)

@@ -105,6 +105,11 @@ class TopicMeasure:
         return {} if self._accuracy is None or source_hz is None else self._accuracy.tiers(source_hz)
 
     @property
+    def unread(self) -> int:
+        """How many messages could not be read for the accuracies, and count as needed by each."""
+        return 0 if self._accuracy is None else self._accuracy.unread
+
+    @property
     def jitter_s(self) -> float | None:
         """The standard deviation of the intervals in seconds; ``None`` below two intervals."""
         return self._intervals.jitter_s
@@ -181,11 +186,12 @@ def _entries(measure: TopicMeasure, proposal: TierProposal | None) -> Iterator[s
         yield f"# too slow for levels: a rate has at least {RATE_STEP_HZ} Hz"
         return
     yield f"tiers_hz = {_numbers(proposal.tiers_hz)}  # {proposal.origin}"
+    unread = f"; {counted(measure.unread, 'message')} could not be read and passed" if measure.unread else ""
     for one, tiers in measure.accuracies.items():
         yield f"{one.tiers_key} = {_numbers(tiers.bounds)}  # of {one.value}"
         if tiers.needs_hz is not None and tiers.needs_hz[0] >= RATE_STEP_HZ:
             needs_hz = [min(rounded(rate), source_hz) for rate in tiers.needs_hz]
-            yield f"{one.needs_key} = {_numbers(needs_hz)}  # {_NEEDS_ORIGIN}"
+            yield f"{one.needs_key} = {_numbers(needs_hz)}  # {_NEEDS_ORIGIN}{unread}"
 
 
 def _by_shares(source_hz: float) -> TierProposal:

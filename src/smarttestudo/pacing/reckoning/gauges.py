@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
+from smarttestudo.domain.observation import Undecodable
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.cdr import FrameReader, JointReader, PoseReader, header_stamp_ns
 from smarttestudo.pacing.reckoning.motion import (
@@ -234,7 +235,7 @@ class FieldGauge:
 
     def read(self, _payload: bytes, message: object | None, now_ns: int) -> Reading | None:
         """One part, whose state has the value of each field by property."""
-        if message is None:
+        if message is None or isinstance(message, Undecodable):
             return None
         values = {name: read(message) for name, read in self._readers.items()}
         return (MovingPart("", now_ns, None, values, has_stamp=False),)

@@ -80,9 +80,10 @@ def measure_recording(question: RecordingQuestion) -> RecordingNumbers:
     called = {name: {name, partners.get(name, name)} for name in a.summary.statistics}
     names = [name for name, own in called.items() if not question.topics or _selected(own, question.topics)]
     decisions = _decisions(question, names)
-    loss, notices = known_or_why(lambda: _loss(question, a, b, [*filter(partners.get, names)], decisions))
-    lost = {} if loss is None else {one.topic: one for one in loss.topics}
     statistics = a.summary.statistics
+    sent = [name for name in names if name in partners and statistics[name].messages]
+    loss, notices = known_or_why(lambda: _loss(question, a, b, sent, decisions))
+    lost = {} if loss is None else {one.topic: one for one in loss.topics}
     return RecordingNumbers(
         a=str(question.a),
         b=None if question.b is None else str(question.b),
