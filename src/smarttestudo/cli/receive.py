@@ -150,7 +150,6 @@ def run(arguments: argparse.Namespace) -> int:
         opened.enter_context(served_metrics(arguments.openmetrics, metrics.metrics))
         sinks: list[Sink] = [opened.enter_context(closing(sink)) for sink in _sinks(arguments, opened)]
         end = opened.enter_context(open_operator_end(options, warn, predicts=predicts))
-        folders.make()
         if is_fetching:
             incidents = opened.enter_context(closing(end.incidents()))
             opened.enter_context(IncidentMirror(incidents, folders, _say, warn).running())
