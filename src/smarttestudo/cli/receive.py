@@ -143,6 +143,7 @@ def run(arguments: argparse.Namespace) -> int:
     options, predicts = _options(arguments), _predicted(arguments)
     _settle_ros(arguments, is_fetching=is_fetching)
     _require_onlookers(arguments)
+    folders.make()
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
         statuses = StatusSink(STATUS_TOPIC)
