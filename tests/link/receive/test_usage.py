@@ -39,7 +39,7 @@ def refusal(capsys: pytest.CaptureFixture[str], arguments: list[str], code: int)
         (
             ["receive", "--no-ros"],
             "--no-ros: error: messages that arrive would go nowhere; "
-            "add --record DIR, --incidents DIR, --foxglove PORT or --openmetrics PORT",
+            "add --record DIR, --incidents DIR, --catch-up DIR, --foxglove PORT or --openmetrics PORT",
         )
     ],
 )
