@@ -199,6 +199,13 @@ def test_a_folder_that_is_none_is_named_with_the_command_that_writes_one(
         assert capsys.readouterr().err == f"{tmp_path / name}: error: {said}; {remedy}\n"
 
 
+def test_a_robot_is_named_for_a_link_and_not_for_a_folder(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["incidents", "list", str(folder), "--robot", "ada"]) == 2
+    assert capsys.readouterr() == ("", "--robot: error: it needs a link; add --connect\n")
+
+
 def test_what_may_not_be_read_says_what_to_check(tmp_path: Path) -> None:
     with pytest.raises(RecordingError) as refused, errors_at(tmp_path):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))

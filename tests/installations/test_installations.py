@@ -116,7 +116,8 @@ def test_what_is_not_installed_is_one_line_with_the_command_that_installs_it(
 def test_receiving_without_ros_says_what_goes_without_it(with_link: Environment) -> None:
     assert with_link.refuses("receive") == (
         "error: publishing what arrives on a ROS graph needs ROS 2 (rclpy); source your ROS setup, "
-        "or go without: --no-ros and --record DIR, --incidents DIR, --foxglove PORT or --openmetrics PORT"
+        "or go without: --no-ros and --record DIR, --incidents DIR, --catch-up DIR, --foxglove PORT "
+        "or --openmetrics PORT"
     )
 
 

@@ -98,8 +98,6 @@ def _topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
     """The topics and types of a recording or of a robot, if one is named."""
     options = connect_options(arguments)
     if options is None:
-        if arguments.robot is not None:
-            raise UsageError("it needs a link", place="--robot", remedy="add --connect")
         return None if arguments.bag is None else _topics_of(arguments.bag)
     if arguments.bag is not None:
         raise UsageError("topics come from one place", place="--bag", remedy="leave out --bag or --connect")

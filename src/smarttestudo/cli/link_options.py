@@ -138,8 +138,8 @@ def connect_options(arguments: argparse.Namespace) -> LinkOptions | None:
             config_file=arguments.zenoh_config,
             insecure=arguments.insecure,
         )
-    for name in ("zenoh_config", "insecure"):
-        if getattr(arguments, name):
+    for name in ("zenoh_config", "insecure", "robot"):
+        if getattr(arguments, name, None) not in (None, False):
             option = "--" + name.replace("_", "-")
             raise UsageError("it needs a link", place=option, remedy="add --connect")
     return None

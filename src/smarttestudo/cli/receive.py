@@ -52,7 +52,7 @@ DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
 _WAIT_S = 0.05
 _LAST_PORT = 65_535
 _POLL_PERIOD_S = 1.0
-_PLACES = "--record DIR, --incidents DIR, --foxglove PORT or --openmetrics PORT"
+_PLACES = "--record DIR, --incidents DIR, --catch-up DIR, --foxglove PORT or --openmetrics PORT"
 
 
 def add_arguments(parser: CommandParser) -> None:
@@ -143,6 +143,7 @@ def run(arguments: argparse.Namespace) -> int:
     options, predicts = _options(arguments), _predicted(arguments)
     _settle_ros(arguments, is_fetching=is_fetching)
     _require_onlookers(arguments)
+    folders.make()
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
         statuses = StatusSink(STATUS_TOPIC)

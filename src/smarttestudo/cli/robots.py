@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections import Counter
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -64,7 +65,10 @@ def _chosen(robots: RemoteRobots, name: str | None) -> str:
     fitting = [robot_id for robot_id, robot in present.items() if name in (None, robot_id, robot)]
     if len(fitting) == 1:
         return fitting[0]
-    names = ", ".join(sorted(present.values())[:_NAMED])
+    times = Counter(present.values())
+    # Several nodes may have one name on the link; then their ids tell them apart.
+    labels = sorted(robot if times[robot] == 1 else robot_id for robot_id, robot in present.items())
+    names = ", ".join(labels[:_NAMED])
     if fitting:
         cause, remedy = f"several robots are heard: {names}", "name one with --robot"
     elif present:

@@ -23,6 +23,7 @@ from smarttestudo.incidents.transfer_messages import (
     PlannedFile,
     TransferPlan,
     is_incident_name,
+    no_incident,
 )
 from smarttestudo.incidents.transfer_order import ByteRange, RangePart, TransferOrder
 
@@ -92,7 +93,7 @@ class IncidentCatalog:
 def _index_of(folder: Path, name: str) -> IncidentIndex:
     path = folder / name
     if not is_incident_name(name) or path.is_symlink() or not path.is_dir():
-        raise LinkError(f"there is no incident {name!r:.80}", remedy="'testudo incidents list' names them")
+        raise no_incident(name)
     with _errors_at(name):
         files = [
             one for one in sorted(path.iterdir()) if one.name != READ_NAME and not one.name.startswith(".")

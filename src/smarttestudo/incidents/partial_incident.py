@@ -23,6 +23,7 @@ from smarttestudo.incidents.transfer_messages import (
     TransferPlan,
     is_incident_file_name,
     is_incident_name,
+    no_incident,
 )
 
 STATE_NAME = ".fetch.json"
@@ -44,7 +45,7 @@ class PartialIncident:
 
     def __init__(self, folder: Path, name: str, plan: TransferPlan) -> None:
         if not is_incident_name(name):
-            raise LinkError(f"there is no incident {name!r:.80}")
+            raise no_incident(name)
         self.path = folder / f".{name}{PARTIAL_SUFFIX}"
         self._target = folder / name
         self._plan = plan

@@ -8,6 +8,7 @@ import re
 from typing import NamedTuple
 
 from smarttestudo.domain.dataclass import dataclass
+from smarttestudo.domain.errors import LinkError
 from smarttestudo.incidents.transfer_order import Level, RangePart
 
 MAX_ASK_BYTES = 16_000
@@ -98,6 +99,11 @@ class TransferPiece:
 def is_incident_name(name: str) -> bool:
     """Whether it can be the name of an incident's folder."""
     return _INCIDENT_NAME.match(name) is not None
+
+
+def no_incident(name: str) -> LinkError:
+    """Why nothing is fetched of an incident ``name``."""
+    return LinkError(f"there is no incident {name!r:.80}", remedy="'testudo incidents list' names them")
 
 
 def is_incident_file_name(name: str) -> bool:

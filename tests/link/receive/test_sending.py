@@ -16,6 +16,7 @@ from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.cli.top_table import Style
 from smarttestudo.domain.command import SentCounts
 from smarttestudo.domain.link_state import CommandTopic
+from smarttestudo.domain.names import output_name
 from smarttestudo.link.protocol.command_sender import CommandedRobot
 from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.receive.reception import Reception
@@ -120,6 +121,20 @@ def test_what_cannot_be_sent_is_said_once_when_it_lasts(
     assert operator.said == [f"/joy is not sent to {boot.robot}: {sentence}" for boot in robots.known]
     assert operator.graph.receivers == {}
     assert [route.problem for route in operator.sending.routes] == [sentence] * len(robots.known)
+
+
+@pytest.mark.parametrize("pattern", ["{topic}", "/{robot}{topic}"])
+def test_to_two_robots_of_one_name_nothing_is_sent_and_they_are_to_be_renamed(pattern: str) -> None:
+    robots = Robots(ADA, Boot("ada", "2" * 16))
+    name = output_name("/joy", pattern, "ada")
+    operator = Operator(robots, name, pattern=pattern)
+    operator.look()
+    operator.look(LATER_NS)
+    assert operator.said == [
+        f"{name} is not sent to ada: 2 robots accept it, and nothing tells which is meant: "
+        "give each a name of its own with --robot of 'testudo run'"
+    ]
+    assert operator.graph.receivers == {}
 
 
 def test_what_comes_from_a_robot_or_from_smarttestudo_is_not_sent() -> None:

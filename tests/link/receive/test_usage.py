@@ -39,7 +39,7 @@ def refusal(capsys: pytest.CaptureFixture[str], arguments: list[str], code: int)
         (
             ["receive", "--no-ros"],
             "--no-ros: error: messages that arrive would go nowhere; "
-            "add --record DIR, --incidents DIR, --foxglove PORT or --openmetrics PORT",
+            "add --record DIR, --incidents DIR, --catch-up DIR, --foxglove PORT or --openmetrics PORT",
         )
     ],
 )
@@ -138,6 +138,19 @@ def test_a_port_of_metrics_in_use_is_said_in_one_line(
         f"127.0.0.1:{port}: error: metrics cannot be served there: Address already in use; give another port"
     )
     assert not recorded.exists()
+
+
+@pytest.mark.parametrize("option", ["--incidents", "--catch-up"])
+@pytest.mark.parametrize(
+    ("folder", "cause"), [("file", "a file is there in place of a folder"), ("file/below", "a file is there")]
+)
+def test_a_folder_of_what_is_fetched_that_takes_nothing_is_said_at_the_start(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, option: str, folder: str, cause: str
+) -> None:
+    (tmp_path / "file").write_text("")
+    where = str(tmp_path / folder)
+    line = refusal(capsys, ["receive", "--no-ros", option, where, "--listen", "nonsense"], 1)
+    assert line.startswith(f"{where}: error: the folder of {option} cannot be written: {cause}")
 
 
 def test_a_port_in_use_is_said_in_one_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -247,8 +247,9 @@ def test_what_is_not_there_is_said(tmp_path: Path) -> None:
     endpoint = free_endpoint()
     with listening_robot(endpoint, tmp_path / "nothing"), fetching_from(endpoint) as incidents:
         assert incidents.list("r1") == []
-        with pytest.raises(TestudoError, match="there is no incident"):
-            incidents.fetch("r1", NAME, tmp_path / "here", lambda _: None, never)
+        for name in (NAME, "../nothing", f"{NAME}/", ""):
+            with pytest.raises(LinkError, match=f"there is no incident '{name}'; 'testudo incidents list'"):
+                incidents.fetch("r1", name, tmp_path / "here", lambda _: None, never)
         with pytest.raises(LinkError, match="there is no robot 'r2'"):
             incidents.list("r2")
     assert not (tmp_path / "here").exists()

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
@@ -45,15 +46,18 @@ NAMES = ("rules_hash",)
 class Robot:
     """A robot that tells a status and answers what it is asked, whenever it is stepped."""
 
-    def __init__(self, end: RobotEnd) -> None:
+    def __init__(self, end: RobotEnd, node: str = STATUS.node) -> None:
         self.end = end
+        self.node = node
         self.steps = 0
         self.set: list[object] = []
 
     def step(self) -> None:
         """Tell another status, and answer a question."""
         self.steps += 1
-        self.end.tell(to_json(replace(STATUS, robot=self.end.robot, uptime_s=float(self.steps))))
+        self.end.tell(
+            to_json(replace(STATUS, node=self.node, robot=self.end.robot, uptime_s=float(self.steps)))
+        )
         self.answer()
 
     def answer(self) -> None:
@@ -234,6 +238,20 @@ def test_two_robots_of_one_name_are_two() -> None:
         with pytest.raises(UsageError, match="several robots are heard: r1#") as refused:
             topics_of_robot(robots, None, lambda: False)
         assert refused.value.remedy == "name one with --robot"
+
+
+def test_two_nodes_of_one_name_are_asked_by_their_ids() -> None:
+    endpoint, nodes = free_endpoint(), ("/a/smarttestudo", "/b/smarttestudo")
+    with ExitStack() as opened:
+        opened.enter_context(operator_end(endpoint, lambda warning: None))
+        pair = [Robot(opened.enter_context(robot_end(endpoint)), node) for node in nodes]
+        robots = opened.enter_context(watching(endpoint))
+        until(lambda: len(robots.heard) == 2, lambda: step(robots, *pair))
+        with pytest.raises(UsageError, match="are heard: r1:/a/smarttestudo, r1:/b/smarttestudo; name one"):
+            topics_of_robot(robots, "r1", lambda: False)
+        asked = ThreadPoolExecutor(1).submit(topics_of_robot, robots, "r1:/b/smarttestudo", lambda: False)
+        until(asked.done, pair[1].step)
+        assert asked.result() == {"/imu": "sensor_msgs/msg/Imu"}
 
 
 def test_an_unknown_robot_and_one_that_never_answers_are_silent() -> None:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import said
@@ -18,6 +19,7 @@ from smarttestudo.domain.remote_incidents import (
     RemoteIncidents,
     SilentRobotError,
 )
+from smarttestudo.files.whole_file import not_written
 from smarttestudo.link.worker import Worker
 
 LOOK_PERIOD_S = 2.0
@@ -41,6 +43,20 @@ class MirrorFolders:
         """Where an incident goes; ``None`` where it is not wanted."""
         folder = self.outages if incident.is_outage else self.incidents
         return None if folder is None else folder / incident.robot
+
+    def make(self) -> None:
+        """Make the folders where there are none. Raises ``OutputFileError`` where one takes no files.
+
+        The first incident may come after hours, and is then better not lost to a typing error.
+        """
+        for option, folder in (("--incidents", self.incidents), ("--catch-up", self.outages)):
+            if folder is None:
+                continue
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+                TemporaryFile(dir=folder).close()
+            except OSError as error:
+                raise not_written(folder, f"the folder of {option}", error) from error
 
 
 class _Turn:

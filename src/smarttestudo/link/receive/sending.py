@@ -35,6 +35,7 @@ SAY_AFTER_NS = 5 * NS_PER_S
 _WAIT_S = 0.05
 _LOOK_NS = NS_PER_S // 2
 _MANY_ROBOTS = "tell them apart with --output-topic '/{robot}{topic}'"
+_ONE_NAME = "give each a name of its own with --robot of 'testudo run'"
 
 
 class StallGuard:
@@ -190,7 +191,9 @@ class Sending:
             for robot, topic in targets
         ]
         if len(routes) > 1:
-            problem = f"{len(routes)} robots accept it, and nothing tells which is meant: {_MANY_ROBOTS}"
+            has_twins = len({route.boot.robot for route in routes}) < len(routes)
+            remedy = _ONE_NAME if has_twins else _MANY_ROBOTS
+            problem = f"{len(routes)} robots accept it, and nothing tells which is meant: {remedy}"
             return [replace(route, problem=problem) for route in routes]
         return [self._checked(routes[0], own_nodes)]
 

@@ -32,6 +32,8 @@ from smarttestudo.incidents.transfer_messages import (
     TransferPiece,
     TransferPlan,
     TransferQuestion,
+    is_incident_name,
+    no_incident,
 )
 from smarttestudo.link.protocol.incident_messages import (
     MAX_PIECE_BYTES,
@@ -98,6 +100,9 @@ class LinkIncidents:
         cancelled: Callable[[], bool],
     ) -> Path | None:
         """Have an incident below ``folder``; one that is there already is not fetched again."""
+        if not is_incident_name(name):
+            # A robot would only say that the question is malformed.
+            raise no_incident(name)
         data = self._answer(robot, AskPlan(name=name), cancelled)
         if data is None:
             return None

@@ -125,7 +125,7 @@ def write_table(table: ProfileTable, base_text: str, path: Path) -> str:
 
 
 def _in_words(at: KeyPath) -> str:
-    """What the table calls the value at this place of a profile."""
+    """The words of the table for the value at this place of a profile."""
     match at:
         case ("topics", topic, key) if key in _COLUMNS:
             return f"{_COLUMNS[key]} of {topic}"
