@@ -127,23 +127,15 @@ HEAVY = (
 )
 
 
-def test_a_run_imports_only_what_it_was_asked_for(tmp_path: Path) -> None:
-    rules = tmp_path / "plain.adirf"
+def imported_by(program: str, folder: Path) -> list[str]:
+    """The modules that ``program`` imports for the file of plain rules that it gets."""
+    rules = folder / "plain.adirf"
     rules.write_text("begin SetFrequency /odom 10 end", encoding="utf-8")
-    program = (
-        "import sys; before = set(sys.modules)\n"
-        "from smarttestudo.cli.commands import command_parser\n"
-        "arguments = command_parser().parse_args(['run', '--rules', sys.argv[1]])\n"
-        "from smarttestudo.rules.rule_sets import load_rules\n"
-        "load_rules(arguments.rules).refuse_errors()\n"
-        "print(*sorted(set(sys.modules) - before))"
-    )
+    whole = f"import sys; before = set(sys.modules)\n{program}\nprint(*sorted(set(sys.modules) - before))"
     done = subprocess.run(
-        [sys.executable, "-c", program, str(rules)], capture_output=True, text=True, check=True
+        [sys.executable, "-c", whole, str(rules)], capture_output=True, text=True, check=True
     )
-    imported = done.stdout.split()
-    assert "smarttestudo.robot.live_run" in imported
-    assert unasked(imported, NOT_FOR_A_PLAIN_RUN) == []
+    return done.stdout.splitlines()[-1].split()
 
 
 def unasked(imported: list[str], names: tuple[str, ...]) -> list[str]:
@@ -151,6 +143,18 @@ def unasked(imported: list[str], names: tuple[str, ...]) -> list[str]:
     ours = (f"smarttestudo.{name}" for name in names)
     parts = tuple(f"{name}." for name in (*HEAVY, *ours))
     return [name for name in imported if f"{name}.".startswith(parts)]
+
+
+def test_a_run_imports_only_what_it_was_asked_for(tmp_path: Path) -> None:
+    program = (
+        "from smarttestudo.cli.commands import command_parser\n"
+        "arguments = command_parser().parse_args(['run', '--rules', sys.argv[1]])\n"
+        "from smarttestudo.rules.rule_sets import load_rules\n"
+        "load_rules(arguments.rules).refuse_errors()"
+    )
+    imported = imported_by(program, tmp_path)
+    assert "smarttestudo.robot.live_run" in imported
+    assert unasked(imported, NOT_FOR_A_PLAIN_RUN) == []
 
 
 NOT_FOR_A_PLAIN_CHECK = (
@@ -165,18 +169,7 @@ NOT_FOR_A_PLAIN_CHECK = (
 
 
 def test_a_check_imports_only_what_it_was_asked_for(tmp_path: Path) -> None:
-    rules = tmp_path / "plain.adirf"
-    rules.write_text("begin SetFrequency /odom 10 end", encoding="utf-8")
-    program = (
-        "import sys; before = set(sys.modules)\n"
-        "from smarttestudo.cli.main import main\n"
-        "main(['check', sys.argv[1]])\n"
-        "print(*sorted(set(sys.modules) - before))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program, str(rules)], capture_output=True, text=True, check=True
-    )
-    said, _, imported = done.stdout.partition("\n")
-    assert said == "no findings in 1 file"
-    assert "smarttestudo.checks.registry" in imported.split()
-    assert unasked(imported.split(), NOT_FOR_A_PLAIN_CHECK) == []
+    program = "from smarttestudo.cli.main import main\nassert main(['check', sys.argv[1]]) == 0"
+    imported = imported_by(program, tmp_path)
+    assert "smarttestudo.checks.registry" in imported
+    assert unasked(imported, NOT_FOR_A_PLAIN_CHECK) == []
