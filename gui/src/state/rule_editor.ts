@@ -154,9 +154,14 @@ export class RuleEditor extends OpenFile {
     });
   }
 
-  /** One-click fix of a finding of the text that was read last. */
+  /** One-click fix of a finding, which the text must still have once it was read again. */
   fix(finding: PlacedFinding): Promise<void> {
-    return this.edit(({ findings }) => (finding.fix && findings.includes(finding) ? [finding.fix.edit] : []));
+    const said = JSON.stringify(finding);
+    return this.edit(({ findings }) => {
+      const same = findings.find((each) => JSON.stringify(each) === said);
+      if (!same?.fix) this.message.value = "The text was changed at the same time, so nothing was mended: try again";
+      return same?.fix ? [same.fix.edit] : [];
+    });
   }
 
   /** One-click repair of what does not fit the budget, in the text that the optimizer was asked about. */
