@@ -12,7 +12,6 @@ import shutil
 import subprocess
 import sys
 from collections import Counter
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,7 @@ from docs.code_blocks import blocks_of
 from fleet.commands import Command
 from fleet.dask_processes import DaskProcesses
 from fleet.fleet_factory import day_of, write_fleet
+from fleet.page_tables import Tables
 from report.bag_desk import Ran, thinned
 
 PAGE = "docs/how-to/many-recordings.md"
@@ -40,48 +40,6 @@ end
 ALONE = ("--workers", "1")
 """Processes take longer to begin than these recordings."""
 Documents = list[dict[str, Any]]
-
-
-class Tables(HTMLParser):
-    """The rows of each table of a page, by its caption: the texts of the cells, and all links."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.rows: dict[str, list[list[str]]] = {}
-        self.links: list[str] = []
-        self.commands: list[str] = []
-        self._caption = ""
-        self._open: list[str] = []
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
-        self._open.append(tag)
-        if tag == "caption":
-            self._caption = ""
-        if tag == "tr":
-            self.rows.setdefault(self._caption, []).append([])
-        if tag in ("td", "th"):
-            self.rows[self._caption][-1].append("")
-        if tag == "code":
-            self.commands.append("")
-        if tag == "a":
-            self.links.append(dict(attributes)["href"] or "")
-
-    def handle_endtag(self, tag: str) -> None:
-        while self._open and self._open.pop() != tag:
-            pass
-
-    def handle_data(self, data: str) -> None:
-        if "caption" in self._open:
-            self._caption += data
-        elif "code" in self._open:
-            self.commands[-1] += data
-        elif ("td" in self._open or "th" in self._open) and "summary" not in self._open:
-            self.rows[self._caption][-1][-1] += data
-
-    def column(self, caption: str, number: int) -> dict[str, str]:
-        """A column by the first one."""
-        return {row[0]: row[number] for row in self.rows[caption][1:]}
 
 
 def page(path: Path) -> Tables:

@@ -115,13 +115,16 @@ class LossMeasurement:
         select_topics(tuple(question.mapping.values()), self._b.statistics, place=self._b.name)
         compared = compare_bags(a, self._b, question.mapping)
         _require_common_time(a, self._b)
-        pairs = [pair for pair in compared.comparison.topics if pair.before and pair.after_topic]
         self._partners = {
             pair.topic: pair.after_topic
-            for pair in pairs
-            if pair.after_topic and pair.before and pair.before.messages
+            for pair in compared.comparison.topics
+            if pair.before and pair.before.messages and pair.after_topic
         }
-        self._unsent = frozenset(pair.topic for pair in pairs).difference(self._partners)
+        self._unsent = frozenset(
+            pair.topic
+            for pair in compared.comparison.topics
+            if pair.before and not pair.before.messages and pair.after_topic
+        )
         self._asked = self._topics_asked()
         rule_set = question.rule_set
         self._thresholds = thresholds_of(rule_set) if rule_set else ()

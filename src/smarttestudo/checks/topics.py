@@ -39,9 +39,10 @@ def _unknown_property(rules: RuleModel) -> Iterator[Found]:
 
 def _nothing_relayed(rules: RuleModel) -> Iterator[Found]:
     """Files in which nothing that counts names a topic to relay, or records."""
-    for path in [] if rules.relayed or rules.recordings else list(rules.default_places)[:1]:
+    first = next(iter(rules.default_places), None)
+    if first is not None and not rules.relayed and not rules.recordings:
         yield Found(
-            path=path,
+            path=first,
             span=_START,
             message="nothing is relayed: no rate is set that counts",
             hint="set one, as in SetFrequency /odom 10",

@@ -115,7 +115,7 @@ def _profile_of(path: Path) -> Profile:
 
 def _topics_of(bag: Path) -> dict[str, str]:
     from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
-    from smarttestudo.cli.bag_options import print_notices  # noqa: PLC0415
+    from smarttestudo.cli.bag_options import print_notices  # noqa: PLC0415  loads what tables need
 
     with open_recording(bag) as recording:
         print_notices(recording.notices())

@@ -12,14 +12,12 @@ from __future__ import annotations
 import dataclasses
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import MISSING, Field, FrozenInstanceError, fields
+from dataclasses import MISSING, FrozenInstanceError, fields, is_dataclass
 from functools import partial
 from reprlib import recursive_repr
 from typing import TYPE_CHECKING, Any
 
 __all__ = ["dataclass"]
-
-_FIELDS = "__dataclass_fields__"
 
 if TYPE_CHECKING:
     from dataclasses import dataclass
@@ -29,7 +27,7 @@ else:
         """The decorator ``dataclasses.dataclass`` with these options; its classes act as those do."""
 
         def decorate(kind: type) -> type:
-            if order or any(_FIELDS in vars(base) for base in kind.__mro__[1:]):
+            if order or any(map(is_dataclass, kind.__bases__)):
                 options = {"frozen": frozen, "slots": slots, "kw_only": kw_only, "eq": eq, "order": order}
                 return dataclasses.dataclass(**options)(kind)
             return _decorated(kind, frozen=frozen, slots=slots, kw_only=kw_only, eq=eq)
@@ -86,19 +84,15 @@ class _Uncompiled:
         method = found["make"](**known)
         method.__qualname__ = f"{self._kind.__qualname__}.{self._name}"
         if self._name == "__init__":
-            method.__annotations__ = {each.name: each.type for each in _fields(self._kind) if each.init}
+            method.__annotations__ = {each.name: each.type for each in fields(self._kind) if each.init}
         setattr(self._kind, self._name, method)
         return method.__get__(instance, owner)
-
-
-def _fields(kind: Any) -> tuple[Field[Any], ...]:
-    return fields(kind)
 
 
 def _init_source(kind: Any, *, frozen: bool) -> _Source:
     known: dict[str, object] = {"_set": object.__setattr__, "_missing": MISSING}
     by_place, by_name, body = ["self"], ["*"], []
-    for each in _fields(kind):
+    for each in fields(kind):
         name = value = parameter = each.name
         if each.default_factory is not MISSING:
             known[f"_make_{name}"] = each.default_factory
@@ -119,7 +113,7 @@ def _init_source(kind: Any, *, frozen: bool) -> _Source:
 
 
 def _eq_source(kind: Any) -> _Source:
-    names = [each.name for each in _fields(kind) if each.compare]
+    names = [each.name for each in fields(kind) if each.compare]
     values = f"{_tuple_of('self', names)} == {_tuple_of('other', names)}"
     return (
         ["self", "other"],
@@ -129,7 +123,7 @@ def _eq_source(kind: Any) -> _Source:
 
 
 def _hash_source(kind: Any) -> _Source:
-    names = [each.name for each in _fields(kind) if (each.compare if each.hash is None else each.hash)]
+    names = [each.name for each in fields(kind) if (each.compare if each.hash is None else each.hash)]
     return ["self"], [f"return hash({_tuple_of('self', names)})"], {}
 
 
@@ -149,7 +143,7 @@ def _repr_of(shown: Iterable[str]) -> Callable[[object], str]:
 
 
 def _refusals(kind: Any) -> tuple[Callable[[object, str, object], None], Callable[[object, str], None]]:
-    names = frozenset(each.name for each in _fields(kind))
+    names = frozenset(each.name for each in fields(kind))
 
     def refuse_to_set(self: object, name: str, value: object) -> None:
         if type(self) is kind or name in names:
@@ -165,9 +159,9 @@ def _refusals(kind: Any) -> tuple[Callable[[object, str, object], None], Callabl
 
 
 def _state(self: Any) -> list[object]:
-    return [getattr(self, each.name) for each in _fields(self)]
+    return [getattr(self, each.name) for each in fields(self)]
 
 
 def _set_state(self: Any, state: Iterable[object]) -> None:
-    for each, value in zip(_fields(self), state, strict=False):
+    for each, value in zip(fields(self), state, strict=False):
         object.__setattr__(self, each.name, value)
