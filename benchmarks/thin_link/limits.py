@@ -27,7 +27,7 @@ FULL_S, COST_S, FLEET_S = 45.0, 20.0, 15.0
 COST_TOPICS = (*SMALL, replace(IMAGE, size_bytes=96_000))
 FULL_TOPICS = (*SMALL, replace(IMAGE, size_bytes=250_000))
 FLEET = 50
-_LOOK_S = 0.25
+_POLL_S = 0.25
 
 
 @contextmanager
@@ -61,7 +61,7 @@ def drive(
                 left.pop(0)[1]()
             if passed_s > 2.0:
                 seen.append((robot.resident_mb, operator.resident_mb))
-            time.sleep(_LOOK_S)
+            time.sleep(_POLL_S)
         told = json.loads(robot.line())
     due = sum(math.ceil((seconds - one.from_s) * one.hz) for one in TRAFFIC[traffic])
     robot_mb, operator_mb = (max(values) - values[0] for values in zip(*seen, strict=True))

@@ -25,7 +25,7 @@ def metered(arrivals_ns: Iterable[int], until_s: int, *, start_s: int = 1, **loo
     for now_ns in range(start_s * S, (until_s + 1) * S, S):
         while waiting and waiting[0] <= now_ns:
             flow.record(waiting.pop(0), 500)
-        meter.look(now_ns, **look)
+        meter.measure(now_ns, **look)
     return meter
 
 
@@ -97,7 +97,7 @@ def test_a_clock_that_jumps_back_begins_the_measure_anew() -> None:
     for now_s in (100, 101, 102, 3, 4, 5, 6):
         for tenth in range(10):
             flow.record(now_s * S - S + tenth * S // 10, 500)
-        meter.look(now_s * S)
+        meter.measure(now_s * S)
     assert meter.rate_hz == pytest.approx(10)
     assert not meter.is_silent
 

@@ -102,7 +102,7 @@ def cut(came: Sequence[Came], near: Sequence[Recorded], far: Sequence[Recorded],
         for one in came:
             cutter.on_message(sources[one.topic], one.stamp_ns, one.payload)
             decoded = SimpleNamespace(x=one.x)
-            loop.take(MessageInput(one.stamp_ns, one.topic, one.payload, len(one.payload), decoded))
+            loop.handle(MessageInput(one.stamp_ns, one.topic, one.payload, len(one.payload), decoded))
         cutter.finish(came[-1].stamp_ns)
 
 

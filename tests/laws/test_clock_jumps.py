@@ -64,7 +64,7 @@ class Clocked:
         return clock_ns - self.start_ns + self.behind_ns
 
     def _take(self, given: LoopInput) -> None:
-        self.loop.take(given)
+        self.loop.handle(given)
         self._note()
 
     def _note(self) -> None:

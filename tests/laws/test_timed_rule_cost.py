@@ -69,17 +69,17 @@ def evaluated(rules: int) -> list[int]:
     rule_set = compile_rules([rule_file(statements)], lambda name: name)
     loop = RelayLoop(rule_set, Profile(settle_s=0.0), 0)
     evaluator, counts = loop.knowledge.evaluator, []
-    loop.take(MessageInput(0, X.topic, b"", 0, SimpleNamespace(x=0.5)))
+    loop.handle(MessageInput(0, X.topic, b"", 0, SimpleNamespace(x=0.5)))
     while (wake_ns := loop.next_wake_ns) is not None and wake_ns <= NS_PER_S // 2:
-        loop.take(WakeInput(stamp_ns=wake_ns))
+        loop.handle(WakeInput(stamp_ns=wake_ns))
     touched = evaluator.touched
     for metre in range(1, METRES):
         at_ns = metre * NS_PER_S
         while (wake_ns := loop.next_wake_ns) is not None and wake_ns < at_ns:
-            loop.take(WakeInput(stamp_ns=wake_ns))
+            loop.handle(WakeInput(stamp_ns=wake_ns))
             counts.append(evaluator.touched - touched)
             touched = evaluator.touched
-        loop.take(MessageInput(at_ns, X.topic, b"", 0, SimpleNamespace(x=metre + 0.5)))
+        loop.handle(MessageInput(at_ns, X.topic, b"", 0, SimpleNamespace(x=metre + 0.5)))
         counts.append(evaluator.touched - touched)
         touched = evaluator.touched
     assert len(loop.take_decisions()) > METRES

@@ -59,11 +59,11 @@ class LoopDriver:
         change = SourceChanged(
             topic=topic, publishers=publishers, transient_local=transient_local, type_name=type_name
         )
-        self.keep(self.loop.take(ChangeInput(stamp_ns=self.now_ns, change=change)))
+        self.keep(self.loop.handle(ChangeInput(stamp_ns=self.now_ns, change=change)))
 
     def listeners(self, topic: str, *, are_there: bool) -> None:
         change = ListenersChanged(topic=topic, are_there=are_there)
-        self.keep(self.loop.take(ChangeInput(stamp_ns=self.now_ns, change=change)))
+        self.keep(self.loop.handle(ChangeInput(stamp_ns=self.now_ns, change=change)))
 
     def reload(self, rules: str, profile: Profile | None = None) -> None:
         self.reload_rule_set(rule_set_of(rules), profile)
@@ -74,24 +74,24 @@ class LoopDriver:
         given = RulesInput(
             stamp_ns=self.now_ns, rule_set=rule_set, profile=profile or Profile(), prepared=prepared
         )
-        self.keep(self.loop.take(given))
+        self.keep(self.loop.handle(given))
 
     def budget(self, budget_kb_per_s: float, *, is_measured: bool = False) -> None:
         change = LinkBudget(link_kb_per_s=budget_kb_per_s, is_measured=is_measured)
-        self.keep(self.loop.take(ChangeInput(stamp_ns=self.now_ns, change=change)))
+        self.keep(self.loop.handle(ChangeInput(stamp_ns=self.now_ns, change=change)))
 
     def wait_until(self, at_ns: int) -> None:
         while (wake_ns := self.loop.next_wake_ns) is not None and wake_ns <= at_ns:
             assert wake_ns >= self.now_ns
             self.now_ns = wake_ns
-            self.keep(self.loop.take(WakeInput(stamp_ns=wake_ns)))
+            self.keep(self.loop.handle(WakeInput(stamp_ns=wake_ns)))
         self.now_ns = at_ns
 
     def send(
         self, topic: str, at_ns: int, payload: bytes = b"", size_bytes: int = 100, message: object = None
     ) -> None:
         self.wait_until(at_ns)
-        self.keep(self.loop.take(MessageInput(at_ns, topic, payload, size_bytes, message)))
+        self.keep(self.loop.handle(MessageInput(at_ns, topic, payload, size_bytes, message)))
 
     def drive(self, at_ns: int, x: float, y: float) -> None:
         """An odometry message."""

@@ -50,7 +50,7 @@ class BoundLoop:
         self.decisions: list[Decision] = self.loop.take_decisions()
         for topic, type_name in (("/odom", ODOMETRY), ("/battery", "sensor_msgs/msg/BatteryState")):
             change = SourceChanged(topic=topic, publishers=1, transient_local=False, type_name=type_name)
-            self._keep(self.loop.take(ChangeInput(stamp_ns=0, change=change)))
+            self._keep(self.loop.handle(ChangeInput(stamp_ns=0, change=change)))
 
     @property
     def bounds(self) -> dict[str, float]:
@@ -68,21 +68,21 @@ class BoundLoop:
     def odometry(self, at_ns: int, x: float) -> bool:
         self._wake_until(at_ns)
         payload = odometry(at_ns + 1, planar(x, 0, 0), NO_TWIST)
-        relayed = self.loop.take(MessageInput(at_ns, "/odom", payload, len(payload)))
+        relayed = self.loop.handle(MessageInput(at_ns, "/odom", payload, len(payload)))
         self._keep(relayed)
         return any(one.payload is payload for one in relayed)
 
     def battery(self, at_ns: int, percent: float) -> None:
         self._wake_until(at_ns)
-        self._keep(self.loop.take(MessageInput(at_ns, "/battery", b"", 0, battery(percent))))
+        self._keep(self.loop.handle(MessageInput(at_ns, "/battery", b"", 0, battery(percent))))
 
     def reload(self, rules: str) -> None:
         given = RulesInput(stamp_ns=self.now_ns, rule_set=rule_set_of(rules), profile=Profile())
-        self._keep(self.loop.take(given))
+        self._keep(self.loop.handle(given))
 
     def _wake_until(self, at_ns: int) -> None:
         while (wake_ns := self.loop.next_wake_ns) is not None and wake_ns <= at_ns:
-            self._keep(self.loop.take(WakeInput(stamp_ns=max(wake_ns, self.now_ns))))
+            self._keep(self.loop.handle(WakeInput(stamp_ns=max(wake_ns, self.now_ns))))
         self.now_ns = at_ns
 
     def _keep(self, relayed: object) -> None:
@@ -206,7 +206,7 @@ def test_a_receiver_that_comes_later_gets_the_newest_message_at_once() -> None:
     driver = LoopDriver(ALWAYS)
     for number in range(3):
         payload = odometry(1 + number, planar(0, 0, 0))
-        driver.keep(driver.loop.take(MessageInput(number * MS, "/odom", payload, len(payload))))
+        driver.keep(driver.loop.handle(MessageInput(number * MS, "/odom", payload, len(payload))))
     before = len(driver.relayed)
     driver.now_ns = 3 * MS
     driver.listeners("/odom", are_there=False)
@@ -217,7 +217,7 @@ def test_a_receiver_that_comes_later_gets_the_newest_message_at_once() -> None:
 def test_a_message_that_cannot_be_read_passes_and_is_counted() -> None:
     driver = LoopDriver(ALWAYS)
     for number in range(3):
-        driver.keep(driver.loop.take(MessageInput(number * MS, "/odom", b"\x00\x01", 2)))
+        driver.keep(driver.loop.handle(MessageInput(number * MS, "/odom", b"\x00\x01", 2)))
     assert len(driver.relayed) == 3
     assert driver.loop.relays.statistics["/odom"].unreadable == 3
 
@@ -266,14 +266,14 @@ def test_dead_reckoning_sends_little_of_a_robot_that_drives_a_curve() -> None:
     def passed(reckoned: tuple[str, ...]) -> int:
         loop = RelayLoop(rule_set_of(ALWAYS), Profile(), 0, reckoned=reckoned)
         change = SourceChanged(topic="/odom", publishers=1, transient_local=False, type_name=ODOMETRY)
-        loop.take(ChangeInput(stamp_ns=0, change=change))
+        loop.handle(ChangeInput(stamp_ns=0, change=change))
         count = 0
         for number in range(1000):
             at_ns = number * 20 * MS + 1
             angle = 0.1 * at_ns / SECOND
             pose = planar(5 * math.sin(angle), 5 - 5 * math.cos(angle), angle)
             payload = odometry(at_ns, pose, twist)
-            count += len(loop.take(MessageInput(at_ns, "/odom", payload, len(payload))))
+            count += len(loop.handle(MessageInput(at_ns, "/odom", payload, len(payload))))
         return count
 
     assert passed(()) >= 90

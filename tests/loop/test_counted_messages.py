@@ -27,7 +27,7 @@ def loop_of(budget_kb_per_s: float) -> RelayLoop:
     loop = RelayLoop(rules_of(RULES), Profile(), 0, budget_kb_per_s=budget_kb_per_s)
     for topic in TOPICS:
         source = SourceChanged(topic=topic, publishers=1, transient_local=False, type_name="")
-        loop.take(ChangeInput(stamp_ns=0, change=source))
+        loop.handle(ChangeInput(stamp_ns=0, change=source))
     return loop
 
 
@@ -40,15 +40,15 @@ def test_the_rates_and_when_they_change_are_the_same(seed: int, budget_kb_per_s:
     for _ in range(200):
         now_ns += int(10 ** chance.uniform(5, 9.3))
         for loop in (here, elsewhere):
-            loop.take(WakeInput(stamp_ns=now_ns))
+            loop.handle(WakeInput(stamp_ns=now_ns))
         topic = chance.choice(TOPICS)
         if chance.random() < 0.1:
             are_there = chance.random() < 0.5
             change = ListenersChanged(topic=topic, are_there=are_there)
             for loop in (here, elsewhere):
-                loop.take(ChangeInput(stamp_ns=now_ns, change=change))
+                loop.handle(ChangeInput(stamp_ns=now_ns, change=change))
             continue
-        here.take(MessageInput(now_ns, topic, bytes(sizes[topic]), sizes[topic]))
+        here.handle(MessageInput(now_ns, topic, bytes(sizes[topic]), sizes[topic]))
         elsewhere.count(topic, sizes[topic], now_ns)
         assert here.knowledge.plan == elsewhere.knowledge.plan
         assert here.take_decisions() == elsewhere.take_decisions()

@@ -242,9 +242,9 @@ def test_a_flood_of_messages_that_changes_no_check_asks_for_few_wakes() -> None:
     for step in range(1000):
         at_ns = step * 10 * MS
         while (wake_ns := driver.loop.next_wake_ns) is not None and wake_ns <= at_ns:
-            driver.loop.take(WakeInput(stamp_ns=wake_ns))
+            driver.loop.handle(WakeInput(stamp_ns=wake_ns))
             wakes += 1
-        driver.loop.take(MessageInput(at_ns, "/beat", b"", 1))
+        driver.loop.handle(MessageInput(at_ns, "/beat", b"", 1))
     assert wakes < 20
 
 

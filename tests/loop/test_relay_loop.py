@@ -72,7 +72,7 @@ def test_a_wake_that_was_missed_is_made_up_for_by_the_next_message() -> None:
     driver = LoopDriver("begin SetFrequency /scan 1 SetFrequency /imu Full end")
     for step in range(5):
         driver.send("/scan", step * 100 * MS)
-    driver.keep(driver.loop.take(MessageInput(9 * SECOND, "/imu", b"", 1)))
+    driver.keep(driver.loop.handle(MessageInput(9 * SECOND, "/imu", b"", 1)))
     assert [(one.topic, one.stamp_ns) for one in driver.relayed[1:]] == [
         ("/scan", 9 * SECOND),
         ("/imu", 9 * SECOND),
@@ -137,7 +137,7 @@ def test_a_clock_that_jumps_back_leaves_no_relay_waiting_for_the_old_time() -> N
         driver.send("/scan", 100 * SECOND + step * 100 * MS, payload=b"old")
     driver.relayed.clear()
     driver.now_ns = SECOND
-    driver.keep(driver.loop.take(MessageInput(SECOND, "/scan", b"new", 1)))
+    driver.keep(driver.loop.handle(MessageInput(SECOND, "/scan", b"new", 1)))
     driver.wait_until(4 * SECOND)
     assert [(one.payload, one.stamp_ns) for one in driver.relayed] == [(b"new", SECOND)]
     assert driver.loop.relays.statistics["/scan"].arrived.mean_hz == pytest.approx(12.5)

@@ -217,8 +217,8 @@ def test_a_clock_that_steps_back_after_a_reload_shows_the_time_that_it_shows_wit
         robot.send("/scan", 5)
         if is_reloaded:
             robot.reload("begin SetFrequency /scan 10 end")
-        robot.keep(robot.loop.take(MessageInput(3, "/scan", b"", 100)))
-        robot.keep(robot.loop.take(WakeInput(stamp_ns=8)))
+        robot.keep(robot.loop.handle(MessageInput(3, "/scan", b"", 100)))
+        robot.keep(robot.loop.handle(WakeInput(stamp_ns=8)))
         robot.now_ns = 8
         robot.reload("begin SetFrequency /scan 20 end")
     assert robots[0].decisions == robots[1].decisions

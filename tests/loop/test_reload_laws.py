@@ -70,16 +70,16 @@ class Driven:
 
     def reload(self, rules: Rules, now_ns: int) -> None:
         rule_set, profile = compiled(rules)
-        self.keep(self.loop.take(RulesInput(stamp_ns=now_ns, rule_set=rule_set, profile=profile)))
+        self.keep(self.loop.handle(RulesInput(stamp_ns=now_ns, rule_set=rule_set, profile=profile)))
 
     def take(self, event: object, now_ns: int) -> None:
         match event:
             case None:
-                self.keep(self.loop.take(WakeInput(stamp_ns=now_ns)))
+                self.keep(self.loop.handle(WakeInput(stamp_ns=now_ns)))
             case SourceChanged():
-                self.keep(self.loop.take(ChangeInput(stamp_ns=now_ns, change=event)))
+                self.keep(self.loop.handle(ChangeInput(stamp_ns=now_ns, change=event)))
             case (str(topic), message, bytes(payload)):
-                self.keep(self.loop.take(MessageInput(now_ns, topic, payload, 500, message)))
+                self.keep(self.loop.handle(MessageInput(now_ns, topic, payload, 500, message)))
 
 
 @settings(max_examples=80)
@@ -135,7 +135,7 @@ def test_rules_prepared_beforehand_come_into_force_as_those_that_are_not(
     now_ns = take_by_each(both, meanwhile, now_ns)
     first.reload(after, now_ns)
     given = RulesInput(stamp_ns=now_ns, rule_set=rule_set, profile=profile, prepared=prepared)
-    second.keep(second.loop.take(given))
+    second.keep(second.loop.handle(given))
     prepared.dismantle()
     assert_alike(first, second, now_ns)
     for event in later:

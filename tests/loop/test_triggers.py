@@ -33,7 +33,7 @@ class Driver:
 
     def odom(self, x: float, *, after_s: float = 0.1) -> None:
         self.now_s += after_s
-        self.loop.take(MessageInput(round(self.now_s * S), "/odom", b"", 0, SimpleNamespace(x=x)))
+        self.loop.handle(MessageInput(round(self.now_s * S), "/odom", b"", 0, SimpleNamespace(x=x)))
 
     @property
     def labels(self) -> list[str]:
@@ -70,7 +70,7 @@ def test_a_value_that_was_in_doubt_for_a_while_does_not_begin_again() -> None:
     for _ in range(6):
         driver.odom(7)
     driver.now_s += 60
-    driver.loop.take(WakeInput(stamp_ns=round(driver.now_s * S)))
+    driver.loop.handle(WakeInput(stamp_ns=round(driver.now_s * S)))
     driver.odom(7)
     assert driver.labels == ["Far"]
     driver.odom(1)
@@ -82,7 +82,7 @@ def test_a_reload_of_the_same_rule_does_not_begin_again() -> None:
     driver = Driver()
     driver.odom(7)
     rules = rules_of(f"KeepAtLeast /odom 1\n{RULES}")
-    driver.loop.take(RulesInput(stamp_ns=round(driver.now_s * S), rule_set=rules, profile=Profile()))
+    driver.loop.handle(RulesInput(stamp_ns=round(driver.now_s * S), rule_set=rules, profile=Profile()))
     driver.odom(7)
     assert driver.labels == ["Far"]
     driver.odom(1)
@@ -109,7 +109,7 @@ def test_a_reload_that_only_moves_or_comments_a_block_does_not_begin_again(befor
     driver = Driver(before)
     driver.odom(7)
     rules = rules_of(after)
-    driver.loop.take(RulesInput(stamp_ns=round(driver.now_s * S), rule_set=rules, profile=Profile()))
+    driver.loop.handle(RulesInput(stamp_ns=round(driver.now_s * S), rule_set=rules, profile=Profile()))
     driver.odom(7)
     assert len(driver.triggers) == 1
 
@@ -119,7 +119,7 @@ def test_a_block_of_the_same_condition_that_comes_with_a_reload_begins() -> None
     driver.odom(7)
     other = 'If CheckValue /odom x > 5 Then\nRecord "other" Before 1 s After 1 s\nEndIf'
     rules = rules_of(f"{other}\n{UNNAMED}")
-    driver.loop.take(RulesInput(stamp_ns=round(driver.now_s * S), rule_set=rules, profile=Profile()))
+    driver.loop.handle(RulesInput(stamp_ns=round(driver.now_s * S), rule_set=rules, profile=Profile()))
     assert [one.block.recordings[0].name for one in driver.triggers] == ["far", "other"]
 
 
@@ -144,14 +144,14 @@ def test_a_condition_with_time_begins_at_its_nanosecond_and_not_again_with_other
     driver.odom(7)
     driver.odom(4, after_s=1.0)
     wake_ns = round(1.7 * S)
-    driver.loop.take(WakeInput(stamp_ns=wake_ns - 1))
+    driver.loop.handle(WakeInput(stamp_ns=wake_ns - 1))
     assert driver.labels == []
-    driver.loop.take(WakeInput(stamp_ns=wake_ns))
+    driver.loop.handle(WakeInput(stamp_ns=wake_ns))
     assert [(one.block.label, one.stamp_ns) for one in driver.triggers] == [("Stays", wake_ns)]
     assert driver.triggers[0].values == {"/odom x": 4}
     assert driver.triggers[0].block.recordings[0].topics == ("/odom",)
     driver.now_s = 1.8
     others = rules_of(TIMED.replace("odom 10", "odom 5"))
-    driver.loop.take(RulesInput(stamp_ns=round(driver.now_s * S), rule_set=others, profile=Profile()))
+    driver.loop.handle(RulesInput(stamp_ns=round(driver.now_s * S), rule_set=others, profile=Profile()))
     driver.odom(4)
     assert driver.labels == ["Stays"]

@@ -63,7 +63,7 @@ def drive(note: Note) -> list[Decision]:
 
     def take(given: LoopInput) -> None:
         recorder.record(given, rules)
-        loop.take(given)
+        loop.handle(given)
 
     source = SourceChanged(topic="/tb3/odom", publishers=1, transient_local=False, type_name=ODOM.type_name)
     take(ChangeInput(stamp_ns=0, change=source))

@@ -12,7 +12,7 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import (
     DataPath,
     Endpoint,
-    LookAtGraph,
+    PollGraph,
     Publisher,
     Qos,
     Receive,
@@ -200,7 +200,7 @@ class SmallGraph(UnaskedRobot):
 
     def every(self, period_s: float, act: Callable[[], float | None]) -> None: ...
 
-    def look_at_graph(self, look: LookAtGraph) -> None: ...
+    def poll_graph(self, poll: PollGraph) -> None: ...
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None: ...
 

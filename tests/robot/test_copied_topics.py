@@ -24,7 +24,7 @@ from smarttestudo.domain.compiled_relay import (
     RelayState,
 )
 from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import GraphChange, LookAtGraph, Publisher, Subscription
+from smarttestudo.domain.robot import GraphChange, PollGraph, Publisher, Subscription
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.triggers import Trigger
@@ -144,8 +144,8 @@ class ActingGraph(SmallGraph):
     def now_ns(self) -> int:
         return self.clock_ns
 
-    def look_at_graph(self, look: LookAtGraph) -> None:
-        self._look = look
+    def poll_graph(self, poll: PollGraph) -> None:
+        self._poll = poll
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         self.acts_left -= 1
@@ -165,7 +165,7 @@ class ActingGraph(SmallGraph):
                 self.sends(topic, GIDS[topic], payload)
 
     def _see(self) -> None:
-        self._look(self.chance.choice(list(GraphChange)))
+        self._poll(self.chance.choice(list(GraphChange)))
         self._check_publishers()
 
     def _leave(self) -> None:
@@ -174,7 +174,7 @@ class ActingGraph(SmallGraph):
             self.leaves(topic, GIDS[topic])
         else:
             self.joins(topic, GIDS[topic])
-        self._look(GraphChange.TOLD)
+        self._poll(GraphChange.TOLD)
 
     def _reload(self) -> None:
         assert self.run is not None

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from robot.small_graph import TEXT
 from smarttestudo.domain.robot import Endpoint, GraphChange
-from smarttestudo.robot.endpoint_cache import LOOKS_PER_ROUND, QUIET_LOOKS_PER_ROUND, EndpointCache
+from smarttestudo.robot.endpoint_cache import POLLS_PER_ROUND, QUIET_POLLS_PER_ROUND, EndpointCache
 
 
 def published_by(gid: bytes) -> Endpoint:
@@ -31,12 +31,12 @@ def test_where_changes_are_told_one_that_was_not_is_found_all_the_same(change: s
         return list(there[name])
 
     cache = EndpointCache(count, find)
-    assert cache.look(names, GraphChange.NONE) == names
+    assert cache.poll(names, GraphChange.NONE) == names
     calls.update(count=0, find=0)
     first, second = published_by(b"first"), published_by(b"second")
     there[names[-1]] = {"comes": [first, second], "leaves": [], "is replaced": [second]}[change]
-    looks = QUIET_LOOKS_PER_ROUND * (1 if change != "is replaced" else LOOKS_PER_ROUND)
-    found = [cache.look(names, GraphChange.NONE) for _ in range(looks)]
+    looks = QUIET_POLLS_PER_ROUND * (1 if change != "is replaced" else POLLS_PER_ROUND)
+    found = [cache.poll(names, GraphChange.NONE) for _ in range(looks)]
     assert [topic for look in found for topic in look] == names[-1:]
-    assert calls["count"] + calls["find"] <= looks * (topics // QUIET_LOOKS_PER_ROUND + 1) + 1
+    assert calls["count"] + calls["find"] <= looks * (topics // QUIET_POLLS_PER_ROUND + 1) + 1
     assert cache.of(names[-1]) == there[names[-1]]

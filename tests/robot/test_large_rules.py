@@ -16,7 +16,7 @@ from smarttestudo.domain.names import resolve_topic
 from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules, UncheckedRules
 from smarttestudo.robot.output_topics import OutputTopic
 from smarttestudo.robot.rule_checking import check_elsewhere
-from smarttestudo.robot.rules import LOOK_PERIOD_S, LiveRuleFiles, Reading, RuleWatch
+from smarttestudo.robot.rules import POLL_PERIOD_S, LiveRuleFiles, Reading, RuleWatch
 
 TIMED = """
   If (CheckValue /odom pose_x > 3 For 2 s OR CheckValue scan range_min < 1 Until > 2)
@@ -130,6 +130,6 @@ def test_a_watch_prepares_large_rules_beside_the_loop_and_frees_those_before(tmp
 def next_reading(watch: RuleWatch) -> Reading:
     """The next one, which takes at least two looks."""
     while True:
-        for reading in watch.take():
+        for reading in watch.readings():
             return reading
-        time.sleep(LOOK_PERIOD_S / 5)
+        time.sleep(POLL_PERIOD_S / 5)

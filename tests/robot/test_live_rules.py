@@ -173,7 +173,7 @@ def test_what_nobody_expected_of_the_files_is_an_error_once_and_they_are_watched
     readings: list[Reading] = []
     with watch.running():
         while len(readings) < 2:
-            readings += watch.take()
+            readings += watch.readings()
     assert {str(reading.error) for reading in readings} == {str(first.error)}
 
 

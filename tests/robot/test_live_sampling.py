@@ -18,7 +18,7 @@ from smarttestudo.domain.robot import Receive
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.robot.sampling import LiveSampling
 
-LOOK_NS = SECOND // 5
+POLL_NS = SECOND // 5
 
 
 class PausedSubscription:
@@ -76,7 +76,7 @@ class Robot:
         self.sampling = LiveSampling(self.loop, may_rest=may_rest)
         self.subscription = PausedSubscription(self._receive)
         self._subscriptions = {"/imu": self.subscription} if samples else {}
-        self._look_ns = LOOK_NS
+        self._poll_ns = POLL_NS
 
     def run(self, arrivals_ns: Sequence[int], until_ns: int) -> None:
         for number, at_ns in enumerate(arrivals_ns):
@@ -87,16 +87,16 @@ class Robot:
     def look_without(self) -> None:
         """Something needs every message from now on."""
         self._subscriptions = {}
-        self.sampling.look({}, self.driver.now_ns)
+        self.sampling.choose({}, self.driver.now_ns)
 
     def wait_until(self, at_ns: int) -> None:
         driver = self.driver
-        while (wake_ns := min(self._look_ns, self.sampling.wake_ns or at_ns)) < at_ns:
+        while (wake_ns := min(self._poll_ns, self.sampling.wake_ns or at_ns)) < at_ns:
             driver.wait_until(max(wake_ns, driver.now_ns))
             self.sampling.on_wake(driver.now_ns)
-            if driver.now_ns >= self._look_ns:
-                self._look_ns += LOOK_NS
-                self.sampling.look(self._subscriptions, driver.now_ns)
+            if driver.now_ns >= self._poll_ns:
+                self._poll_ns += POLL_NS
+                self.sampling.choose(self._subscriptions, driver.now_ns)
         driver.wait_until(at_ns)
 
     def _receive(self, payload: Payload, _: object) -> None:

@@ -63,7 +63,7 @@ class Followed:
     def look(self, graph: GraphChange) -> list[object]:
         """What a look finds, and what follows from it."""
         self._forget()
-        return [self.topics.look(graph), *self.answers()]
+        return [self.topics.poll(graph), *self.answers()]
 
     def _forget(self) -> None:
         if self._always_anew:
@@ -141,7 +141,7 @@ def test_looks_at_a_quiet_graph_make_nothing_of_it_anew() -> None:
         followed.graph.joins(topic, b"first")
         followed.graph.listens(f"/testudo{topic}", gid=b"rviz")
     for _ in range(3):
-        followed.topics.look(GraphChange.TOLD)
+        followed.topics.poll(GraphChange.TOLD)
     topics = followed.topics
     ends = partial(topics.ends, is_published=True)
     beginnings = partial(topics.ends, is_published=False)
@@ -155,5 +155,5 @@ def test_looks_at_a_quiet_graph_make_nothing_of_it_anew() -> None:
     ]
     before = [ask() for ask in asked]
     for graph in (GraphChange.NONE, GraphChange.UNTOLD, GraphChange.TOLD):
-        topics.look(graph)
+        topics.poll(graph)
         assert all(ask() is found for ask, found in zip(asked, before, strict=True))

@@ -94,6 +94,6 @@ def test_inputs_that_cannot_be_recorded_are_said_once_and_the_loop_goes_on() -> 
     for at_ns in (0, 100_000_000):
         given = MessageInput(at_ns, "/scan", b"", 100)
         recorder.record(given, rules)
-        assert len(loop.take(given)) == 1
+        assert len(loop.handle(given)) == 1
     assert len(noted) == len(robot.log_lines) == 1
     assert robot.log_lines[0].endswith("no further inputs are recorded")

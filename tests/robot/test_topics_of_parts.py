@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from incidents.incident_runs import rules_of
 from robot.small_graph import SmallGraph
-from smarttestudo.domain.robot import GraphChange, LookAtGraph
+from smarttestudo.domain.robot import GraphChange, PollGraph
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
@@ -15,14 +15,14 @@ from smarttestudo.robot.option import Settings
 from smarttestudo.robot.part import Part
 
 
-class LookingGraph(SmallGraph):
+class PollingGraph(SmallGraph):
     """One that is looked at whenever the run waits."""
 
-    def look_at_graph(self, look: LookAtGraph) -> None:
-        self._look = look
+    def poll_graph(self, poll: PollGraph) -> None:
+        self._poll = poll
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
-        self._look(GraphChange.TOLD)
+        self._poll(GraphChange.TOLD)
 
 
 class Listening(Part):
@@ -41,7 +41,7 @@ class Listening(Part):
 
 
 def test_a_topic_is_no_longer_subscribed_to_once_no_part_asks_for_it() -> None:
-    graph = LookingGraph()
+    graph = PollingGraph()
     graph.joins("/scan", b"driver")
     part = Listening(graph)
     rules = LiveRules(rule_set=rules_of("SetFrequency /odom 10"), output_topics={"/odom": "/testudo/odom"})

@@ -57,7 +57,7 @@ def test_an_operators_end_that_comes_or_goes_is_a_change_of_the_graph() -> None:
     link = OpenLink()
     looks: list[tuple[bool, GraphChange]] = []
     with open_robot(link=link) as robot:
-        robot.look_at_graph(lambda graph: looks.append((link.state.is_connected, graph)))
+        robot.poll_graph(lambda graph: looks.append((link.state.is_connected, graph)))
         end_s = time.monotonic() + TIMEOUT_S
         for is_connected in (False, True, False):
             while not looks or looks[-1][1] is not GraphChange.NONE:

@@ -45,7 +45,7 @@ _SENT_COLUMNS = (
 def reception_lines(
     reception: Reception, width: int | None = None, routes: Sequence[CommandRoute] = ()
 ) -> list[Line]:
-    """Lines for each robot with its topics, as of the last look, and what is sent to them."""
+    """Lines for each robot with its topics, as of the last poll, and what is sent to them."""
     lines: list[Line] = []
     for name, robot in sorted(reception.robots.items()):
         lines += [Line("")] * bool(lines)

@@ -28,7 +28,7 @@ _EXIT_STOPPED = 1
 _EXIT_SILENT = 1
 _FOUND_WITHIN_S = 10.0
 _KNOWN_WITHIN_S = 3.0
-_LOOK_S = 0.1
+_POLL_S = 0.1
 _SETTLED_S = 0.5
 _NAMED = 8
 
@@ -108,7 +108,7 @@ def _heard(
     """The robots that are there, as soon as there is the one that is asked for, or all are known."""
     end_s = time.monotonic() + _FOUND_WITHIN_S
     while not stopped():
-        robots = incidents.robots(_LOOK_S)
+        robots = incidents.robots(_POLL_S)
         if robots and arguments.robot is None:
             return _all_heard(incidents)
         if arguments.robot in robots:
@@ -117,7 +117,7 @@ def _heard(
             if robots:
                 return robots
             break
-        time.sleep(_LOOK_S)
+        time.sleep(_POLL_S)
     raise LinkError(
         incidents.problem or "no robot is heard",
         place=", ".join(arguments.connect),

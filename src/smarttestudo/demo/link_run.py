@@ -31,7 +31,7 @@ _ROBOT_NAME = "turtlebot3"
 _START_TIMEOUT_S = 60.0
 _FOUND = f"{Topic.ODOM.value}: nav_msgs"
 """The words of the runtime for the robot once it relays it."""
-_LOOK_S = 0.2
+_POLL_S = 0.2
 _TRAFFIC_BYTES = 20_000
 
 
@@ -145,7 +145,7 @@ def _await_traffic(link: ThinLink) -> None:
     while link.carried_bytes() - start_bytes < _TRAFFIC_BYTES:
         if time.monotonic() > end_s:
             raise TestudoError(f"nothing crossed the link in {_START_TIMEOUT_S:g} s")
-        time.sleep(_LOOK_S)
+        time.sleep(_POLL_S)
 
 
 def _watch(
@@ -160,7 +160,7 @@ def _watch(
         if warm_bytes is None and passed_s >= WARM_S:
             warm_bytes = link.carried_bytes()
         report(passed_s / seconds)
-        time.sleep(min(_LOOK_S, seconds - passed_s))
+        time.sleep(min(_POLL_S, seconds - passed_s))
     return warm_bytes or 0, link.carried_bytes()
 
 

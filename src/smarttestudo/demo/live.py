@@ -61,7 +61,7 @@ def _heard(robot: Robot, channel: Channel, topic: str, recording: RecordingWrite
 
 LOGS = ("runtime.log", "robot.log")
 _LOST_TIME = "s of real time so far, in which the robot stood still"
-_LOOK_S = 0.1
+_POLL_S = 0.1
 _START_TIMEOUT_S = 40.0
 
 
@@ -108,7 +108,7 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
             _await_publisher(robot, Topic.ODOM.value, driver)
             end_ns = robot.now_ns() + ns_from_s(request.seconds)
             while (left_ns := end_ns - robot.now_ns()) > 0 and runtime.is_running() and driver.is_running():
-                robot.wait(end_ns, _LOOK_S)
+                robot.wait(end_ns, _POLL_S)
                 report(1 - left_ns / NS_PER_S / request.seconds)
             # It ends before the robot does, which would be a change of plans of its own.
             runtime.end()
@@ -153,7 +153,7 @@ def _await_publisher(robot: Robot, topic: str, process: ChildProcess) -> None:
     while not robot.publishers(topic):
         if not process.is_running() or robot.now_ns() > deadline_ns:
             raise RosError(f"nobody published {topic}", remedy="try again with another ROS_DOMAIN_ID")
-        robot.wait(None, _LOOK_S)
+        robot.wait(None, _POLL_S)
 
 
 def relayed_name(topic: str) -> str:

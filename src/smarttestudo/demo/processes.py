@@ -15,7 +15,7 @@ from pathlib import Path
 from smarttestudo.domain.errors import TestudoError
 
 _END_TIMEOUT_S = 10.0
-_LOOK_S = 0.05
+_POLL_S = 0.05
 
 
 class ChildProcess:
@@ -41,7 +41,7 @@ class ChildProcess:
         while text not in self._said():
             if not self.is_running() or time.monotonic() > end_s:
                 raise TestudoError(f"the {self._name} did not get as far as {text!r} in {timeout_s:g} s")
-            time.sleep(_LOOK_S)
+            time.sleep(_POLL_S)
 
     def end(self) -> None:
         """Ask it to end as by Ctrl-C, and make it if it does not."""

@@ -61,7 +61,7 @@ class TooOld:
         self._said: set[str] = set()
 
     def new_sentences(self, topics: Sequence[CommandTopic]) -> list[str]:
-        """A sentence for each topic of which that is new since the last look."""
+        """A sentence for each topic of which that is new since the last poll."""
         sentences = []
         for now in topics:
             before = self._before.get(now.topic, now)

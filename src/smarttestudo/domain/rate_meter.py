@@ -42,7 +42,7 @@ class Flow:
         self.size_bytes += size_bytes
 
     def skip(self, messages: int, size_bytes: int) -> None:
-        """Count messages that came before the next one to be recorded and were not looked at."""
+        """Count messages that came before the next one to be recorded and were not seen."""
         if self.messages:
             self.messages += messages
             self.size_bytes += size_bytes
@@ -57,7 +57,7 @@ WINDOW_NS = 10 * NS_PER_S
 INTERVALS_KEPT = 2
 
 
-class _Look(NamedTuple):
+class _Reading(NamedTuple):
     """Counts of a flow at ``now_ns``; ``position_ns`` is where its last message lies in time."""
 
     now_ns: int
@@ -67,23 +67,23 @@ class _Look(NamedTuple):
 
 
 class RateWindow:
-    """Message counts at looks, about a second apart, over ten seconds; longer where messages are rarer.
+    """Message counts, read about a second apart, over ten seconds; longer where messages are rarer.
 
-    Only looks cost time, messages do not. The rate is exact: from the last message before the window to the
-    last one in it, between which ``intervals`` lie, and ``span_ns`` of time.
+    Only reading them costs time, messages do not. The rate is exact: from the last message before the window
+    to the last one in it, between which ``intervals`` lie, and ``span_ns`` of time.
     """
 
-    __slots__ = ("_looks", "_messages", "intervals", "span_ns")
+    __slots__ = ("_messages", "_readings", "intervals", "span_ns")
 
     def __init__(self) -> None:
         self.span_ns = 0
         self.intervals = 0
-        self._looks: deque[_Look] = deque()
+        self._readings: deque[_Reading] = deque()
         self._messages = 0
 
     def restart(self) -> None:
         """Forget what was: the next message begins a window."""
-        self._looks.clear()
+        self._readings.clear()
         self.span_ns = self.intervals = 0
 
     def begun_anew(self) -> RateWindow:
@@ -92,19 +92,21 @@ class RateWindow:
         window._messages = self._messages
         return window
 
-    def look(self, now_ns: int, messages: int, position_ns: int, size_bytes: int = 0) -> bool:
+    def measure(self, now_ns: int, messages: int, position_ns: int, size_bytes: int = 0) -> bool:
         """Take the counts at ``now_ns``; whether messages came. On a clock that jumped back, begin anew."""
-        looks = self._looks
-        if looks and now_ns < looks[-1].now_ns:
+        readings = self._readings
+        if readings and now_ns < readings[-1].now_ns:
             self.restart()
         has_come = messages != self._messages
         if has_come:
             self._messages = messages
-            looks.append(_Look(now_ns, messages, position_ns, size_bytes))
-        while len(looks) > 1 and looks[1].now_ns <= now_ns - WINDOW_NS and self._has_enough_without_first:
-            looks.popleft()
-        if looks:
-            first, last = looks[0], looks[-1]
+            readings.append(_Reading(now_ns, messages, position_ns, size_bytes))
+        while (
+            len(readings) > 1 and readings[1].now_ns <= now_ns - WINDOW_NS and self._has_enough_without_first
+        ):
+            readings.popleft()
+        if readings:
+            first, last = readings[0], readings[-1]
             self.span_ns = last.position_ns - first.position_ns
             self.intervals = last.messages - first.messages
         return has_come
@@ -116,18 +118,18 @@ class RateWindow:
 
     def kb_per_s(self, now_ns: int) -> float:
         """KB per second that came since the window began; 0 while it is empty."""
-        if not self._looks or now_ns <= self._looks[0].now_ns:
+        if not self._readings or now_ns <= self._readings[0].now_ns:
             return 0.0
-        size_bytes = self._looks[-1].size_bytes - self._looks[0].size_bytes
-        return size_bytes * NS_PER_S / BYTES_PER_KB / (now_ns - self._looks[0].now_ns)
+        size_bytes = self._readings[-1].size_bytes - self._readings[0].size_bytes
+        return size_bytes * NS_PER_S / BYTES_PER_KB / (now_ns - self._readings[0].now_ns)
 
     @property
     def _has_enough_without_first(self) -> bool:
-        return self._looks[-1].messages - self._looks[1].messages >= INTERVALS_KEPT
+        return self._readings[-1].messages - self._readings[1].messages >= INTERVALS_KEPT
 
 
 class FlowMeter:
-    """Rate and bandwidth of a flow over the last ten seconds, as of the last look.
+    """Rate and bandwidth of a flow over the last ten seconds, as last measured.
 
     A flow is silent where a check would call its values stale (``SourcePeriod.stale_from_ns``, with the
     mean interval of the window); from then on its rate is 0.
@@ -147,13 +149,15 @@ class FlowMeter:
         """Measure the rate from the next message on; the bandwidth stays that of the last seconds."""
         self._window = self._window.begun_anew()
 
-    def look(self, now_ns: int, *, stale_after_ns: int | None = None, transient_local: bool = False) -> None:
+    def measure(
+        self, now_ns: int, *, stale_after_ns: int | None = None, transient_local: bool = False
+    ) -> None:
         """Measure anew."""
         flow = self.flow
-        if self._bandwidth.look(now_ns, flow.messages, flow.span_ns, flow.size_bytes):
+        if self._bandwidth.measure(now_ns, flow.messages, flow.span_ns, flow.size_bytes):
             self.is_silent = False
         if self._window is not self._bandwidth:
-            self._window.look(now_ns, flow.messages, flow.span_ns)
+            self._window.measure(now_ns, flow.messages, flow.span_ns)
         limit_ns = self._limit_ns(stale_after_ns)
         if limit_ns is not None and not transient_local and now_ns - flow.last_ns > limit_ns:
             self.is_silent = True

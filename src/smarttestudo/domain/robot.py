@@ -178,7 +178,7 @@ class RobotLog(Protocol):
 
 
 class GraphChange(Enum):
-    """Knowledge of changes of the graph since the last look."""
+    """Knowledge of changes of the graph since the last poll."""
 
     TOLD = auto()
     """There was one."""
@@ -188,8 +188,8 @@ class GraphChange(Enum):
     """None was told."""
 
 
-LookAtGraph = Callable[[GraphChange], None]
-"""Takes what is known since the last look."""
+PollGraph = Callable[[GraphChange], None]
+"""Takes what is known since the last poll."""
 
 
 class Robot(Protocol):
@@ -290,8 +290,8 @@ class Robot(Protocol):
         The next time is after as many seconds as it returns, or after ``period_s`` where that is ``None``.
         """
 
-    def look_at_graph(self, look: LookAtGraph) -> None:
-        """Have ``look`` called now, and soon after publishers or subscribers came or went; to be asked once.
+    def poll_graph(self, poll: PollGraph) -> None:
+        """Have ``poll`` called now, and soon after publishers or subscribers came or went; to be asked once.
 
         That is five times a second at most. It is called once a second at least, changed or not, and as often
         as it may be where nobody tells of changes.

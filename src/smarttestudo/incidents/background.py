@@ -54,7 +54,7 @@ class BackgroundSink:
                 self._left_out[incident].add(message)
             return
         self._given_bytes += message.held_bytes
-        self._thread.give(partial(self._take, message, incidents))
+        self._thread.give(partial(self._write, message, incidents))
 
     @property
     def store(self) -> Store | None:
@@ -70,7 +70,7 @@ class BackgroundSink:
         """Write during the block, and what is left after it."""
         return self._thread.running()
 
-    def _take(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
+    def _write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         self._done_bytes += message.held_bytes
         self._sink.write(message, incidents)
 

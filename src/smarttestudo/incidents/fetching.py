@@ -69,7 +69,7 @@ class Fetching:
 
     @property
     def wake_ns(self) -> int | None:
-        """When to look again though nothing came; ``None`` while an answer is waited for."""
+        """When to ask again though nothing came; ``None`` while an answer is waited for."""
         return self._hold_until_ns if self._under_way == 0 and not self.is_complete else None
 
     def asks(self, now_ns: int) -> Iterator[RangeAsk]:

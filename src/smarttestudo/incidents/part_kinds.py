@@ -27,7 +27,7 @@ class WithoutIncidents(Part):
         self._has_said = False
 
     def follow(self, rules: LiveRules, now_ns: int) -> None:  # noqa: ARG002 - a part's
-        """Look whether these rules record."""
+        """Note whether these rules record."""
         if rules.rule_set.has_recordings and not self._has_said:
             self._has_said = True
             self._log.warning(_WITHOUT_FOLDER)

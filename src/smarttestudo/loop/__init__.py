@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The MAPE-K loop; time and I/O are passed in. Standard library only.
 
-``RelayLoop.take`` is given each input (``inputs``): it lets ``step`` monitor, analyze and plan on one
+``RelayLoop.handle`` is given each input (``inputs``): it lets ``step`` monitor, analyze and plan on one
 ``knowledge``, and ``relays`` execute the plan. ``reload`` is how other rules take the place of those before.
 """
 

@@ -94,8 +94,8 @@ class RelayLoop:
             return step_ns
         return relays_ns if step_ns is None or relays_ns < step_ns else step_ns
 
-    def take(self, given: LoopInput) -> Sequence[Relayed]:
-        """Take an input: return what to publish at once.
+    def handle(self, given: LoopInput) -> Sequence[Relayed]:
+        """Handle an input: return what to publish at once.
 
         A message is itself paced by the plan that it may change.
         """

@@ -160,14 +160,14 @@ class BoundStreams(Streams[BoundStream]):
             if pace != self._heartbeat:
                 stream.change_heartbeat(pace, now_ns)
         self._heartbeat = pace
-        self._look_again(now_ns)
+        self._judge_again(now_ns)
 
     def forget_receivers(self, now_ns: int) -> None:
         """A receiver came that has got nothing yet: the newest message is due at once."""
         self._picture.forget()
-        self._look_again(now_ns)
+        self._judge_again(now_ns)
 
-    def _look_again(self, now_ns: int) -> None:
+    def _judge_again(self, now_ns: int) -> None:
         for stream in self._streams.values():
             if stream.held is not None:
                 errors = self._picture.errors(stream.held.readings, stream.held.publisher)

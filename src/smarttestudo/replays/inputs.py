@@ -97,7 +97,7 @@ class _Again:
         """Give it to the loop; what would be relayed went out in the live run."""
         self.now_ns = recorded.stamp_ns
         self.inputs += 1
-        self.loop.take(self._given(recorded))
+        self.loop.handle(self._given(recorded))
 
     def notices(self) -> Iterator[str]:
         """Oddities, one line each."""

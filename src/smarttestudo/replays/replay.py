@@ -204,7 +204,7 @@ class _Run:
                 type_name=channel.type_name,
             )
             self._write(
-                self._loop.take(ChangeInput(stamp_ns=self._request.recording.start_ns, change=change))
+                self._loop.handle(ChangeInput(stamp_ns=self._request.recording.start_ns, change=change))
             )
         self._needed = self._sources_needed()
         self.decoded = frozenset(topic for topic in self._needed if self._loop.needs_decoded(topic))
@@ -229,7 +229,7 @@ class _Run:
             self._wake_before(stamp_ns)
         declared_bytes = self._declared_bytes
         size_bytes = declared_bytes[topic] if topic in declared_bytes else len(payload)
-        relayed = loop.take(MessageInput(stamp_ns, topic, payload, size_bytes, message))
+        relayed = loop.handle(MessageInput(stamp_ns, topic, payload, size_bytes, message))
         if relayed:
             self._write(relayed)
         if request.stepped is not None:
@@ -298,7 +298,7 @@ class _Run:
     def _wake_before(self, stamp_ns: int) -> None:
         """Let the loop do, each at its time, what it has to do before ``stamp_ns``."""
         while (wake_ns := self._loop.next_wake_ns) is not None and wake_ns < stamp_ns:
-            self._write(self._loop.take(WakeInput(stamp_ns=wake_ns)))
+            self._write(self._loop.handle(WakeInput(stamp_ns=wake_ns)))
             if self._request.stepped is not None:
                 self._request.stepped(wake_ns, self._loop)
 

@@ -72,25 +72,25 @@ class CompiledTopics:
         self._running: dict[str, tuple[CompiledRelay, _Use]] = {}
         self._unrelayed: dict[str, Flow] = {}
         self._sampled: Mapping[str, Subscription] = {}
-        self._looked_at: object = None
-        """What the last look found, where another one that finds the same would decide the same."""
+        self._polled: object = None
+        """What the last poll found, where another one that finds the same would decide the same."""
 
-    def look(self, topics: LiveTopics, now_ns: int, *, is_quiet: bool = False) -> None:
+    def choose(self, topics: LiveTopics, now_ns: int, *, is_quiet: bool = False) -> None:
         """Decide by the plan as it is now which of ``topics`` are relayed so; one that rests works first.
 
-        Where it ``is_quiet``, neither graph nor plan have changed since the last look.
+        Where it ``is_quiet``, neither graph nor plan have changed since the last poll.
         """
         relays, pausable = self._relays, topics.pausable()
         ends: Ends = {}
         if relays is not None and relays.can_relay:
             ends = topics.ends(is_published=not self._is_returned)
         found = (ends, pausable, topics.recorded, self._loop.counts_all)
-        if not is_quiet or found != self._looked_at:
-            wanted = {} if relays is None else self._look(relays, ends, topics.recorded, now_ns)
+        if not is_quiet or found != self._polled:
+            wanted = {} if relays is None else self._choose(relays, ends, topics.recorded, now_ns)
             self._sampled = {topic: pausable[topic] for topic in pausable if topic not in wanted}
             # What is not relayed so may be as soon as a message comes.
-            self._looked_at = found if self._running.keys() == ends.keys() else None
-        self._sampling.look(self._sampled, now_ns)
+            self._polled = found if self._running.keys() == ends.keys() else None
+        self._sampling.choose(self._sampled, now_ns)
 
     def received(self, topic: str, size_bytes: int, now_ns: int) -> None:
         """A message of a topic came to Python, which is recorded only."""
@@ -104,7 +104,7 @@ class CompiledTopics:
 
     def count(self, note: Callable[[Relayed], None]) -> None:
         """Have the statistics as of now; ``note`` is given the beginning of each last relayed message."""
-        self._looked_at = None
+        self._polled = None
         for topic, (running, use) in self._running.items():
             relay, counts = self._loop.relays.relay(topic), running.counts()
             if not use.is_relayed:
@@ -120,7 +120,7 @@ class CompiledTopics:
         for relay, _ in list(self._running.values()):
             relay.end()
 
-    def _look(
+    def _choose(
         self, relays: CompiledRelays, ends: Ends, recorded: Set[str], now_ns: int
     ) -> Mapping[str, _Use]:
         uses = {

@@ -181,10 +181,10 @@ class EchoedTopic:
 
     def _measure(self, now_ns: int) -> None:
         transient_local = self._source is not None and self._source.qos.transient_local
-        self._meter.look(now_ns, transient_local=transient_local)
+        self._meter.measure(now_ns, transient_local=transient_local)
         if 0 < self._meter.span_ns < _AT_ONCE_NS:
             self._meter = FlowMeter(self._flow)
-            self._meter.look(now_ns, transient_local=transient_local)
+            self._meter.measure(now_ns, transient_local=transient_local)
 
     def _subscribe(self, type_name: str, qos: Qos) -> Subscription:
         def receive(payload: Payload, _publisher: Hashable) -> None:
@@ -193,7 +193,7 @@ class EchoedTopic:
             self._last = _Heard(number=self.messages, type_name=type_name, payload=payload)
             if not self._is_metered and self._flow.span_ns >= _WARM_UP_NS:
                 self._is_metered = True
-                self._meter.look(now_ns)
+                self._meter.measure(now_ns)
             if self.messages <= self._keep:
                 self._kept.append(self._last)
 

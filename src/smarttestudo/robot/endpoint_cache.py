@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The endpoints of many topics, followed by few looks at the graph."""
+"""The endpoints of many topics, followed by few questions to the graph."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Sequence
 
 from smarttestudo.domain.robot import Endpoint, GraphChange
 
-LOOKS_PER_ROUND = 5
-QUIET_LOOKS_PER_ROUND = 20
+POLLS_PER_ROUND = 5
+QUIET_POLLS_PER_ROUND = 20
 """The same where no change was told: the middleware compares a topic with all that are there."""
 
 
@@ -17,7 +17,7 @@ class EndpointCache:
     """A cache of the endpoints of topics, of which ``count`` gives the number, and ``find`` all.
 
     ``find`` costs several times as much. Where changes of the graph are told, it is called for all topics
-    after one. Where they are not, each look counts, and finds anew where the number changed and for a fifth
+    after one. Where they are not, each poll counts, and finds anew where the number changed and for a fifth
     of the others in turn, so that one that was replaced by another is noticed too. Where none was told, a
     look does that for a twentieth of the topics: what was not told all the same is found then.
     """
@@ -26,23 +26,23 @@ class EndpointCache:
         self._count = count
         self._find = find
         self._found: dict[str, Sequence[Endpoint]] = {}
-        self._looks = 0
+        self._polls = 0
 
-    def look(self, topics: Iterable[str], graph: GraphChange) -> list[str]:
-        """Topics among ``topics`` whose endpoints are not what they were at the last look."""
-        counted = QUIET_LOOKS_PER_ROUND if graph is GraphChange.NONE else 1
-        found = 1 if graph is GraphChange.TOLD else counted * LOOKS_PER_ROUND
-        looks = self._looks
-        self._looks += 1
+    def poll(self, topics: Iterable[str], graph: GraphChange) -> list[str]:
+        """Topics among ``topics`` whose endpoints are not what they were at the last poll."""
+        counted = QUIET_POLLS_PER_ROUND if graph is GraphChange.NONE else 1
+        found = 1 if graph is GraphChange.TOLD else counted * POLLS_PER_ROUND
+        polls = self._polls
+        self._polls += 1
         return [
             topic
             for place, topic in enumerate(topics)
-            if (place - looks) % counted == 0 or topic not in self._found
-            if self._is_new(topic, is_to_be_found=(place - looks) % found == 0)
+            if (place - polls) % counted == 0 or topic not in self._found
+            if self._is_new(topic, is_to_be_found=(place - polls) % found == 0)
         ]
 
     def of(self, topic: str) -> Sequence[Endpoint]:
-        """The endpoints of ``topic`` as of the last look."""
+        """The endpoints of ``topic`` as of the last poll."""
         return self._found.get(topic, ())
 
     def _is_new(self, topic: str, *, is_to_be_found: bool) -> bool:

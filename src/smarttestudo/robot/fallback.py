@@ -31,7 +31,7 @@ class Fallback:
         output_topics(fallback_rules(["/any"]), output_topic)
 
     def poll(self) -> bool:
-        """Whether there are more topics than at the last look."""
+        """Whether there are more topics than at the last poll."""
         seen = len(self._output_topics)
         unknown = [topic for topic in self._robot.topics() if self._may_join(topic)]
         if unknown:

@@ -13,7 +13,7 @@ FOUND_WITHIN_NS = 2 * NS_PER_S
 
 
 class GonePublishers:
-    """Which publishers of one topic are gone, those included that came and went between two looks."""
+    """Which publishers of one topic are gone, those included that came and went between two polls."""
 
     __slots__ = ("_lacking",)
 

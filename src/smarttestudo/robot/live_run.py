@@ -31,7 +31,7 @@ from smarttestudo.robot.topics import LiveTopics
 if TYPE_CHECKING:
     from smarttestudo.domain.link import OutgoingLink
 
-LOOK_PERIOD_S = 0.2
+POLL_PERIOD_S = 0.2
 """How often to check whether to stop, and whether rules changed."""
 
 
@@ -82,7 +82,7 @@ class LiveRun:
 
     def drive(self, stopped: Callable[[], bool]) -> None:
         """Until ``stopped``."""
-        self._robot.look_at_graph(self._look)
+        self._robot.poll_graph(self._poll)
         self._robot.every(self._timer.period_s, self._telling.tell)
         for part in self._parts:
             if part.poll_s is not None:
@@ -90,7 +90,7 @@ class LiveRun:
         try:
             while not stopped():
                 self._report()
-                self._robot.wait(self._wake_ns, LOOK_PERIOD_S)
+                self._robot.wait(self._wake_ns, POLL_PERIOD_S)
                 self._wake()
             self._report()
         finally:
@@ -105,18 +105,18 @@ class LiveRun:
         """
         now_ns = self._robot.now_ns()
         # What is due by the rules before this is theirs.
-        self._take(WakeInput(stamp_ns=now_ns))
+        self._handle(WakeInput(stamp_ns=now_ns))
         self.rules = rules
         self._follow_parts(now_ns)
         given = RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile, prepared=prepared)
-        self._take(given)
+        self._handle(given)
         self._follow(rules)
-        self._look(GraphChange.TOLD)
+        self._poll(GraphChange.TOLD)
 
     def set_budget(self, budget_kb_per_s: float) -> None:
         """Set the budget of all relayed topics."""
         budget = LinkBudget(link_kb_per_s=budget_kb_per_s)
-        self._take(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
+        self._handle(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
 
     def set_status_hz(self, status_hz: float) -> None:
         """Publish the status so often from now on, while it has a subscriber."""
@@ -132,7 +132,7 @@ class LiveRun:
 
     def give(self, given: ChangeInput | WakeInput) -> None:
         """Give the loop a change or the time, and relay what comes of it."""
-        self._take(given)
+        self._handle(given)
 
     def _follow_parts(self, now_ns: int) -> None:
         for part in self._parts:
@@ -163,7 +163,7 @@ class LiveRun:
         self._compiled.deliver(now_ns)
         wake_ns = self.loop.next_wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
-            self._take(WakeInput(stamp_ns=now_ns))
+            self._handle(WakeInput(stamp_ns=now_ns))
         wake_ns = self._sampling.wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             self._sampling.on_wake(now_ns)
@@ -182,7 +182,7 @@ class LiveRun:
             return
         message = self._topics.decoded(topic, payload) if self.loop.needs_decoded(topic) else None
         self._sampling.received(topic, len(payload))
-        self._take(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
+        self._handle(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
 
     def _came(self, topic: str, copy: MessageCopy) -> None:
         if copy.payload is not None:
@@ -195,30 +195,30 @@ class LiveRun:
         for on_message in self._on_message:
             on_message(topic, payload, publisher, stamp_ns, subscription)
 
-    def _look(self, graph: GraphChange) -> None:
+    def _poll(self, graph: GraphChange) -> None:
         # What is due goes out before a topic is opened anew, perhaps with another type.
         now_ns = self._robot.now_ns()
-        self._take(WakeInput(stamp_ns=now_ns))
-        for change in self._topics.look(graph):
+        self._handle(WakeInput(stamp_ns=now_ns))
+        for change in self._topics.poll(graph):
             if change.topic in self._given:
-                self._take(ChangeInput(stamp_ns=now_ns, change=change))
+                self._handle(ChangeInput(stamp_ns=now_ns, change=change))
         # What was opened anew was first heard now; before it was closed, copies up to here were delivered.
         now_ns = self._robot.now_ns()
         for topic, source in self._topics.heard():
             for part in self._parts:
                 part.on_source(topic, source, now_ns)
         for heard in self._topics.listeners():
-            self._take(ChangeInput(stamp_ns=now_ns, change=heard))
-        self._compiled.look(self._topics, now_ns, is_quiet=graph is GraphChange.NONE)
-        self._losses.look(self._topics.subscriptions(), now_ns)
+            self._handle(ChangeInput(stamp_ns=now_ns, change=heard))
+        self._compiled.choose(self._topics, now_ns, is_quiet=graph is GraphChange.NONE)
+        self._losses.measure(self._topics.subscriptions(), now_ns)
         for part in self._parts:
             part.on_graph()
 
-    def _take(self, given: LoopInput) -> None:
+    def _handle(self, given: LoopInput) -> None:
         # What a block records that begins to hold now, came before.
         self._compiled.deliver(given.stamp_ns)
         self._inputs.record(given, self.rules)
-        self._relay(self.loop.take(given))
+        self._relay(self.loop.handle(given))
 
     def _relay(self, relayed: Sequence[Relayed]) -> None:
         if relayed:
@@ -240,9 +240,9 @@ class LiveRun:
     def _measure(self, most_blocks: int) -> tuple[RuntimeStatus, BlockStates]:
         """The status of now without its blocks, and the states of the first of those."""
         now_ns = self._robot.now_ns()
-        self._take(WakeInput(stamp_ns=now_ns))
+        self._handle(WakeInput(stamp_ns=now_ns))
         self._compiled.count(self._status.note)
-        status = self._status.look(
+        status = self._status.measure(
             self.loop,
             self._topics.links(),
             self._rules_in_force(),
@@ -263,7 +263,7 @@ class LiveRun:
         decisions = self.loop.take_decisions()
         if decisions:
             self._decisions.report(decisions)
-            self._compiled.look(self._topics, self._robot.now_ns())
+            self._compiled.choose(self._topics, self._robot.now_ns())
 
 
 def _does(part: Part, method: str) -> bool:

@@ -28,8 +28,8 @@ class LiveLosses:
         self._log = log
         self._losses: dict[str, _Losses] = {}
 
-    def look(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
-        """Look at the subscriptions that are open; times may jump back."""
+    def measure(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
+        """Count for the subscriptions that are open; times may jump back."""
         self._losses = {
             topic: losses
             for topic, losses in self._losses.items()

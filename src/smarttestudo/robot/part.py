@@ -50,7 +50,7 @@ class Part:
     """
 
     topics: frozenset[str] = frozenset()
-    """The topics that are to be heard because of it, relayed or not; looked at after ``on_wake`` too."""
+    """The topics that are to be heard because of it, relayed or not; read after ``on_wake`` too."""
 
     hears_topics_only: bool = False
     """Whether ``on_message`` needs to be called for ``topics`` only: others may be relayed without Python."""
@@ -98,7 +98,7 @@ class Part:
         """It was published, or failed to be."""
 
     def on_graph(self) -> None:
-        """The ROS graph was looked at, which is done when it changes, and at times."""
+        """The ROS graph was polled, which is done when it changes, and at times."""
 
     def poll(self) -> None:
         """``poll_s`` passed."""

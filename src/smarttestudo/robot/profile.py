@@ -18,7 +18,7 @@ from smarttestudo.domain.visible_topics import visible_topics
 from smarttestudo.optimizer.profiling import TopicMeasure, profile_text
 from smarttestudo.robot.topic import live_source
 
-_LOOK_PERIOD_S = 0.5
+_POLL_PERIOD_S = 0.5
 _WAIT_S = 0.1
 # What queued up while subscriptions were made comes at once, and would count as a higher rate.
 _WARM_UP_S = 1.0
@@ -91,11 +91,11 @@ def _listen(
     seconds: float,
     report: Callable[[float], None],
 ) -> None:
-    start_s = look_s = steady_s()
+    start_s = poll_s = steady_s()
     while (passed_s := steady_s() - start_s) < seconds:
         report(passed_s / seconds)
-        if steady_s() >= look_s:
-            look_s = steady_s() + _LOOK_PERIOD_S
+        if steady_s() >= poll_s:
+            poll_s = steady_s() + _POLL_PERIOD_S
             ears.poll()
         robot.wait(None, min(_WAIT_S, seconds - passed_s))
 

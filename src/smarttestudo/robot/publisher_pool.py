@@ -47,7 +47,7 @@ class PublisherPool:
     def forget_undiscovered(
         self, known: Set[Hashable], found: Callable[[], Set[Hashable]], now_ns: int
     ) -> None:
-        """Forget those that were heard, and were gone before a look at the graph. Raises ``RosError``.
+        """Forget those that were heard, and were gone before the graph was polled. Raises ``RosError``.
 
         ``known`` are forgotten when they go. ``found``, which costs more, are those that are there now; where
         there are none, the one that came last stays.

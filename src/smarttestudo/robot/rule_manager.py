@@ -18,7 +18,7 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.robot.fallback import Fallback
 from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules
-from smarttestudo.robot.live_run import LOOK_PERIOD_S, LiveRun
+from smarttestudo.robot.live_run import POLL_PERIOD_S, LiveRun
 from smarttestudo.robot.rule_writing import RuleFileWriter
 from smarttestudo.robot.rules import PUSHED, LiveRuleFiles, Reading, RuleWatch
 from smarttestudo.robot.run_options import BUDGET, STATUS_RATE
@@ -98,7 +98,7 @@ class PushedRules(Generic[_Rules]):
 
 
 RELOAD_SERVICE = "~/reload"
-FALLBACK_LOOK_PERIOD_S = 1.0
+FALLBACK_POLL_PERIOD_S = 1.0
 _STAYS = "the last valid rules stay in force"
 _FALLBACK = "relaying everything at Full until there are rules"
 
@@ -148,8 +148,8 @@ class RuleManager:
         """Follow the rules during the block, as they change."""
         self._show()
         self._live.ask_standing(self._standing)
-        self._robot.every(LOOK_PERIOD_S, self._look)
-        self._robot.every(FALLBACK_LOOK_PERIOD_S, self._look_for_topics)
+        self._robot.every(POLL_PERIOD_S, self._poll)
+        self._robot.every(FALLBACK_POLL_PERIOD_S, self._poll_topics)
         try:
             self._robot.offer_trigger(RELOAD_SERVICE, self.reload_now)
         except RosError as error:
@@ -185,7 +185,7 @@ class RuleManager:
             self._watch.read_soon()
             return "the rules are large and are being checked; the result will be in the log"
         reading = self._files.read()
-        self._take(reading)
+        self._apply(reading)
         if reading.error is not None:
             raise reading.error
         return f"rules reloaded, hash {self._rules.rules_hash}"
@@ -194,20 +194,20 @@ class RuleManager:
     def _rules(self) -> LiveRules:
         return self._in_force.rules or self._fallback.rules()
 
-    def _look(self) -> None:
-        for reading in self._watch.take():
-            self._take(reading)
+    def _poll(self) -> None:
+        for reading in self._watch.readings():
+            self._apply(reading)
         if self._in_force.roll_back(self._robot.steady_ns()):
             self._hold()
             rules = self._in_force.rules
             holds = _FALLBACK if rules is None else f"hash {rules.rules_hash} is in force again"
             self._robot.log.warning(f"pushed rules not confirmed within {CONFIRM_WITHIN_S} s; {holds}")
 
-    def _look_for_topics(self) -> None:
+    def _poll_topics(self) -> None:
         if self._in_force.rules is None and self._fallback.poll():
             self._hold()
 
-    def _take(self, reading: Reading) -> None:
+    def _apply(self, reading: Reading) -> None:
         """Put what was read in force, if it is valid, and new or requested."""
         if reading.number < self._last.number:
             return
@@ -242,7 +242,7 @@ class RuleManager:
             cause = "no pushed and confirmed rules with this hash are in force"
             raise UsageError(cause, place="write_hash", remedy="confirm them first, with confirm_hash")
         self._robot.log.info(self._writer.write(rules.texts[PUSHED], self._loaded))
-        self._take(self._files.read())
+        self._apply(self._files.read())
 
     def _hold(self, prepared: PreparedRules | None = None) -> None:
         self._live.reload(self._rules, prepared)

@@ -132,11 +132,11 @@ class LiveRuleFiles:
         return rules.checked(self._resolve)
 
 
-LOOK_PERIOD_S = 0.25
+POLL_PERIOD_S = 0.25
 
 
 class RuleWatch:
-    """Looks at the files every ``LOOK_PERIOD_S`` and reads them once a change has been there for two looks.
+    """Polls the files every ``POLL_PERIOD_S`` and reads them once a change has been there for two polls.
 
     ``last`` was read before. ``prepare`` is called for large rules that are valid.
     So a file that an editor empties and then writes is rarely read halfway.
@@ -154,10 +154,10 @@ class RuleWatch:
         self._seen = self._read
 
     def read_soon(self) -> None:
-        """Read the files at the next look, changed or not."""
+        """Read the files at the next poll, changed or not."""
         self._read = None
 
-    def take(self) -> Iterator[Reading]:
+    def readings(self) -> Iterator[Reading]:
         """Readings since the last call, in order."""
         with suppress(Empty):
             while True:
@@ -180,7 +180,7 @@ class RuleWatch:
             thread.join()
 
     def _watch(self) -> None:
-        while not self._ended.wait(LOOK_PERIOD_S):
+        while not self._ended.wait(POLL_PERIOD_S):
             with suppress(Empty):
                 replaced = self._replaced.get_nowait()
                 with unnoticed() as rest:

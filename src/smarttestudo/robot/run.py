@@ -16,7 +16,7 @@ from smarttestudo.domain.units import counted
 from smarttestudo.robot.decisions import Decided, LiveDecisions
 from smarttestudo.robot.fallback import Fallback
 from smarttestudo.robot.input_recorder import InputRecorder, Note
-from smarttestudo.robot.live_run import LOOK_PERIOD_S, LiveRun
+from smarttestudo.robot.live_run import POLL_PERIOD_S, LiveRun
 from smarttestudo.robot.option import AnyOption
 from smarttestudo.robot.output_topics import OutputTopic
 from smarttestudo.robot.part import PartContext, PartKind
@@ -102,7 +102,7 @@ def _clock_runs(robot: Robot, stopped: Callable[[], bool]) -> bool:
     if robot.now_ns() == 0:
         robot.log.info("Waiting for simulated time on /clock")
     while robot.now_ns() == 0 and not stopped():
-        robot.wait(None, LOOK_PERIOD_S)
+        robot.wait(None, POLL_PERIOD_S)
     return not stopped()
 
 

@@ -19,7 +19,7 @@ END_RATIO = 2.5
 LEAST_SOURCE_HZ = 20.0
 """Slower sources cost next to nothing."""
 MEASURE_NS = NS_PER_S * 9 // 10
-"""Less than the second from one look to the next, which may come a little early."""
+"""Less than the second from one poll to the next, which may come a little early."""
 PAUSE_NS = 10 * NS_PER_S
 """How long every message is received again before sampling may begin again: rules may flicker."""
 
@@ -71,17 +71,17 @@ def _ratio(source_hz: float | None, target_hz: float) -> float:
 class _Topic:
     """A topic that may rest.
 
-    ``sent`` is what its source had sent by the last message that came, ``looked_sent`` by the last look.
+    ``sent`` is what its source had sent by the last message that came, ``polled_sent`` by the last poll.
     ``wake_ns`` is when to arm its subscription, or, while that is armed, when to take what it kept.
     """
 
-    __slots__ = ("choice", "is_armed", "looked_sent", "sent", "subscription", "wake_ns")
+    __slots__ = ("choice", "is_armed", "polled_sent", "sent", "subscription", "wake_ns")
 
     def __init__(self, subscription: Subscription, now_ns: int) -> None:
         self.subscription = subscription
         self.choice = SamplingChoice(now_ns)
         self.sent = 0
-        self.looked_sent = 0
+        self.polled_sent = 0
         self.is_armed = False
         self.wake_ns = NEVER_NS
 
@@ -103,7 +103,7 @@ class LiveSampling:
         self._wake_ns = NEVER_NS
         self._has_changed = False
 
-    def look(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
+    def choose(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
         """Decide by the plan as it is now which of ``subscriptions`` rest; all others work, or are closed."""
         for name in [
             name for name, topic in self._topics.items() if subscriptions.get(name) is not topic.subscription
@@ -163,10 +163,10 @@ class LiveSampling:
             self._resting[name] = topic
         elif not rests and name in self._resting:
             self._resume(name, topic)
-        elif rests and sent == topic.looked_sent:
-            # Nothing was due since the last look, yet how much the source sends must be known.
+        elif rests and sent == topic.polled_sent:
+            # Nothing was due since the last poll, yet how much the source sends must be known.
             topic.subscription.arm()
-        topic.looked_sent = sent
+        topic.polled_sent = sent
 
     def _resume(self, name: str, topic: _Topic) -> None:
         rested = self._resting.pop(name, None) is not None

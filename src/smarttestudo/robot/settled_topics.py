@@ -12,7 +12,7 @@ from smarttestudo.robot.topic import LiveSource, OpenTopic
 from smarttestudo.robot.topic_link import TopicLink, topic_link
 
 EndpointsOf = Callable[[str], Sequence[Endpoint]]
-"""Endpoints of a topic, as of the last look at the graph."""
+"""Endpoints of a topic, as of the last poll of the graph."""
 Ends = Mapping[str, tuple[Subscription, Publisher | None]]
 """Where messages of each topic come in and go out, if they do."""
 
@@ -20,7 +20,7 @@ Ends = Mapping[str, tuple[Subscription, Publisher | None]]
 class SettledTopics:
     """All that follows from ``topics`` and their endpoints, each made when it is first asked for, and kept.
 
-    With hundreds of topics it costs more than the looks at the graph, so there is a new one only after a
+    With hundreds of topics it costs more than polling the graph, so there is a new one only after a
     change: of what is open, of a source, or of an endpoint.
     """
 

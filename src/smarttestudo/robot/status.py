@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Status of a live run: from its loop, what its topics are linked to, and the time between looks."""
+"""Status of a live run: from its loop, what its topics are linked to, and the time between measurements."""
 
 from __future__ import annotations
 
@@ -58,14 +58,14 @@ class MessageAge:
         self._beginning = beginning
         self._relayed_ns = relayed_ns
 
-    def look(self, now_ns: int, messages: int) -> None:
+    def measure(self, now_ns: int, messages: int) -> None:
         """Read the last stamp; ``messages`` were relayed so far."""
         stamp = header_stamp(self._beginning)
         if stamp is None:
             return
         sec, nanosec = struct.unpack("<iI", stamp)
         stamp_ns = sec * NS_PER_S + nanosec
-        self._window.look(now_ns, messages, stamp_ns)
+        self._window.measure(now_ns, messages, stamp_ns)
         self.stamped_hz = self._window.rate_hz
         # A driver that does not stamp leaves zeros.
         self.delay_ms = (self._relayed_ns - stamp_ns) / NS_PER_MS if stamp_ns else None
@@ -100,13 +100,13 @@ class _FrameMeters:
         for meter in self._relayed.values():
             meter.restart()
 
-    def look(self, now_ns: int, *, stale_after_ns: int | None, transient_local: bool) -> None:
+    def measure(self, now_ns: int, *, stale_after_ns: int | None, transient_local: bool) -> None:
         """Measure anew."""
         for flows, meters in ((self._flows.arrived, self._arrived), (self._flows.relayed, self._relayed)):
             for frame, flow in flows.items():
                 if frame not in meters:
                     meters[frame] = FlowMeter(flow)
-                meters[frame].look(now_ns, stale_after_ns=stale_after_ns, transient_local=transient_local)
+                meters[frame].measure(now_ns, stale_after_ns=stale_after_ns, transient_local=transient_local)
 
     def rates(self, target_hz: float) -> _Rates:
         """The means over the frames that come and go."""
@@ -125,7 +125,7 @@ class _Meters:
 
     __slots__ = (
         "_changes",
-        "_looked_ns",
+        "_measured_ns",
         "_subscriptions",
         "age",
         "arrived",
@@ -146,13 +146,13 @@ class _Meters:
         self.is_heard = True
         self._changes = statistics.target.changes
         self._subscriptions = 0
-        self._looked_ns = 0
+        self._measured_ns = 0
 
-    def look(self, link: TopicLink, profile: TopicProfile, now_ns: int) -> None:
+    def measure(self, link: TopicLink, profile: TopicProfile, now_ns: int) -> None:
         """Measure anew; the output's rate from its last change of target on."""
-        target, looked_ns = self.statistics.target, self._looked_ns
+        target, measured_ns = self.statistics.target, self._measured_ns
         # Within a second there and back says nothing.
-        has_changed = now_ns - looked_ns > _SOON_NS and target.changes != self._changes
+        has_changed = now_ns - measured_ns > _SOON_NS and target.changes != self._changes
         if has_changed or self.target_hz != target.rate_hz:
             self.target_hz = target.rate_hz
             self.relayed.restart()
@@ -161,13 +161,13 @@ class _Meters:
             # What came meanwhile is not known.
             self.arrived.restart()
         self.is_heard, self._subscriptions = link.is_heard, link.subscriptions
-        self._changes, self._looked_ns = target.changes, now_ns
+        self._changes, self._measured_ns = target.changes, now_ns
         stale_after_s = profile.stale_after_s
         stale_after_ns = None if stale_after_s is None else ns_from_s(stale_after_s)
-        self.arrived.look(now_ns, stale_after_ns=stale_after_ns, transient_local=link.transient_local)
-        self.frames.look(now_ns, stale_after_ns=stale_after_ns, transient_local=link.transient_local)
-        self.relayed.look(now_ns, transient_local=link.transient_local)
-        self.age.look(now_ns, self.statistics.relayed.messages)
+        self.arrived.measure(now_ns, stale_after_ns=stale_after_ns, transient_local=link.transient_local)
+        self.frames.measure(now_ns, stale_after_ns=stale_after_ns, transient_local=link.transient_local)
+        self.relayed.measure(now_ns, transient_local=link.transient_local)
+        self.age.measure(now_ns, self.statistics.relayed.messages)
 
     @property
     def rates(self) -> _Rates:
@@ -189,7 +189,7 @@ class _Error(NamedTuple):
 
 
 class LiveStatus:
-    """Measures a live run at each ``look``: once a second, or every ten while nobody asks."""
+    """Measures a live run at each ``measure``: once a second, or every ten while nobody asks."""
 
     def __init__(self, node: str, start: ProcessReading) -> None:
         self._cpu_percent: float | None = None
@@ -203,7 +203,7 @@ class LiveStatus:
         if meters is not None:
             meters.age.note(relayed.payload[_BEGINNING], relayed.stamp_ns)
 
-    def look(
+    def measure(
         self,
         loop: RelayLoop,
         links: Mapping[str, TopicLink],
@@ -243,7 +243,7 @@ class LiveStatus:
         knowledge, statistics, discarded = loop.knowledge, loop.relays.statistics, loop.relays.discarded
         self._meters = {topic: self._metered(topic, statistics[topic]) for topic in links}
         for topic, link in links.items():
-            self._meters[topic].look(link, knowledge.profile.topic(topic), now_ns)
+            self._meters[topic].measure(link, knowledge.profile.topic(topic), now_ns)
         return {
             topic: _topic_status(
                 link,

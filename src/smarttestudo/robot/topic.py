@@ -117,7 +117,7 @@ class OpenTopic:
             self._publishers.forget(before.gids - source.gids)
 
     def forget_undiscovered(self, found: Callable[[], Sequence[Endpoint]], now_ns: int) -> None:
-        """Drop what publishers latched that came and went between two looks. Raises ``RosError``.
+        """Drop what publishers latched that came and went between two polls. Raises ``RosError``.
 
         ``found`` gives the publishers that are there now.
         """

@@ -95,11 +95,11 @@ class LiveTopics:
                 live.close()
         self._settled = self._settled_now()
 
-    def look(self, graph: GraphChange) -> list[SourceChanged]:
-        """Follow the graph: what changed since the last look."""
-        self._look_at_operators(graph)
+    def poll(self, graph: GraphChange) -> list[SourceChanged]:
+        """Follow the graph: what changed since the last poll."""
+        self._poll_operators(graph)
         testudos = relaying_nodes(self._robot, self._warn_once)
-        moved = self._publishers.look(self._topics, graph)
+        moved = self._publishers.poll(self._topics, graph)
         unseen = self._settled.unseen
         if testudos != self._testudos:
             moved, self._testudos = list(self._topics), testudos
@@ -113,7 +113,7 @@ class LiveTopics:
         return told
 
     def listeners(self) -> list[ListenersChanged]:
-        """Which relayed topics have, as of the last look, gained a subscriber or lost their last one."""
+        """Which relayed topics have, as of the last poll, gained a subscriber or lost their last one."""
         heard = self._settled.listeners
         before, self._heard = self._heard, heard
         if heard is before:
@@ -125,7 +125,7 @@ class LiveTopics:
         ]
 
     def heard_here(self) -> frozenset[str]:
-        """The relayed topics that have, as of the last look, a subscriber on a ROS graph."""
+        """The relayed topics that have, as of the last poll, a subscriber on a ROS graph."""
         return frozenset(
             topic
             for topic, live in self._topics.items()
@@ -202,9 +202,9 @@ class LiveTopics:
             self._warn_once(str(error))
         return live
 
-    def _look_at_operators(self, graph: GraphChange) -> None:
+    def _poll_operators(self, graph: GraphChange) -> None:
         outputs = self._settled.outputs
-        moved = self._subscribers.look(outputs, graph)
+        moved = self._subscribers.poll(outputs, graph)
         for output in moved:
             self._name_unserved(outputs[output])
         if moved:

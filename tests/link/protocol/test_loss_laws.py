@@ -114,7 +114,7 @@ def test_no_lost_message_is_acknowledged_and_of_few_spans_each_other_one(
     sessions, end_bytes, spans, was_lost = ReceivedSessions(), 0, 0, False
     ends = dict[int, bool]()
     for size_bytes, is_lost in messages:
-        assert sessions.take(chunk_at(end_bytes), size_bytes)
+        assert sessions.on_chunk(chunk_at(end_bytes), size_bytes)
         end_bytes += size_bytes
         ends[end_bytes] = is_lost
         spans += is_lost and not was_lost

@@ -21,7 +21,7 @@ from smarttestudo.domain.remote_incidents import (
     SilentRobotError,
 )
 from smarttestudo.link.receive.incident_mirror import (
-    LOOK_PERIOD_S,
+    POLL_PERIOD_S,
     STALLED_AFTER_S,
     STARTS_WITHIN_S,
     TURN_S,
@@ -210,7 +210,7 @@ def test_robots_take_turns_where_a_fetch_takes_long_and_one_alone_goes_on_at_onc
     assert said == [f"bob: outage {tmp_path / 'bob' / OUTAGE.name}"]
     assert robots.now_s < TURN_S + 2
     robots.there = ["ada"]
-    assert mirror.poll() == LOOK_PERIOD_S
+    assert mirror.poll() == POLL_PERIOD_S
     assert said[1:] == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
     assert warned == []
 

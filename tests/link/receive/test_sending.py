@@ -216,7 +216,7 @@ def test_what_is_heard_after_this_process_stood_still_is_dropped_for_a_while() -
 
 def test_a_guard_that_is_asked_in_time_has_nothing_against_it() -> None:
     guard = StallGuard(0)
-    assert all(guard.looked(number * STALL_NS) for number in range(10))
+    assert all(guard.polled(number * STALL_NS) for number in range(10))
 
 
 def test_the_screen_shows_what_is_sent_and_what_the_robot_told_of_it() -> None:

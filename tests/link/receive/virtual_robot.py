@@ -143,7 +143,7 @@ class Robot:
         self.take(RulesInput(stamp_ns=now_ns, rule_set=self.rules.rule_set, profile=self.rules.profile))
 
     def take(self, given: LoopInput) -> None:
-        relayed = self.loop.take(given)
+        relayed = self.loop.handle(given)
         if relayed:
             loop = self.loop
             self.watch.tell_pictures(self.rules, loop.knowledge.plan, loop.relays.pictures)

@@ -147,7 +147,7 @@ def test_losses_are_said_at_once_and_then_no_more_than_every_ten_seconds() -> No
     losses = LiveLosses(log)
     for second in range(25):
         subscription.dropped += 2 if second else 0
-        losses.look({"/scan": subscription}, second * SECOND)
+        losses.measure({"/scan": subscription}, second * SECOND)
     assert [line[: line.index(" messages")] for line in log.lines] == [
         "/scan: lost 2",
         "/scan: lost 20",

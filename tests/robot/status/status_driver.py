@@ -60,7 +60,7 @@ class StatusDriver:
         """The status now."""
         now_ns, loop = self.driver.now_ns, self.driver.loop
         links = {topic: linked(topic, **self.links.get(topic, {})) for topic in loop.knowledge.plan}
-        return self.live.look(loop, links, RULES, process_at(now_ns), now_ns)
+        return self.live.measure(loop, links, RULES, process_at(now_ns), now_ns)
 
     def send_until(self, end_s: int) -> None:
         """Run on to ``end_s``."""

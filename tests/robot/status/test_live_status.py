@@ -202,7 +202,7 @@ def test_two_publishers_with_a_rate_each_are_not_off_their_rate() -> None:
         for message in range(100):
             at_ns = second * SECOND + message * SECOND // 100
             given = MessageInput(at_ns, "/imu", b"", 100, publisher=message % 2)
-            driver.driver.keep(driver.driver.loop.take(given))
+            driver.driver.keep(driver.driver.loop.handle(given))
         driver.driver.now_ns = (second + 1) * SECOND - 1
         topic = driver.look().topics["/imu"]
     assert topic.actual_hz == pytest.approx(20, rel=0.05)

@@ -22,7 +22,7 @@ def test_stamps_give_a_rate_and_the_age_of_the_last_message() -> None:
     age = MessageAge()
     for second in range(1, 9):
         age.note(beginning(second * S), second * S + 40 * MS)
-        age.look(second * S + 500 * MS, 5 * second)
+        age.measure(second * S + 500 * MS, 5 * second)
     assert age.stamped_hz == pytest.approx(5)
     assert age.delay_ms == pytest.approx(40)
 
@@ -31,5 +31,5 @@ def test_stamps_give_a_rate_and_the_age_of_the_last_message() -> None:
 def test_what_holds_no_stamp_has_no_age(bytes_: bytes) -> None:
     age = MessageAge()
     age.note(bytes_, 7 * S)
-    age.look(8 * S, 1)
+    age.measure(8 * S, 1)
     assert (age.stamped_hz, age.delay_ms) == (None, None)

@@ -37,7 +37,7 @@ def live() -> Live:
     robot = VirtualRobot()
     watch = RobotWatch(GraphRobots(robot, robot.steady_s), robot.steady_s)
     robot.say(STATUS_TOPIC, TEXT)
-    [seen] = watch.look()
+    [seen] = watch.poll()
     [summary] = robot_summaries(watch.seen.values(), robot.steady_s())
     assert (summary.node, summary.is_heard, summary.topics) == ("/smarttestudo", True, 5)
     assert (summary.rules.origin, summary.rules.paths) == (RulesOrigin.FILES, ("warehouse.adirf",))

@@ -14,7 +14,7 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import (
     DataPath,
     Endpoint,
-    LookAtGraph,
+    PollGraph,
     Publisher,
     Qos,
     Receive,
@@ -132,7 +132,7 @@ class VirtualRobot(UnaskedRobot):
     def every(self, period_s: float, act: Callable[[], float | None]) -> None:
         raise NotImplementedError
 
-    def look_at_graph(self, look: LookAtGraph) -> None:
+    def poll_graph(self, poll: PollGraph) -> None:
         raise NotImplementedError
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:

@@ -19,7 +19,7 @@ _DEVICE = "link0"
 _QUEUE = ("burst", "16kb", "latency", "400ms")
 _TOOLS = ("ip", "tc")
 _UP_TIMEOUT_S = 10.0
-_LOOK_S = 0.02
+_POLL_S = 0.02
 
 
 class ThinLink:
@@ -107,7 +107,7 @@ def _await_up(namespaces: Sequence[str]) -> None:
     while not all("state UP" in _run("ip", "-n", name, "link", "show", _DEVICE) for name in namespaces):
         if time.monotonic() > end_s:
             raise NetworkError(f"the link did not come up in {_UP_TIMEOUT_S:g} s")
-        time.sleep(_LOOK_S)
+        time.sleep(_POLL_S)
 
 
 def _run(*command: str) -> str:

@@ -51,7 +51,7 @@ class Evaluator:
 
     @property
     def touched(self) -> int:
-        """How many parts of the network were looked at so far, a measure of cost that needs no clock."""
+        """How many parts of the network were visited so far, a measure of cost that needs no clock."""
         return self._propagation.touched
 
     @property

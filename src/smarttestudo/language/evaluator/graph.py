@@ -146,7 +146,7 @@ class Propagation:
 
     def __init__(self, graph: Graph, block_changed: BlockChanged, start_ns: int) -> None:
         self.touched = 0
-        """Nodes, groups and blocks looked at so far: what a step's cost is proportional to."""
+        """Nodes, groups and blocks visited so far: what a step's cost is proportional to."""
         self._nodes = graph.nodes
         self._live_groups: set[LiteralGroup] = set(graph.groups)
         self._block_changed = block_changed
@@ -171,7 +171,7 @@ class Propagation:
             self.settle()
         self._ring(now_ns)
         for number in self._carried:
-            self._look_at(number)
+            self._visit(number)
         self._carried.clear()
 
     def restore_history(self, window: TimeWindow, before: TimeWindow) -> None:
@@ -182,9 +182,9 @@ class Propagation:
     def _ring(self, at_ns: int) -> None:
         self.now_ns = max(self.now_ns, at_ns)
         for number in self._alarms.take_due(at_ns):
-            self._look_at(number)
+            self._visit(number)
 
-    def _look_at(self, number: int) -> None:
+    def _visit(self, number: int) -> None:
         window = self._nodes[number]
         if isinstance(window, TimeWindow):
             self._enqueue(window)
@@ -205,7 +205,7 @@ class Propagation:
             if isinstance(node, Join):
                 self._update(node)
             elif isinstance(node, TimeWindow):
-                self._look(node)
+                self._settle(node)
 
     def settle_joins(self, rest: Rest) -> None:
         """Bring all queued joins up to date; windows wait for the next ``advance``."""
@@ -218,7 +218,7 @@ class Propagation:
                 node.queued = False
                 self._carried.append(node.number)
 
-    def _look(self, window: TimeWindow) -> None:
+    def _settle(self, window: TimeWindow) -> None:
         window.queued = False
         truth = window.update(self.now_ns)
         self._alarms.set(window.number, window.next_change_ns(self.now_ns))

@@ -26,7 +26,7 @@ SAY_AFTER_NS = 5 * NS_PER_S
 
 @dataclass(slots=True)
 class _Served:
-    """State of a topic at the last look, and its publisher where all is well."""
+    """State of a topic at the last poll, and its publisher where all is well."""
 
     type_name: str | None = None
     problem: str | None = None
@@ -67,7 +67,7 @@ class CommandSubscribers(Part):
                 self._serve(topic, served, type_name, problem)
         for sentence in self._too_old.new_sentences(self._commands.topics):
             self._robot.log.warning(f"What an operator sends on {sentence}")
-        self._look_at_operators(is_connected=is_connected)
+        self._poll_operators(is_connected=is_connected)
 
     def close(self) -> None:
         """Publish nothing more."""
@@ -105,7 +105,7 @@ class CommandSubscribers(Part):
         if problem is not None:
             self._say(f"{topic} is not accepted from operators: {problem}")
 
-    def _look_at_operators(self, *, is_connected: bool) -> None:
+    def _poll_operators(self, *, is_connected: bool) -> None:
         """Say what is named at one end only."""
         sent = self._commands.sent_names()
         named = {topic for names in sent for topic in names}

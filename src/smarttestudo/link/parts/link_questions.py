@@ -23,10 +23,10 @@ class LinkQuestions:
         self._robot = robot
         self._link = link
         self._topics: Answer = {}
-        self._looked_ns: int | None = None
-        robot.every(QUESTION_PERIOD_S, self._look)
+        self._polled_ns: int | None = None
+        robot.every(QUESTION_PERIOD_S, self._poll)
 
-    def _look(self) -> None:
+    def _poll(self) -> None:
         asked = self._link.take_question()
         if asked is None:
             return
@@ -48,6 +48,6 @@ class LinkQuestions:
 
     def _all_topics(self) -> Answer:
         now_ns = self._robot.steady_ns()
-        if self._looked_ns is None or now_ns > self._looked_ns + _TOPICS_HOLD_NS:
-            self._topics, self._looked_ns = topic_types(self._robot), now_ns
+        if self._polled_ns is None or now_ns > self._polled_ns + _TOPICS_HOLD_NS:
+            self._topics, self._polled_ns = topic_types(self._robot), now_ns
         return self._topics

@@ -21,7 +21,7 @@ from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.part import Part, RunView
 
 LINK_PERIOD_S = 0.25
-"""How often to look what the link carries."""
+"""How often to read what the link carries."""
 _FALL, _RISE = 0.95, 1.1
 """Shares of the budget that was told last: what lies between them is not worth another plan."""
 _HOLDS_AFTER_NS = 10 * NS_PER_S

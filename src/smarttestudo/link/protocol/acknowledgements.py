@@ -65,7 +65,7 @@ class ReceivedSessions:
         self._ended: deque[tuple[int, Acknowledgement]] = deque(maxlen=MAX_ENDED)
         """The sessions before it, each with when the first chunk after it was sent."""
 
-    def take(self, chunk: Chunk, size_bytes: int) -> bool:
+    def on_chunk(self, chunk: Chunk, size_bytes: int) -> bool:
         """A chunk of so many bytes came; whether it follows on the last one, or begins a session."""
         if chunk.session < self.session:
             return False

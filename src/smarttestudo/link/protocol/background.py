@@ -237,7 +237,7 @@ class BackgroundAnswers(Generic[_Request]):
         live = self._live(now_ns)
         if live is not None:
             live.delivered_beside(delivered)
-            self._look_at_probe(live, now_ns)
+            self._judge_probe(live, now_ns)
 
     @property
     def _probe_gain(self) -> float:
@@ -254,7 +254,7 @@ class BackgroundAnswers(Generic[_Request]):
             wait_ns = _LEAST_WAIT_NS << doubled
         self._next_probe_ns = now_ns + _PROBE_NS + (live.round_trip_ns or 0) + wait_ns
 
-    def _look_at_probe(self, live: Window, now_ns: int) -> None:
+    def _judge_probe(self, live: Window, now_ns: int) -> None:
         """Learn from what arrives while the link is filled faster; probe again at once where that helped."""
         trip_ns = live.round_trip_ns or 0
         if now_ns > self._probe_until_ns + trip_ns + _SAMPLE_NS:

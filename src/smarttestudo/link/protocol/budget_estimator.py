@@ -25,9 +25,9 @@ class BudgetEstimator:
 
     def __init__(self) -> None:
         self._bytes_per_s: float | None = None
-        self._looked_ns = 0
+        self._measured_ns = 0
         self._idle_ns = 0
-        """For how long nothing waited to be sent, since ``_looked_ns``."""
+        """For how long nothing waited to be sent, since ``_measured_ns``."""
         self._idle_since_ns: int | None = None
         self._payload_bytes = self._wire_bytes = 1.0
 
@@ -46,15 +46,15 @@ class BudgetEstimator:
         self._payload_bytes = self._payload_bytes * _KEPT_SHARE + payload_bytes
         self._wire_bytes = self._wire_bytes * _KEPT_SHARE + wire_bytes
 
-    def look(self, window: Window, now_ns: int) -> None:
+    def measure(self, window: Window, now_ns: int) -> None:
         """Set the budget by what was measured, four times a second."""
-        span_ns = now_ns - self._looked_ns
+        span_ns = now_ns - self._measured_ns
         if span_ns < _PERIOD_NS:
             return
         if self._idle_since_ns is not None:
             self._idle_ns += now_ns - self._idle_since_ns
             self._idle_since_ns = now_ns
-        idle_share, self._idle_ns, self._looked_ns = self._idle_ns / span_ns, 0, now_ns
+        idle_share, self._idle_ns, self._measured_ns = self._idle_ns / span_ns, 0, now_ns
         if not window.is_measured:
             return
         usable = window.capacity_bytes_per_s * _USABLE

@@ -131,7 +131,7 @@ class LinkReceiver:
     def _receive(self, chunk: Chunk, size_bytes: int, now_ns: int) -> Announcement | ReceivedMessage | None:
         self.has_news = True
         before = self._sessions.session
-        is_next = self._sessions.take(chunk, size_bytes)
+        is_next = self._sessions.on_chunk(chunk, size_bytes)
         if self._sessions.session != before:
             self.counts.broken += self._parts.broken
             self._parts, self._reported_bytes = Reassembler(), 0

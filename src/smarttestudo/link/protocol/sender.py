@@ -40,7 +40,7 @@ class LinkSender(Generic[_Request]):
     """Streams, what waits in them and the window of the link, in the time that is passed in.
 
     The driver gives it messages (``put``) and reports (``handle_report``), and sends what ``next_chunk``
-    gives while that gives something; another look is due after a message or a report.
+    gives while that gives something; another call is due after a message or a report.
     It serves one operator's end at a time: the first that reports, until that is silent. Others hear what
     that one is sent; as one comes, latched messages are sent once more.
     """
@@ -277,7 +277,7 @@ class LinkSender(Generic[_Request]):
                 self._ages_ms[info.topic] = age_ms
         self._close_drained(now_ns)
         self._say_times(now_ns)
-        self._budget.look(self._window, now_ns)
+        self._budget.measure(self._window, now_ns)
 
     def _close_drained(self, now_ns: int) -> None:
         for stream in [one for one in self._ending if self._outbox.is_drained(one)]:

@@ -22,14 +22,14 @@ from smarttestudo.domain.remote_incidents import (
 from smarttestudo.files.whole_file import not_written
 from smarttestudo.link.worker import Worker
 
-LOOK_PERIOD_S = 2.0
+POLL_PERIOD_S = 2.0
 STALLED_AFTER_S = 30.0
 """A fetch that got nothing for so long gives way to those from other robots."""
 TURN_S = 60.0
 """So does one that began so long ago, to what is newer of its robot, too."""
 STARTS_WITHIN_S = 20.0
 """A robot that is connected for less may not answer because its run is still starting."""
-_AGAIN_AFTER_LOOKS = 30
+_AGAIN_AFTER_POLLS = 30
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,16 +130,16 @@ class IncidentMirror:
         now_s = self._steady_s()
         self._came_s = {robot: self._came_s.get(robot, now_s) for robot in self._there}
         self._rests = {
-            (robot, name): looks - 1
-            for (robot, name), looks in self._rests.items()
-            if looks > 1 and (robot in before or robot not in self._there)
+            (robot, name): polls - 1
+            for (robot, name), polls in self._rests.items()
+            if polls > 1 and (robot in before or robot not in self._there)
         }
         self._has_more = False
         for robot in sorted(self._there):
-            self._try(robot, "", partial(self._look_at, robot))
-        return 0.0 if self._has_more else LOOK_PERIOD_S
+            self._try(robot, "", partial(self._mirror, robot))
+        return 0.0 if self._has_more else POLL_PERIOD_S
 
-    def _look_at(self, robot: str) -> None:
+    def _mirror(self, robot: str) -> None:
         for one in sorted(self._incidents.list(robot), key=lambda one: -one.triggered_ns):
             folder = self._folders.of(one)
             if folder is None or (folder / one.name).exists() or self._worker.is_closed:
@@ -178,7 +178,7 @@ class IncidentMirror:
 
     def _rest(self, robot: str, name: str, why: str) -> None:
         """Try it again a minute later."""
-        self._rests[robot, name] = _AGAIN_AFTER_LOOKS
+        self._rests[robot, name] = _AGAIN_AFTER_POLLS
         sentence = f"{f'{robot} {name}'.rstrip()}: {why}"
         if sentence not in self._warned:
             self._warned.add(sentence)

@@ -107,7 +107,7 @@ class Reception:
         """Measure the rates anew; to be called about once a second."""
         for robot in self.robots.values():
             for topic in robot.topics.values():
-                topic.meter.look(now_ns)
+                topic.meter.measure(now_ns)
 
 
 def _is_of_publisher(one: StreamInfo, other: StreamInfo) -> bool:

@@ -82,7 +82,7 @@ class ReceptionMetrics:
         self._counts: dict[Boot, ReceiverCounts] = {}
 
     def metrics(self) -> list[Metric]:
-        """As of the last look."""
+        """As of the last poll."""
         return self._last
 
     def update(self, reception: Reception, end: OperatorEnd) -> None:

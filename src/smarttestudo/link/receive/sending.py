@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 QOS = Qos(reliable=False, transient_local=False, depth=10)
 """Nothing latched, and nothing that is sent again after a loss: both may be old."""
 STALL_NS = 200 * NS_PER_MS
-"""After so long without a look, this process stood still, and messages waited."""
+"""After so long without a poll, this process stood still, and messages waited."""
 SETTLE_NS = NS_PER_S // 2
 SAY_AFTER_NS = 5 * NS_PER_S
 """For how long something must be so that it is said: an end may just start, or its old run just end."""
 _WAIT_S = 0.05
-_LOOK_NS = NS_PER_S // 2
+_POLL_NS = NS_PER_S // 2
 _MANY_ROBOTS = "tell them apart with --output-topic '/{robot}{topic}'"
 _ONE_NAME = "give each a name of its own with --robot of 'testudo run'"
 
@@ -41,19 +41,19 @@ _ONE_NAME = "give each a name of its own with --robot of 'testudo run'"
 class StallGuard:
     """Tells whether a message that is taken now may have waited because this process stood still.
 
-    ``looked`` is to be called many times a second. How long a message waited in the middleware is not
+    ``polled`` is to be called many times a second. How long a message waited in the middleware is not
     known, so all that is taken for ``SETTLE_NS`` after a pause is suspect.
     """
 
     def __init__(self, now_ns: int) -> None:
-        self._looked_ns = now_ns
+        self._polled_ns = now_ns
         self._calm_ns = now_ns
 
-    def looked(self, now_ns: int) -> bool:
+    def polled(self, now_ns: int) -> bool:
         """Whether all is well at ``now_ns``."""
-        if now_ns - self._looked_ns > STALL_NS:
+        if now_ns - self._polled_ns > STALL_NS:
             self._calm_ns = now_ns + SETTLE_NS
-        self._looked_ns = now_ns
+        self._polled_ns = now_ns
         return now_ns >= self._calm_ns
 
 
@@ -102,7 +102,7 @@ class Sending:
         clock: Callable[[], int],
     ) -> None:
         self.routes: Sequence[CommandRoute] = ()
-        """Where everything goes, as of the last look."""
+        """Where everything goes, as of the last poll."""
         self._robot = robot
         self._commands = commands
         self._warn = warn
@@ -119,7 +119,7 @@ class Sending:
         self._too_old: dict[Boot, TooOld] = {}
         self._since_ns: dict[str, int] = {}
         self._said: set[str] = set()
-        self._looked_ns = clock() - _LOOK_NS
+        self._polled_ns = clock() - _POLL_NS
 
     def open(self, robot: str, stream: StreamInfo) -> None:
         """A robot has this stream: its name here is not sent."""
@@ -146,10 +146,10 @@ class Sending:
         """Wait for messages for a moment, and send; in how many seconds to go on. Raises ``TestudoError``."""
         self._robot.wait(None, _WAIT_S)
         now_ns = self._clock()
-        self._guard.looked(now_ns)
+        self._guard.polled(now_ns)
         self._commands.pump()
-        if now_ns - self._looked_ns >= _LOOK_NS:
-            self._looked_ns = now_ns
+        if now_ns - self._polled_ns >= _POLL_NS:
+            self._polled_ns = now_ns
             self.poll(now_ns)
         return 0.0
 
@@ -235,7 +235,7 @@ class Sending:
         self._sources[name] = _Source(type_name, subscription)
 
     def _receive(self, name: str, payload: Payload, publisher: Hashable) -> None:
-        if not self._guard.looked(self._clock()):
+        if not self._guard.polled(self._clock()):
             self._suspect[name] += 1
             return
         route = self._open_routes.get(name)

@@ -44,7 +44,7 @@ class CommandInbox:
         self._lock = threading.Lock()
         self._versions = OtherVersions(warn)
         self._worker = Worker(
-            "link-accept", lambda error: warn(f"the link accepts nothing more: {error}"), self._look
+            "link-accept", lambda error: warn(f"the link accepts nothing more: {error}"), self._poll
         )
         # A report that does not get through is followed by another that says all that it said.
         self._reports = session.declare_publisher(
@@ -116,8 +116,8 @@ class CommandInbox:
             self._failures.add(line)
             self._warn(line)
 
-    def _look(self) -> float:
-        """Report where that is due; after how many seconds to look again."""
+    def _poll(self) -> float:
+        """Report where that is due; after how many seconds to poll again."""
         with self._lock:
             now_ns = self._clock()
             wake_ns = self._receiver.wake_ns

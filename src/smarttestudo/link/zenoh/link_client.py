@@ -12,7 +12,7 @@ from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.query_client import Present, QueryClient
 from smarttestudo.link.zenoh.reach import why_unreachable
-from smarttestudo.link.zenoh.session import LOOK_PERIOD_S, OtherVersions, close_session, is_connected
+from smarttestudo.link.zenoh.session import POLL_PERIOD_S, OtherVersions, close_session, is_connected
 from smarttestudo.link.zenoh.status_listener import Heard, StatusListener
 
 _TRY_AGAIN_S = 1.0
@@ -33,7 +33,7 @@ class LinkClient(QueryClient):
         self._present: Present = lambda *_: None
         self._all_known: Callable[[], None] = lambda: None
         self._say_unreachable: Callable[[], None] = lambda: None
-        self._worker = Worker("link-client", self._fail, self._look)
+        self._worker = Worker("link-client", self._fail, self._poll)
 
     @property
     def is_connected(self) -> bool:
@@ -68,14 +68,14 @@ class LinkClient(QueryClient):
         if session is not None:
             close_session(session)
 
-    def _look(self) -> float:
+    def _poll(self) -> float:
         session = self._session or self._opened()
         if session is None:
             self._unreachable = self._why()
             self._say_unreachable()
             return _TRY_AGAIN_S
         self._unreachable = None if is_connected(session) else self._why()
-        return LOOK_PERIOD_S if self._listener is None else min(self._listener.poll(), LOOK_PERIOD_S)
+        return POLL_PERIOD_S if self._listener is None else min(self._listener.poll(), POLL_PERIOD_S)
 
     def _opened(self) -> zenoh.Session | None:
         try:

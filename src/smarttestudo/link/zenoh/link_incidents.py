@@ -47,7 +47,7 @@ from smarttestudo.link.protocol.messages import MAX_QUESTION_BYTES
 from smarttestudo.link.zenoh.compression import unpacked
 from smarttestudo.link.zenoh.query_client import QueryClient, Reply
 
-_LOOK_S = 0.1
+_POLL_S = 0.1
 _SAVE_S = 0.5
 _SAY_S = 0.25
 _RATE_SAYS = 12
@@ -55,7 +55,7 @@ _RATE_SAYS = 12
 _AGAIN_AFTER_S = 0.05
 _AGAIN_WITHIN_S = 3.0
 """A robot that is asked much answers some questions with silence, as does one without incidents."""
-_BACK_WITHIN_LOOKS = 100
+_BACK_WITHIN_POLLS = 100
 """For how many times ``_AGAIN_AFTER_S`` a robot is waited for that its link lost, maybe for a moment."""
 _KNOWN_WITHIN_S = 5.0
 _DIGITS = "#"
@@ -174,7 +174,7 @@ class LinkIncidents:
         """The run of a robot's end that was there and is again soon."""
         with self._lock:
             was_there = robot.partition(_DIGITS)[0] in self._seen
-        for _ in range(_BACK_WITHIN_LOOKS if was_there else 0):
+        for _ in range(_BACK_WITHIN_POLLS if was_there else 0):
             time.sleep(_AGAIN_AFTER_S)
             if (boot := self.boot(robot)) is not None:
                 return boot
@@ -193,7 +193,7 @@ def _waited(replies: queue.SimpleQueue[Reply], cancelled: Callable[[], bool]) ->
     end_s = time.monotonic() + 2 * ANSWER_WITHIN_S
     while not cancelled() and time.monotonic() < end_s:
         with suppress(queue.Empty):
-            return replies.get(timeout=_LOOK_S)
+            return replies.get(timeout=_POLL_S)
     return None
 
 
@@ -253,7 +253,7 @@ class _Fetch:
 
     def _receive(self) -> None:
         with suppress(queue.Empty):
-            ask, reply = self._answers.get(timeout=_LOOK_S)
+            ask, reply = self._answers.get(timeout=_POLL_S)
             while True:
                 self._handle(ask, reply)
                 ask, reply = self._answers.get_nowait()

@@ -80,13 +80,13 @@ class OperatorEnd:
         self._lock = threading.Lock()
         self._told_status: set[Boot] = set()
         self._versions = OtherVersions(warn)
-        self._look_ns = 0
-        self._worker = Worker("link-report", lambda error: warn(f"robots get no report: {error}"), self._look)
+        self._poll_ns = 0
+        self._worker = Worker("link-report", lambda error: warn(f"robots get no report: {error}"), self._poll)
         self._statuses = StatusListener(session, self._hear, self._versions, self._worker.wake)
         # Kept alive: Zenoh undeclares on garbage collection.
         self._kept = (
             session.declare_subscriber(ALL_DATA, self._on_chunk),
-            session.liveliness().declare_subscriber(ALL_BOOTS, self._look_at_token, history=True),
+            session.liveliness().declare_subscriber(ALL_BOOTS, self._on_token, history=True),
         )
         self._worker.start()
 
@@ -127,7 +127,7 @@ class OperatorEnd:
                 self._arrivals.put(StreamSaid(robot=name, boot=number, number=found.stream, info=found.info))
             elif found is not None:
                 self._arrivals.put(found)
-        if wake_ns < self._look_ns:
+        if wake_ns < self._poll_ns:
             self._worker.wake()
 
     def _hear(self, boot: Boot, record: Record, _size_bytes: int) -> None:
@@ -148,7 +148,7 @@ class OperatorEnd:
         )
         self._arrivals.put(message)
 
-    def _look_at_token(self, sample: zenoh.Sample) -> None:
+    def _on_token(self, sample: zenoh.Sample) -> None:
         boot = boot_of(str(sample.key_expr))
         if boot is None:
             return
@@ -194,15 +194,15 @@ class OperatorEnd:
         with self._lock:
             return [robot for robot in self._robots.values() if robot.is_present]
 
-    def _look(self) -> float:
-        """Report where that is due, and ask for statuses; after how many seconds to look again."""
+    def _poll(self) -> float:
+        """Report where that is due, and ask for statuses; after how many seconds to poll again."""
         now_ns = self._clock()
         # Whatever is due before that from here on wakes the thread.
-        look_ns = self._look_ns = now_ns + KEEP_ALIVE_NS
+        poll_ns = self._poll_ns = now_ns + KEEP_ALIVE_NS
         for robot in self._present():
-            look_ns = min(look_ns, self._report(robot, now_ns))
-        self._look_ns = look_ns
-        return min(max(0, look_ns - self._clock()) / NS_PER_S, self._statuses.poll())
+            poll_ns = min(poll_ns, self._report(robot, now_ns))
+        self._poll_ns = poll_ns
+        return min(max(0, poll_ns - self._clock()) / NS_PER_S, self._statuses.poll())
 
     def _report(self, robot: _Robot, now_ns: int) -> int:
         """Send the report of a robot where one is due; when the next is."""

@@ -39,18 +39,18 @@ class QueryClient:
         assert self._session is not None
         liveliness = self._session.liveliness()
 
-        def look(sample: zenoh.Sample) -> None:
+        def on_sample(sample: zenoh.Sample) -> None:
             boot = boot_of(str(sample.key_expr))
             if boot is not None:
                 present(boot, sample.kind == zenoh.SampleKind.PUT)
 
-        def look_at_reply(reply: zenoh.Reply) -> None:
+        def on_reply(reply: zenoh.Reply) -> None:
             if reply.ok is not None:
-                look(reply.ok)
+                on_sample(reply.ok)
 
         # Kept alive: Zenoh undeclares on garbage collection.
-        self._kept = liveliness.declare_subscriber(ALL_BOOTS, look, history=True)
-        handler = zenoh.handlers.Callback(look_at_reply, all_known)
+        self._kept = liveliness.declare_subscriber(ALL_BOOTS, on_sample, history=True)
+        handler = zenoh.handlers.Callback(on_reply, all_known)
         liveliness.get(ALL_BOOTS, handler, timeout=ANSWER_WITHIN_S)
 
     def get(

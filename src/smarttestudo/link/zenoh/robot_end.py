@@ -35,8 +35,8 @@ from smarttestudo.link.zenoh.status_server import StatusServer
 from smarttestudo.pacing.cdr import FrameReader
 from smarttestudo.pacing.sample import StreamKind
 
-_LOOK_AGAIN_S = 0.2
-"""When to look again what is to be sent, though nothing happened."""
+_POLL_AGAIN_S = 0.2
+"""After so long it is asked again what is to be sent, though nothing happened."""
 
 
 class RobotEnd:
@@ -165,13 +165,13 @@ class RobotEnd:
     @property
     def state(self) -> LinkState:
         """The state of the link now."""
-        self._look()
+        self._poll()
         return self._state
 
     @property
     def budget_kb_per_s(self) -> float | None:
         """The budget of all relayed topics now; ``None`` while nothing is known of the link."""
-        self._look()
+        self._poll()
         return self._budget_kb_per_s
 
     def counts(self) -> dict[str, StreamCounts]:
@@ -222,7 +222,7 @@ class RobotEnd:
         for _ in range(len(self._inbox)):
             self._inbox.popleft()()
 
-    def _look(self) -> None:
+    def _poll(self) -> None:
         if self._lock.acquire(blocking=False):
             try:
                 self._state = self._sender.state(self._clock())
@@ -277,7 +277,7 @@ class RobotEnd:
                 has_more = self._sender.has_next(now_ns)
             self._data.put(chunk)
         else:
-            return _LOOK_AGAIN_S
+            return _POLL_AGAIN_S
         if answer is None:
             return wait_s
         assert self._incidents is not None
@@ -294,7 +294,7 @@ class RobotEnd:
             waiting.query.drop()
         answer = self._sender.next_answer(now_ns)
         wake_ns = background.wake_ns(now_ns)
-        wait_s = _LOOK_AGAIN_S if wake_ns is None else min((wake_ns - now_ns) / NS_PER_S, _LOOK_AGAIN_S)
+        wait_s = _POLL_AGAIN_S if wake_ns is None else min((wake_ns - now_ns) / NS_PER_S, _POLL_AGAIN_S)
         return answer, wait_s
 
 

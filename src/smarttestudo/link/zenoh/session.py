@@ -26,7 +26,7 @@ from smarttestudo.link.zenoh.security import LinkOptions, admit
 
 _MOST_CONFIG_BYTES = 1_000_000
 _MOST_CAUSE = 300
-LOOK_PERIOD_S = 2.0
+POLL_PERIOD_S = 2.0
 _END_WITHIN_S = 5.0
 _OF_ZENOH = "pyo3"
 """In the names of the threads that Zenoh's Python package starts for callbacks."""
@@ -174,7 +174,7 @@ def _watch(
     said: set[str] = set()
     seen: set[str] = set()
     while True:
-        yield LOOK_PERIOD_S
+        yield POLL_PERIOD_S
         if is_connected(session):
             said, seen = set(), set()
             continue

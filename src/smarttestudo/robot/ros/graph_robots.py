@@ -16,7 +16,7 @@ from smarttestudo.domain.status_json import status_from_text
 from smarttestudo.domain.visible_topics import topic_types
 
 _TEXT_TYPE = "std_msgs/msg/String"
-# Several nodes may publish between two looks, and all share one queue.
+# Several nodes may publish between two polls, and all share one queue.
 _QOS = Qos(reliable=True, transient_local=True, depth=100)
 
 

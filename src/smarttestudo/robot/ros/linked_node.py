@@ -18,7 +18,7 @@ from smarttestudo.domain.robot import (
     DataPathKind,
     Endpoint,
     GraphChange,
-    LookAtGraph,
+    PollGraph,
     Publisher,
     Qos,
     Receive,
@@ -77,16 +77,16 @@ class LinkedNode(RosNode):
         local = super().subscriber_count(topic) if self._is_here(topic) else 0
         return local + self._link.state.is_connected
 
-    def look_at_graph(self, look: LookAtGraph) -> None:
-        """Have ``look`` called; an operator's end that comes or goes is a change of the graph."""
+    def poll_graph(self, poll: PollGraph) -> None:
+        """Have ``poll`` called; an operator's end that comes or goes is a change of the graph."""
         was_connected = False
 
-        def look_at_both(graph: GraphChange) -> None:
+        def poll_both(graph: GraphChange) -> None:
             nonlocal was_connected
             before, was_connected = was_connected, self._link.state.is_connected
-            look(graph if was_connected is before else GraphChange.TOLD)
+            poll(graph if was_connected is before else GraphChange.TOLD)
 
-        super().look_at_graph(look_at_both)
+        super().poll_graph(poll_both)
 
     def text_publisher(self, topic: str, qos: Qos, *, goes_over_link: bool = True) -> Callable[[str], None]:
         """Sender of a std_msgs/msg/String on ``topic``: on the graph and, where wanted, over the link."""

@@ -24,8 +24,8 @@ from smarttestudo.domain.robot import (
     DataPath,
     DataPathKind,
     Endpoint,
-    LookAtGraph,
     OutputDomain,
+    PollGraph,
     Publisher,
     Qos,
 )
@@ -35,13 +35,13 @@ from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.robot.ros.data_path import open_data_path
 from smarttestudo.robot.ros.definitions import message_definition
 from smarttestudo.robot.ros.diagnostics import diagnostics_publisher
-from smarttestudo.robot.ros.graph_looks import GraphLooks
+from smarttestudo.robot.ros.graph_polls import GraphPolls
 from smarttestudo.robot.ros.message_types import begins_with_header, message_type
 from smarttestudo.robot.ros.node_log import node_log
 from smarttestudo.robot.ros.output_domain import operators_node
 from smarttestudo.robot.ros.own_context import own_context
 from smarttestudo.robot.ros.parameters import (
-    REMOTE_LOOK_PERIOD_S,
+    REMOTE_POLL_PERIOD_S,
     NodeParameterClients,
     NodeParameters,
 )
@@ -104,8 +104,8 @@ class RosNode:
         self._data_path_kind = data_path_kind
         self._data_path: RclPath | RclpyPath | None = None
         self._timers = RealTimers()
-        self._look_at_clock()
-        self.every(CLOCK_PERIOD_S, self._look_at_clock)
+        self._poll_clock()
+        self.every(CLOCK_PERIOD_S, self._poll_clock)
         self._parameters = NodeParameters(node)
         self._remote_parameters: NodeParameterClients | None = None
 
@@ -237,23 +237,23 @@ class RosNode:
         if self._remote_parameters is None:
             self._remote_parameters = clients = NodeParameterClients(self._node, time.monotonic)
 
-            def look() -> None:
-                clients.look()
+            def poll() -> None:
+                clients.poll()
                 if clients.is_asking and self._data_path is not None:
-                    self._data_path.look_for_answers()
+                    self._data_path.poll_answers()
 
-            self.every(REMOTE_LOOK_PERIOD_S, look)
+            self.every(REMOTE_POLL_PERIOD_S, poll)
         return self._remote_parameters
 
     def every(self, period_s: float, act: Callable[[], float | None]) -> None:
         """Have ``act`` called again and again, in real time; after what it returns, or ``period_s``."""
         self._timers.add(period_s, act, time.monotonic())
 
-    def look_at_graph(self, look: LookAtGraph) -> None:
-        """Have ``look`` called soon after publishers or subscribers came or went, and now and then."""
+    def poll_graph(self, poll: PollGraph) -> None:
+        """Have ``poll`` called soon after publishers or subscribers came or went, and now and then."""
         path = self._open_data_path()
-        looks = GraphLooks(self._timers, look, lambda: path.tells_graph, time.monotonic)
-        path.on_graph_change(looks.changed)
+        polls = GraphPolls(self._timers, poll, lambda: path.tells_graph, time.monotonic)
+        path.on_graph_change(polls.changed)
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""
@@ -281,7 +281,7 @@ class RosNode:
             )
         return self._data_path
 
-    def _look_at_clock(self) -> None:
+    def _poll_clock(self) -> None:
         self._is_simulated = self._clock.ros_time_is_active
 
 

@@ -134,7 +134,7 @@ def plain_value(value: Any) -> ParameterValue:
         return str(value)
 
 
-REMOTE_LOOK_PERIOD_S = 0.05
+REMOTE_POLL_PERIOD_S = 0.05
 ANSWER_WITHIN_S = 5.0
 # Clients of a node that is not used any more are kept no longer than this.
 _KEPT_S = 60.0
@@ -161,7 +161,7 @@ class _Call:
 class NodeParameterClients:
     """Gets and sets parameters of other nodes through clients of ``node``, on the thread of its executor.
 
-    ``look`` is to be called often: it sends what waits for a service to be found, and gives up in time.
+    ``poll`` is to be called often: it sends what waits for a service to be found, and gives up in time.
     """
 
     def __init__(self, node: Any, steady_s: Callable[[], float]) -> None:
@@ -203,7 +203,7 @@ class NodeParameterClients:
 
         self._call(SetParameters, "set_parameters", node, SetParameters.Request(parameters=parameters), told)
 
-    def look(self) -> None:
+    def poll(self) -> None:
         """Send what can be sent, and give up on what took too long."""
         now_s = self._steady_s()
         for call in [*self._calls]:
@@ -228,7 +228,7 @@ class NodeParameterClients:
             return
         client.used_s = now_s
         self._calls.append(_Call(client, request, told, node, now_s + ANSWER_WITHIN_S))
-        self.look()
+        self.poll()
 
     def _new_client(self, kind: Any, service: str, now_s: float) -> _Client:
         try:

@@ -70,7 +70,7 @@ class RclpyPath:
     def on_graph_change(self, changed: Callable[[], None]) -> None:
         """Do nothing: rclpy does not report it."""
 
-    def look_for_answers(self) -> None:
+    def poll_answers(self) -> None:
         """Do nothing: rclpy's executor waits for them."""
 
     def wait(self, timeout_s: float) -> None:

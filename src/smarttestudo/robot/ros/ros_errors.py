@@ -15,7 +15,7 @@ def ros_errors(place: str | None = None) -> _RosErrors:
 
 
 class _RosErrors:
-    """No generator: each look at the graph enters it for hundreds of topics."""
+    """No generator: each poll of the graph enters it for hundreds of topics."""
 
     __slots__ = ("_place",)
 

@@ -160,7 +160,7 @@ class _ValueWatch:
             self.stepped(stamp_ns, self._loop)
 
     def stepped(self, now_ns: int, loop: RelayLoop) -> None:
-        """Look what the value is; it was that one in all bins since the last look."""
+        """Read the value; it was that one in all bins since the last call."""
         self._loop = loop
         bin_ = max(min((now_ns - self._start_ns) // self.width_ns, len(self.least) - 1), 0)
         for held in range(self._bin, bin_ + 1):

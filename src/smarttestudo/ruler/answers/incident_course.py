@@ -80,7 +80,7 @@ def incident_course(folder: Path, report: Callable[[float], None]) -> IncidentCo
         reading = _Reading(record, bins, recording)
         expected = max(1, sum(one.messages for one in record.topics.values()))
         for done, (channel, stamp_ns, (size_bytes, head)) in enumerate(recording.heads(_HEAD_BYTES)):
-            reading.take(channel, stamp_ns, head if size_bytes == len(head) else None)
+            reading.on_message(channel, stamp_ns, head if size_bytes == len(head) else None)
             report(min(done / expected, 1.0))
         notices = (*recording.notices(), *reading.notices())
     unheard: dict[str, list[Missing]] = {}
@@ -155,7 +155,7 @@ class _Reading:
         known = ((point.t_s, point.x_m, point.y_m) for point in points[::step])
         return tuple(point for point in known if all(map(math.isfinite, point)))
 
-    def take(self, channel: Channel, stamp_ns: int, payload: bytes | None) -> None:
+    def on_message(self, channel: Channel, stamp_ns: int, payload: bytes | None) -> None:
         """The next message; of a large one without its payload."""
         bin_ = self._bins.at(stamp_ns)
         if bin_ is None:

@@ -123,7 +123,7 @@ class TruthWatch:
         )
 
     def stepped(self, now_ns: int, loop: RelayLoop) -> None:
-        """Look which blocks turned; called often, and mostly none did."""
+        """Find the blocks that turned; called often, and mostly none did."""
         turned = loop.take_turned_blocks()
         if not turned or self.cut_s is not None:
             return

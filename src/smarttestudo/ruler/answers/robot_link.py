@@ -179,7 +179,7 @@ class RobotLink:
             watch.want(self._wanted_hz)
             self._problem = robots.problem
             robots.wait(_WAIT_S)
-            news = watch.look()
+            news = watch.poll()
             for one in news:
                 self._histories.setdefault(one.status.robot_id, RobotHistory()).add(one)
                 self._checks.setdefault(one.status.robot_id, RobotChecks()).add(one)

@@ -151,8 +151,8 @@ class RobotWatch:
         self._ask_again_s: dict[str, float] = {}
         self._seen: dict[str, SeenRobot] = {}
 
-    def look(self) -> list[SeenRobot]:
-        """The robots of which something new came since the last look."""
+    def poll(self) -> list[SeenRobot]:
+        """The robots of which something new came since the last poll."""
         now_s = self._steady_s()
         heard = dict(self._robots.heard)
         news = [self._see(name, one) for name, one in heard.items() if self._is_new(name, one)]
@@ -167,7 +167,7 @@ class RobotWatch:
 
     @property
     def seen(self) -> Mapping[str, SeenRobot]:
-        """All robots by their ids, as of the last look; a live view."""
+        """All robots by their ids, as of the last poll; a live view."""
         return self._seen
 
     def want(self, wanted_hz: Mapping[str, float]) -> None:

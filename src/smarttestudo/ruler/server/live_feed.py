@@ -16,7 +16,7 @@ from smarttestudo.ruler.answers.robot_watch import SeenRobot
 from smarttestudo.ruler.server.socket import Listeners, Robots, encoded
 
 _ROBOTS_PERIOD_S = 2.0
-_LOOKS_PER_PERIOD = 8
+_POLLS_PER_PERIOD = 8
 
 
 class LiveFeed:
@@ -110,8 +110,8 @@ class LiveFeed:
             self._link.begin()
             self._tell_robots()
             heard = self._heard_robots()
-            for _ in range(_LOOKS_PER_PERIOD):
-                await asyncio.sleep(_ROBOTS_PERIOD_S / _LOOKS_PER_PERIOD)
+            for _ in range(_POLLS_PER_PERIOD):
+                await asyncio.sleep(_ROBOTS_PERIOD_S / _POLLS_PER_PERIOD)
                 if self._heard_robots() != heard:
                     break
 

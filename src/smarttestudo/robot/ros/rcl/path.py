@@ -18,7 +18,7 @@ from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher, Qos, Receive, Subscription
 from smarttestudo.robot.ros.byte_topics import ByteTopics
-from smarttestudo.robot.ros.graph_looks import LEAST_PERIOD_S
+from smarttestudo.robot.ros.graph_polls import LEAST_PERIOD_S
 from smarttestudo.robot.ros.message_types import decoded, is_installed
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
 from smarttestudo.robot.ros.rcl.compiled_relays import RclRelays
@@ -47,13 +47,13 @@ class RclpyPart:
         self._wake_ups = wake_ups
         self._known: WeakSet[Any] = WeakSet()
         self._event_fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-        self._look_s = time.monotonic()
+        self._poll_s = time.monotonic()
         wake_ups.add(self._event_fd, self)
 
     def serve(self, most: int) -> bool:
         """Run up to ``most`` callbacks; whether there may be more."""
         # In Humble a wake-up may come before what it is for can be taken.
-        self._look_s = min(self._look_s, time.monotonic() + LEAST_PERIOD_S)
+        self._poll_s = min(self._poll_s, time.monotonic() + LEAST_PERIOD_S)
         return self._run(most)
 
     def _run(self, most: int) -> bool:
@@ -67,14 +67,14 @@ class RclpyPart:
                 raise task.exception()
         return True
 
-    def look_next(self) -> None:
-        """Have the next ``look`` do it."""
-        self._look_s = time.monotonic()
+    def poll_next(self) -> None:
+        """Have the next ``poll`` do it."""
+        self._poll_s = time.monotonic()
 
-    def look(self, period_s: float) -> None:
+    def poll(self, period_s: float) -> None:
         """Do what nothing wakes for, if it is time; then again after ``period_s``."""
-        if time.monotonic() >= self._look_s:
-            self._look_s = time.monotonic() + period_s
+        if time.monotonic() >= self._poll_s:
+            self._poll_s = time.monotonic() + period_s
             self._attend()
             while self._run(1):
                 pass
@@ -170,9 +170,9 @@ class RclPath:
         """Have ``changed`` called when publishers or subscribers came or went, within ``wait``."""
         self._graph_changed = changed
 
-    def look_for_answers(self) -> None:
+    def poll_answers(self) -> None:
         """Have the next ``wait`` look for answers to our requests, for which nothing wakes."""
-        self._rclpy_part.look_next()
+        self._rclpy_part.poll_next()
 
     def knows(self, type_name: str) -> bool:
         """Whether the message type is installed."""
@@ -205,7 +205,7 @@ class RclPath:
     def wait(self, timeout_s: float) -> None:
         """Deliver what comes next; return after it or after ``timeout_s``."""
         self._wake_ups.wait(timeout_s)
-        self._rclpy_part.look(UNTOLD_PERIOD_S if self.tells_graph else LEAST_PERIOD_S)
+        self._rclpy_part.poll(UNTOLD_PERIOD_S if self.tells_graph else LEAST_PERIOD_S)
 
     def close(self) -> None:
         """Deliver nothing more."""
@@ -224,7 +224,7 @@ class RclPath:
             self._failed(RosError(f"changes of the graph are no longer reported: {self._graph.problem}"))
         # New services of ours change it, and so does what rclpy warns of: a subscriber with another QoS.
         self._changed_s = time.monotonic()
-        self._rclpy_part.look_next()
+        self._rclpy_part.poll_next()
         self._graph_changed()
 
     def _may_warn(self) -> bool:

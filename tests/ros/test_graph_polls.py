@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from smarttestudo.domain.robot import DataPathKind, GraphChange, OutputDomain, Qos, Robot
-from smarttestudo.robot.ros import graph_looks, open_robot
-from smarttestudo.robot.ros.graph_looks import GraphLooks
+from smarttestudo.robot.ros import graph_polls, open_robot
+from smarttestudo.robot.ros.graph_polls import GraphPolls
 from smarttestudo.robot.ros.rcl import path
 from smarttestudo.robot.ros.real_timers import RealTimers
 
@@ -32,7 +32,7 @@ class Looks:
         self.now_s = 0.0
         self.seen: list[GraphChange] = []
         self._timers = RealTimers()
-        self.looks = GraphLooks(self._timers, self.seen.append, lambda: self.is_told, lambda: self.now_s)
+        self.looks = GraphPolls(self._timers, self.seen.append, lambda: self.is_told, lambda: self.now_s)
 
     def during(self, seconds: float) -> list[GraphChange]:
         """The looks of so many seconds."""
@@ -91,7 +91,7 @@ def robot(
     request: pytest.FixtureRequest, in_domain: None, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Robot]:
     """A robot that looks at its graph only when that is told to have changed, wherever changes are told."""
-    monkeypatch.setattr(graph_looks, "NET_PERIOD_S", 10 * TIMEOUT_S)
+    monkeypatch.setattr(graph_polls, "NET_PERIOD_S", 10 * TIMEOUT_S)
     with open_robot(data_path=request.param) as opened:
         yield opened
 
@@ -124,7 +124,7 @@ def test_publishers_and_subscribers_that_come_and_go_are_looked_at_and_nothing_e
         looks.append(graph)
         counts.append((robot.publisher_count("/words"), robot.subscriber_count("/words")))
 
-    robot.look_at_graph(look)
+    robot.poll_graph(look)
     wait_for_quiet(robot, looks)
     with open_robot(name="other") as other:
         publisher = other.data_path.advertise("/words", TEXT, PLAIN)
@@ -153,7 +153,7 @@ def test_an_operator_in_another_domain_is_looked_at_when_it_comes(
             looks.append(graph)
             counts.append(relay.subscriber_count("/words"))
 
-        relay.look_at_graph(look)
+        relay.poll_graph(look)
         wait_for_quiet(relay, looks)
         monkeypatch.setenv("ROS_DOMAIN_ID", str(other_domain))
         with open_robot(name="operator") as operator:
@@ -168,7 +168,7 @@ def test_after_a_quiet_time_rclpy_warns_of_a_subscriber_that_an_output_does_not_
 ) -> None:
     monkeypatch.setattr(path, "WARNS_S", QUIET_S / 2)
     looks: list[GraphChange] = []
-    robot.look_at_graph(looks.append)
+    robot.poll_graph(looks.append)
     robot.data_path.advertise("/words", TEXT, Qos(reliable=False, transient_local=False))
     wait_for_quiet(robot, looks)
     with open_robot(name="other") as other:
@@ -179,7 +179,7 @@ def test_after_a_quiet_time_rclpy_warns_of_a_subscriber_that_an_output_does_not_
 @pytest.mark.parametrize("robot", [DataPathKind.RCLPY], indirect=True)
 def test_through_rclpy_the_graph_is_looked_at_though_nobody_tells_of_changes(robot: Robot) -> None:
     looks: list[GraphChange] = []
-    robot.look_at_graph(looks.append)
+    robot.poll_graph(looks.append)
     wait_until(robot, lambda: len(looks) >= 3)
     assert set(looks) == {GraphChange.UNTOLD}
 
@@ -197,6 +197,6 @@ def test_where_librcl_does_not_tell_of_changes_it_says_why_and_the_graph_is_look
         assert "the graph checked five times a second because " in said
         assert "create_guard_condition" in said
         looks: list[GraphChange] = []
-        robot.look_at_graph(looks.append)
+        robot.poll_graph(looks.append)
         wait_until(robot, lambda: len(looks) >= 3)
         assert set(looks) == {GraphChange.UNTOLD}
