@@ -298,6 +298,14 @@ def damaged_texts(draw: st.DrawFn) -> str:
     return text
 
 
+def test_an_edit_that_changes_nothing_does_not_close_the_block_above() -> None:
+    block = "If CheckValue /odom pose_x > 0 Then SetFrequency /odom 1"
+    document = document_of(f"begin\n{block}\nKeepAtLeast /odom 1\nend\n")
+    entry = document.entries[1]
+    assert entry.statement is not None
+    assert replaced(document, entry.id, NewStatement(content=entry.statement)) == document.text
+
+
 @given(damaged_texts(), STATEMENTS, st.data())
 @settings(max_examples=100)
 def test_edits_of_a_damaged_file_keep_every_other_statement(

@@ -85,7 +85,8 @@ def demands(draw: st.DrawFn) -> list[Demand]:
 @st.composite
 def accuracy_tiers(draw: st.DrawFn, *, distinct: bool = False) -> AccuracyTiers:
     """Six accuracies with measured needs; equal needs are common, and equal bounds unless ``distinct``."""
-    some = st.sampled_from([0.01, 0.1, 1.0]) | st.floats(1e-3, 10)
+    # Bounds that differ by float noise only are one when they are rounded to be read.
+    some = st.sampled_from([0.01, 0.1, 1.0]) | st.floats(1e-3, 10).map(lambda one: float(f"{one:.9g}"))
     bounds = draw(st.lists(some, min_size=6, max_size=6, unique=distinct))
     needs_hz = draw(st.lists(st.sampled_from([0.5, 1.0, 25.0]) | st.floats(0.1, 200), min_size=6, max_size=6))
     return AccuracyTiers(bounds=tuple(sorted(bounds, reverse=True)), needs_hz=tuple(sorted(needs_hz)))

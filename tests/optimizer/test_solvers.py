@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import highspy
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from optimizer.instances import demands
@@ -110,6 +110,8 @@ def test_equal_topics_share_what_is_left() -> None:
 
 @given(asked=demands(), share=st.floats(-0.1, 1.1))
 @settings(max_examples=300)
+# Over the budget by float noise before a piece that costs no more than that.
+@example([demand("/t0", 1.0, 0.1, (1e-9, 0.5))], -0.0625)
 def test_greedy_and_highs_find_the_same_gain(asked: list[Demand], share: float) -> None:
     least = used_kb_per_s((one.size_kb, one.least_hz) for one in asked)
     most = used_kb_per_s((one.size_kb, one.most_hz) for one in asked)

@@ -70,7 +70,7 @@ def _replacement(document: Document, name: str, new: NewStatement) -> list[TextE
     text_edits = rewritten(entry, _closed(new.content), line_end)
     if new.comments is not None and list(new.comments) != comment_texts(entry.comments):
         text_edits.append(_comments_above(entry.token_range, new.comments, line_end))
-    if at > 0 and takes_in(part.entries[at - 1], new.content):
+    if text_edits and at > 0 and takes_in(part.entries[at - 1], new.content):
         text_edits.append(_end_if(part.entries[at - 1], line_end))
     return text_edits
 

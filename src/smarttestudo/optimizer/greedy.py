@@ -40,7 +40,7 @@ def allocate(demands: Sequence[Demand], budget_kb_per_s: float) -> Allocation | 
         for piece in demand.pieces
         if piece.gain_per_hz > 0 and piece.width_hz > 0
     ]
-    price = fill(rates, segments, max(0.0, budget_kb_per_s - least_kb_per_s))
+    price = fill(rates, segments, budget_kb_per_s - least_kb_per_s)
     return Allocation(
         rates_hz={demand.topic: rate for demand, rate in zip(demands, rates, strict=True)}, price=price
     )
@@ -56,12 +56,13 @@ def fill(rates_hz: list[float], segments: list[Segment], left_kb_per_s: float) -
         groups.setdefault(segment[0], []).append(segment)
     for density in sorted(groups, reverse=True):
         cost = math.fsum(segment[3] for segment in groups[density])
-        share = 1.0 if fits(cost, left_kb_per_s) else left_kb_per_s / cost
+        share = 1.0 if cost <= 0 or fits(cost, left_kb_per_s) else max(0.0, left_kb_per_s) / cost
         for _, index, width_hz, _ in groups[density]:
             rates_hz[index] += share * width_hz
         if share < 1.0:
             return density
-        left_kb_per_s = max(0.0, left_kb_per_s - cost)
+        # Below 0 by float noise once at most: it is not forgiven for each group anew.
+        left_kb_per_s -= cost
     return 0.0
 
 

@@ -62,7 +62,7 @@ def plan_within(loads: Sequence[TopicRequest], budget_kb_per_s: float) -> Budget
     rates_hz = list(least_hz)
     floors_fit = fits(least, budget_kb_per_s)
     if floors_fit:
-        fill(rates_hz, segments, max(0.0, budget_kb_per_s - least))
+        fill(rates_hz, segments, budget_kb_per_s - least)
     # A rate that float noise alone keeps from its request is not cut.
     cut_hz = {
         load.topic: max(round_down(rate), floor)
