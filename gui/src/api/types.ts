@@ -446,6 +446,19 @@ export interface FullRate {
   value?: null;
 }
 
+export type HealthLevel = "ok" | "warn" | "error" | "stale";
+
+/**
+ * How bad something is, what in a few words, and all that is known of it.
+ *
+ * It says what `testudo top` and /diagnostics do.
+ */
+export interface HealthWords {
+  level: HealthLevel;
+  summary: string;
+  message: string;
+}
+
 /**
  * The first message on `/ws`; a page that knows another protocol asks to be reloaded.
  *
@@ -757,6 +770,8 @@ export interface ListedIncident {
 /**
  * The status of a robot, and what it does not say itself.
  *
+ * `health` is that of the topics of which there is something to say. `accepted` are words for each topic
+ * that is accepted of operators, `recording` those for what is recorded, both in the status's order.
  * `status_kb_per_s` is what its statuses themselves take of the link at most. `bounds` say of topics
  * which bound of each property holds, what decided it, and whether that is in doubt. `labels` are what
  * decisions call the blocks, and `checks` the words of the checks, in the order of the status; empty and
@@ -767,6 +782,9 @@ export interface Live {
   node: string;
   status: RuntimeStatus;
   status_kb_per_s: number;
+  health: Record<string, HealthWords>;
+  accepted: string[];
+  recording: string | null;
   bounds: Record<string, string[]>;
   labels: string[];
   checks: (RobotCheck | null)[];
@@ -1368,7 +1386,7 @@ export interface RobotStartAnswer {
 }
 
 /**
- * One robot of a list; `label` is what people call it.
+ * One robot of a list; `label` is what people call it, `health` null where all is well.
  *
  * `is_heard` is false once it has been silent for longer than it should be; `heard_s_ago` is the time
  * since its last status. `topics` are counted. `lost` counts messages that overflowed on the link, of
@@ -1379,6 +1397,7 @@ export interface RobotSummary {
   label: string;
   is_heard: boolean;
   heard_s_ago: number;
+  health: HealthWords | null;
   rules: RulesInForce;
   topics: number;
   budget_kb_per_s: number | null;

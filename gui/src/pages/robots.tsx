@@ -92,7 +92,7 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
     return link.watch();
   }, [node]);
   const live = link.live.value;
-  const { kind, isFailing, why } = link.connection.value;
+  const { kind, why, trouble } = link.connection.value;
   return (
     <>
       <Header title={link.robot.value?.label ?? node} />
@@ -115,7 +115,7 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
           />
         )}
         {kind !== "connected" && <p>{why}</p>}
-        {isFailing && <Problem text={why} />}
+        <Problem text={trouble} />
         {live && <RobotTotals live={live} />}
         {live && <RobotTopics link={link} live={live} />}
         {link.robot.value?.node === node && <RobotChecks api={props.api} node={node} propose={null} />}

@@ -83,7 +83,7 @@ function RobotChoice({ link }: { link: RobotLink }) {
 }
 
 function Situation({ link }: { link: RobotLink }) {
-  const { kind, isFailing, words, why } = link.connection.value;
+  const { kind, words, why, trouble } = link.connection.value;
   const robot = link.robot.value;
   if (kind !== "connected" || robot === null) {
     return (
@@ -92,10 +92,16 @@ function Situation({ link }: { link: RobotLink }) {
       </>
     );
   }
+  const { origin } = robot.rules;
   return (
-    <span class={isFailing ? "problem" : ""} role={isFailing ? "alert" : undefined}>
-      {RULES_WORDS[robot.rules.origin]}
-    </span>
+    <>
+      {origin !== "fallback" && RULES_WORDS[origin]}{" "}
+      {trouble && (
+        <span class="problem" role="alert">
+          {trouble}
+        </span>
+      )}
+    </>
   );
 }
 

@@ -78,9 +78,9 @@ function RobotRow({ robot, project, sinceToldS }: RowProps) {
   );
 }
 
-function lookOf({ is_heard, rules }: RobotSummary, isTroubled: boolean): string {
+function lookOf({ is_heard, health }: RobotSummary, isTroubled: boolean): string {
   if (!is_heard) return "silent";
-  if (rules.origin === "fallback") return "failing";
+  if (health?.level === "error") return "failing";
   return isTroubled ? "troubled" : "";
 }
 

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useMemo } from "preact/hooks";
-import type { Live, TopicStatus } from "../api/types";
+import type { HealthLevel, HealthWords, Live, TopicStatus } from "../api/types";
 import type { RobotLink } from "../state/robot_link";
 import { fixed, readable } from "../ui/numbers";
 import { Sparkline } from "./sparkline";
 
 /** Every relayed topic of a robot as it is now. */
-export function RobotTopics({ link, live: { status, bounds } }: { link: RobotLink; live: Live }) {
+export function RobotTopics({ link, live: { status, health, bounds } }: { link: RobotLink; live: Live }) {
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach
     <div class="table-scroll" tabIndex={0}>
@@ -36,7 +36,7 @@ export function RobotTopics({ link, live: { status, bounds } }: { link: RobotLin
               key={name}
               link={link}
               topic={name}
-              cells={cellsOf(topic, bounds[name] ?? [])}
+              cells={cellsOf(topic, health[name], bounds[name] ?? [])}
               linkCells={status.link ? linkCellsOf(topic) : null}
             />
           ))}
@@ -47,7 +47,7 @@ export function RobotTopics({ link, live: { status, bounds } }: { link: RobotLin
 }
 
 /** What the row of a topic says, in the order of the columns, and how it looks; the sparkline is beside it. */
-function cellsOf(topic: TopicStatus, bounds: readonly string[]): string {
+function cellsOf(topic: TopicStatus, health: HealthWords | undefined, bounds: readonly string[]): string {
   const rate = (hz: number | null) => (hz === null ? "–" : fixed(hz, 1));
   const target = topic.target_hz === null ? "Full" : readable(topic.target_hz);
   return [
@@ -56,8 +56,8 @@ function cellsOf(topic: TopicStatus, bounds: readonly string[]): string {
     rate(topic.actual_hz),
     fixed(topic.out_kb_per_s, 1),
     [topic.rule ?? REASONS[topic.reason] ?? topic.reason, ...bounds].join("; "),
-    topic.problem ?? topic.silent ?? relayed(topic),
-    (topic.problem ?? topic.silent) ? "silent" : "",
+    health?.message ?? "relayed",
+    health ? LOOKS[health.level] : "",
   ].join("\n");
 }
 
@@ -70,11 +70,7 @@ function linkCellsOf({ link }: TopicStatus): string {
   return [age, readable(link.replaced), readable(link.queued_bytes / 1000)].join("\n");
 }
 
-function relayed({ keeps_rate, error_percent, link }: TopicStatus): string {
-  if (link?.losing && link.overflowed) return `${readable(link.overflowed)} lost on the link`;
-  if (keeps_rate || error_percent === null) return "relayed";
-  return `rate off by ${fixed(error_percent, 0)} %`;
-}
+const LOOKS: Record<HealthLevel, string> = { ok: "silent", stale: "silent", warn: "trouble", error: "failing" };
 
 const REASONS: Record<string, string> = {
   default: "default",
@@ -97,7 +93,7 @@ function TopicRow({ link, topic, cells, linkCells }: RowProps) {
   return useMemo(() => {
     const [source, target, actual, sent, decider, state, look] = cells.split("\n");
     return (
-      <tr class={look}>
+      <tr class={look === "silent" ? look : ""}>
         <th scope="row">{topic}</th>
         <td class="number">{source}</td>
         <td class="number">{target}</td>
@@ -112,7 +108,7 @@ function TopicRow({ link, topic, cells, linkCells }: RowProps) {
           </td>
         ))}
         <td class={decider === REASONS.fallback ? "failing" : ""}>{decider}</td>
-        <td>{state}</td>
+        <td class={look}>{state}</td>
       </tr>
     );
   }, [topic, cells, linkCells]);

@@ -5,7 +5,7 @@ import { linkWords } from "../state/robot_trouble";
 import { fixed, readable } from "../ui/numbers";
 
 /** What all topics take of the link together, and what the runtime takes of its machine. */
-export function RobotTotals({ live: { status, status_kb_per_s } }: { live: Live }) {
+export function RobotTotals({ live: { status, status_kb_per_s, accepted, recording } }: { live: Live }) {
   const sent = status.out_kb_per_s;
   const budget = status.budget_kb_per_s;
   const [shown, leftOut] = [status.blocks.length, status.blocks_left_out ?? 0];
@@ -24,6 +24,12 @@ export function RobotTotals({ live: { status, status_kb_per_s } }: { live: Live 
         )}
       </div>
       {status.link && <Figure name="Link" value={linkWords(status.link)} />}
+      {Object.entries(status.accepted ?? {}).map(([topic, { problem }], place) => (
+        <Figure key={topic} name={`Accepts ${topic}`} value={accepted[place] ?? ""} isTroubled={problem !== null} />
+      ))}
+      {recording !== null && (
+        <Figure name="Records" value={recording} isTroubled={typeof status.incidents?.problem === "string"} />
+      )}
       <Figure name="Watching" value={`up to ${readable(status_kb_per_s)} KB/s`} />
       <Figure name="Received" value={`${readable(status.in_kb_per_s)} KB/s`} />
       {leftOut > 0 && <Figure name="Rules shown" value={`${shown} of ${shown + leftOut}`} />}
@@ -33,9 +39,9 @@ export function RobotTotals({ live: { status, status_kb_per_s } }: { live: Live 
   );
 }
 
-function Figure({ name, value }: { name: string; value: string }) {
+function Figure({ name, value, isTroubled }: { name: string; value: string; isTroubled?: boolean }) {
   return (
-    <div>
+    <div class={isTroubled ? "trouble" : ""}>
       <dt>{name}</dt>
       <dd>{value}</dd>
     </div>

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { RobotSummary, Robots, RulesOrigin } from "../api/types";
+import { sentence } from "../ui/numbers";
 
 /** The server tells of robots every two seconds; what is so old is no longer trusted. */
 export const TOLD_WITHIN_S = 8;
@@ -19,6 +20,8 @@ interface Connection {
   isFailing: boolean;
   words: string;
   why: string;
+  /** What a robot that is heard does not do as it should, as a sentence; empty where all is well. */
+  trouble: string;
 }
 
 /** Sums up what is known; `sinceToldS` is how old `robots` is. */
@@ -44,12 +47,16 @@ export function connectionOf(
 function heardFrom(robot: RobotSummary, sinceToldS: number): Connection {
   const silentS = Math.floor(robot.heard_s_ago + sinceToldS);
   if (robot.is_heard && sinceToldS < TOLD_WITHIN_S) {
-    const isFailing = robot.rules.origin === "fallback";
+    const { health, label } = robot;
+    const isFailing = health?.level === "error";
+    const rules = RULES_WORDS[robot.rules.origin];
+    const trouble = health === null ? "" : robot.rules.origin === "fallback" ? rules : `${sentence(health.message)}.`;
     return {
       kind: "connected",
       isFailing,
-      words: isFailing ? `${robot.label}: no valid rules` : `connected to ${robot.node}`,
-      why: `${robot.node} relays ${robot.topics} topics. ${RULES_WORDS[robot.rules.origin]}`,
+      words: isFailing ? `${label}: ${health.summary}` : `connected to ${robot.node}`,
+      why: `${robot.node} relays ${robot.topics} topics. ${trouble === rules ? rules : `${rules} ${trouble}`.trim()}`,
+      trouble,
     };
   }
   return {
@@ -57,11 +64,12 @@ function heardFrom(robot: RobotSummary, sinceToldS: number): Connection {
     isFailing: false,
     words: `robot silent for ${silentS} s`,
     why: `No status of ${robot.node} for ${silentS} s. Check that 'testudo run' is running and the radio is up.`,
+    trouble: "",
   };
 }
 
 function none(why: string): Connection {
-  return { kind: "none", isFailing: false, words: "not connected", why };
+  return { kind: "none", isFailing: false, words: "not connected", why, trouble: "" };
 }
 
 /** Which rules a robot follows, as a sentence. */

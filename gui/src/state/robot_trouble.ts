@@ -29,8 +29,8 @@ const TROUBLES: {
     holds: ({ is_heard }) => !is_heard,
     words: ({ heard_s_ago }, sinceToldS) => `silent for ${duration(heard_s_ago + sinceToldS)}`,
   },
-  { holds: ({ rules }) => rules.origin === "fallback", words: () => "no valid rules" },
-  { holds: ({ link }) => link !== null && !link.connected, words: () => "no operator connected" },
+  { holds: ({ health }) => health?.level === "error", words: ({ health }) => health?.summary ?? "" },
+  { holds: ({ health }) => health !== null, words: ({ health }) => health?.summary ?? "" },
   {
     holds: ({ lost }) => lost > 0,
     words: ({ lost }) => `${readable(lost)} ${lost === 1 ? "message" : "messages"} lost`,

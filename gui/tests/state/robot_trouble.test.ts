@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import type { LinkState, Project, RobotSummary, RulesInForce } from "../../src/api/types";
+import type { HealthWords, LinkState, Project, RobotSummary, RulesInForce } from "../../src/api/types";
 import { byTrouble, followersOf, inOrderOf, linkWords, rulesFor, troubleOf } from "../../src/state/robot_trouble";
 
 const LINK: LinkState = { connected: true, capacity_kb_per_s: 231.5, round_trip_ms: 24.4, outages: 1 };
@@ -11,11 +11,18 @@ const RULES: RulesInForce = {
   origin: "files",
   waits_s: null,
 };
+const ERROR: HealthWords = { level: "error", summary: "no valid rules", message: "no valid rules: all is relayed" };
+const WARNING: HealthWords = {
+  level: "warn",
+  summary: "no operator is connected over the link",
+  message: "no operator is connected over the link",
+};
 const WELL: RobotSummary = {
   node: "/ada",
   label: "ada",
   is_heard: true,
   heard_s_ago: 0.4,
+  health: null,
   rules: RULES,
   topics: 3,
   budget_kb_per_s: 100,
@@ -40,8 +47,8 @@ const withFiles = (names: string[], opened: string | null = null): Project => ({
 test.each<[Partial<RobotSummary>, string]>([
   [{ is_heard: false, heard_s_ago: 12.2 }, "silent for 15 s"],
   [{ is_heard: false, heard_s_ago: 200 }, "silent for 3 min"],
-  [{ rules: { ...RULES, origin: "fallback" } }, "no valid rules"],
-  [{ link: { ...LINK, connected: false } }, "no operator connected"],
+  [{ health: ERROR }, "no valid rules"],
+  [{ health: WARNING, lost: 1 }, "no operator is connected over the link"],
   [{ lost: 1 }, "1 message lost"],
   [{ lost: 1200 }, "1 200 messages lost"],
   [{ out_kb_per_s: 101 }, "sends more than its budget"],
@@ -68,9 +75,10 @@ test("the silent come first, the longest before all, then other troubles, then t
     named("new"),
     named("gone", { is_heard: false, heard_s_ago: 300 }),
     named("away", { is_heard: false, heard_s_ago: 9 }),
-    named("alone", { link: { ...LINK, connected: false } }),
+    named("alone", { health: WARNING }),
+    named("lawless", { health: ERROR }),
   ];
-  const order = ["gone", "away", "alone", "late", "old", "new", "bob", "zoe"];
+  const order = ["gone", "away", "lawless", "alone", "late", "old", "new", "bob", "zoe"];
   expect(byTrouble(robots).map(({ label }) => label)).toEqual(order);
   expect(byTrouble([...robots].reverse()).map(({ label }) => label)).toEqual(order);
 });

@@ -18,9 +18,9 @@ from smarttestudo.domain.bound_texts import bound_texts
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import CommandTopic, LinkState
+from smarttestudo.domain.link_state import LinkState
 from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
-from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped
+from smarttestudo.domain.units import counted, grouped
 from smarttestudo.report.table import (
     Align,
     Cell,
@@ -33,7 +33,7 @@ from smarttestudo.report.table import (
     plain_table,
     printable,
 )
-from smarttestudo.robot.diagnostics import topic_health
+from smarttestudo.robot.diagnostics import accepted_text, recording_text, topic_health
 
 WIDE = 110
 _QUIET = frozenset({Silence.OFF, Silence.NO_SUBSCRIBER})
@@ -89,12 +89,19 @@ def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> li
 
     ``silent_s`` is the time without a status, if it is too long.
     """
+    recording = status.incidents
     return [
         Line(_runtime(status), Style.HEADING),
         Line(_link(status), Style.ERROR if status.floors_break_budget else Style.PLAIN),
         *([Line("No valid rules: everything is relayed at full rate.", Style.WARN)] * status.is_fallback),
-        *(Line(_accepted(topic), Style.WARN if topic.problem else Style.PLAIN) for topic in status.accepted),
-        *([] if status.incidents is None else [_incidents(status.incidents)]),
+        *(
+            Line(
+                printable(f"accepts {topic.topic}: {accepted_text(topic)}"),
+                Style.WARN if topic.problem else Style.PLAIN,
+            )
+            for topic in status.accepted
+        ),
+        *([] if recording is None else [_recording(recording)]),
         *([] if silent_s is None else [Line(f"No status received for {silent_s:.0f} s.", Style.STALE)]),
     ]
 
@@ -167,36 +174,8 @@ def _capacity(link: LinkState | None) -> str:
     return f"   link: {capacity}{trip}, {counted(link.outages, 'outage')}"
 
 
-def _accepted(topic: CommandTopic) -> str:
-    """How a topic does that operators send."""
-    if topic.problem is not None:
-        return printable(f"accepts {topic.topic}: {topic.problem}")
-    if topic.type_name is None:
-        return printable(f"accepts {topic.topic}: no node subscribes to it")
-    age = "" if topic.age_ms is None else f", the last {topic.age_ms:.0f} ms old"
-    return printable(
-        f"accepts {topic.topic}: {grouped(topic.delivered)} delivered, {grouped(topic.too_old)} too old, "
-        f"{grouped(topic.refused)} refused{age}"
-    )
-
-
-def _incidents(state: IncidentState) -> Line:
-    held, limit = state.held_bytes / BYTES_PER_MB, state.memory_bytes / BYTES_PER_MB
-    failed = f", {state.failed} failed" if state.failed else ""
-    problem = f": {state.problem}" if state.problem else ""
-    text = (
-        f"records {counted(state.topics, 'topic')} in {grouped(held, 1)} of {grouped(limit)} MB"
-        f"{_ring(state)}   "
-        f"incidents: {state.open} open, {state.recorded} recorded{failed}{problem}"
-    )
-    return Line(printable(text), Style.WARN if state.problem else Style.PLAIN)
-
-
-def _ring(state: IncidentState) -> str:
-    if state.ring_max_bytes is None:
-        return ""
-    held, limit = state.ring_bytes / BYTES_PER_MB, state.ring_max_bytes / BYTES_PER_MB
-    return f", on disk {grouped(held, 1)} of {grouped(limit)} MB"
+def _recording(state: IncidentState) -> Line:
+    return Line(printable(f"records {recording_text(state)}"), Style.WARN if state.problem else Style.PLAIN)
 
 
 def _sorted(status: RuntimeStatus, sort: SortKey) -> list[tuple[str, TopicStatus]]:

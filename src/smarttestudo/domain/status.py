@@ -318,4 +318,4 @@ class RuntimeStatus:
         bool, Metered("fallback", "", "1 if everything is relayed because there are no valid rules, else 0.")
     ]:
         """Whether everything is relayed because there are no valid rules."""
-        return any(topic.reason is Reason.FALLBACK for topic in self.topics.values())
+        return self.rules.origin is RulesOrigin.FALLBACK

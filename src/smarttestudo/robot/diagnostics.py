@@ -1,17 +1,18 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A runtime's status as diagnostics, with the keys of NVIDIA's greenwave_monitor."""
+"""A runtime's status in words, and as diagnostics with the keys of NVIDIA's greenwave_monitor."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.link_state import TopicOnLink
+from smarttestudo.domain.incident import IncidentState
+from smarttestudo.domain.link_state import CommandTopic, TopicOnLink
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
-from smarttestudo.domain.units import counted
+from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped
 from smarttestudo.robot.status import TOLERANCE_PERCENT
 
 _UNKNOWN = "N/A"
@@ -95,7 +96,7 @@ def node_health(status: RuntimeStatus) -> Health:
     if status.floors_break_budget:
         return Health(DiagnosticLevel.ERROR, "the floors alone are more than the budget")
     if status.is_fallback:
-        return Health(DiagnosticLevel.ERROR, "no valid rules: everything is relayed at full rate")
+        return Health(DiagnosticLevel.ERROR, "no valid rules", "everything is relayed at full rate")
     if status.incidents is not None and status.incidents.problem is not None:
         return Health(DiagnosticLevel.WARN, "incidents cannot be written", status.incidents.problem)
     if status.link is not None and not status.link.is_connected:
@@ -134,6 +135,34 @@ def topic_health(topic: TopicStatus) -> Health:
         lost = f"{counted(counts.overflowed, 'message')} since the start"
         return Health(DiagnosticLevel.WARN, "lost on the link", lost)
     return Health(DiagnosticLevel.OK, "OK")
+
+
+def accepted_text(topic: CommandTopic) -> str:
+    """State of a topic that is accepted of operators."""
+    if topic.problem is not None:
+        return topic.problem
+    if topic.type_name is None:
+        return "no node subscribes to it"
+    age = "" if topic.age_ms is None else f", the last {topic.age_ms:.0f} ms old"
+    return (
+        f"{grouped(topic.delivered)} delivered, {grouped(topic.too_old)} too old, "
+        f"{grouped(topic.refused)} refused{age}"
+    )
+
+
+def recording_text(state: IncidentState) -> str:
+    """Messages held for incidents, and the incidents so far."""
+    held, limit = state.held_bytes / BYTES_PER_MB, state.memory_bytes / BYTES_PER_MB
+    ring = ""
+    if state.ring_max_bytes is not None:
+        on_disk, most = state.ring_bytes / BYTES_PER_MB, state.ring_max_bytes / BYTES_PER_MB
+        ring = f", on disk {grouped(on_disk, 1)} of {grouped(most)} MB"
+    failed = f", {state.failed} failed" if state.failed else ""
+    problem = f": {state.problem}" if state.problem else ""
+    return (
+        f"{counted(state.topics, 'topic')} in {grouped(held, 1)} of {grouped(limit)} MB{ring}; "
+        f"incidents: {state.open} open, {state.recorded} recorded{failed}{problem}"
+    )
 
 
 def _details(topic: TopicStatus, incompatible: str) -> str:

@@ -9,10 +9,15 @@ from dataclasses import replace
 import pytest
 
 from robot.status.statuses import ONE_OF_EACH, RELAYED, STATUS
-from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
-from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus
+from smarttestudo.domain.status import (
+    Diagnostic,
+    DiagnosticLevel,
+    RulesInForce,
+    RulesOrigin,
+    RuntimeStatus,
+)
 from smarttestudo.robot.diagnostics import diagnostics
 
 
@@ -87,9 +92,10 @@ def test_floors_above_the_budget_are_an_error_of_the_node() -> None:
     )
 
 
-def test_a_fallback_is_an_error_of_the_node() -> None:
-    status = replace(STATUS, topics={"/imu": replace(RELAYED, reason=Reason.FALLBACK)})
-    assert named("smarttestudo", status).level is DiagnosticLevel.ERROR
+def test_a_fallback_is_an_error_of_the_node_also_while_it_knows_no_topic() -> None:
+    node = named("smarttestudo", replace(STATUS, topics={}, rules=RulesInForce(origin=RulesOrigin.FALLBACK)))
+    assert node.level is DiagnosticLevel.ERROR
+    assert node.message == "no valid rules: everything is relayed at full rate"
 
 
 def test_two_robots_are_told_apart() -> None:

@@ -23,7 +23,7 @@ from smarttestudo.cli.top_table import Line, SortKey, Style, cropped, print_line
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import CommandTopic, LinkState
-from smarttestudo.domain.status import Silence, TopicStatus
+from smarttestudo.domain.status import RulesInForce, RulesOrigin, Silence, TopicStatus
 
 GOLDEN = Path(__file__).parent / "golden"
 IN_BACKGROUND = Path(__file__).parents[2] / "in_background.py"
@@ -80,10 +80,10 @@ def test_where_nobody_subscribes_to_anything_it_names_the_command_that_does() ->
 def test_what_recording_costs_has_a_line() -> None:
     state = IncidentState(held_bytes=12_340_000, memory_bytes=256_000_000, topics=5, open=1, recorded=3)
     (line,) = summary_lines(replace(STATUS, incidents=state))[2:]
-    assert line == Line("records 5 topics in 12.3 of 256 MB   incidents: 1 open, 3 recorded")
+    assert line == Line("records 5 topics in 12.3 of 256 MB; incidents: 1 open, 3 recorded")
     with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
     (line,) = summary_lines(replace(STATUS, incidents=with_ring))[2:]
-    assert line.text.startswith("records 5 topics in 12.3 of 256 MB, on disk 40.1 of 5 000 MB   incidents: 1")
+    assert line.text.startswith("records 5 topics in 12.3 of 256 MB, on disk 40.1 of 5 000 MB; incidents: 1")
     failed = replace(state, failed=2, problem="/data: error: the disk is full")
     (line,) = summary_lines(replace(STATUS, incidents=failed))[2:]
     assert line.text.endswith("1 open, 3 recorded, 2 failed: /data: error: the disk is full")
@@ -131,7 +131,7 @@ def test_the_budget_and_its_trouble_are_said() -> None:
 
 
 def test_a_fallback_and_a_lost_runtime_are_said() -> None:
-    fallback = replace(STATUS, topics={"/imu": replace(RELAYED, reason=Reason.FALLBACK)})
+    fallback = replace(STATUS, rules=RulesInForce(origin=RulesOrigin.FALLBACK))
     looks = [line.style for line in summary_lines(fallback, silent_s=7.0)]
     assert looks[2:] == [Style.WARN, Style.STALE]
 

@@ -23,8 +23,9 @@ from ros.ros_domains import free_domain
 from ros.ros_processes import Process, SmallRobot
 from ruler.browser.ruler_page import RulerPage
 from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.link_state import CommandTopic, LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import RulesInForce, RulesOrigin, RuntimeStatus
 from smarttestudo.rules.profile_file import load_profile
@@ -36,6 +37,7 @@ FLEET = Path(__file__).with_name("fleet.py")
 RULES = "begin\n    SetFrequency /imu 5\nend\n"
 IMU = "sensor_msgs/msg/Imu"
 LINK = LinkState(is_connected=True, capacity_kb_per_s=231.5, round_trip_ms=24.0, outages=2)
+INCIDENTS = IncidentState(held_bytes=1_000_000, memory_bytes=256_000_000, topics=2, recorded=3)
 # Rows stay as they are then, and robots that a busy machine has not heard for a moment stand above.
 FOCUS_IN_ROW = """([place, words]) => {
     const link = document.querySelectorAll(".robot-table tbody tr")[place]?.querySelector("a");
@@ -195,6 +197,36 @@ def test_a_robot_without_valid_rules_is_an_error_wherever_it_is_named_and_grey_o
     publish(fleet, [])
     silent = page.page.get_by_role("button", name=re.compile(r"robot silent for \d+ s"))
     expect(silent).to_have_css("color", colour_of(page, "--text-2"))
+
+
+def test_the_page_says_of_a_robot_what_top_and_diagnostics_say(page: RulerPage, fleet: Process) -> None:
+    imu = replace(RELAYED, incompatible=("/rviz",))
+    robot = replace(
+        status(0),
+        floors_break_budget=True,
+        topics={"/imu": imu, "/scan": replace(RELAYED, error_percent=-30.0, keeps_rate=False)},
+        accepted=(
+            CommandTopic(topic="/cmd_vel"),
+            CommandTopic(topic="/goal", type_name="x/msg/Y", delivered=3),
+        ),
+        incidents=replace(INCIDENTS, problem="the disk is full"),
+    )
+    publish(fleet, [robot])
+    floors = "the floors alone are more than the budget"
+    pill = page.page.get_by_role("button", name=f"/r00/smarttestudo: {floors}")
+    expect(pill).to_have_css("color", colour_of(page, "--error"))
+    expect(rows(page).first.get_by_text(floors, exact=True)).to_have_css("color", colour_of(page, "--error"))
+    open_alone(page)
+    expect(page.page.get_by_role("alert").filter(has_text="The floors alone are more")).to_be_visible()
+    topics = page.page.get_by_role("table", name="Topics of the robot")
+    expect(topics.get_by_role("row", name="/imu")).to_contain_text("incompatible QoS: /rviz")
+    expect(topics.get_by_role("row", name="/scan")).to_contain_text("rate off: -30.0 %")
+    for name, words in (
+        ("Accepts /cmd_vel", "no node subscribes to it"),
+        ("Accepts /goal", "3 delivered, 0 too old, 0 refused"),
+        ("Records", "2 topics in 1.0 of 256 MB; incidents: 0 open, 3 recorded: the disk is full"),
+    ):
+        expect(page.page.locator(f".robot-totals div:has(dt:text-is('{name}')) dd")).to_have_text(words)
 
 
 def test_a_project_starts_from_what_a_robot_relays(page: RulerPage, fleet: Process, tmp_path: Path) -> None:
