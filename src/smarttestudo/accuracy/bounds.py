@@ -44,7 +44,7 @@ class BoundLoss(JsonObject):
     """How one bound of the rules was kept, over the messages of A while it was in force.
 
     ``broken`` counts those after which the picture was more than ``bound`` off, or showed nothing;
-    ``unreadable`` those that say nothing, which are not among ``messages``. ``worst`` is the largest finite
+    ``unreadable`` those without a value, which are not among ``messages``. ``worst`` is the largest finite
     error, at ``worst_at_s``; both are ``None`` where there is none. ``stretches`` are the first of
     ``stretch_count``, which last ``broken_s`` together. ``reckons``: the receiver shows dead reckoning.
     """
@@ -153,16 +153,15 @@ class BoundWatch:
         self._advance(now_ns)
         if not self._bounds:
             return
-        errors = dict.fromkeys(self._bounds, 0.0)
-        is_unreadable = None in message.readings
-        if not is_unreadable and not self._just_received(message):
-            errors = self._receiver.errors(message)
+        errors = self._receiver.errors(message)
+        if self._just_received(message):
+            errors = dict.fromkeys(errors, 0.0)
         for name, bound in self._bounds.items():
             tally = self._tally(name, bound)
-            if is_unreadable:
-                tally.unreadable += 1
-            else:
+            if name in errors:
                 tally.judge(now_ns, errors[name], is_broken=errors[name] > bound)
+            else:
+                tally.unreadable += 1
 
     def losses(self, topic: str, units: Mapping[str, str], end_ns: int) -> Iterator[BoundLoss]:
         """End with A: what was found of ``topic``."""
