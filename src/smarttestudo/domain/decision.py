@@ -101,7 +101,7 @@ _T_NS = 1000
 
 
 def with_run_starts(decisions: Iterable[Decision]) -> Iterator[tuple[int, Decision]]:
-    """Each of ``decisions`` with the stamp of the first one of its run.
+    """The ``decisions``, each with the stamp of the first one of its run.
 
     A file holds one run after the other, and each begins at 0: nothing of the one before holds then.
     """
