@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -297,3 +298,36 @@ def test_a_report_tells_of_the_bounds_too(tmp_path: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert "/odom position 0.3 broken: 1.30 to 1.50 s (0.400 m); " in text
     assert "What an accuracy costs" in text
+
+
+DOCKING = "SetFrequency /odom 1 If CheckValue /odom pose_x > 2 Then KeepWithin /odom position 0.01 EndIf"
+
+
+def test_a_bound_of_an_earlier_run_in_the_decisions_file_is_in_force_no_more(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A run appends to the file: yesterday's ended within the zone, today's never came into it."""
+    (tmp_path / "rules.adirf").write_text(f"begin {DOCKING} end")
+    file = tmp_path / "decisions.jsonl"
+    for day, speed in enumerate((1.0, 0.01)):
+
+        def drives(stamp_ns: int, t_s: float, speed: float = speed) -> bytes:
+            return odometry(stamp_ns, planar(speed * t_s, 0, 0))
+
+        content = recorded("/odom", ODOMETRY, 20, 5, drives)
+        later = tuple(replace(one, stamp_ns=one.stamp_ns + day * 86_400 * S) for one in content.messages)
+        write_bag(tmp_path / f"sent{day}", BagContent(content.topics, later))
+        command = ["replay", str(tmp_path / f"sent{day}"), "--rules", str(tmp_path / "rules.adirf")]
+        one = tmp_path / "one.jsonl"
+        assert main([*command, "--output", str(tmp_path / f"seen{day}"), "--decisions", str(one)]) == 0
+        with file.open("a", encoding="utf-8") as opened:
+            opened.write(one.read_text(encoding="utf-8"))
+    capsys.readouterr()
+    command = ["bag", "loss", str(tmp_path / "sent1"), str(tmp_path / "seen1"), "--decisions", str(file)]
+    assert main([*command, "--rules", str(tmp_path / "rules.adirf"), "--json"]) == 0
+    (bound,) = json.loads(capsys.readouterr().out)["bounds"]
+    assert (bound["in_force_s"], bound["messages"], bound["broken"]) == (0, 0, 0)
+    command = ["bag", "report", str(tmp_path / "sent1"), str(tmp_path / "seen1"), "--decisions", str(file)]
+    report = tmp_path / "report.html"
+    assert main([*command, "--rules", str(tmp_path / "rules.adirf"), "-o", str(report)]) == 0
+    assert "1 decision, " in capsys.readouterr().out

@@ -75,7 +75,7 @@ def test_one_is_shown(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = capsys.readouterr().out
     assert "near miss: 1970-01-01 00:00:30.000 UTC, 30 s before to 10 s after" in out
     assert "rule Close call (rules.adirf:7), rules abababababab" in out
-    assert "/scan distance = 0.4\n/odom speed = unknown" in out
+    assert "/scan distance = 0.4\n/odom speed = unknown or infinite" in out
     assert "missing: /scan: 2 messages from 1970-01-01" in out
 
 

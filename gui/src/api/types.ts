@@ -130,12 +130,13 @@ export interface BoundReason {
 }
 
 /**
- * How a bound was kept while it was in force, over the messages of the source that could be read.
+ * How a bound was kept while it was in force, over the messages of the source that have a value.
  *
  * Of a property with many bounds, a record stands for several, and `bound` is the widest of them.
  * `worst` is the picture's largest finite error after one, `None` where it never had one. `broken`
  * counts those after which the picture was more than the bound off, or said nothing. `last` is the error
- * after the newest message, infinite where the picture, or the message, says nothing.
+ * after the newest message, infinite where the picture, or the message, says nothing. A message without a
+ * value is judged by no bound.
  */
 export interface BoundRecord {
   bound: number;
@@ -1682,7 +1683,7 @@ export interface TopicOnLink {
  * little where the source's rate varies; it is `None` where bounds decide what passes. Of transforms,
  * whose target is that of each child frame, there are `frames`, and rates are means over them. `bounds`
  * say how each bound of the receiver's picture was kept, `unreadable` how many messages of a topic with
- * bounds could not be compared. `declared` says that sizes are those that the bag declares. A number that
+ * bounds lack a value of one. `declared` says that sizes are those that the bag declares. A number that
  * the messages do not determine is `None`.
  */
 export interface TopicOutcome {

@@ -49,7 +49,7 @@ export function IncidentFacts({ incident }: { incident: IncidentAnswer }) {
 }
 
 function valueWords(signal: string, value: number | null, unit: string): string {
-  return `${signal} was ${value === null ? "unknown" : `${readable(value)}${unit && ` ${unit}`}`}`;
+  return `${signal} was ${value === null ? "unknown or infinite" : `${readable(value)}${unit && ` ${unit}`}`}`;
 }
 
 /** Where the rule stands: in a file of the project, if it has that. */

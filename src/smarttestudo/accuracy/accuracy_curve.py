@@ -204,10 +204,12 @@ def accuracies(
         report(number / len(topics))
         found = [_curve(samples[topic], one, end_ns) for one in wanted[topic]]
         curves += (one for one in found if one.motion.max_per_s)
-        unreadable = max(len(samples[topic].track) - one.messages for one in found)
-        if unreadable:
-            unread = counted(unreadable, "message")
-            notices.append(f"{topic}: {unread} could not be read and stand in no bound's figures")
+        for one in found:
+            unreadable = len(samples[topic].track) - one.messages
+            if unreadable:
+                left_out = counted(unreadable, "message")
+                what = f"{topic} {one.property_name}"
+                notices.append(f"{what}: {left_out} without a value, which no bound's figures hold")
     return tuple(curves), tuple(notices)
 
 
@@ -216,7 +218,8 @@ def _curve(samples: TopicSamples, wanted: WantedProperty, end_ns: int) -> Accura
     kind, gauges = samples.kind, samples.track.gauges([wanted.name])
 
     def readable() -> Iterator[Message]:
-        return (one for one in samples.track.messages([wanted.name]) if None not in one.readings)
+        picture = Picture(gauges, reckons=False)
+        return (one for one in samples.track.messages([wanted.name]) if picture.says_all(one.readings))
 
     def sent(strategies: Iterable[Strategy]) -> dict[Strategy, PacedPicture]:
         arms = {one: Arm(Picture(gauges, reckons=one.reckons), wanted.name, kind, one) for one in strategies}
@@ -296,7 +299,7 @@ class _Travel:
     def go_on(self, part: MovingPart, distance: Distance) -> None:
         last, self.last = self.last, part
         elapsed_s = (part.at_ns - last.at_ns) / NS_PER_S
-        step = distance(part.state, last.state)
+        step = distance.between(part.state, last.state)
         if elapsed_s <= 0 or last.frames != part.frames or not step < math.inf:
             return
         self.way += step

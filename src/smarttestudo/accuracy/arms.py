@@ -21,7 +21,7 @@ class PacedPicture(JsonObject):
     """Messages that passed, and how far the receiver's picture was off after each message of the source.
 
     ``rmse`` is over time, ``worst`` is the largest error, both without the ``unknown`` messages after which
-    nothing was shown.
+    nothing was shown, or which have no value themselves.
     """
 
     messages: int
@@ -87,9 +87,9 @@ class Receiver:
             self._picture.show(self.last.readings, None)
 
     def errors(self, sent: Message) -> dict[str, float]:
-        """How far each property of the picture is off after the robot sent a message."""
+        """How far each property that a message of the robot says is off in the picture after it."""
         self.catch_up(sent.stamp_ns)
-        return self._picture.errors(sent.readings, None)
+        return self._picture.judged_errors(sent.readings, None)
 
 
 def picture_errors(
@@ -100,7 +100,9 @@ def picture_errors(
     for message in sent:
         now_ns = message.stamp_ns
         for receiver, properties in zip(receivers, found, strict=True):
-            for name, error in receiver.errors(message).items():
+            errors = receiver.errors(message)
+            for name in {**properties, **errors}:
+                error = errors.get(name, math.inf)
                 properties.setdefault(name, ErrorOverTime(now_ns)).add(error, now_ns)
     return [
         {name: one.finish(end_ns, receiver.messages) for name, one in properties.items() if one.is_known}
@@ -156,7 +158,7 @@ class Arm:
             return self._kept[self._name][self._strategy.bound].last
         if any(one.sample is sample for one in passes):
             return 0.0
-        return self._picture.errors(sample.readings, None)[self._name]
+        return self._picture.judged_errors(sample.readings, None).get(self._name, math.inf)
 
     def _start(self, now_ns: int) -> None:
         strategy = self._strategy

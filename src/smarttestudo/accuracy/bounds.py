@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from operator import itemgetter
 
 from smarttestudo.accuracy.arms import Receiver
 from smarttestudo.accuracy.track import Message
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import Decision, with_run_starts
 from smarttestudo.domain.record import JsonObject
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.rule_set import RuleSet
@@ -44,7 +45,7 @@ class BoundLoss(JsonObject):
     """How one bound of the rules was kept, over the messages of A while it was in force.
 
     ``broken`` counts those after which the picture was more than ``bound`` off, or showed nothing;
-    ``unreadable`` those that say nothing, which are not among ``messages``. ``worst`` is the largest finite
+    ``unreadable`` those without a value, which are not among ``messages``. ``worst`` is the largest finite
     error, at ``worst_at_s``; both are ``None`` where there is none. ``stretches`` are the first of
     ``stretch_count``, which last ``broken_s`` together. ``reckons``: the receiver shows dead reckoning.
     """
@@ -111,14 +112,21 @@ def needs_decisions(rule_set: RuleSet, topic: str) -> bool:
 
 
 def bounds_in_force(rule_set: RuleSet, topic: str, decisions: Sequence[Decision]) -> Sequence[BoundsFrom]:
-    """The bounds of ``topic`` over time, from the decisions where a block has a word in it."""
+    """The bounds of ``topic`` over time, from the decisions where a block has a word in it.
+
+    These are in the order in which they were taken, of one run after the other.
+    """
     if not needs_decisions(rule_set, topic):
         return ((0, rule_set.bounds.get(topic, {})),)
-    return tuple(
-        (one.stamp_ns, one.planned.within)
-        for one in sorted(decisions, key=lambda one: one.stamp_ns)
-        if one.topic == topic and one.from_within != one.planned.within
-    )
+    found: list[BoundsFrom] = []
+    run_ns: int | None = None
+    for began_ns, one in with_run_starts(decisions):
+        if began_ns != run_ns:
+            run_ns = began_ns
+            found.append((began_ns, {}))
+        if one.topic == topic and one.from_within != one.planned.within:
+            found.append((one.stamp_ns, one.planned.within))
+    return sorted(found, key=itemgetter(0))
 
 
 class BoundWatch:
@@ -153,16 +161,15 @@ class BoundWatch:
         self._advance(now_ns)
         if not self._bounds:
             return
-        errors = dict.fromkeys(self._bounds, 0.0)
-        is_unreadable = None in message.readings
-        if not is_unreadable and not self._just_received(message):
-            errors = self._receiver.errors(message)
+        errors = self._receiver.errors(message)
+        if self._just_received(message):
+            errors = dict.fromkeys(errors, 0.0)
         for name, bound in self._bounds.items():
             tally = self._tally(name, bound)
-            if is_unreadable:
-                tally.unreadable += 1
-            else:
+            if name in errors:
                 tally.judge(now_ns, errors[name], is_broken=errors[name] > bound)
+            else:
+                tally.unreadable += 1
 
     def losses(self, topic: str, units: Mapping[str, str], end_ns: int) -> Iterator[BoundLoss]:
         """End with A: what was found of ``topic``."""

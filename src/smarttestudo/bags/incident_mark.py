@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -46,9 +47,10 @@ def _reason(record: IncidentRecord) -> str:
 
 
 def signal_texts(record: IncidentRecord) -> Iterator[str]:
-    """Values that the condition read, a text each."""
+    """Values that the condition read, a text each; JSON, in which they are kept, has no infinite numbers."""
     for signal, value in record.values.items():
-        yield f"{signal} = {'unknown' if value is None else format(value, 'g')}"
+        is_known = value is not None and math.isfinite(value)
+        yield f"{signal} = {format(value, 'g') if is_known else 'unknown or infinite'}"
 
 
 def incident_notices(record: IncidentRecord, span: RecordingSpan) -> Iterator[str]:

@@ -9,6 +9,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from smarttestudo.bags.incident_mark import missing_text, signal_texts
+from smarttestudo.cli.bag_options import print_notice, print_notices
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options
 from smarttestudo.cli.paths import file_path
@@ -18,6 +19,7 @@ from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.incident_json import incident_to_json
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.packages import missing_package
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, counted, utc_time
 from smarttestudo.incidents.store import IncidentStore, StoredIncident
 from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
@@ -123,6 +125,7 @@ def _show(arguments: argparse.Namespace) -> int:
     store.mark_read(arguments.name)
     if arguments.json:
         print(json_text(_json(stored)))  # noqa: T201
+        _tell_differences(stored)
         return 0
     record = stored.record
     before_s = (record.triggered_ns - record.from_ns) / NS_PER_S
@@ -136,7 +139,21 @@ def _show(arguments: argparse.Namespace) -> int:
         print(f"missing: {missing_text(missing)}")  # noqa: T201
     for latched in record.latched:
         print(f"latched: {latched.topic} of {utc_time(latched.stamp_ns)}")  # noqa: T201
+    _tell_differences(stored)
     return 0
+
+
+def _tell_differences(stored: StoredIncident) -> None:
+    """Say where the recording is not what its record says: it may have been cut or altered since."""
+    try:
+        from smarttestudo.bags.incident_content import content_notices  # noqa: PLC0415  a robot lacks its packages
+
+        print_notices(content_notices(stored.path, stored.record))
+    except ModuleNotFoundError as error:
+        missing = missing_package(error, "reading it")
+        if missing is None:
+            raise
+        print_notice(f"the recording was not compared with its record: {missing.cause}")
 
 
 def _export(arguments: argparse.Namespace) -> int:
@@ -144,6 +161,7 @@ def _export(arguments: argparse.Namespace) -> int:
     files = store.export(arguments.name, arguments.output)
     store.mark_read(arguments.name)
     print(f"{counted(files, 'file')} in {arguments.output}")  # noqa: T201
+    _tell_differences(store.incident(arguments.name))
     return 0
 
 

@@ -234,7 +234,7 @@ class Relay:
             frames.record(frames.arrived, sample.frames, now_ns)
         if self._accuracy is not None:
             sample.readings = self._accuracy.picture.read(payload[:], given.message, now_ns)
-            self.statistics.unreadable += None in sample.readings
+            self.statistics.unreadable += not self._accuracy.picture.says_all(sample.readings)
         if self.followers or self.leader:
             sample.stamp = header_stamp(payload[:STAMPED_BYTES])
         passes = self.pacer.offer(sample, now_ns)

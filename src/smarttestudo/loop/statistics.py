@@ -82,7 +82,7 @@ class RelayStatistics:
 
     ``frames`` are those of each child frame, which the target is about on a topic of transforms. ``bounds``
     say how each bound of the receiver's picture was kept, ``unreadable`` how many messages of a topic with
-    bounds could not be read, and so are not among those that were judged.
+    bounds lack a value of one, which is not judged by them.
     """
 
     __slots__ = ("arrived", "bounds", "frames", "relayed", "repeated", "target", "unreadable")

@@ -22,12 +22,13 @@ HEARTBEAT_HZ = 0.5
 
 @dataclass(slots=True)
 class BoundRecord:
-    """How a bound was kept while it was in force, over the messages of the source that could be read.
+    """How a bound was kept while it was in force, over the messages of the source that have a value.
 
     Of a property with many bounds, a record stands for several, and ``bound`` is the widest of them.
     ``worst`` is the picture's largest finite error after one, ``None`` where it never had one. ``broken``
     counts those after which the picture was more than the bound off, or said nothing. ``last`` is the error
-    after the newest message, infinite where the picture, or the message, says nothing.
+    after the newest message, infinite where the picture, or the message, says nothing. A message without a
+    value is judged by no bound.
     """
 
     bound: float
@@ -137,10 +138,10 @@ class BoundStreams(Streams[BoundStream]):
             is_wanted = is_wanted or now_ns >= stream.grid.due_ns
             may_pass = may_pass or now_ns >= stream.ceiling.due_ns
         if is_wanted and may_pass:
+            self._record(sample, errors, passes=True)
             self._pass(sample, streams, now_ns)
-            self._record(sample, dict.fromkeys(errors, 0.0))
             return (Pass(sample),)
-        self._record(sample, errors)
+        self._record(sample, errors, passes=False)
         for stream in streams:
             stream.hold(sample, now_ns)
             stream.overdue = is_off_bound
@@ -178,19 +179,24 @@ class BoundStreams(Streams[BoundStream]):
         bounds = self.bounds
         return any(error > bounds[name] for name, error in errors.items())
 
-    def _record(self, sample: Sample, errors: Mapping[str, float]) -> None:
-        # Nobody can tell how far the picture is from a message that cannot be read.
-        is_judged = None not in sample.readings
-        for name, error in errors.items():
+    def _record(self, sample: Sample, errors: Mapping[str, float], *, passes: bool) -> None:
+        # A finite error is one of two values, so who has none is only asked for where one is infinite.
+        judged = errors
+        if math.inf in errors.values():
+            judged = self._picture.judged_errors(sample.readings, sample.publisher)
+        for name in errors:
             bound = self.bounds[name]
             if bound == math.inf:
                 continue
             by_bound = self.records.setdefault(name, {})
             record = by_bound.get(bound) or _new_record(by_bound, bound)
-            record.last = error
-            if is_judged and error > bound:
+            if name not in judged:
+                record.last = math.inf
+                continue
+            record.last = error = 0.0 if passes else judged[name]
+            if error > bound:
                 record.broken += 1
-            if is_judged and error < math.inf and (record.worst is None or error > record.worst):
+            if error < math.inf and (record.worst is None or error > record.worst):
                 record.worst = error
 
     def _pass(self, sample: Sample, streams: Sequence[BoundStream], now_ns: int) -> None:

@@ -27,7 +27,7 @@ class TopicOutcome:
     little where the source's rate varies; it is ``None`` where bounds decide what passes. Of transforms,
     whose target is that of each child frame, there are ``frames``, and rates are means over them. ``bounds``
     say how each bound of the receiver's picture was kept, ``unreadable`` how many messages of a topic with
-    bounds could not be compared. ``declared`` says that sizes are those that the bag declares. A number that
+    bounds lack a value of one. ``declared`` says that sizes are those that the bag declares. A number that
     the messages do not determine is ``None``.
     """
 

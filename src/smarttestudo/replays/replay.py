@@ -282,8 +282,8 @@ class _Run:
         for topic, statistics in self._loop.relays.statistics.items():
             if statistics.unreadable:
                 unread = counted(statistics.unreadable, "message")
-                why = "could not be compared with the receiver's picture"
-                yield f"{topic}: {unread} {why}, and so passed as its rate allows"
+                why = "could not be compared with the receiver's picture, without a value"
+                yield f"{topic}: {unread} {why}, and count for no bound of it"
         for topic, count in self._loop.relays.discarded.items():
             if count:
                 yield f"{topic}: {counted(count, 'message')} met none of the topic it is paced with"

@@ -19,7 +19,7 @@ from smarttestudo.accuracy.loss_report import (
     Sightings,
     TopicLoss,
 )
-from smarttestudo.domain.units import BYTES_PER_KB, grouped
+from smarttestudo.domain.units import BYTES_PER_KB, counted, grouped
 from smarttestudo.report.table import (
     Align,
     Cell,
@@ -114,7 +114,7 @@ def bound_table(report: LossReport) -> Table:
             Column(heading="Kept", align=Align.LEFT),
         ),
         rows=tuple(_bound_row(loss) for loss in report.bounds),
-        footnotes=(*_stretch_notes(report.bounds), _BOUND_NOTE),
+        footnotes=(*_stretch_notes(report.bounds), *_unreadable_note(report.bounds), _BOUND_NOTE),
     )
 
 
@@ -243,6 +243,17 @@ def _stretch_notes(losses: Iterable[BoundLoss]) -> Iterator[str]:
         more = loss.stretch_count - len(shown)
         rest = f"; and {grouped(more)} more" if more else ""
         yield f"{loss.topic} {loss.property_name} {loss.bound:g} broken: {named}{rest}."
+
+
+def _unreadable_note(losses: Iterable[BoundLoss]) -> Iterator[str]:
+    """How many messages each bound could not be judged by."""
+    named = ", ".join(
+        f"{loss.topic} {loss.property_name} {loss.bound:g} by {counted(loss.unreadable, 'message')}"
+        for loss in losses
+        if loss.unreadable
+    )
+    if named:
+        yield f"Not judged, as they have no value there: {named}."
 
 
 def _by(stretch: BrokenStretch, unit: str) -> str:

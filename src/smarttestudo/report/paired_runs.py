@@ -14,7 +14,7 @@ from smarttestudo.bags.statistics import RecordingSpan
 from smarttestudo.bags.targets import mean_target, target_spans
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import Decision, with_run_starts
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.sample import StreamKind
 from smarttestudo.report.rule_timeline import by_topic
@@ -144,13 +144,12 @@ def _held_at(start_ns: int, decisions: Sequence[Decision]) -> list[Decision]:
     """The last decision on each topic that was relayed just before ``start_ns``, by the run of that time."""
     held: dict[str, Decision] = {}
     run_ns = None
-    for one in decisions:
+    for began_ns, one in with_run_starts(decisions):
+        if began_ns != run_ns and began_ns <= start_ns:
+            run_ns = began_ns
+            held.clear()
         if one.stamp_ns >= start_ns:
             break
-        if one.t_s == 0 and one.stamp_ns != run_ns:
-            # A file holds one run after the other, and each begins at 0.
-            run_ns = one.stamp_ns
-            held.clear()
         held.pop(one.topic, None)
         if not one.is_end:
             held[one.topic] = one

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import struct
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from enum import IntEnum
@@ -65,10 +66,12 @@ class ChunkPlace:
     ``stamps`` has, for each channel by number, stamp and offset within the chunk of each of its messages,
     until their indexes are written. ``indexes`` are the offsets of these in the file, ``index_bytes`` is what
     all of them take. ``span_ns`` is from the least to the greatest stamp, once there is a message.
+    ``checksum`` is the CRC-32 of its records once it is closed, 0 before.
     """
 
     start: int
     record_bytes: int = 0
+    checksum: int = 0
     stamps: dict[int, list[tuple[int, int]]] = field(default_factory=dict)
     indexes: dict[int, int] = field(default_factory=dict)
     index_bytes: int = 0
@@ -140,9 +143,16 @@ def channel_record(number: int, schema: int, channel: StoredChannel) -> bytes:
 def chunk_start(chunk: ChunkPlace) -> bytes:
     """Bytes before the records of a chunk."""
     size = chunk.record_bytes
+    content_bytes = CHUNK_START.size - FRAME.size + size
     return CHUNK_START.pack(
-        Op.CHUNK, CHUNK_START.size - FRAME.size + size, chunk.first_ns, chunk.last_ns, size, 0, 0, size
+        Op.CHUNK, content_bytes, chunk.first_ns, chunk.last_ns, size, chunk.checksum, 0, size
     )
+
+
+def is_altered(chunk: bytes) -> bool:
+    """Whether the records of an uncompressed chunk, with its frame, are not those of its checksum."""
+    *_, checksum, _, _ = CHUNK_START.unpack_from(chunk)
+    return bool(checksum) and zlib.crc32(memoryview(chunk)[CHUNK_START.size :]) != checksum
 
 
 def message_index(channel: int, stamps: Sequence[tuple[int, int]]) -> bytes:
@@ -180,8 +190,8 @@ def file_end(summary_start: int, groups: Sequence[tuple[Op, bytes]]) -> bytes:
             offsets += record(Op.SUMMARY_OFFSET, struct.pack("<BQQ", op, place, len(group)))
             summary += group
             place += len(group)
-    footer = record(Op.FOOTER, struct.pack("<QQI", summary_start, place, 0))
-    return summary + offsets + footer + magic.MCAP
+    summed = summary + offsets + FRAME.pack(Op.FOOTER, 20) + struct.pack("<QQ", summary_start, place)
+    return summed + struct.pack("<I", zlib.crc32(summed)) + magic.MCAP
 
 
 def read_schema(content: bytes) -> tuple[int, str, str]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 import struct
+import zlib
 from collections.abc import Iterator
 from dataclasses import field
 from typing import BinaryIO
@@ -15,6 +16,9 @@ from smarttestudo.bags.mcap.record_bytes import FOOTER_BYTES, FRAME, Op, read_by
 from smarttestudo.domain.dataclass import dataclass
 
 _FOOTER = struct.Struct("<BQQQI8s")
+_SUMMED_FOOTER_BYTES = FRAME.size + 16
+"""What the checksum of a summary covers of the footer behind it."""
+_READ_BYTES = 1 << 20
 _CHANNEL_START = struct.Struct("<HH")
 _CHUNK_START = struct.Struct("<QQQQI")
 _CHUNK_END = struct.Struct("<QQ")
@@ -78,16 +82,18 @@ class McapSummary:
 def read_summary(file: BinaryIO) -> McapSummary | None:
     """The summary of a file, ``None`` where it has none.
 
-    Raises ``struct.error`` or ``ValueError`` where it makes no sense, and ``OSError``.
+    Raises ``struct.error`` or ``ValueError`` where it makes no sense or was altered, and ``OSError``.
     """
     end = file.seek(-FOOTER_BYTES, os.SEEK_END)
-    op, size_bytes, start, _, _, last = _FOOTER.unpack(file.read(FOOTER_BYTES))
+    op, size_bytes, start, _, checksum, last = _FOOTER.unpack(file.read(FOOTER_BYTES))
     if (op, size_bytes, last) != (Op.FOOTER, FOOTER_BYTES - FRAME.size - len(magic.MCAP), magic.MCAP):
         raise ValueError("no footer")
     if not start:
         return None
     if start > end:
         raise ValueError("the summary begins behind its end")
+    if checksum and checksum != _checksum(file, start, end + _SUMMED_FOOTER_BYTES):
+        raise ValueError("the summary is not that of its checksum")
     summary = McapSummary()
     for kind, content in _records(file, start, end):
         match kind:
@@ -100,6 +106,15 @@ def read_summary(file: BinaryIO) -> McapSummary | None:
             case Op.STATISTICS:
                 summary.statistics = _statistics(content)
     return summary
+
+
+def _checksum(file: BinaryIO, at: int, end: int) -> int:
+    file.seek(at)
+    checksum = 0
+    while at < end and (data := file.read(min(end - at, _READ_BYTES))):
+        checksum = zlib.crc32(data, checksum)
+        at += len(data)
+    return checksum
 
 
 def _records(file: BinaryIO, at: int, end: int) -> Iterator[tuple[int, bytes]]:

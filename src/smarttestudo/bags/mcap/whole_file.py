@@ -11,7 +11,14 @@ from operator import attrgetter
 from pathlib import Path
 
 from smarttestudo.bags.mcap.channels import stored_channel
-from smarttestudo.bags.mcap.record_bytes import CHUNK_START, FRAME, MESSAGE_HEADER, Op, record_places
+from smarttestudo.bags.mcap.record_bytes import (
+    CHUNK_START,
+    FRAME,
+    MESSAGE_HEADER,
+    Op,
+    is_altered,
+    record_places,
+)
 from smarttestudo.bags.mcap.summary import ChunkEntry, McapSummary, StatisticsEntry, read_summary
 from smarttestudo.bags.mcap.time_order import in_time_order
 from smarttestudo.bags.qos import QosReader
@@ -138,6 +145,8 @@ class McapFile(ContinuedFile):
             return _messages_of(whole_chunk_content(data[FRAME.size :]), 0, channels)
         if len(data) != CHUNK_START.size + chunk.uncompressed_size:
             raise OutlineError("a chunk is of another size than its index says")
+        if is_altered(data):
+            raise OutlineError("a chunk is not that of its checksum")
         return _messages_of(data, CHUNK_START.size, channels)
 
     def _heads_in(self, chunk: ChunkEntry, channels: ChannelsByNumber, head_bytes: int) -> list[_Found]:

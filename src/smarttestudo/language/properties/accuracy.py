@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
+from operator import itemgetter
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -21,7 +22,11 @@ from smarttestudo.pacing.reckoning.gauges import (
     PoseGauge,
     PoseState,
 )
-from smarttestudo.pacing.reckoning.motion import orientation_distance_degrees, position_distance_m
+from smarttestudo.pacing.reckoning.motion import (
+    SpatialPose,
+    orientation_distance_degrees,
+    position_distance_m,
+)
 
 FULL_TURN = 360.0
 
@@ -90,10 +95,20 @@ _POSE_TYPES: Mapping[str, _PoseType] = MappingProxyType(
         ),
     }
 )
+
+
+def _pose_distance(between: Callable[[SpatialPose, SpatialPose], float]) -> Distance:
+    return Distance(
+        lambda one, other: between(one.pose, other.pose),
+        # NaN, an infinite number and the zero quaternion cannot be compared with themselves, either.
+        lambda one: between(one.pose, one.pose) < math.inf,
+    )
+
+
 _POSE_DISTANCES: Mapping[str, Distance] = MappingProxyType(
     {
-        "position": lambda one, other: position_distance_m(one.pose, other.pose),
-        "orientation": lambda one, other: orientation_distance_degrees(one.pose, other.pose),
+        "position": _pose_distance(position_distance_m),
+        "orientation": _pose_distance(orientation_distance_degrees),
     }
 )
 
@@ -139,7 +154,7 @@ def needs_decoded(gauges: Iterable[Gauge]) -> bool:
 def _reckoned(type_name: str, name: str) -> Distance | None:
     """The distance of two states of what is read without decoding, ``None`` where it holds no such thing."""
     if name in (spec.name for spec in _SPECS.get(type_name, ())):
-        return _joint_distance if type_name == _JOINTS else _POSE_DISTANCES[name]
+        return _JOINT_DISTANCE if type_name == _JOINTS else _POSE_DISTANCES[name]
     pose_type = _POSE_TYPES.get(type_name)
     if pose_type is None:
         return None
@@ -148,7 +163,7 @@ def _reckoned(type_name: str, name: str) -> Distance | None:
         return None
     read, as_message = value_reader(type_name, name), pose_type.as_message
     is_angle = spec is not None and wraps(spec)
-    return lambda one, other: _apart(read(as_message(one)), read(as_message(other)), is_angle=is_angle)
+    return _value_distance(lambda state: read(as_message(state)), is_angle=is_angle)
 
 
 def _reckoning(type_name: str, distances: Mapping[str, Distance]) -> Gauge:
@@ -167,16 +182,28 @@ def _field_gauge(type_name: str, names: Iterable[str], level_unit: LevelUnit | N
     for name in names:
         spec = specs.get(name)
         readers[name] = part_reader(name) if spec is None else value_reader(type_name, name, level_unit)
-        distances[name] = _field_distance(name, is_angle=spec is not None and wraps(spec))
+        distances[name] = _value_distance(itemgetter(name), is_angle=spec is not None and wraps(spec))
     return FieldGauge(distances, readers)
 
 
-def _field_distance(name: str, *, is_angle: bool) -> Distance:
-    return lambda one, other: _apart(one[name], other[name], is_angle=is_angle)
+def _value_distance(value: Callable[[Any], object], *, is_angle: bool = False) -> Distance:
+    return Distance(
+        lambda one, other: _apart(value(one), value(other), is_angle=is_angle),
+        lambda one: _is_known(value(one)),
+    )
 
 
-def _joint_distance(one: tuple[float, float], other: tuple[float, float]) -> float:
-    return _apart(one[0], other[0], is_angle=False)
+_JOINT_DISTANCE = _value_distance(itemgetter(0))
+
+
+def _is_known(value: Any) -> bool:
+    """Whether it is a text or a finite number."""
+    if isinstance(value, str | bytes):
+        return True
+    try:
+        return math.isfinite(value)
+    except (TypeError, ValueError, OverflowError):
+        return False
 
 
 def _apart(one: Any, other: Any, *, is_angle: bool) -> float:

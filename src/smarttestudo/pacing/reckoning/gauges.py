@@ -20,8 +20,16 @@ from smarttestudo.pacing.reckoning.motion import (
     twist_between,
 )
 
-Distance = Callable[[Any, Any], float]
-"""How far two states of a part are apart, in the unit of the property; NaN where one is not known."""
+
+class Distance(NamedTuple):
+    """How far two states of a part are apart, and whether one says anything of the property.
+
+    ``between`` is in the unit of the property; NaN where the states cannot be compared. ``has_value`` is
+    false of a state whose value is not known: NaN, infinite, or no such thing.
+    """
+
+    between: Callable[[Any, Any], float]
+    has_value: Callable[[Any], bool]
 
 
 class MovingPart(NamedTuple):

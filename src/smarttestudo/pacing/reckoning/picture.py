@@ -86,10 +86,38 @@ class Picture:
                     break
                 state = shown.at(gauge, part.at_ns)
                 for name, distance in gauge.distances.items():
-                    error = distance(part.state, state)
+                    error = distance.between(part.state, state)
                     if not error <= errors[name]:
                         errors[name] = math.inf if math.isnan(error) else error
         return errors
+
+    def judged_errors(self, readings: Sequence[Reading | None], publisher: Hashable) -> dict[str, float]:
+        """The same by what the message says: without the parts and properties that it has no value of.
+
+        ``errors`` are for who decides what passes: what is not known is news, too. These are for who judges
+        the picture, as nobody can tell how far it is from a truth that is not known.
+        """
+        errors: dict[str, float] = {}
+        for gauge, known, parts in zip(self._gauges, self._shown, readings, strict=True):
+            moves = self._reckons and can_be_reckoned(parts)
+            for part in parts or ():
+                shown = known.get(part.name if gauge.is_shared else publisher)
+                goes_on = shown is not None and self._goes_on(shown, part, publisher, moves=moves)
+                state = shown.at(gauge, part.at_ns) if shown and goes_on else None
+                for name, distance in gauge.distances.items():
+                    if not distance.has_value(part.state):
+                        continue
+                    error = math.inf if state is None else distance.between(part.state, state)
+                    errors[name] = max(errors.get(name, 0.0), math.inf if math.isnan(error) else error)
+        return errors
+
+    def says_all(self, readings: Sequence[Reading | None]) -> bool:
+        """Whether a message has a value of each property, in one of its parts."""
+        return all(
+            any(distance.has_value(part.state) for part in parts or ())
+            for gauge, parts in zip(self._gauges, readings, strict=True)
+            for distance in gauge.distances.values()
+        )
 
     def show(self, readings: Sequence[Reading | None], publisher: Hashable, message: Hashable = None) -> None:
         """The receiver got what was read, in ``message``."""
