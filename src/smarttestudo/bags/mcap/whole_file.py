@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
+from typing import BinaryIO
 
 from smarttestudo.bags.mcap.channels import stored_channel
 from smarttestudo.bags.mcap.record_bytes import CHUNK_START, FRAME, MESSAGE_HEADER, Op, record_places
@@ -70,7 +71,10 @@ def _is_full(summary: McapSummary, statistics: StatisticsEntry) -> bool:
 
 
 class McapFile(ContinuedFile):
-    """Reads chunk by chunk as the index says; where that fails, as a damaged file from there on."""
+    """Reads chunk by chunk as the index says; where that fails, as a damaged file from there on.
+
+    It is open from the first chunk that is read to the last: a recording may have thousands of files.
+    """
 
     def __init__(self, path: Path, index: McapSummary) -> None:
         assert index.statistics is not None
@@ -83,7 +87,7 @@ class McapFile(ContinuedFile):
         }
         chunks = sorted(index.chunks, key=attrgetter("message_start_time", "chunk_start_offset"))
         self._places = [(chunk.message_start_time, chunk) for chunk in chunks]
-        self._file = path.open("rb")
+        self._opened: BinaryIO | None = None
         super().__init__(
             message_count=index.statistics.message_count,
             start_ns=index.statistics.message_start_time,
@@ -94,7 +98,7 @@ class McapFile(ContinuedFile):
         """The outlines of ``messages``; of chunks that are not compressed, large payloads are not read."""
         read = partial(self._heads_in, channels=channels, head_bytes=head_bytes)
         try:
-            for stamp_ns, number, records, start, end in in_time_order(self._places, read):
+            for stamp_ns, number, records, start, end in self._in_time_order(read):
                 yield channels[number], stamp_ns, end - start, records[start : min(start + head_bytes, end)]
         except _BROKEN as error:
             raise OutlineError(str(error)) from error
@@ -103,7 +107,7 @@ class McapFile(ContinuedFile):
         """The sizes of ``messages``, read as ``outlines`` are."""
         read = partial(self._heads_in, channels=channels, head_bytes=0)
         try:
-            for stamp_ns, number, _, start, end in in_time_order(self._places, read):
+            for stamp_ns, number, _, start, end in self._in_time_order(read):
                 yield channels[number], stamp_ns, end - start
         except _BROKEN as error:
             raise OutlineError(str(error)) from error
@@ -114,11 +118,23 @@ class McapFile(ContinuedFile):
 
     def close(self) -> None:
         """Let go of the file."""
-        self._file.close()
+        if self._opened is not None:
+            self._opened.close()
+            self._opened = None
+
+    @property
+    def _file(self) -> BinaryIO:
+        if self._opened is None:
+            self._opened = self._path.open("rb")
+        return self._opened
+
+    def _in_time_order(self, read: Callable[[ChunkEntry], list[_Found]]) -> Iterator[_Found]:
+        yield from in_time_order(self._places, read)
+        self.close()
 
     def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         read = partial(self._messages_in, channels=channels)
-        for stamp_ns, number, records, start, end in in_time_order(self._places, read):
+        for stamp_ns, number, records, start, end in self._in_time_order(read):
             yield channels[number], stamp_ns, records[start:end]
 
     def _recovered(self) -> StoredFile:

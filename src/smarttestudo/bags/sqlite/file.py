@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 
 import apsw
@@ -38,21 +38,20 @@ _MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestam
 class SqliteFile(ContinuedFile):
     """The database at ``path`` with ``log`` taken in, as far as both are whole.
 
-    Raises ``RecordingError`` where SQLite cannot read it.
+    It is open only while rows are read: a recording may have thousands of files, and SQLite keeps pages of
+    each that is open. Raises ``RecordingError`` where SQLite cannot read it.
     """
 
     def __init__(self, path: Path, log: WriteAheadLog | None) -> None:
         self._path = path
         self._log = log
         self._qos = QosReader()
-        with ExitStack() as opened:
-            try:
-                self._database = opened.enter_context(open_database(path, log))
-                self.channels: ChannelsByNumber = read_topics(self._database, self._qos)
-                ((count, start_ns, end_ns),) = self._database.execute(_SPAN)
-            except BROKEN as error:
-                raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
-            self._resources = opened.pop_all()
+        try:
+            with open_database(path, log) as database:
+                self.channels: ChannelsByNumber = read_topics(database, self._qos)
+                ((count, start_ns, end_ns),) = database.execute(_SPAN)
+        except BROKEN as error:
+            raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
         self._promised = int(count)
         super().__init__(message_count=self._promised, start_ns=int(start_ns or 0), end_ns=int(end_ns or 0))
 
@@ -81,8 +80,7 @@ class SqliteFile(ContinuedFile):
         return [*log_notices, *self._qos.notices, *damage]
 
     def close(self) -> None:
-        """Let go of the file and its log."""
-        self._resources.close()
+        """There is nothing to let go of."""
 
     @contextmanager
     def _rows(self, query: str, values: tuple[int, ...] = ()) -> Iterator[apsw.Cursor]:
@@ -97,13 +95,14 @@ class SqliteFile(ContinuedFile):
         # A row that is not wanted is left unread; where all are, damage in any of them is seen.
         numbers = ", ".join(map(str, channels))
         condition = "" if channels.keys() == self.channels.keys() else f"WHERE topic_id IN ({numbers})"
-        for number, stamp_ns, payload in self._database.execute(_MESSAGES.format(condition)):
-            if not (isinstance(number, int) and isinstance(stamp_ns, int) and isinstance(payload, bytes)):
-                raise TypeError("a message without stamp or payload")
-            if number not in self.channels:
-                raise TypeError("a message of a topic that the file does not name")
-            if number in channels:
-                yield channels[number], stamp_ns, payload
+        with open_database(self._path, self._log) as database:
+            for number, stamp_ns, payload in database.execute(_MESSAGES.format(condition)):
+                if not (isinstance(number, int) and isinstance(stamp_ns, int) and isinstance(payload, bytes)):
+                    raise TypeError("a message without stamp or payload")
+                if number not in self.channels:
+                    raise TypeError("a message of a topic that the file does not name")
+                if number in channels:
+                    yield channels[number], stamp_ns, payload
 
     def _recovered(self) -> StoredFile:
         from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile  # noqa: PLC0415  most are whole
