@@ -15,7 +15,9 @@ from smarttestudo.bags.mcap.channels import stored_channel
 from smarttestudo.bags.mcap.record_bytes import CHUNK_START, FRAME, MESSAGE_HEADER, Op, record_places
 from smarttestudo.bags.mcap.summary import ChunkEntry, McapSummary, StatisticsEntry, read_summary
 from smarttestudo.bags.mcap.time_order import in_time_order
+from smarttestudo.bags.mcap.written_order import furthest_back_in, overlap
 from smarttestudo.bags.qos import QosReader
+from smarttestudo.bags.remote_path import is_remote
 from smarttestudo.bags.stored_file import (
     ChannelsByNumber,
     ContinuedFile,
@@ -23,6 +25,7 @@ from smarttestudo.bags.stored_file import (
     OutlineError,
     StoredFile,
 )
+from smarttestudo.bags.written_order import SAMPLES
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS
 
@@ -114,7 +117,7 @@ class McapFile(ContinuedFile):
 
     def notices(self) -> Sequence[str]:
         """Losses, one line each, once all messages were read."""
-        return [*dict.fromkeys((*self._qos.notices, *super().notices()))]
+        return [*dict.fromkeys((*self._qos.notices, *super().notices())), *self.notices_of_order()]
 
     def close(self) -> None:
         """Let go of the file."""
@@ -136,6 +139,18 @@ class McapFile(ContinuedFile):
         read = partial(self._messages_in, channels=channels)
         for stamp_ns, number, records, start, end in self._in_time_order(read):
             yield channels[number], stamp_ns, records[start:end]
+
+    def _back_ns(self) -> int:
+        chunks = sorted((chunk for _, chunk in self._places), key=attrgetter("chunk_start_offset"))
+        # Where the clock is set within the first chunk, only the indexes of messages tell.
+        is_short = self.message_count <= SAMPLES and not is_remote(self._path)
+        if not is_short and not overlap(chunks):
+            return 0
+        try:
+            with self._path.open("rb") as file:
+                return furthest_back_in(file, chunks)
+        except (OSError, *_BROKEN):
+            return 0
 
     def _recovered(self) -> StoredFile:
         from smarttestudo.bags.mcap.recovered import RecoveredMcapFile  # noqa: PLC0415  most are whole

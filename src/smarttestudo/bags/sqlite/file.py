@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from operator import itemgetter
 from pathlib import Path
 
 import apsw
@@ -20,6 +21,12 @@ from smarttestudo.bags.stored_file import (
     OutlineError,
     StoredFile,
 )
+from smarttestudo.bags.written_order import (
+    LEAST_BACK_NS,
+    MESSAGES_PER_SAMPLE,
+    SAMPLES,
+    furthest_back_ns,
+)
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 
@@ -33,6 +40,15 @@ _HEADS = _SIZES.replace("END", "END, substr(data, 1, ?)")
 _NO_MESSAGE = "a row without topic, stamp or payload"
 _SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages WHERE typeof(timestamp) = 'integer'"
 _MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestamp, id"
+
+_NUMBERS = "SELECT min(id), max(id) FROM messages"
+_AS_WRITTEN = "SELECT timestamp FROM messages ORDER BY id"
+_FROM_NUMBER = "SELECT timestamp FROM messages WHERE id >= ? ORDER BY id LIMIT 1"
+_FURTHEST_BACK = """
+SELECT max(before - timestamp) FROM (
+    SELECT timestamp, lag(timestamp) OVER (PARTITION BY topic_id ORDER BY id) AS before FROM messages
+)
+"""
 
 
 class SqliteFile(ContinuedFile):
@@ -77,7 +93,7 @@ class SqliteFile(ContinuedFile):
         """Losses, one line each, once all messages were read."""
         damage = super().notices()
         log_notices = () if self._log is None or damage else self._log.notices()
-        return [*log_notices, *self._qos.notices, *damage]
+        return [*log_notices, *self._qos.notices, *damage, *self.notices_of_order()]
 
     def close(self) -> None:
         """There is nothing to let go of."""
@@ -103,6 +119,28 @@ class SqliteFile(ContinuedFile):
                     raise TypeError("a message of a topic that the file does not name")
                 if number in channels:
                     yield channels[number], stamp_ns, payload
+
+    def _back_ns(self) -> int:
+        try:
+            with open_database(self._path, self._log) as database:
+                # All topics together are looked at first, and few messages of many: one topic takes longer.
+                if furthest_back_ns(self._stamps_as_written(database)) <= LEAST_BACK_NS:
+                    return 0
+                ((back_ns,),) = database.execute(_FURTHEST_BACK)
+                return int(back_ns or 0)
+        except (apsw.Error, OSError, TypeError):
+            return 0
+
+    def _stamps_as_written(self, database: apsw.Connection) -> Iterator[int]:
+        ((first, last),) = database.execute(_NUMBERS)
+        if first is None:
+            return
+        samples = max(SAMPLES, self._promised // MESSAGES_PER_SAMPLE)
+        if self._promised <= samples:
+            yield from map(itemgetter(0), database.execute(_AS_WRITTEN))
+            return
+        for number in range(first, last + 1, max(1, (last - first) // samples)):
+            yield from map(itemgetter(0), database.execute(_FROM_NUMBER, (number,)))
 
     def _recovered(self) -> StoredFile:
         from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile  # noqa: PLC0415  most are whole
