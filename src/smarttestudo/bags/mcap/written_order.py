@@ -45,7 +45,7 @@ def furthest_back_in(file: BinaryIO, chunks: Iterable[ChunkEntry]) -> int:
 
 
 def _indexes(data: bytes) -> Iterator[tuple[int, list[int]]]:
-    """Each channel with the stamps of its messages."""
+    """Channels with the stamps of their messages, as they were written."""
     at = 0
     while at < len(data):
         op, size_bytes = FRAME.unpack_from(data, at)
