@@ -8,12 +8,15 @@ import inspect
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import smarttestudo
-from smarttestudo.domain.errors import ProfileError, RuleFileError, UsageError
+from bags.bag_factory import small_mission, write_bag
+from smarttestudo.domain.errors import ProfileError, RuleFileError, TestudoError, UsageError
 from smarttestudo.domain.packages import Extra, how_to_install
 
 SIGNATURES = {
@@ -123,3 +126,65 @@ def test_a_path_in_place_of_rules_and_a_budget_below_zero_are_refused(tmp_path: 
     for budget in (-3.0, float("nan")):
         with pytest.raises(UsageError, match="budget_kb_per_s: error: a budget is a number of KB/s from 0"):
             smarttestudo.replay(tmp_path, rules, output, budget_kb_per_s=budget)
+
+
+def test_decisions_take_the_place_of_decisions_and_of_no_other_file(tmp_path: Path) -> None:
+    bag, path = write_bag(tmp_path / "bag", small_mission(1)), rule_file(tmp_path, RULES)
+    rules, log = smarttestudo.read_rules(path), tmp_path / "decisions.jsonl"
+    with pytest.raises(TestudoError, match=r"rules.adirf: error: .* holds something else; name another"):
+        smarttestudo.replay(bag, rules, tmp_path / "first", decisions=path)
+    assert path.read_text("utf-8") == RULES
+    assert not (tmp_path / "first").exists()
+    log.touch()
+    for output in ("first", "second"):
+        smarttestudo.replay(bag, rules, tmp_path / output, decisions=log)
+        assert [decision.topic for decision in smarttestudo.read_decisions(log)] == ["/odom"]
+
+
+def test_one_name_in_place_of_several_is_that_name(tmp_path: Path) -> None:
+    bag = write_bag(tmp_path / "bag", small_mission(1))
+    for topics in ("/odom", ["/odom"], iter(["/odom"]), np.array(["/odom"])):
+        report = smarttestudo.measure_loss(bag, bag, topics=topics)
+        assert {row["topic"] for row in smarttestudo.rows(report)} == {"/odom"}
+
+
+def test_a_recording_may_be_behind_a_url(tmp_path: Path) -> None:
+    bag = write_bag(tmp_path / "bag", small_mission(1))
+    assert smarttestudo.measure_bag(f"file://{bag}").total == smarttestudo.measure_bag(bag).total
+
+
+def test_numbers_of_arrays_are_numbers(tmp_path: Path) -> None:
+    bag, rules = (
+        write_bag(tmp_path / "bag", small_mission(1)),
+        smarttestudo.read_rules(rule_file(tmp_path, RULES)),
+    )
+    rows = [
+        smarttestudo.rows(smarttestudo.replay(bag, rules, tmp_path / str(number), budget_kb_per_s=budget))
+        for number, budget in enumerate((5, np.int32(5), np.float32(5)))
+    ]
+    assert rows[0] == rows[1] == rows[2]
+
+
+@pytest.mark.parametrize(
+    ("call", "place"),
+    [
+        (lambda: smarttestudo.check_rules(["rules.adirf"]), "rules"),  # type: ignore[arg-type]
+        (lambda: smarttestudo.check_rules(""), "rules"),
+        (smarttestudo.check_rules, "rules"),
+        (smarttestudo.read_rules, "rules"),
+        (lambda: smarttestudo.check_rules("rules.adirf", profile={}), "profile"),  # type: ignore[arg-type]
+        (lambda: smarttestudo.measure_bag(None), "bag"),  # type: ignore[arg-type]
+        (lambda: smarttestudo.measure_bag(b"bag"), "bag"),  # type: ignore[arg-type]
+        (lambda: smarttestudo.measure_bag("bag\0"), "bag"),
+        (lambda: smarttestudo.measure_bag("bag", latency="no"), "latency"),  # type: ignore[arg-type]
+        (lambda: smarttestudo.measure_loss("a", "b", topics=3), "topics"),  # type: ignore[arg-type]
+        (lambda: smarttestudo.measure_loss("a", "b", topics=[None]), "topics"),  # type: ignore[list-item]
+        (lambda: smarttestudo.read_decisions(3), "path"),  # type: ignore[arg-type]
+        (lambda: smarttestudo.rows("abc"), "result"),  # type: ignore[arg-type]
+        (lambda: smarttestudo.rows(None), "result"),  # type: ignore[arg-type]
+    ],
+)
+def test_an_argument_of_another_kind_is_an_error_at_its_name(call: Callable[[], object], place: str) -> None:
+    with pytest.raises(UsageError, match=f"^{place}: error: .*; ") as raised:
+        call()
+    assert "\n" not in str(raised.value)

@@ -7,7 +7,8 @@ Whatever goes wrong is a ``TestudoError`` with place, cause and remedy.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import os
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from os import PathLike
 from pathlib import Path
@@ -18,6 +19,7 @@ from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.bags import measure
 from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.reader import open_recording
+from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, is_url, remote_path
 from smarttestudo.checks import CheckContext
 from smarttestudo.domain.budget import budget_kb_per_s as budget_kb_per_s_of
 from smarttestudo.domain.decision import Decision
@@ -59,8 +61,8 @@ def check_rules(*rules: AnyPath, profile: AnyPath | None = None) -> tuple[Findin
 
     With a ``profile`` (TOML) also what breaks its budget. Raises ``TestudoError`` for what cannot be read.
     """
-    context = CheckContext(profile=None if profile is None else load_profile(Path(profile)))
-    files = find_rule_files(map(Path, rules))
+    context = CheckContext(profile=_profile(profile))
+    files = find_rule_files(_rule_paths(rules))
     return tuple(all_findings([parse(read_rule_text(file), str(file)) for file in files], context))
 
 
@@ -70,7 +72,7 @@ def read_rules(*rules: AnyPath, profile: AnyPath | None = None) -> RuleSet:
     Quality levels need a ``profile`` (TOML). Raises ``TestudoError`` for what cannot be read, and with the
     first error where there is one.
     """
-    loaded = load_rules([*map(Path, rules)], profile=None if profile is None else load_profile(Path(profile)))
+    loaded = load_rules(_rule_paths(rules), profile=_profile(profile))
     loaded.refuse_errors()
     return loaded.rule_set
 
@@ -92,16 +94,17 @@ def replay(
     """
     _require_rules(rules)
     budget = None if budget_kb_per_s is None else _budget(budget_kb_per_s)
-    log = None if decisions is None else Path(decisions)
-    inputs = (Path(bag), None if profile is None else Path(profile))
-    require_separate({"output": Path(output), "decisions": log}, inputs)
+    source, target = _recording(bag, "bag"), _path(output, "output")
+    log = None if decisions is None else _path(decisions, "decisions")
+    inputs = (source, None if profile is None else _path(profile, "profile"))
+    require_separate({"output": target, "decisions": log}, inputs)
     with ExitStack() as opened:
         request = replaying.ReplayRequest(
-            recording=opened.enter_context(open_recording(Path(bag))),
+            recording=opened.enter_context(open_recording(source)),
             rule_set=rules,
-            output=Path(output),
-            profile=Profile() if profile is None else load_profile(Path(profile)),
-            when_slow=WhenSlow.REPEAT if repeat_slow else WhenSlow.PASS,
+            output=target,
+            profile=_profile(profile) or Profile(),
+            when_slow=WhenSlow.REPEAT if _flag(repeat_slow, "repeat_slow") else WhenSlow.PASS,
             budget_kb_per_s=budget,
             decided=_ignore if log is None else opened.enter_context(decision_log.decision_log(log)),
         )
@@ -113,7 +116,7 @@ def measure_bag(bag: AnyPath, *, latency: bool = False) -> BagSummary:
 
     Raises ``TestudoError`` where it cannot be read.
     """
-    return measure.measure_bag(Path(bag), _ignore, with_latency=latency)
+    return measure.measure_bag(_recording(bag, "bag"), _ignore, with_latency=_flag(latency, "latency"))
 
 
 def measure_loss(
@@ -122,26 +125,27 @@ def measure_loss(
     *,
     rules: RuleSet | None = None,
     profile: AnyPath | None = None,
-    topics: Sequence[str] = (),
+    topics: str | Iterable[str] = (),
 ) -> LossReport:
     """Measure what the operator lost between the recordings ``sent`` by the robot and ``received``.
 
-    ``rules`` give the thresholds whose crossings count, ``topics`` are names or patterns, empty for all.
+    ``rules`` give the thresholds whose crossings count, ``topics`` are names or patterns, or a single one,
+    empty for all.
     Raises ``TestudoError`` where one cannot be read, or they share nothing.
     """
     if rules is not None:
         _require_rules(rules)
     question = loss.LossQuestion(
-        topics=topics,
+        topics=_names(topics, "topics"),
         rule_set=rules,
-        profile=Profile() if profile is None else load_profile(Path(profile)),
+        profile=_profile(profile) or Profile(),
     )
-    return loss.measure_loss(Path(sent), Path(received), question)
+    return loss.measure_loss(_recording(sent, "sent"), _recording(received, "received"), question)
 
 
 def read_decisions(path: AnyPath) -> list[Decision]:
     """The decisions in the file at ``path``. Raises ``TestudoError`` for one that holds anything else."""
-    return decision_log.read_decisions(Path(path))
+    return decision_log.read_decisions(_path(path, "path"))
 
 
 def rows(result: Tabular | Iterable[Record]) -> list[dict[str, object]]:
@@ -151,7 +155,65 @@ def rows(result: Tabular | Iterable[Record]) -> list[dict[str, object]]:
     """
     if isinstance(result, Tabular):
         return [dict(row) for row in result.rows()]
-    return [one.to_json() for one in result]
+    try:
+        return [one.to_json() for one in result]
+    except (TypeError, AttributeError) as error:
+        raise UsageError(
+            f"a result of a function of smarttestudo is needed, not {result!r:.40}",
+            place="result",
+            remedy="give what replay, measure_bag, measure_loss, read_decisions or check_rules returns",
+        ) from error
+
+
+def _path(value: AnyPath, place: str) -> Path:
+    """``value`` as a path. Raises ``UsageError`` at the parameter ``place`` for what is none."""
+    path = os.fspath(value) if isinstance(value, str | PathLike) else None
+    if not isinstance(path, str) or not path or "\0" in path:
+        raise UsageError(
+            f"the path of a file or folder is needed, not {value!r:.40}",
+            place=place,
+            remedy="give a text or a pathlib.Path",
+        )
+    return Path(path)
+
+
+def _recording(value: AnyPath, place: str) -> Path:
+    """The same for a recording, which may be behind a URL."""
+    if isinstance(value, str) and is_url(value):
+        return remote_path(value, DEFAULT_TIMEOUT_S)
+    return _path(value, place)
+
+
+def _rule_paths(rules: Iterable[AnyPath]) -> list[Path]:
+    paths = [_path(path, "rules") for path in rules]
+    if not paths:
+        # An empty list of files would pass for rules in which nothing is wrong.
+        raise UsageError(
+            "no rule file is given", place="rules", remedy="name a rule file or a folder of them"
+        )
+    return paths
+
+
+def _profile(value: AnyPath | None) -> Profile | None:
+    return None if value is None else load_profile(_path(value, "profile"))
+
+
+def _names(value: str | Iterable[str] | None, place: str) -> tuple[str, ...]:
+    """Names, of which a text is one and not its letters. Raises ``UsageError`` as ``_path`` does."""
+    several = (value,) if isinstance(value, str) else () if value is None else value
+    names = tuple(several) if isinstance(several, Iterable) else (several,)
+    if not all(isinstance(name, str) for name in names):
+        raise UsageError(
+            f"names are needed, not {value!r:.40}", place=place, remedy="give a text or several of them"
+        )
+    return names
+
+
+def _flag(value: object, place: str) -> bool:
+    """``value`` as a yes or no; a word such as "pass" would be a yes."""
+    if isinstance(value, str):
+        raise UsageError(f"True or False is needed, not {value!r:.40}", place=place, remedy="leave it out")
+    return bool(value)
 
 
 def _require_rules(rules: object) -> None:

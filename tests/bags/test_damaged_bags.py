@@ -211,10 +211,11 @@ def test_messages_left_in_a_log_beside_the_database_are_named(tmp_path: Path) ->
     with closing(sqlite3.connect(path)) as database:
         database.execute("PRAGMA journal_mode = WAL")
         database.execute("PRAGMA wal_autocheckpoint = 0")
-        database.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (1, 1, x'00')")
+        last_ns = MISSION.messages[-1].stamp_ns + 1
+        database.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (1, ?, x'00')", (last_ns,))
         database.commit()
         read = read_bag(path)
-    assert read.messages == [BagMessage("/odom", 1, b"\x00"), *MISSION.messages]
+    assert read.messages == [*MISSION.messages, BagMessage("/odom", last_ns, b"\x00")]
     assert read.notices == [f"{path}: {TOGETHER}"]
 
 

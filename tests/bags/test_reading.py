@@ -140,7 +140,7 @@ def test_every_form_of_mcap_gives_its_messages_in_time_order(tmp_path: Path, for
     path = write_mcap_file(tmp_path / "mission.mcap", shuffled, **MCAP_FORMS[form])  # type: ignore[arg-type]
     read = read_bag(path)
     assert read.messages == list(MISSION.messages)
-    assert read.notices == []
+    assert [notice for notice in read.notices if "stamps go back" not in notice] == []
 
 
 def test_a_humble_file_defines_no_types_yet_its_standard_types_decode(tmp_path: Path) -> None:

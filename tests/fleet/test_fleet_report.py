@@ -259,6 +259,27 @@ def test_commands_make_reports_that_the_page_then_links_to(testudo: Command, rob
         assert "/odom" in (robots / "pages of 2026" / link).read_text("utf-8")
 
 
+def test_the_page_links_to_no_report_of_what_has_changed_since(testudo: Command, robots: Path) -> None:
+    write_bag(robots / "days" / "monday", small_mission())
+    write_bag(robots / "days" / "tuesday", small_mission())
+    rules = robots / "changing.adirf"
+    words = ("days", "--rules", rules.name, "-o", "days.html")
+
+    def links_with(text: str) -> int:
+        rules.write_text(text, "utf-8")
+        assert report(testudo, *words).code == 0
+        return len(page(robots / "days.html").links)
+
+    slow, fast = (f"begin SetFrequency /odom {hz} end\n" for hz in (1, 20))
+    assert links_with(slow) == 0
+    for command in page(robots / "days.html").commands:
+        assert testudo(*shlex.split(command)[1:]).code == 0
+    assert [links_with(text) for text in (slow, fast, slow)] == [2, 0, 2]
+    shutil.rmtree(robots / "days" / "tuesday")
+    write_bag(robots / "days" / "tuesday", small_mission(5))
+    assert links_with(slow) == 1
+
+
 def test_names_of_strangers_are_text(testudo: Command, robots: Path) -> None:
     for name in ("<b>x</b>", '" onclick="alert(1)', "\x1b[31m\n\udcff", "$(reboot)`reboot`"):
         folder = robots / "odd" / "<script>alert(1)<|script>"

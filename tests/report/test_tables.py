@@ -70,19 +70,30 @@ def test_the_demos_tables_read_as_in_the_golden_file(name: str, build: object, w
     assert plain_table(table, width=width) + "\n" == golden
 
 
+def test_beside_an_error_stands_the_mean_that_it_is_the_error_of() -> None:
+    second = TopicStatistics(
+        messages=300, size_bytes=300, start_s=0.0, end_s=99.6, mean_hz=3.002, binned_hz=2.98, kb_per_s=0.003
+    )
+    (pair,) = compare(
+        {"/scan": second}, {"/scan": second}, {"/scan": Target(planned_hz=3.0, attainable_hz=3.0)}
+    ).topics
+    line = plain_table(frequency_table(Comparison(topics=(pair,)))).splitlines()[5]
+    assert line.split() == ["/scan", "2.98", "2.98", "0.0", "3.00", "3.00", "+0.07"]
+
+
 def test_transforms_have_a_target_of_each_frame_and_no_error() -> None:
     (pair,) = compare(
         {"/tf": HALF}, {"/tf": HALF}, {"/tf": Target(planned_hz=2.0, attainable_hz=None)}
     ).topics
     shown = plain_table(frequency_table(Comparison(topics=(pair,))))
-    assert shown.splitlines()[5].split() == ["/tf", "1.00", "1.00", "0.0", "2.00", "–"]
+    assert shown.splitlines()[5].split() == ["/tf", "1.00", "1.00", "0.0", "2.00", "–", "–"]
     assert "Of transforms the target is that of each frame" in " ".join(shown.split())
     assert "Of transforms" not in plain_table(one_topic("/odom"))
 
 
 def test_what_is_missing_is_a_dash_and_never_a_zero() -> None:
     cells = plain_table(one_topic("/odom")).splitlines()[5].split()
-    assert cells == ["/odom", "1.00", "–", "–", "2.00", "–"]
+    assert cells == ["/odom", "1.00", "–", "–", "2.00", "–", "–"]
 
 
 def test_the_runs_can_be_named() -> None:
@@ -211,5 +222,5 @@ def test_rich_markup_in_a_name_is_only_text(monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_terminal_that_knows_only_ascii_gets_ascii(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     lines = shown(one_topic("/ödom"), Terminal("ascii"))
-    assert any(line.split() == ["/?dom", "1.00", "-", "-", "2.00", "-"] for line in lines)
+    assert any(line.split() == ["/?dom", "1.00", "-", "-", "2.00", "-", "-"] for line in lines)
     assert all(line.isascii() for line in lines)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -16,6 +17,8 @@ from smarttestudo.bags.remote_path import fetched_in_full, is_remote
 from smarttestudo.bags.storage_files import open_storage_file
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordingReader
+
+_NO_DESCRIPTOR = (errno.EMFILE, errno.ENFILE)
 
 
 @contextmanager
@@ -50,6 +53,9 @@ def _try_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPar
     try:
         return _open_part(path, opened, notices)
     except RecordingError as error:
+        if isinstance(error.__cause__, OSError) and error.__cause__.errno in _NO_DESCRIPTOR:
+            # Nothing is wrong with the file: numbers without it would be.
+            raise
         return error
 
 
@@ -63,8 +69,10 @@ def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPa
             storage_path, whole_bytes = readable_copy(path, opened, notices)
         file = open_storage_file(storage_path, whole_bytes)
     except OSError as error:
-        cause = f"cannot be read: {error.strerror}"
-        raise RecordingError(cause, place=str(path), remedy="check the path and its permissions") from error
+        cause, remedy = f"cannot be read: {error.strerror}", "check the path and its permissions"
+        if error.errno in _NO_DESCRIPTOR:
+            remedy = "raise the limit of open files: ulimit -n"
+        raise RecordingError(cause, place=str(path), remedy=remedy) from error
     opened.callback(file.close)
     return RecordingPart(path=path, storage_path=storage_path, file=file)
 

@@ -10,6 +10,7 @@ from contextlib import closing
 from itertools import islice
 from typing import Protocol
 
+from smarttestudo.bags.written_order import notices_of_back
 from smarttestudo.domain.recording import Channel, RecordedMessage, RecordedSize, readable_until
 from smarttestudo.domain.units import counted
 
@@ -100,6 +101,7 @@ class ContinuedFile(ABC):
         self.end_ns = end_ns
         self._damage: Sequence[str] = ()
         self._readable_share: float | None = 1.0
+        self._back: Sequence[str] | None = None
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """The messages of ``channels`` in time order."""
@@ -127,6 +129,12 @@ class ContinuedFile(ABC):
         """Losses, one line each, once all messages were read."""
         return self._damage
 
+    def notices_of_order(self) -> Sequence[str]:
+        """The notice that stamps go back in the order of writing, where they do in a whole file."""
+        if self._back is None:
+            self._back = [] if self._damage else notices_of_back(self._back_ns())
+        return self._back
+
     @property
     def message_count(self) -> int:
         """Messages that can be read, as far as that is known."""
@@ -140,6 +148,10 @@ class ContinuedFile(ABC):
     @abstractmethod
     def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """All messages in time order as the file's library reads them; any error is damage."""
+
+    @abstractmethod
+    def _back_ns(self) -> int:
+        """How far stamps of a topic go back in the order of writing; 0 where they do not."""
 
     @abstractmethod
     def _recovered(self) -> StoredFile:

@@ -19,10 +19,11 @@ from smarttestudo.cli.bag_figures import print_written
 from smarttestudo.cli.bag_options import topic_mapping
 from smarttestudo.cli.recordings import Asked, RecordingCommand, each_recording, recordings_in
 from smarttestudo.domain.errors import TestudoError, UsageError
+from smarttestudo.domain.json_text import json_text
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.files.whole_file import whole_file
 from smarttestudo.fleet.row_tables import RowTable
-from smarttestudo.rules.rule_files import rule_files_named
+from smarttestudo.rules.rule_files import rule_files_named, sha256_of
 
 if TYPE_CHECKING:
     from smarttestudo.cli.progress import Progress
@@ -82,6 +83,12 @@ class _Recordings(RecordingCommand["RecordingNumbers"]):
 
         self._arguments = arguments
         self._totals = FleetTotals(are_pairs=arguments.b is not None)
+        rules, profile = arguments.loaded_rules, arguments.profile
+        self._inputs = (
+            __version__,
+            "" if rules is None else rules.in_force.sha256,
+            "" if profile is None else sha256_of(profile),
+        )
 
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> RecordingNumbers:
@@ -153,7 +160,9 @@ class _Recordings(RecordingCommand["RecordingNumbers"]):
 
         places = [_from_the_root(one) for one in (recording.a, recording.b) if one is not None]
         words = ["testudo", "bag", "report", *places, *_passed_on(self._arguments)]
-        name = _file_name(recording, words)
+        # A report of what has changed since is no report of what the page shows.
+        numbers = json_text(recording.to_json(), ascii_only=True)
+        name = _file_name(recording, [*words, *self._inputs, numbers])
         path = self._arguments.output.absolute().parent / name
         return OwnReport(
             command=" ".join(map(_quoted, [*words, "-o", str(path)])), file_name=name, is_made=path.is_file()
@@ -181,10 +190,10 @@ def _passed_on(arguments: argparse.Namespace) -> Iterator[str]:
         yield from ("--timeout", f"{arguments.timeout:g}")
 
 
-def _file_name(recording: RecordingNumbers, words: Sequence[str]) -> str:
-    """The name of a recording's own report, the same in each run, of which no other recording has it."""
+def _file_name(recording: RecordingNumbers, contents: Sequence[str]) -> str:
+    """The name of a recording's own report, which only one with the same ``contents`` has."""
     own = "-".join(filter(None, (recording.robot, PurePosixPath(recording.a).name)))
-    digest = hashlib.sha256("\0".join(words).encode("utf-8", "surrogateescape")).hexdigest()
+    digest = hashlib.sha256("\0".join(contents).encode("utf-8", "surrogateescape")).hexdigest()
     readable = _STRANGE.sub("-", own).strip("-.")[:_MOST_OF_A_NAME]
     return "-".join(filter(None, (readable, digest[:_DIGEST_DIGITS]))) + ".html"
 

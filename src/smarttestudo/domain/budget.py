@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from numbers import Real
 
 MAX_BUDGET_KB_PER_S = 1e9
 UNLIMITED_KB_PER_S = 1e7
@@ -14,7 +15,7 @@ UNLIMITED_KB_PER_S = 1e7
 def budget_kb_per_s(value: object) -> float:
     """``value``, a number or text, as KB/s for all relayed topics together. Raises ``ValueError``."""
     number = math.nan
-    if isinstance(value, int | float | str) and not isinstance(value, bool):
+    if isinstance(value, Real | str) and not isinstance(value, bool):
         try:
             number = float(value)
         except (ValueError, OverflowError):

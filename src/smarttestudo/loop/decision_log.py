@@ -8,13 +8,14 @@ import json
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from io import BytesIO
 from pathlib import Path
 
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.files.input_file import read_input
-from smarttestudo.files.whole_file import not_written, whole_file
+from smarttestudo.files.whole_file import OutputFileError, not_written, whole_file
 
 _CONTENT = "the decision log"
 _LINE_START = b'{"t":'
@@ -30,9 +31,11 @@ class DecisionLogError(TestudoError):
 def decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
     """Write a log of decisions: the block is given a function that appends decisions.
 
-    The log appears at ``path`` once the block ends well. Raises ``OutputFileError`` where that is not
-    possible, before the block if it is known by then.
+    The log appears at ``path`` once the block ends well. It takes the place of another log, but of no other
+    file: that may be what the decisions come from. Raises ``OutputFileError`` where that is not possible,
+    before the block if it is known by then.
     """
+    _require_no_other(path)
     with whole_file(path, _CONTENT) as write:
         yield lambda decisions: write("".join(f"{_line(decision)}\n" for decision in decisions))
 
@@ -63,6 +66,18 @@ def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], 
         # What could not be written was said when it failed.
         with suppress(OSError):
             file.close()
+
+
+def _require_no_other(path: Path) -> None:
+    """Raise ``OutputFileError`` where there is a file with something else than decisions."""
+    try:
+        with path.open("rb") if path.is_file() else BytesIO() as file:
+            start = file.read(len(_LINE_START))
+    except OSError as error:
+        raise not_written(path, _CONTENT, error) from error
+    if start and start != _LINE_START:
+        cause = f"{_CONTENT} cannot be written: the file there holds something else"
+        raise OutputFileError(cause, place=str(path), remedy="name another output, or remove it")
 
 
 def _cut_half_a_line(path: Path) -> None:

@@ -12,10 +12,11 @@ from enum import Enum
 from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost
 from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.domain.dataclass import dataclass
+from smarttestudo.report.scale import multiples, round_step
 
 _MARGIN = 1.15
 _STEPS = ((1, 2, 3, 5), (1, 2, 5), (1,))
-_MOST_TICKS = 7
+_LEAST_TICKS, _MOST_TICKS = 3, 7
 
 
 class Sent(Enum):
@@ -118,6 +119,9 @@ def _axis(values: Iterable[float]) -> LogAxis:
             break
     else:
         shown = shown[:: -(-len(shown) // _MOST_TICKS)]
+    if len(shown) < _LEAST_TICKS:
+        # Within less than a decade they are as far apart as on any other axis.
+        shown = tuple(multiples(round_step((high - low) / _MOST_TICKS), low, high)[:_MOST_TICKS])
     return LogAxis(low=low, high=high, ticks=shown)
 
 

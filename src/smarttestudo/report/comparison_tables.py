@@ -18,8 +18,8 @@ _TOPIC = Column(heading="Topic", align=Align.LEFT)
 _CHANGE = Column(heading="Change", unit="%")
 _RATE_NOTE = "Hz: mean count of the 1 s bins from first to last message."
 _TARGET_NOTE = (
-    " Target: planned rate, weighted by time. "
-    "Error: mean rate (n − 1) / (last − first) against the target, or the source's mean where that is less."
+    " Target: planned rate, weighted by time. Mean: (n − 1) / (last − first) of {}. "
+    "Error: that mean against the target, or the source's mean where that is less."
 )
 _FRAMES_NOTE = " Of transforms the target is that of each frame, and there is no error."
 BANDWIDTH_NOTE = "1 KB is 1000 bytes; 1 KB/s is 8 kbit/s."
@@ -40,7 +40,12 @@ def frequency_table(comparison: Comparison, names: RunNames | None = None) -> Ta
     targets = [pair.target for pair in comparison.topics if pair.target is not None]
     has_targets = bool(targets)
     frames_note = _FRAMES_NOTE if any(one.attainable_hz is None for one in targets) else ""
-    target_columns = (Column(heading="Target", unit="Hz"), Column(heading="Error", unit="%"))
+    target_columns = (
+        Column(heading="Target", unit="Hz"),
+        Column(heading="Mean", unit="Hz"),
+        Column(heading="Error", unit="%"),
+    )
+    target_note = _TARGET_NOTE.format(names.after) + frames_note
     return Table(
         title="Frequency",
         columns=(
@@ -51,7 +56,7 @@ def frequency_table(comparison: Comparison, names: RunNames | None = None) -> Ta
             *(target_columns if has_targets else ()),
         ),
         rows=tuple(_frequency_row(pair, has_targets=has_targets) for pair in comparison.topics),
-        footnotes=(_RATE_NOTE + _TARGET_NOTE + frames_note if has_targets else _RATE_NOTE,),
+        footnotes=(_RATE_NOTE + target_note if has_targets else _RATE_NOTE,),
     )
 
 
@@ -78,6 +83,7 @@ def bandwidth_table(comparison: Comparison, names: RunNames | None = None) -> Ta
 def _frequency_row(pair: TopicComparison, *, has_targets: bool) -> Row:
     target = (
         Number(None if pair.target is None else pair.target.planned_hz),
+        Number(None if pair.target is None or pair.after is None else pair.after.mean_hz),
         Number(pair.error_percent, signed=True),
     )
     return Row(

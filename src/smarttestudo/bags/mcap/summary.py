@@ -51,6 +51,7 @@ class ChunkEntry:
     """Where a chunk is; ``indexed_channels`` are those that have an index of their messages behind it."""
 
     message_start_time: int
+    message_end_time: int
     chunk_start_offset: int
     chunk_length: int
     indexed_channels: int
@@ -149,13 +150,14 @@ def _channel(content: bytes) -> tuple[int, ChannelEntry]:
 
 
 def _chunk(content: bytes) -> ChunkEntry:
-    first_ns, _, start, length, places_bytes = _CHUNK_START.unpack_from(content)
+    first_ns, last_ns, start, length, places_bytes = _CHUNK_START.unpack_from(content)
     place = _CHUNK_START.size + places_bytes
     (index_length,) = struct.unpack_from("<Q", content, place)
     compression, place = read_text(content, place + 8)
     _, uncompressed = _CHUNK_END.unpack_from(content, place)
     return ChunkEntry(
         message_start_time=first_ns,
+        message_end_time=last_ns,
         chunk_start_offset=start,
         chunk_length=length,
         indexed_channels=places_bytes // _PLACE.size,

@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
+from typing import BinaryIO
 
 from smarttestudo.bags.mcap.channels import stored_channel
 from smarttestudo.bags.mcap.record_bytes import (
@@ -21,7 +22,9 @@ from smarttestudo.bags.mcap.record_bytes import (
 )
 from smarttestudo.bags.mcap.summary import ChunkEntry, McapSummary, StatisticsEntry, read_summary
 from smarttestudo.bags.mcap.time_order import in_time_order
+from smarttestudo.bags.mcap.written_order import furthest_back_in, overlap
 from smarttestudo.bags.qos import QosReader
+from smarttestudo.bags.remote_path import is_remote
 from smarttestudo.bags.stored_file import (
     ChannelsByNumber,
     ContinuedFile,
@@ -29,6 +32,7 @@ from smarttestudo.bags.stored_file import (
     OutlineError,
     StoredFile,
 )
+from smarttestudo.bags.written_order import SAMPLES
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS
 
@@ -77,7 +81,10 @@ def _is_full(summary: McapSummary, statistics: StatisticsEntry) -> bool:
 
 
 class McapFile(ContinuedFile):
-    """Reads chunk by chunk as the index says; where that fails, as a damaged file from there on."""
+    """Reads chunk by chunk as the index says; where that fails, as a damaged file from there on.
+
+    It is open from the first chunk that is read to the last: a recording may have thousands of files.
+    """
 
     def __init__(self, path: Path, index: McapSummary) -> None:
         assert index.statistics is not None
@@ -90,7 +97,7 @@ class McapFile(ContinuedFile):
         }
         chunks = sorted(index.chunks, key=attrgetter("message_start_time", "chunk_start_offset"))
         self._places = [(chunk.message_start_time, chunk) for chunk in chunks]
-        self._file = path.open("rb")
+        self._opened: BinaryIO | None = None
         super().__init__(
             message_count=index.statistics.message_count,
             start_ns=index.statistics.message_start_time,
@@ -101,7 +108,7 @@ class McapFile(ContinuedFile):
         """The outlines of ``messages``; of chunks that are not compressed, large payloads are not read."""
         read = partial(self._heads_in, channels=channels, head_bytes=head_bytes)
         try:
-            for stamp_ns, number, records, start, end in in_time_order(self._places, read):
+            for stamp_ns, number, records, start, end in self._in_time_order(read):
                 yield channels[number], stamp_ns, end - start, records[start : min(start + head_bytes, end)]
         except _BROKEN as error:
             raise OutlineError(str(error)) from error
@@ -110,23 +117,47 @@ class McapFile(ContinuedFile):
         """The sizes of ``messages``, read as ``outlines`` are."""
         read = partial(self._heads_in, channels=channels, head_bytes=0)
         try:
-            for stamp_ns, number, _, start, end in in_time_order(self._places, read):
+            for stamp_ns, number, _, start, end in self._in_time_order(read):
                 yield channels[number], stamp_ns, end - start
         except _BROKEN as error:
             raise OutlineError(str(error)) from error
 
     def notices(self) -> Sequence[str]:
         """Losses, one line each, once all messages were read."""
-        return [*dict.fromkeys((*self._qos.notices, *super().notices()))]
+        return [*dict.fromkeys((*self._qos.notices, *super().notices())), *self.notices_of_order()]
 
     def close(self) -> None:
         """Let go of the file."""
-        self._file.close()
+        if self._opened is not None:
+            self._opened.close()
+            self._opened = None
+
+    @property
+    def _file(self) -> BinaryIO:
+        if self._opened is None:
+            self._opened = self._path.open("rb")
+        return self._opened
+
+    def _in_time_order(self, read: Callable[[ChunkEntry], list[_Found]]) -> Iterator[_Found]:
+        yield from in_time_order(self._places, read)
+        self.close()
 
     def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         read = partial(self._messages_in, channels=channels)
-        for stamp_ns, number, records, start, end in in_time_order(self._places, read):
+        for stamp_ns, number, records, start, end in self._in_time_order(read):
             yield channels[number], stamp_ns, records[start:end]
+
+    def _back_ns(self) -> int:
+        chunks = sorted((chunk for _, chunk in self._places), key=attrgetter("chunk_start_offset"))
+        # Where the clock is set within the first chunk, only the indexes of messages tell.
+        is_short = self.message_count <= SAMPLES and not is_remote(self._path)
+        if not is_short and not overlap(chunks):
+            return 0
+        try:
+            with self._path.open("rb") as file:
+                return furthest_back_in(file, chunks)
+        except (OSError, *_BROKEN):
+            return 0
 
     def _recovered(self) -> StoredFile:
         from smarttestudo.bags.mcap.recovered import RecoveredMcapFile  # noqa: PLC0415  most are whole

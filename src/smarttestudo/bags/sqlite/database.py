@@ -81,14 +81,23 @@ class DatabaseFile:
 
 @contextmanager
 def open_database(path: Path, log: WriteAheadLog | None = None) -> Iterator[apsw.Connection]:
-    """A connection to the database at ``path`` with ``log`` taken in; neither is locked or changed."""
+    """A connection to the database at ``path`` with ``log`` taken in; neither is locked or changed.
+
+    Raises ``apsw.Error`` for what is no database, and ``OSError`` where the file cannot be opened at all.
+    """
     address = f"file:{quote(os.fsencode(path.absolute()))}?mode=ro&immutable=1"
     with ExitStack() as opened:
         system = None
         if log is not None and log.page_numbers:
             file = opened.enter_context(closing(DatabaseFile(path, log)))
             system = opened.enter_context(_files_from(file))
-        yield opened.enter_context(closing(apsw.Connection(address, flags=_FLAGS, vfs=system)))
+        try:
+            database = apsw.Connection(address, flags=_FLAGS, vfs=system)
+        except apsw.CantOpenError:
+            # SQLite does not say why: too many open files are no damage.
+            path.open("rb").close()
+            raise
+        yield opened.enter_context(closing(database))
 
 
 @contextmanager

@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
+from operator import itemgetter
 from pathlib import Path
 
 import apsw
@@ -19,6 +20,12 @@ from smarttestudo.bags.stored_file import (
     Outline,
     OutlineError,
     StoredFile,
+)
+from smarttestudo.bags.written_order import (
+    LEAST_BACK_NS,
+    MESSAGES_PER_SAMPLE,
+    SAMPLES,
+    furthest_back_ns,
 )
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
@@ -34,25 +41,33 @@ _NO_MESSAGE = "a row without topic, stamp or payload"
 _SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages WHERE typeof(timestamp) = 'integer'"
 _MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestamp, id"
 
+_NUMBERS = "SELECT min(id), max(id) FROM messages"
+_AS_WRITTEN = "SELECT timestamp FROM messages ORDER BY id"
+_FROM_NUMBER = "SELECT timestamp FROM messages WHERE id >= ? ORDER BY id LIMIT 1"
+_FURTHEST_BACK = """
+SELECT max(before - timestamp) FROM (
+    SELECT timestamp, lag(timestamp) OVER (PARTITION BY topic_id ORDER BY id) AS before FROM messages
+)
+"""
+
 
 class SqliteFile(ContinuedFile):
     """The database at ``path`` with ``log`` taken in, as far as both are whole.
 
-    Raises ``RecordingError`` where SQLite cannot read it.
+    It is open only while rows are read: a recording may have thousands of files, and SQLite keeps pages of
+    each that is open. Raises ``RecordingError`` where SQLite cannot read it.
     """
 
     def __init__(self, path: Path, log: WriteAheadLog | None) -> None:
         self._path = path
         self._log = log
         self._qos = QosReader()
-        with ExitStack() as opened:
-            try:
-                self._database = opened.enter_context(open_database(path, log))
-                self.channels: ChannelsByNumber = read_topics(self._database, self._qos)
-                ((count, start_ns, end_ns),) = self._database.execute(_SPAN)
-            except BROKEN as error:
-                raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
-            self._resources = opened.pop_all()
+        try:
+            with open_database(path, log) as database:
+                self.channels: ChannelsByNumber = read_topics(database, self._qos)
+                ((count, start_ns, end_ns),) = database.execute(_SPAN)
+        except BROKEN as error:
+            raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
         self._promised = int(count)
         super().__init__(message_count=self._promised, start_ns=int(start_ns or 0), end_ns=int(end_ns or 0))
 
@@ -78,11 +93,10 @@ class SqliteFile(ContinuedFile):
         """Losses, one line each, once all messages were read."""
         damage = super().notices()
         log_notices = () if self._log is None or damage else self._log.notices()
-        return [*log_notices, *self._qos.notices, *damage]
+        return [*log_notices, *self._qos.notices, *damage, *self.notices_of_order()]
 
     def close(self) -> None:
-        """Let go of the file and its log."""
-        self._resources.close()
+        """There is nothing to let go of."""
 
     @contextmanager
     def _rows(self, query: str, values: tuple[int, ...] = ()) -> Iterator[apsw.Cursor]:
@@ -97,13 +111,36 @@ class SqliteFile(ContinuedFile):
         # A row that is not wanted is left unread; where all are, damage in any of them is seen.
         numbers = ", ".join(map(str, channels))
         condition = "" if channels.keys() == self.channels.keys() else f"WHERE topic_id IN ({numbers})"
-        for number, stamp_ns, payload in self._database.execute(_MESSAGES.format(condition)):
-            if not (isinstance(number, int) and isinstance(stamp_ns, int) and isinstance(payload, bytes)):
-                raise TypeError("a message without stamp or payload")
-            if number not in self.channels:
-                raise TypeError("a message of a topic that the file does not name")
-            if number in channels:
-                yield channels[number], stamp_ns, payload
+        with open_database(self._path, self._log) as database:
+            for number, stamp_ns, payload in database.execute(_MESSAGES.format(condition)):
+                if not (isinstance(number, int) and isinstance(stamp_ns, int) and isinstance(payload, bytes)):
+                    raise TypeError("a message without stamp or payload")
+                if number not in self.channels:
+                    raise TypeError("a message of a topic that the file does not name")
+                if number in channels:
+                    yield channels[number], stamp_ns, payload
+
+    def _back_ns(self) -> int:
+        try:
+            with open_database(self._path, self._log) as database:
+                # All topics together are looked at first, and few messages of many: one topic takes longer.
+                if furthest_back_ns(self._stamps_as_written(database)) <= LEAST_BACK_NS:
+                    return 0
+                ((back_ns,),) = database.execute(_FURTHEST_BACK)
+                return int(back_ns or 0)
+        except (apsw.Error, OSError, TypeError):
+            return 0
+
+    def _stamps_as_written(self, database: apsw.Connection) -> Iterator[int]:
+        ((first, last),) = database.execute(_NUMBERS)
+        if first is None:
+            return
+        samples = max(SAMPLES, self._promised // MESSAGES_PER_SAMPLE)
+        if self._promised <= samples:
+            yield from map(itemgetter(0), database.execute(_AS_WRITTEN))
+            return
+        for number in range(first, last + 1, max(1, (last - first) // samples)):
+            yield from map(itemgetter(0), database.execute(_FROM_NUMBER, (number,)))
 
     def _recovered(self) -> StoredFile:
         from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile  # noqa: PLC0415  most are whole
