@@ -325,7 +325,7 @@ def _silence(link: TopicLink, meters: _Meters) -> Silence | None:
         (Silence.NO_PUBLISHER, link.publishers == 0),
         (Silence.CANNOT_RELAY, link.problem is not None),
         (Silence.NO_SUBSCRIBER, link.subscribers == 0),
-        (Silence.INCOMPATIBLE_QOS, link.subscribers == len(link.incompatible)),
+        (Silence.INCOMPATIBLE_QOS, link.subscribers == link.unserved),
         (Silence.NO_MESSAGE, meters.statistics.arrived.messages == 0),
         (Silence.SOURCE_SILENT, meters.arrived.is_silent),
     )

@@ -94,10 +94,10 @@ def test_a_topic_that_is_off_takes_no_bandwidth() -> None:
         (IMU_10, None, {"publishers": 0, "subscribers": 0}, Silence.NO_PUBLISHER),
         (IMU_10, None, {"problem": "not installed", "subscribers": 0}, Silence.CANNOT_RELAY),
         (IMU_10, 30, {"subscribers": 0}, Silence.NO_SUBSCRIBER),
-        (IMU_10, 30, {"subscribers": 2, "incompatible": ("/rviz", "/bag")}, Silence.INCOMPATIBLE_QOS),
+        (IMU_10, 30, {"subscribers": 2, "unserved": 2}, Silence.INCOMPATIBLE_QOS),
         (IMU_10, None, {}, Silence.NO_MESSAGE),
         (IMU_10, 30, {}, None),
-        (IMU_10, 30, {"subscribers": 2, "incompatible": ("/rviz",)}, None),
+        (IMU_10, 30, {"subscribers": 2, "unserved": 1}, None),
     ],
 )
 def test_a_silent_topic_says_why(
