@@ -141,6 +141,21 @@ def test_a_source_is_measured_anew_where_it_was_not_subscribed_to_for_a_second()
     assert driver.status_at(16).topics["/imu"].source_hz == pytest.approx(30)
 
 
+@pytest.mark.parametrize("rules", [IMU_10, "begin SetFrequency /imu Full end"])
+def test_the_rate_of_a_relay_is_kept_though_nobody_subscribed_for_a_second(rules: str) -> None:
+    driver = StatusDriver(rules=rules, source_hz={"/imu": 30})
+    driver.status_at(12)
+    driver.links["/imu"] = {"is_heard": False, "subscribers": 0}
+    driver.due_ns["/imu"] += SECOND
+    driver.status_at(13)
+    driver.links["/imu"] = {"subscriptions": 1}
+    for second in range(14, 24):
+        topic = driver.status_at(second).topics["/imu"]
+        assert topic.keeps_rate
+    assert topic.actual_hz == pytest.approx(topic.expected_hz, rel=0.01)
+    assert topic.error_percent == pytest.approx(0, abs=1)
+
+
 def test_looks_that_are_five_seconds_apart_measure_the_same() -> None:
     often, seldom = (StatusDriver(rules=IMU_10, source_hz={"/imu": 30}) for _ in range(2))
     for second in range(5, 41, 5):
