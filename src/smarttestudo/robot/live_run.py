@@ -102,6 +102,7 @@ class LiveRun:
             self._report()
         finally:
             self._compiled.close()
+            self._losses.close()
             for part in self._parts:
                 part.close()
 
