@@ -22,6 +22,7 @@ from smarttestudo.files.whole_file import OutputFileError
 from smarttestudo.loop.input_log import INPUTS_FILE, input_log, read_inputs
 from smarttestudo.loop.inputs import (
     ChangeInput,
+    GraphInput,
     MessageInput,
     RecordedInput,
     RuleTextsInput,
@@ -33,20 +34,24 @@ stamps_ns = st.integers(0, 2**62)
 counts = st.integers(0, 2**31)
 texts = st.text()
 budgets = st.floats(0, 1e9)
+sources = st.builds(
+    SourceChanged, topic=texts, publishers=counts, transient_local=st.booleans(), type_name=texts
+)
+listeners = st.builds(ListenersChanged, topic=texts, are_there=st.booleans())
 inputs = st.one_of(
     st.builds(WakeInput, stamp_ns=stamps_ns),
+    st.builds(
+        GraphInput,
+        stamp_ns=stamps_ns,
+        sources=st.lists(sources, max_size=3).map(tuple),
+        listeners=st.lists(listeners, max_size=3).map(tuple),
+    ),
     st.builds(
         ChangeInput,
         stamp_ns=stamps_ns,
         change=st.one_of(
-            st.builds(
-                SourceChanged,
-                topic=texts,
-                publishers=counts,
-                transient_local=st.booleans(),
-                type_name=texts,
-            ),
-            st.builds(ListenersChanged, topic=texts, are_there=st.booleans()),
+            sources,
+            listeners,
             st.builds(ReceiversReckon, topics=st.frozensets(texts, max_size=3)),
             st.builds(LinkBudget, link_kb_per_s=budgets),
         ),

@@ -274,9 +274,22 @@ def test_an_operator_who_asks_for_more_than_the_source_offers_is_named_once() ->
     live.looks(20)
     assert lines_with(graph, "asks for") == [
         "/testudo/imu: /recorder asks for reliable delivery and transient local durability, "
-        "which /imu does not offer; it receives nothing",
-        "/testudo/imu: /watchdog asks for a deadline, which /imu does not offer; it receives nothing",
+        "which this relay does not offer, and receives nothing; have it ask for best effort and volatile "
+        "durability",
+        "/testudo/imu: /watchdog asks for a deadline, which this relay does not offer, and receives nothing; "
+        "have it ask for no deadline",
     ]
+
+
+def test_a_node_with_two_subscriptions_that_get_nothing_is_named_once_and_counted_twice() -> None:
+    graph = SmallGraph()
+    live = Live(graph, "/imu")
+    graph.joins("/imu", DRIVER, reliable=False)
+    graph.listens("/testudo/imu", node="/rviz", reliable=True, gid=b"image")
+    graph.listens("/testudo/imu", node="/rviz", reliable=True, gid=b"camera")
+    live.looks()
+    link = live.topics.links()["/imu"]
+    assert (link.subscribers, link.unserved, link.incompatible) == (2, 2, ("/rviz",))
 
 
 def test_a_topic_that_comes_back_with_another_type_is_opened_anew() -> None:

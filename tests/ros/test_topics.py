@@ -85,7 +85,7 @@ def test_an_operator_who_asks_for_too_much_is_named(robot: SmallRobot) -> None:
     runtime = robot.runtime("begin SetFrequency /imu Full end")
     robot.source(imu={"type": IMU, "hz": 50, "reliable": False})
     robot.operator(imu={"type": IMU, "reliable": True})
-    runtime.line_with("/testudo/imu: /operator asks for reliable delivery, which /imu does not offer")
+    runtime.line_with("/testudo/imu: /operator asks for reliable delivery, which this relay does not offer")
 
 
 @told_apart

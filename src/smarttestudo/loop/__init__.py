@@ -6,7 +6,14 @@
 ``knowledge``, and ``relays`` execute the plan. ``reload`` is how other rules take the place of those before.
 """
 
-from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
+from smarttestudo.loop.inputs import (
+    ChangeInput,
+    GraphInput,
+    LoopInput,
+    MessageInput,
+    RulesInput,
+    WakeInput,
+)
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
@@ -15,6 +22,7 @@ from smarttestudo.loop.step import StepResult, step
 
 __all__ = [
     "ChangeInput",
+    "GraphInput",
     "Knowledge",
     "LoopInput",
     "MessageInput",

@@ -25,6 +25,7 @@ from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import OutputFileError, not_written
 from smarttestudo.loop.inputs import (
     ChangeInput,
+    GraphInput,
     MessageInput,
     RecordedInput,
     RuleTextsInput,
@@ -42,7 +43,11 @@ _CHANGES: Mapping[str, type[SourceChanged | ListenersChanged | LinkBudget | Rece
     "budget": LinkBudget,
     "reckoned": ReceiversReckon,
 }
-_OTHERS: Mapping[str, type[WakeInput | RuleTextsInput]] = {"wake": WakeInput, "rules": RuleTextsInput}
+_OTHERS: Mapping[str, type[GraphInput | WakeInput | RuleTextsInput]] = {
+    "graph": GraphInput,
+    "wake": WakeInput,
+    "rules": RuleTextsInput,
+}
 _EVENTS: Mapping[type, str] = {kind: event for event, kind in (*_CHANGES.items(), *_OTHERS.items())}
 
 

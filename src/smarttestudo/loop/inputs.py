@@ -44,6 +44,19 @@ class ChangeInput:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class GraphInput:
+    """All that one look at the graph found changed, for which the plan is made once.
+
+    One by one, each of many topics that are left at once would give its part of a budget to those that are
+    next to go.
+    """
+
+    stamp_ns: int
+    sources: tuple[SourceChanged, ...] = ()
+    listeners: tuple[ListenersChanged, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class WakeInput:
     """Time passed."""
 
@@ -77,7 +90,7 @@ class RuleTextsInput:
     relay_all: tuple[str, ...] | None = None
 
 
-LoopInput = MessageInput | ChangeInput | WakeInput | RulesInput
+LoopInput = MessageInput | ChangeInput | GraphInput | WakeInput | RulesInput
 
-RecordedInput = MessageInput | ChangeInput | WakeInput | RuleTextsInput
+RecordedInput = MessageInput | ChangeInput | GraphInput | WakeInput | RuleTextsInput
 """A recorded message has a payload only where a check reads it, nothing decoded, a number as publisher."""

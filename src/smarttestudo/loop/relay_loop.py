@@ -20,7 +20,14 @@ from smarttestudo.domain.rests import Rest, no_rest
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.block_states import BlockStates
-from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
+from smarttestudo.loop.inputs import (
+    ChangeInput,
+    GraphInput,
+    LoopInput,
+    MessageInput,
+    RulesInput,
+    WakeInput,
+)
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.monitor import meter
 from smarttestudo.loop.prepared_rules import PreparedRules
@@ -177,12 +184,14 @@ class RelayLoop:
         """The recording ended at ``now_ns``: what is still held back, each at its time, by the last plan."""
         return self.relays.finish(now_ns)
 
-    def _take_other(self, given: ChangeInput | WakeInput | RulesInput) -> Sequence[Relayed]:
+    def _take_other(self, given: ChangeInput | GraphInput | WakeInput | RulesInput) -> Sequence[Relayed]:
         match given:
             case WakeInput(stamp_ns=now_ns):
                 return self._pass_time(now_ns)
             case ChangeInput(stamp_ns=now_ns, change=change):
                 return self._take_change(change, now_ns)
+            case GraphInput(stamp_ns=now_ns):
+                return self._observe((*given.sources, *given.listeners), now_ns)
             case RulesInput():
                 return self._take_rules(given)
 
@@ -191,15 +200,21 @@ class RelayLoop:
     ) -> Sequence[Relayed]:
         if isinstance(change, ReceiversReckon):
             return [*self._pass_time(now_ns), *self.relays.set_reckoned(change.topics, now_ns)]
+        return self._observe((change,), now_ns)
+
+    def _observe(
+        self, changes: Sequence[SourceChanged | ListenersChanged | LinkBudget], now_ns: int
+    ) -> Sequence[Relayed]:
         relayed = [*self._restarted(now_ns)]
-        self._step((change,), now_ns)
+        self._step(changes, now_ns)
         relayed += self._woken(now_ns)
-        if isinstance(change, ListenersChanged) and change.are_there:
-            self.relays.resend_to_new_receiver(change.topic, now_ns)
-            relayed += self._woken(now_ns)
-        if isinstance(change, SourceChanged):
-            self._sources[change.topic] = change
-            relayed += self.relays.change_source(change, now_ns)
+        for change in changes:
+            if isinstance(change, ListenersChanged) and change.are_there:
+                self.relays.resend_to_new_receiver(change.topic, now_ns)
+                relayed += self._woken(now_ns)
+            if isinstance(change, SourceChanged):
+                self._sources[change.topic] = change
+                relayed += self.relays.change_source(change, now_ns)
         return relayed
 
     def _take_rules(self, given: RulesInput) -> Sequence[Relayed]:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from smarttestudo.language.rule_set import RuleSet, fallback_rules
 from smarttestudo.loop.input_log import read_inputs
 from smarttestudo.loop.inputs import (
     ChangeInput,
+    GraphInput,
     LoopInput,
     MessageInput,
     RecordedInput,
@@ -109,12 +110,18 @@ class _Again:
         match recorded:
             case MessageInput(topic=topic) if self.loop.knowledge.reads(topic):
                 return replace(recorded, message=self._message(recorded))
-            case ChangeInput(change=SourceChanged(topic=topic, type_name=type_name)):
-                self._channels[topic] = Channel(topic=topic, type_name=type_name)
+            case ChangeInput(change=SourceChanged() as source):
+                self._note_sources([source])
+            case GraphInput(sources=sources):
+                self._note_sources(sources)
             case RuleTextsInput(stamp_ns=now_ns):
                 rule_set, profile = _rules(recorded)
                 return RulesInput(stamp_ns=now_ns, rule_set=rule_set, profile=profile)
         return recorded
+
+    def _note_sources(self, sources: Iterable[SourceChanged]) -> None:
+        for source in sources:
+            self._channels[source.topic] = Channel(topic=source.topic, type_name=source.type_name)
 
     def _message(self, recorded: MessageInput) -> object:
         channel, payload = self._channels.get(recorded.topic), recorded.payload[:]

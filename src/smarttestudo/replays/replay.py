@@ -29,7 +29,7 @@ from smarttestudo.domain.recording import (
 )
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_S, counted
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.inputs import ChangeInput, MessageInput, WakeInput
+from smarttestudo.loop.inputs import GraphInput, MessageInput, WakeInput
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.pacing.sample import WhenSlow
@@ -196,16 +196,17 @@ class _Run:
 
     def begin(self) -> None:
         """Say which sources there are."""
-        for topic, channel in self._topics.sources.items():
-            change = SourceChanged(
+        sources = tuple(
+            SourceChanged(
                 topic=topic,
                 publishers=1,
                 transient_local=channel.transient_local,
                 type_name=channel.type_name,
             )
-            self._write(
-                self._loop.handle(ChangeInput(stamp_ns=self._request.recording.start_ns, change=change))
-            )
+            for topic, channel in self._topics.sources.items()
+        )
+        start_ns = self._request.recording.start_ns
+        self._write(self._loop.handle(GraphInput(stamp_ns=start_ns, sources=sources)))
         self._needed = self._sources_needed()
         self.decoded = frozenset(topic for topic in self._needed if self._loop.needs_decoded(topic))
 

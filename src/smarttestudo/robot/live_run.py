@@ -14,7 +14,14 @@ from smarttestudo.domain.robot import GraphChange, Robot
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.files.own_process import read_own_process
 from smarttestudo.loop.block_states import BlockStates
-from smarttestudo.loop.inputs import ChangeInput, LoopInput, MessageInput, RulesInput, WakeInput
+from smarttestudo.loop.inputs import (
+    ChangeInput,
+    GraphInput,
+    LoopInput,
+    MessageInput,
+    RulesInput,
+    WakeInput,
+)
 from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.compiled_topics import CompiledTopics
@@ -95,6 +102,7 @@ class LiveRun:
             self._report()
         finally:
             self._compiled.close()
+            self._losses.close()
             for part in self._parts:
                 part.close()
 
@@ -199,16 +207,16 @@ class LiveRun:
         # What is due goes out before a topic is opened anew, perhaps with another type.
         now_ns = self._robot.now_ns()
         self._handle(WakeInput(stamp_ns=now_ns))
-        for change in self._topics.poll(graph):
-            if change.topic in self._given:
-                self._handle(ChangeInput(stamp_ns=now_ns, change=change))
+        found = self._topics.poll(graph)
+        if sources := tuple(change for change in found if change.topic in self._given):
+            self._handle(GraphInput(stamp_ns=now_ns, sources=sources))
         # What was opened anew was first heard now; before it was closed, copies up to here were delivered.
         now_ns = self._robot.now_ns()
         for topic, source in self._topics.heard():
             for part in self._parts:
                 part.on_source(topic, source, now_ns)
-        for heard in self._topics.listeners():
-            self._handle(ChangeInput(stamp_ns=now_ns, change=heard))
+        if listeners := tuple(self._topics.listeners()):
+            self._handle(GraphInput(stamp_ns=now_ns, listeners=listeners))
         self._compiled.choose(self._topics, now_ns, is_quiet=graph is GraphChange.NONE)
         self._losses.measure(self._topics.subscriptions(), now_ns)
         for part in self._parts:

@@ -16,7 +16,6 @@ PAUSE_NS = 10 * NS_PER_S
 
 @dataclass(slots=True)
 class _Losses:
-    subscription: Subscription
     said: int = 0
     silent_until_ns: int = 0
 
@@ -26,25 +25,40 @@ class LiveLosses:
 
     def __init__(self, log: RobotLog) -> None:
         self._log = log
+        self._open: Mapping[str, Subscription] = {}
         self._losses: dict[str, _Losses] = {}
 
     def measure(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
         """Count for the subscriptions that are open; times may jump back."""
-        self._losses = {
-            topic: losses
-            for topic, losses in self._losses.items()
-            if subscriptions.get(topic) is losses.subscription
-        }
+        if subscriptions is not self._open:
+            self._end_all_but(subscriptions)
+            self._open = subscriptions
         for topic, subscription in subscriptions.items():
             if subscription.dropped:
-                self._say(topic, self._losses.setdefault(topic, _Losses(subscription)), now_ns)
+                self._say_in_time(topic, subscription, now_ns)
 
-    def _say(self, topic: str, losses: _Losses, now_ns: int) -> None:
-        lost = losses.subscription.dropped - losses.said
-        if lost and not losses.silent_until_ns - PAUSE_NS <= now_ns < losses.silent_until_ns:
-            losses.said += lost
+    def close(self) -> None:
+        """Report what was not reported yet; nothing is received any more."""
+        self.measure({}, 0)
+
+    def _end_all_but(self, still_open: Mapping[str, Subscription]) -> None:
+        for topic, subscription in self._open.items():
+            if still_open.get(topic) is not subscription:
+                self._say(topic, subscription, self._losses.pop(topic, _Losses()))
+
+    def _say_in_time(self, topic: str, subscription: Subscription, now_ns: int) -> None:
+        losses = self._losses.setdefault(topic, _Losses())
+        is_silent = losses.silent_until_ns - PAUSE_NS <= now_ns < losses.silent_until_ns
+        if not is_silent and self._say(topic, subscription, losses):
             losses.silent_until_ns = now_ns + PAUSE_NS
+
+    def _say(self, topic: str, subscription: Subscription, losses: _Losses) -> bool:
+        """Whether there was anything to say."""
+        lost = subscription.dropped - losses.said
+        if lost:
+            losses.said += lost
             self._log.warning(
                 f"{topic}: lost {lost} messages before they could be relayed; "
                 "either this machine or its network is too slow for them"
             )
+        return lost > 0

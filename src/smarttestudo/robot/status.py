@@ -95,7 +95,12 @@ class _FrameMeters:
     def __len__(self) -> int:
         return len(self._flows)
 
-    def restart(self) -> None:
+    def restart_arrived(self) -> None:
+        """Measure what comes from the next message on."""
+        for meter in self._arrived.values():
+            meter.restart()
+
+    def restart_relayed(self) -> None:
         """Measure what is relayed from the next message on."""
         for meter in self._relayed.values():
             meter.restart()
@@ -149,17 +154,19 @@ class _Meters:
         self._measured_ns = 0
 
     def measure(self, link: TopicLink, profile: TopicProfile, now_ns: int) -> None:
-        """Measure anew; the output's rate from its last change of target on."""
+        """Measure anew; the output's rate from its last change of target on, or its last subscription."""
         target, measured_ns = self.statistics.target, self._measured_ns
         # Within a second there and back says nothing.
         has_changed = now_ns - measured_ns > _SOON_NS and target.changes != self._changes
-        if has_changed or self.target_hz != target.rate_hz:
+        is_heard_anew = link.is_heard and not (self.is_heard and self._subscriptions == link.subscriptions)
+        if is_heard_anew:
+            # What came meanwhile is not known, and none of it was relayed.
+            self.arrived.restart()
+            self.frames.restart_arrived()
+        if is_heard_anew or has_changed or self.target_hz != target.rate_hz:
             self.target_hz = target.rate_hz
             self.relayed.restart()
-            self.frames.restart()
-        if link.is_heard and not (self.is_heard and self._subscriptions == link.subscriptions):
-            # What came meanwhile is not known.
-            self.arrived.restart()
+            self.frames.restart_relayed()
         self.is_heard, self._subscriptions = link.is_heard, link.subscriptions
         self._changes, self._measured_ns = target.changes, now_ns
         stale_after_s = profile.stale_after_s
@@ -325,7 +332,7 @@ def _silence(link: TopicLink, meters: _Meters) -> Silence | None:
         (Silence.NO_PUBLISHER, link.publishers == 0),
         (Silence.CANNOT_RELAY, link.problem is not None),
         (Silence.NO_SUBSCRIBER, link.subscribers == 0),
-        (Silence.INCOMPATIBLE_QOS, link.subscribers == len(link.incompatible)),
+        (Silence.INCOMPATIBLE_QOS, link.subscribers == link.unserved),
         (Silence.NO_MESSAGE, meters.statistics.arrived.messages == 0),
         (Silence.SOURCE_SILENT, meters.arrived.is_silent),
     )

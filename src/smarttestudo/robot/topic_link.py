@@ -21,12 +21,21 @@ def not_offered(offered: Qos, subscriber: Endpoint) -> tuple[str, ...]:
     return (*(policy for policy, is_unmet in unmet.items() if is_unmet), *subscriber.asks)
 
 
+_LESS = {"reliable delivery": "best effort", "transient local durability": "volatile durability"}
+
+
+def instead_of(policies: Sequence[str]) -> str:
+    """What a subscriber is to request in the place of policies that are ``not_offered``."""
+    return " and ".join(_LESS.get(policy, f"no {policy.removeprefix('a ')}") for policy in policies)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicLink:
     """Connections of a relayed topic on the graph.
 
     Unless it ``is_heard``, the source is not subscribed to; it was ``subscriptions`` times.
-    ``incompatible`` are the nodes among the ``subscribers`` of the output that its QoS cannot serve.
+    Of the ``subscribers`` of the output, its QoS cannot serve ``unserved``, which are of the nodes
+    ``incompatible``.
     """
 
     output: str
@@ -37,6 +46,7 @@ class TopicLink:
     transient_local: bool = False
     has_header: bool = False
     subscribers: int = 0
+    unserved: int = 0
     incompatible: tuple[str, ...] = ()
     problem: str | None = None
 
@@ -53,11 +63,13 @@ def topic_link(topic: OpenTopic, output: str, subscribers: Sequence[Endpoint]) -
     source = topic.source
     if source is None:
         return link
+    unserved = [one for one in subscribers if not_offered(source.qos, one)]
     return replace(
         link,
         type_name=source.type_name,
         publishers=source.publishers,
         transient_local=source.qos.transient_local,
         has_header=topic.has_header,
-        incompatible=tuple(sorted({one.node for one in subscribers if not_offered(source.qos, one)})),
+        unserved=len(unserved),
+        incompatible=tuple(sorted({one.node for one in unserved})),
     )

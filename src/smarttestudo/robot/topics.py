@@ -16,7 +16,7 @@ from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.endpoint_cache import EndpointCache
 from smarttestudo.robot.settled_topics import Ends, SettledTopics
 from smarttestudo.robot.topic import LiveSource, OpenTopic, live_source, suits
-from smarttestudo.robot.topic_link import TopicLink, not_offered
+from smarttestudo.robot.topic_link import TopicLink, instead_of, not_offered
 
 UNKNOWN_NODE = "/_NODE_NAME_UNKNOWN_"
 """How the name ends that an endpoint has until its node is discovered, too."""
@@ -306,11 +306,11 @@ class LiveTopics:
         if live.source is None or live.output is None:
             return
         for subscriber in self._subscribers.of(live.output):
-            asked = " and ".join(not_offered(live.source.qos, subscriber))
+            asked = not_offered(live.source.qos, subscriber)
             if asked:
                 self._warn_once(
-                    f"{live.output}: {subscriber.node} asks for {asked}, which {live.topic} does not offer; "
-                    "it receives nothing"
+                    f"{live.output}: {subscriber.node} asks for {' and '.join(asked)}, which this relay does "
+                    f"not offer, and receives nothing; have it ask for {instead_of(asked)}"
                 )
 
     def _warn_once(self, message: str) -> None:

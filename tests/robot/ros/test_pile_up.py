@@ -156,6 +156,24 @@ def test_losses_are_said_at_once_and_then_no_more_than_every_ten_seconds() -> No
     assert PAUSE_NS == 10 * SECOND
 
 
+def test_what_was_lost_last_is_said_when_a_topic_is_no_longer_subscribed_to_and_at_the_end() -> None:
+    log, scan, imu, later = Log(), Subscription(), Subscription(), Subscription()
+    losses = LiveLosses(log)
+    scan.dropped = 5
+    losses.measure({"/scan": scan, "/imu": imu}, 0)
+    scan.dropped, imu.dropped = 7, 3
+    losses.measure({"/scan": later, "/imu": imu}, SECOND)
+    imu.dropped, later.dropped = 4, 1
+    losses.close()
+    assert [line[: line.index(" messages")] for line in log.lines] == [
+        "/scan: lost 5",
+        "/scan: lost 2",
+        "/imu: lost 3",
+        "/scan: lost 1",
+        "/imu: lost 1",
+    ]
+
+
 def test_timers_do_not_catch_up_on_what_they_missed() -> None:
     timers, acted = RealTimers(), []
     timers.add(1.0, lambda: acted.append("a"), 0.0)

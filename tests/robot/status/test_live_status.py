@@ -94,10 +94,10 @@ def test_a_topic_that_is_off_takes_no_bandwidth() -> None:
         (IMU_10, None, {"publishers": 0, "subscribers": 0}, Silence.NO_PUBLISHER),
         (IMU_10, None, {"problem": "not installed", "subscribers": 0}, Silence.CANNOT_RELAY),
         (IMU_10, 30, {"subscribers": 0}, Silence.NO_SUBSCRIBER),
-        (IMU_10, 30, {"subscribers": 2, "incompatible": ("/rviz", "/bag")}, Silence.INCOMPATIBLE_QOS),
+        (IMU_10, 30, {"subscribers": 2, "unserved": 2}, Silence.INCOMPATIBLE_QOS),
         (IMU_10, None, {}, Silence.NO_MESSAGE),
         (IMU_10, 30, {}, None),
-        (IMU_10, 30, {"subscribers": 2, "incompatible": ("/rviz",)}, None),
+        (IMU_10, 30, {"subscribers": 2, "unserved": 1}, None),
     ],
 )
 def test_a_silent_topic_says_why(
@@ -139,6 +139,21 @@ def test_a_source_is_measured_anew_where_it_was_not_subscribed_to_for_a_second()
     driver.status_at(13)
     driver.links.clear()
     assert driver.status_at(16).topics["/imu"].source_hz == pytest.approx(30)
+
+
+@pytest.mark.parametrize("rules", [IMU_10, "begin SetFrequency /imu Full end"])
+def test_the_rate_of_a_relay_is_kept_though_nobody_subscribed_for_a_second(rules: str) -> None:
+    driver = StatusDriver(rules=rules, source_hz={"/imu": 30})
+    driver.status_at(12)
+    driver.links["/imu"] = {"is_heard": False, "subscribers": 0}
+    driver.due_ns["/imu"] += SECOND
+    driver.status_at(13)
+    driver.links["/imu"] = {"subscriptions": 1}
+    for second in range(14, 24):
+        topic = driver.status_at(second).topics["/imu"]
+        assert topic.keeps_rate
+    assert topic.actual_hz == pytest.approx(topic.expected_hz, rel=0.01)
+    assert topic.error_percent == pytest.approx(0, abs=1)
 
 
 def test_looks_that_are_five_seconds_apart_measure_the_same() -> None:
