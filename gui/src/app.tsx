@@ -16,6 +16,7 @@ import { OpenTabs } from "./state/open_tabs";
 import type { Lost } from "./state/work_ahead";
 import { TourOffer } from "./tour/tour_offer";
 import { Button } from "./ui/button";
+import { useDroppedFile } from "./ui/files";
 import { KeepingBar } from "./ui/keeping_bar";
 import { type Later, later } from "./ui/later";
 import { Notice } from "./ui/notice";
@@ -35,6 +36,9 @@ const PAGES: Record<Exclude<Route["page"], "home">, Later<PageProps>> = {
   robots: later(async () => (await import("./pages/robots")).RobotsPage),
   incidents: later(async () => (await import("./pages/incidents")).IncidentsPage),
 };
+
+/** The pages that do something with a file that is dropped on them. */
+const TAKE_FILES: ReadonlySet<Route["page"]> = new Set(["home", "rules", "tour"]);
 
 export function App({ api }: { api: Api }) {
   const [project, setProject] = useState<Project | null>(null);
@@ -64,6 +68,9 @@ export function App({ api }: { api: Api }) {
     if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
   }, [project?.opened]);
   useEffect(() => void keepings.follow(), []);
+  /** A file that was dropped where nothing takes one. */
+  const [dropped, setDropped] = useState("");
+  useDroppedFile((file) => setDropped(TAKE_FILES.has(route.page) ? "" : file.name));
   useReturn(() => Promise.all([refresh(), keepings.follow()]));
   const { returns } = useRobot();
   if (problem && project === null)
@@ -78,6 +85,13 @@ export function App({ api }: { api: Api }) {
       <WatchNotice />
       <KeepingBar keepings={keepings} />
       <LostNotice lost={editors.lost} />
+      {dropped && (
+        <Notice
+          kind="warning"
+          text={`${dropped} was not taken: drop it on the first screen`}
+          action={{ label: "Close", act: () => setDropped("") }}
+        />
+      )}
       <Button
         label="Skip to the content"
         class="skip"
