@@ -14,10 +14,10 @@ from playwright.sync_api import Locator, expect
 from ruler.browser.ruler_page import AFTER_TWO_FRAMES, GRIP_PX, RulerPage
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, ViewportSize
 
 STEPS = 10
-TELEPHONE = {"width": 390, "height": 844}
+TELEPHONE: ViewportSize = {"width": 390, "height": 844}
 RULES = "begin\n    SetFrequency /odom 10\n    SetFrequency /imu 5\n    SetFrequency /scan 1\nend\n"
 TABLE = '[topics."/odom"]\nmessage_kb = 0.7\ntiers_hz = [5, 10, 15, 20, 25, 30]\n'
 
