@@ -44,7 +44,9 @@ export function App({ api }: { api: Api }) {
   const [project, setProject] = useState<Project | null>(null);
   const [problem, setProblem] = useState("");
   const root = project?.root_hash;
-  const editors = useMemo(() => (root === undefined ? null : openEditors(root)), [root]);
+  // Another folder behind the same address does not make it another tab: drafts are still its own.
+  const tabs = useMemo(() => new OpenTabs(crypto.getRandomValues(new Uint32Array(4)).join("-")), []);
+  const editors = useMemo(() => (root === undefined ? null : openEditors(root, tabs)), [root]);
   const keepings = useMemo(() => new Keepings(api), []);
   useUnsavedWarning(editors);
   const route = useRoute();
@@ -121,8 +123,7 @@ function LostNotice({ lost }: { lost: Signal<Lost | null> }) {
 }
 
 /** The files of a project, with drafts in this browser. */
-function openEditors(project: string): OpenEditors {
-  const tabs = new OpenTabs(crypto.getRandomValues(new Uint32Array(4)).join("-"));
+function openEditors(project: string, tabs: OpenTabs): OpenEditors {
   return new OpenEditors(new Drafts(browserStorage(), project, tabs.own, () => tabs.others()));
 }
 
