@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import Locator, ViewportSize, expect
 
 from bags.bag_factory import small_mission, write_bag
+from link.zenoh.ends import until
 from ruler.browser.ruler_page import RulerPage
 from ruler.browser.screens import FOLDED
 
@@ -34,6 +35,15 @@ CONTRAST = """field => {
     const [high, low] = [words.color, behind.backgroundColor].map(light).sort((a, b) => b - a);
     return (high + 0.05) / (low + 0.05);
 }"""
+LARGER_TEXT = """() => {
+    const texts = [...document.querySelectorAll("h1, button, input, select, a, p, .cm-line")];
+    const sizes = () => texts.filter(each => each.closest(".injectionDiv") === null)
+        .map(each => Number.parseFloat(getComputedStyle(each).fontSize));
+    const before = sizes();
+    document.documentElement.style.fontSize = "150%";
+    return sizes().map((px, at) => px / before[at]);
+}"""
+"""The largest text that a browser offers by name; by how much each text grows."""
 READABLE = 4.5
 """The contrast that WCAG asks of text."""
 CLASH = """\
@@ -75,6 +85,16 @@ def test_a_name_goes_on_in_the_next_line_between_its_words(ruler: RulerPage) -> 
         assert set(link.evaluate(LINES_OF_PARTS)) == {1}
     ruler.open("warehouse.adirf")
     assert ruler.page.get_by_role("heading", level=1).evaluate(LINES_OF_PARTS) == [1, 1]
+
+
+@pytest.mark.parametrize("page", ["", "rules/warehouse.adirf", "topics/quality/radio.toml", "incidents/", "help/"])
+def test_who_wants_larger_text_gets_all_of_it_larger_and_no_page_wider(ruler: RulerPage, page: str) -> None:
+    ruler.page.set_viewport_size(TELEPHONE)
+    ruler.page.goto(f"{ruler.url}#/{page}")
+    ruler.page.get_by_role("heading", level=1).wait_for()
+    grown = ruler.page.evaluate(LARGER_TEXT)
+    assert grown == pytest.approx([1.5] * len(grown))
+    until(lambda: ruler.page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0)
 
 
 def test_only_what_one_begins_with_stands_out(ruler: RulerPage, project: Path) -> None:
