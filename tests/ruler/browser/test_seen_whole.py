@@ -87,7 +87,9 @@ def test_a_name_goes_on_in_the_next_line_between_its_words(ruler: RulerPage) -> 
     assert ruler.page.get_by_role("heading", level=1).evaluate(LINES_OF_PARTS) == [1, 1]
 
 
-@pytest.mark.parametrize("page", ["", "rules/warehouse.adirf", "topics/quality/radio.toml", "incidents/", "help/"])
+@pytest.mark.parametrize(
+    "page", ["", "rules/warehouse.adirf", "topics/quality/radio.toml", "incidents/", "help/"]
+)
 def test_who_wants_larger_text_gets_all_of_it_larger_and_no_page_wider(ruler: RulerPage, page: str) -> None:
     ruler.page.set_viewport_size(TELEPHONE)
     ruler.page.goto(f"{ruler.url}#/{page}")
@@ -130,6 +132,18 @@ def test_findings_begin_below_each_other_and_have_more_room_than_their_buttons(r
     fix = rows.last.get_by_role("button", name=re.compile("^pace .camera.camera_info with"))
     assert messages[-1]["width"] > _box(fix)["width"]
     assert not _is_cut(fix)
+
+
+def test_a_long_name_of_a_rule_leaves_its_finding_readable(ruler: RulerPage, project: Path) -> None:
+    (project / "clash.adirf").write_text(CLASH.replace("Hall", "Hall of the second floor, " * 12))
+    ruler.home()
+    ruler.open("clash.adirf")
+    rows = ruler.page.get_by_role("list", name="Findings").get_by_role("listitem")
+    clash = rows.filter(has=ruler.page.get_by_role("button", name="Show Rule Bay", exact=True)).first
+    room, message = _box(ruler.page.get_by_role("region", name="Results")), _box(clash.locator(".message"))
+    assert message["width"] > room["width"] / 3
+    for button in clash.get_by_role("button").all():
+        assert _box(button)["x"] + _box(button)["width"] <= room["width"]
 
 
 def test_a_warning_begins_where_a_note_does(ruler: RulerPage, project: Path) -> None:
