@@ -36,7 +36,8 @@ export function LevelLines(props: {
     const box = area.current?.getBoundingClientRect();
     if (!drag.current || !box) return;
     const { index, hasMoved, fromPx, besidePx } = drag.current;
-    if (!hasMoved && Math.abs(event.clientX - fromPx) < STILL_PX) return;
+    const isFinger = event.pointerType === "touch";
+    if (isFinger && !hasMoved && Math.abs(event.clientX - fromPx) < STILL_PX) return;
     const share = (event.clientX - besidePx - box.left) / box.width;
     props.move(index, rounded(valueAt(props.axis, share)), hasMoved);
     drag.current.hasMoved = true;
