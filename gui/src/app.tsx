@@ -16,6 +16,7 @@ import { OpenTabs } from "./state/open_tabs";
 import type { Lost } from "./state/work_ahead";
 import { TourOffer } from "./tour/tour_offer";
 import { Button } from "./ui/button";
+import { useDroppedFile } from "./ui/files";
 import { KeepingBar } from "./ui/keeping_bar";
 import { type Later, later } from "./ui/later";
 import { Notice } from "./ui/notice";
@@ -36,11 +37,16 @@ const PAGES: Record<Exclude<Route["page"], "home">, Later<PageProps>> = {
   incidents: later(async () => (await import("./pages/incidents")).IncidentsPage),
 };
 
+/** The pages that do something with a file that is dropped on them. */
+const TAKE_FILES: ReadonlySet<Route["page"]> = new Set(["home", "rules", "tour"]);
+
 export function App({ api }: { api: Api }) {
   const [project, setProject] = useState<Project | null>(null);
   const [problem, setProblem] = useState("");
   const root = project?.root_hash;
-  const editors = useMemo(() => (root === undefined ? null : openEditors(root)), [root]);
+  // Another folder behind the same address does not make it another tab: drafts are still its own.
+  const tabs = useMemo(() => new OpenTabs(crypto.getRandomValues(new Uint32Array(4)).join("-")), []);
+  const editors = useMemo(() => (root === undefined ? null : openEditors(root, tabs)), [root]);
   const keepings = useMemo(() => new Keepings(api), []);
   useUnsavedWarning(editors);
   const route = useRoute();
@@ -64,6 +70,9 @@ export function App({ api }: { api: Api }) {
     if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
   }, [project?.opened]);
   useEffect(() => void keepings.follow(), []);
+  /** A file that was dropped where nothing takes one. */
+  const [dropped, setDropped] = useState("");
+  useDroppedFile((file) => setDropped(TAKE_FILES.has(route.page) ? "" : file.name));
   useReturn(() => Promise.all([refresh(), keepings.follow()]));
   const { returns } = useRobot();
   if (problem && project === null)
@@ -78,6 +87,13 @@ export function App({ api }: { api: Api }) {
       <WatchNotice />
       <KeepingBar keepings={keepings} />
       <LostNotice lost={editors.lost} />
+      {dropped && (
+        <Notice
+          kind="warning"
+          text={`${dropped} was not taken: drop it on the first screen`}
+          action={{ label: "Close", act: () => setDropped("") }}
+        />
+      )}
       <Button
         label="Skip to the content"
         class="skip"
@@ -107,8 +123,7 @@ function LostNotice({ lost }: { lost: Signal<Lost | null> }) {
 }
 
 /** The files of a project, with drafts in this browser. */
-function openEditors(project: string): OpenEditors {
-  const tabs = new OpenTabs(crypto.getRandomValues(new Uint32Array(4)).join("-"));
+function openEditors(project: string, tabs: OpenTabs): OpenEditors {
   return new OpenEditors(new Drafts(browserStorage(), project, tabs.own, () => tabs.others()));
 }
 

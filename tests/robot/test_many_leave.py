@@ -25,17 +25,17 @@ PAYLOAD = bytes(1000)
 
 
 class CamerasGraph(SmallGraph):
-    """Each wait is a tenth of a second, in which each source says something, and the graph is looked at."""
+    """Each wait is a tenth of a second, in which each source says something, and the graph is polled."""
 
-    def poll_graph(self, look: PollGraph) -> None:
-        self._look = look
+    def poll_graph(self, poll: PollGraph) -> None:
+        self._poll = poll
 
     def now_ns(self) -> int:
         return self.time_ns
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         self.time_ns += PERIOD_NS
-        self._look(GraphChange.TOLD)
+        self._poll(GraphChange.TOLD)
         for topic in TOPICS:
             if self.sources[topic]:
                 self.sends(topic, topic.encode(), PAYLOAD)

@@ -50,6 +50,26 @@ def test_a_file_takes_its_versions_its_map_and_its_profile_along(tmp_path: Path)
     assert not (tmp_path / ".testudo/versions/day.adirf").exists()
 
 
+def test_a_copy_has_the_map_and_the_profile_of_the_file_and_versions_of_its_own(tmp_path: Path) -> None:
+    with served(tmp_path) as page:
+        sha256 = saved(page, "day.adirf")
+        saved(page, "radio.toml", "")
+        saved(page, ".day.adirf.layout.json", '{"map": null}')
+        page.put("/api/profile/for", {"name": "day.adirf", "profile": "radio.toml"})
+
+        asked = {"name": "day.adirf", "new_name": "runs/night.adirf", "base_hash": sha256, "keeps": True}
+        answer = page.post("/api/file/rename", asked)
+
+        assert answer.status == 200, answer.body
+        assert (tmp_path / "runs/.night.adirf.layout.json").read_text() == '{"map": null}'
+        for name in ("day.adirf", "runs/night.adirf"):
+            assert (tmp_path / name).read_text() == RULES
+            assert len(page.get(f"/api/versions?name={name}").json["versions"]) == 1
+            chosen = page.post("/api/profile/for", {"name": name, "text": RULES}).json
+            assert chosen["name"] == "radio.toml"
+        assert page.post("/api/file/rename", asked).status == 409
+
+
 def test_a_file_whose_map_would_have_too_long_a_name_takes_its_versions_along(tmp_path: Path) -> None:
     with served(tmp_path) as page:
         sha256 = saved(page, f"{LONG}.adirf")

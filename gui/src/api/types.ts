@@ -1239,11 +1239,16 @@ export interface RemoteIncident {
   missing: string[];
 }
 
-/** `POST /api/file/rename` → `Project`: `base_hash` is what the page knows to be in `name`. */
+/**
+ * `POST /api/file/rename` → `Project`: `base_hash` is what the page knows to be in `name`.
+ *
+ * With `keeps` the file is copied: the old name stays, with the versions.
+ */
 export interface RenameRequest {
   name: string;
   new_name: string;
   base_hash: string;
+  keeps?: boolean;
 }
 
 /**

@@ -7,6 +7,7 @@ import { isNarrow } from "../ui/watch";
 import { addBound, addCheck, addRate, addRecord, toggleElse } from "./block_buttons";
 import { type BlockButtons, defineBlocks } from "./block_types";
 import type { Suggestions } from "./fields";
+import { scrollByFinger } from "./finger";
 import { type MenuPage, useOwnMenus } from "./menus";
 import { blocklyTheme } from "./palette";
 import { addAnotherOnShiftEnter, useOwnKeys } from "./shortcuts";
@@ -67,6 +68,7 @@ export function newWorkspace(
   offerRecipes(workspace, recipes);
   useOwnMenus(workspace, buttons, page);
   useOwnKeys(host);
+  scrollByFinger(host);
   // The text keeps what is undone.
   workspace.MAX_UNDO = 0;
   keepFocus(host);

@@ -6,6 +6,8 @@ import { readable } from "../ui/numbers";
 import { type LevelAxis, type LevelKind, limitsOf, rounded, shareOf, stepOf, valueAt } from "./level_axis";
 
 const BIG_STEP = 10;
+/** A finger that scrolls the page goes this far to the side before the browser takes it. */
+const STILL_PX = 4;
 /** Beyond this share of the axis a name stands on the left of its line. */
 const FLIP_AT = 0.75;
 
@@ -22,18 +24,20 @@ export function LevelLines(props: {
 }) {
   const { unit } = props.kind;
   const area = useRef<HTMLDivElement>(null);
-  const drag = useRef<{ index: number; hasMoved: boolean; besidePx: number } | null>(null);
+  const drag = useRef<{ index: number; hasMoved: boolean; fromPx: number; besidePx: number } | null>(null);
   const press = (event: PointerEvent, index: number) => {
     (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId);
     const box = area.current?.getBoundingClientRect();
     const line = box ? box.left + box.width * shareOf(props.axis, props.levels[index] ?? 0) : event.clientX;
-    drag.current = { index, hasMoved: false, besidePx: event.clientX - line };
+    drag.current = { index, hasMoved: false, fromPx: event.clientX, besidePx: event.clientX - line };
     props.dragging(true);
   };
   const follow = (event: PointerEvent) => {
     const box = area.current?.getBoundingClientRect();
     if (!drag.current || !box) return;
-    const { index, hasMoved, besidePx } = drag.current;
+    const { index, hasMoved, fromPx, besidePx } = drag.current;
+    const isFinger = event.pointerType === "touch";
+    if (isFinger && !hasMoved && Math.abs(event.clientX - fromPx) < STILL_PX) return;
     const share = (event.clientX - besidePx - box.left) / box.width;
     props.move(index, rounded(valueAt(props.axis, share)), hasMoved);
     drag.current.hasMoved = true;

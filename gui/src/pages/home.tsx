@@ -13,6 +13,7 @@ import { Button } from "../ui/button";
 import { FormDialog } from "../ui/dialog";
 import { FileProblem, fileText, useDroppedFile } from "../ui/files";
 import { Notice, Problem } from "../ui/notice";
+import { counted } from "../ui/numbers";
 import { RobotState } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
 import type { PageProps } from "./page_props";
@@ -31,7 +32,9 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
   /** The recording that rules are to start from. */
   const [bag, setBag] = useState<string | null>(null);
   const [doing, setDoing] = useState("");
-  const [deleted, setDeleted] = useState<FileAnswer | null>(null);
+  const { deleted } = editors;
+  const last = deleted.value.at(-1);
+  const before = deleted.value.length - 1;
   const take = async (file: File) => {
     try {
       if (/\.bag$/.test(file.name)) throw new FileProblem(ros1Words(file.name));
@@ -57,12 +60,11 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
   };
   useDroppedFile((file) => void take(file));
   const bringBack = async (file: FileAnswer) => {
-    setDeleted(null);
-    try {
-      await api.save(file.name, file.text, null);
-    } catch (error) {
-      setRefused(refusal(error));
-    }
+    // At once: a second click is for the file before.
+    deleted.value = deleted.value.filter((each) => each !== file);
+    const why = await refusalOf(() => api.save(file.name, file.text, null));
+    setRefused(why);
+    if (why !== "") deleted.value = [...deleted.value, file];
     await refresh();
   };
   // Who comes back looks for the own files, who is new for a way to begin.
@@ -80,16 +82,17 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
       {missing && (
         <Notice kind="warning" text={`${project.root_name} has no ${missing}: it was renamed, moved or deleted`} />
       )}
-      {deleted && (
+      {last && (
         <Notice
           kind="info"
-          text={`${deleted.name} is deleted`}
-          action={{ label: "Undo", act: () => bringBack(deleted) }}
+          text={`${last.name} is deleted${before > 0 ? `, and before it ${counted(before, "file")}` : ""}`}
+          action={{ label: "Undo", act: () => bringBack(last) }}
         />
       )}
       {hasFiles && (
         <FileLists
-          {...{ api, project, refresh, editors, onDeleted: setDeleted, onRefused: setRefused }}
+          {...{ api, project, refresh, editors, onRefused: setRefused }}
+          onDeleted={(file) => (deleted.value = [...deleted.value, file])}
           onNew={() => setCreating("")}
         />
       )}

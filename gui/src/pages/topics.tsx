@@ -25,6 +25,7 @@ import type { PageProps } from "./page_props";
 /** The topic parameters: what the optimizer knows of each topic and of the link. */
 export function TopicsPage({ api, project, name, rules, refresh, editors }: PageProps) {
   const editor = useMemo(() => editors.profileOf(api, name), []);
+  editor.madeFor = rules ?? editor.madeFor;
   const [problem, setProblem] = useState("");
   const isOpen = editor.isOpen.value;
   const guarded = async (work: () => Promise<void>) => {
@@ -37,10 +38,7 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
   const canSave = () => (editor.isNew.value || !editor.isSaved.value) && editor.problems.value.length === 0;
   const save = (byItself = false) =>
     guarded(async () => {
-      const wasNew = editor.isNew.peek();
       await editor.save(byItself);
-      // A table that was made for rules is theirs from now on, for everybody.
-      if (wasNew && !editor.isNew.peek() && rules !== undefined) await api.chooseProfile(rules, name);
       await refresh();
     });
   useUndoKeys({

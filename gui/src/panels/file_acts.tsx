@@ -73,9 +73,8 @@ function NameDialog(props: FileActsProps & { name: string; isCopy: boolean; onCl
     setProblem(
       await refusalOf(async () => {
         const file = await api.read(name);
-        if (isCopy) await api.save(wanted, file.text, null);
-        else if (wanted !== name)
-          await api.ask("POST /api/file/rename", { name, new_name: wanted, base_hash: file.hash });
+        const asked = { name, new_name: wanted, base_hash: file.hash, keeps: isCopy };
+        if (isCopy || wanted !== name) await api.ask("POST /api/file/rename", asked);
         onClose();
       }),
     );

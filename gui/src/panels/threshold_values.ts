@@ -7,7 +7,6 @@ import type { DrawValues } from "../blocks/number_field";
 import type { RuleEditor } from "../state/rule_editor";
 import { bagsIn, type FileTries, fileOf, recordingOf } from "../state/tries";
 import { checkIn } from "../state/written_checks";
-import { onceLoaded } from "../ui/later";
 
 /** Draws the values of a check in the recording of its rules; nothing in a project without recordings. */
 export function valuesOfRecording(
@@ -23,8 +22,14 @@ export function valuesOfRecording(
     const check = condition && checkIn(condition);
     if (recording === undefined || !condition || !check) return null;
     const asked = { bag, check, condition, profileText: editor.profile.peek()?.text ?? null };
-    return onceLoaded(import("../try/picked_threshold"), ({ drawPicked }) =>
-      drawPicked(host, { api, asked, sizeBytes: recording.size_bytes, threshold }),
-    );
+    let isLeft = false;
+    let close: (() => void) | null = null;
+    void import("../try/picked_threshold").then(({ drawPicked }) => {
+      if (!isLeft) close = drawPicked(host, { api, asked, sizeBytes: recording.size_bytes, threshold });
+    });
+    return () => {
+      isLeft = true;
+      close?.();
+    };
   };
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { type ReadonlySignal, signal } from "@preact/signals";
 import type { Api } from "../api/client";
+import type { FileAnswer } from "../api/types";
 import type { Drafts } from "./drafts";
 import { Folds } from "./folds";
 import { ProfileEditor } from "./profile_editor";
@@ -14,6 +15,8 @@ export class OpenEditors {
   readonly tries = new Tries();
   /** What was left in blocks last and did not come into the text, until somebody read it. */
   readonly lost = signal<Lost | null>(null);
+  /** What was deleted here and not brought back, the last one at the end. */
+  readonly deleted = signal<readonly FileAnswer[]>([]);
   private readonly rules = new Map<string, RuleEditor>();
   private readonly profiles = new Map<string, ProfileEditor>();
 

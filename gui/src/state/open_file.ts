@@ -2,15 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
 import { type Api, refusal } from "../api/client";
-import {
-  type Conflict,
-  conflictWith,
-  type DiskChange,
-  diskChangeOf,
-  type OnDisk,
-  readIfThere,
-  saveOver,
-} from "./conflict";
+import { type Conflict, conflictWith, type DiskChange, diskChangeOf, readIfThere, saveOver } from "./conflict";
 import type { Draft, DraftKind, Drafts, Restored } from "./drafts";
 import { History } from "./history";
 import { keepDraft } from "./kept_draft";
@@ -148,7 +140,7 @@ export abstract class OpenFile {
   async saveAs(name: string): Promise<void> {
     const content = this.content.value;
     await this.api.save(name, await this.written(name), null);
-    await this.saveBeside(name);
+    await this.saveBeside(name, true);
     this.conflict.value = this.diskChange.value = null;
     this.saved.value = { ...this.saved.value, content };
   }
@@ -164,7 +156,7 @@ export abstract class OpenFile {
       // What was typed meanwhile is not in the file.
       this.saved.value = { content: this.asSaved(content, text), hash: done.hash };
     });
-    await this.saveBeside(this.name);
+    await this.saveBeside(this.name, baseHash === null);
     if (done.note) this.message.value = `Saved ${this.name}, but no version is kept of it: ${done.note}`;
     else if (!byItself) this.message.value = `Saved ${this.name}${this.lackWords()}`;
   }
@@ -177,29 +169,41 @@ export abstract class OpenFile {
   /** Reads what belongs to the file and is kept beside it. */
   protected async readBeside(): Promise<void> {}
 
-  /** Saves that beside the file of this name. */
-  protected async saveBeside(_name: string): Promise<void> {}
+  /** Saves that beside the file of this name, which may have been none before. */
+  protected async saveBeside(_name: string, _isNew: boolean): Promise<void> {}
 
   /** What a saved file lacks, in words. */
   protected lackWords(): string {
     return "";
   }
 
-  /** Shows the conflict with what is on disk now. */
+  /** Shows the conflict with what is on disk now; a refusal is told. */
   async compare(): Promise<void> {
-    this.conflict.value = conflictWith(await this.written(this.name), await readIfThere(this.api, this.name));
+    try {
+      this.conflict.value = conflictWith(await this.written(this.name), await readIfThere(this.api, this.name));
+    } catch (error) {
+      this.tell(error);
+    }
   }
 
   /** Takes what is on disk; undo brings back what was here. */
   readAgain(): Promise<void> {
-    return this.queued(async () => this.take(await this.api.read(this.name), `Read ${this.name} again`));
+    return this.queued(async () => {
+      const { text, hash } = await this.api.read(this.name);
+      await this.take(await this.contentOf(text), hash, `Read ${this.name} again`);
+    });
   }
 
   /** Goes back to what is on disk; undo brings back what was restored. */
   dropRestored(): Promise<void> {
     return this.queued(async () => {
       const onDisk = await readIfThere(this.api, this.name);
-      await this.take(onDisk, onDisk ? `Read ${this.name} again` : `${this.name} is not on disk`);
+      const content = await this.contentOf(onDisk?.text ?? null);
+      await this.take(
+        content,
+        onDisk?.hash ?? null,
+        onDisk ? `Read ${this.name} again` : `${this.name} is not on disk`,
+      );
     });
   }
 
@@ -209,19 +213,21 @@ export abstract class OpenFile {
       if (this.conflict.value !== null) return;
       const change = await diskChangeOf(this.api, this.name, this.saved.value.hash);
       this.diskChange.value = change;
-      if (change === "changed" && this.isSaved.value) {
-        const message = `${this.name} was changed on disk and is read again. Undo brings back what was here`;
-        await this.take(await this.api.read(this.name), message);
-      }
+      if (change !== "changed" || !this.isSaved.value) return;
+      const onDisk = await this.api.read(this.name);
+      const content = await this.contentOf(onDisk.text);
+      // What was typed meanwhile is not replaced by what nobody asked for: it is told that the two differ.
+      if (!this.isSaved.value) return;
+      const message = `${this.name} was changed on disk and is read again. Undo brings back what was here`;
+      await this.take(content, onDisk.hash, message);
     });
   }
 
-  private async take(onDisk: OnDisk | null, message: string): Promise<void> {
-    const content = await this.contentOf(onDisk?.text ?? null);
+  private async take(content: string, hash: string | null, message: string): Promise<void> {
     this.message.value = message;
     await batch(() => {
       this.conflict.value = this.diskChange.value = null;
-      this.saved.value = { content, hash: onDisk?.hash ?? null };
+      this.saved.value = { content, hash };
       return this.replace(content);
     });
   }

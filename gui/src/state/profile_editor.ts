@@ -41,6 +41,8 @@ export class ProfileEditor extends OpenFile {
     ...problemsOf(this.rows.value, this.budget.value),
     ...(this.refusal.value ? [`${this.refusal.value}.`] : []),
   ]);
+  /** The rule file that the table is made for: it is checked with what is saved of it first. */
+  madeFor: string | null = null;
   private timer: number | undefined;
   private nextKey = 0;
 
@@ -71,6 +73,10 @@ export class ProfileEditor extends OpenFile {
   protected override asSaved(content: string, baseText: string): string {
     this.whole.value = { ...this.whole.value, baseText };
     return packed({ ...JSON.parse(content), baseText });
+  }
+
+  protected override async saveBeside(name: string, isNew: boolean): Promise<void> {
+    if (isNew && this.madeFor !== null) await this.api.chooseProfile(this.madeFor, name);
   }
 
   override async open(isThere: boolean): Promise<void> {

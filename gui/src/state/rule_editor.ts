@@ -203,6 +203,9 @@ export class RuleEditor extends OpenFile {
       if (isOwn) this.layoutHash = hash;
     }
     this.savedMap.value = map;
+    // Another file of the same rules is checked with the same topic parameters.
+    const profile = this.profile.value;
+    if (!isOwn && profile !== null) await this.api.chooseProfile(name, profile.name);
   }
 
   protected override lackWords(): string {

@@ -19,7 +19,7 @@ export function RestoredNotice({ file }: { file: OpenFile }) {
         {restored.isContested && " Somebody else changed the file since: a save asks what to do."}
       </span>
       <span class="row">
-        {restored.isContested && <Button label="Compare" class="small" onClick={() => guarded(file.compare())} />}
+        {restored.isContested && <Button label="Compare" class="small" onClick={() => void file.compare()} />}
         <Button label="Drop them" class="small" onClick={() => guarded(file.dropRestored())} />
         <Button label="Close" class="small" onClick={() => (file.restored.value = null)} />
       </span>

@@ -4,7 +4,17 @@ import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import type { DraftStorage, Drafts } from "../../src/state/drafts";
 import type { OpenFile } from "../../src/state/open_file";
 import { saveByItself } from "../../src/state/save_by_itself";
-import { type Answers, type Disk, draftsIn, fileAnswers, openRules, openTable, storage, typeSize } from "./served";
+import {
+  type Answers,
+  type Disk,
+  draftsIn,
+  fileAnswers,
+  openRules,
+  openTable,
+  refused,
+  storage,
+  typeSize,
+} from "./served";
 
 interface Kind {
   kind: "rules" | "profile";
@@ -247,6 +257,36 @@ describe.each([RULES, TABLE])("a file of $kind that is open", ({ kind, name, ope
     expect(file.message.value).toContain("changed on disk and is read again");
     file.undo();
     expect(shown(file)).toBe(text(10));
+  });
+
+  test("keeps what was typed while it read what somebody else wrote", async () => {
+    const disk: Disk = { text: text(10) };
+    const read = fileAnswers(name, disk)["GET /api/file"];
+    const held: (() => void)[] = [];
+    const answers: Answers = {
+      "GET /api/file": (asked) =>
+        disk.text === text(10) ? read?.(asked) : new Promise((done) => held.push(() => done(read?.(asked)))),
+    };
+    const file = await open(disk, answers);
+    disk.text = text(7);
+    const looked = file.lookAtDisk();
+    await vi.waitUntil(() => held.length > 0);
+    type(file, 11);
+    held[0]?.();
+    await looked;
+    expect([shown(file), file.isSaved.value, file.diskChange.value]).toEqual([text(11), false, "changed"]);
+  });
+
+  test("says why it cannot be compared with what is on disk", async () => {
+    const disk: Disk = { text: text(10) };
+    const read = fileAnswers(name, disk)["GET /api/file"];
+    const file = await open(disk, {
+      "GET /api/file": (asked) => (disk.text === text(10) ? read?.(asked) : refused(422)),
+    });
+    type(file, 11);
+    disk.text = text(7);
+    await file.compare();
+    expect([file.message.value, file.conflict.value]).toEqual(["Refused with 422", null]);
   });
 
   test.each([

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
-import { openTable, typeSize } from "./served";
+import { type Disk, openTable, typeSize } from "./served";
 
 const row = (topic: string, message_kb: number | null) => ({ topic, message_kb });
 afterEach(() => {
@@ -41,4 +41,19 @@ test("what was typed while the server was gone is checked when it is back", asyn
   vi.stubGlobal("fetch", fetch);
   await editor.revive();
   expect(editor.problems.value).toEqual(["the levels fall."]);
+});
+
+test("a table that was made for rules is theirs, also where it was gone and is saved again", async () => {
+  const chosen: unknown[] = [];
+  const disk: Disk = { text: "[]" };
+  const editor = await openTable(disk, { "PUT /api/profile/for": (asked) => void chosen.push(asked) });
+  editor.madeFor = "a.adirf";
+  editor.setBudget("200");
+  await editor.save();
+  expect(chosen).toEqual([]);
+  editor.setBudget("300");
+  disk.text = null;
+  await editor.save();
+  await editor.saveAnyway();
+  expect(chosen).toEqual([{ name: "a.adirf", profile: "lte.toml" }]);
 });

@@ -7,6 +7,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import expect
 
 from axe import violations
@@ -19,6 +20,13 @@ GOES_ON_AT_ONCE = """addEventListener("DOMContentLoaded", () => {
     if (document.getElementById("app").childElementCount > 0) change();
 })"""
 """An address that changes while the first page is drawn."""
+DROPS_FILE = """() => {
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File(["begin\\nend\\n"], "hall.adirf"));
+    const drop = new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true });
+    return !document.body.dispatchEvent(drop);
+}"""
+"""Drops a file on the page; whether the browser is kept from leaving the page for it."""
 
 
 def test_files_are_counted_found_and_put_into_folders(ruler: RulerPage, project: Path) -> None:
@@ -59,6 +67,37 @@ def test_a_copy_and_a_deletion_that_is_undone(ruler: RulerPage, project: Path) -
     ruler.button("Undo").click()
     expect(rules.get_by_role("link", name="zone_copy.adirf")).to_be_visible()
     assert (project / "zone_copy.adirf").read_bytes() == text
+
+
+def test_all_that_was_deleted_can_be_brought_back_later(ruler: RulerPage, project: Path) -> None:
+    texts = {name: (project / name).read_bytes() for name in ("zone.adirf", "quality/radio.toml")}
+    for name in texts:
+        ruler.button(f"More for {name}").click()
+        ruler.button(f"Delete {name}").click()
+        expect(ruler.page.get_by_role("link", name=name, exact=True)).to_have_count(0)
+    ruler.open("warehouse.adirf")
+    ruler.page.get_by_role("link", name="Home").click()
+    expect(ruler.page.get_by_text("quality/radio.toml is deleted, and before it 1 file")).to_be_visible()
+    (project / "quality/radio.toml").write_text("# theirs\n")
+    ruler.button("Undo").click()
+    expect(ruler.page.get_by_role("alert")).to_contain_text("The project has a file of this name")
+    ruler.forgive("409")
+    (project / "quality/radio.toml").unlink()
+    for name in reversed(texts):
+        ruler.button("Undo").click()
+        expect(ruler.page.get_by_role("link", name=name, exact=True)).to_be_visible()
+    expect(ruler.button("Undo")).to_have_count(0)
+    assert {name: (project / name).read_bytes() for name in texts} == texts
+
+
+@pytest.mark.parametrize("page", ["topics/quality/radio.toml", "robots/", "incidents/", "help/"])
+def test_a_file_that_is_dropped_where_nothing_takes_it_leaves_the_page_open(
+    ruler: RulerPage, page: str
+) -> None:
+    ruler.page.goto(f"{ruler.url}#/{page}")
+    ruler.page.get_by_role("heading", level=1).wait_for()
+    assert ruler.page.evaluate(DROPS_FILE)
+    expect(ruler.page.get_by_text("hall.adirf was not taken: drop it on the first screen")).to_be_visible()
 
 
 def test_the_address_of_a_file_that_is_not_there_leads_home(ruler: RulerPage, project: Path) -> None:

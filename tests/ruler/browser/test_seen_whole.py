@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import Locator, ViewportSize, expect
 
 from bags.bag_factory import small_mission, write_bag
+from link.zenoh.ends import until
 from ruler.browser.ruler_page import RulerPage
 from ruler.browser.screens import FOLDED
 
@@ -34,6 +35,15 @@ CONTRAST = """field => {
     const [high, low] = [words.color, behind.backgroundColor].map(light).sort((a, b) => b - a);
     return (high + 0.05) / (low + 0.05);
 }"""
+LARGER_TEXT = """() => {
+    const texts = [...document.querySelectorAll("h1, button, input, select, a, p, .cm-line")];
+    const sizes = () => texts.filter(each => each.closest(".injectionDiv") === null)
+        .map(each => Number.parseFloat(getComputedStyle(each).fontSize));
+    const before = sizes();
+    document.documentElement.style.fontSize = "150%";
+    return sizes().map((px, at) => px / before[at]);
+}"""
+"""The largest text that a browser offers by name; by how much each text grows."""
 READABLE = 4.5
 """The contrast that WCAG asks of text."""
 CLASH = """\
@@ -77,6 +87,18 @@ def test_a_name_goes_on_in_the_next_line_between_its_words(ruler: RulerPage) -> 
     assert ruler.page.get_by_role("heading", level=1).evaluate(LINES_OF_PARTS) == [1, 1]
 
 
+@pytest.mark.parametrize(
+    "page", ["", "rules/warehouse.adirf", "topics/quality/radio.toml", "incidents/", "help/"]
+)
+def test_who_wants_larger_text_gets_all_of_it_larger_and_no_page_wider(ruler: RulerPage, page: str) -> None:
+    ruler.page.set_viewport_size(TELEPHONE)
+    ruler.page.goto(f"{ruler.url}#/{page}")
+    ruler.page.get_by_role("heading", level=1).wait_for()
+    grown = ruler.page.evaluate(LARGER_TEXT)
+    assert grown == pytest.approx([1.5] * len(grown))
+    until(lambda: ruler.page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0)
+
+
 def test_only_what_one_begins_with_stands_out(ruler: RulerPage, project: Path) -> None:
     ruler.page.mouse.move(0, 0)
     assert len(_card_colours(ruler)) == 1
@@ -110,6 +132,18 @@ def test_findings_begin_below_each_other_and_have_more_room_than_their_buttons(r
     fix = rows.last.get_by_role("button", name=re.compile("^pace .camera.camera_info with"))
     assert messages[-1]["width"] > _box(fix)["width"]
     assert not _is_cut(fix)
+
+
+def test_a_long_name_of_a_rule_leaves_its_finding_readable(ruler: RulerPage, project: Path) -> None:
+    (project / "clash.adirf").write_text(CLASH.replace("Hall", "Hall of the second floor, " * 12))
+    ruler.home()
+    ruler.open("clash.adirf")
+    rows = ruler.page.get_by_role("list", name="Findings").get_by_role("listitem")
+    clash = rows.filter(has=ruler.page.get_by_role("button", name="Show Rule Bay", exact=True)).first
+    room, message = _box(ruler.page.get_by_role("region", name="Results")), _box(clash.locator(".message"))
+    assert message["width"] > room["width"] / 3
+    for button in clash.get_by_role("button").all():
+        assert _box(button)["x"] + _box(button)["width"] <= room["width"]
 
 
 def test_a_warning_begins_where_a_note_does(ruler: RulerPage, project: Path) -> None:

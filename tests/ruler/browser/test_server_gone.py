@@ -16,6 +16,7 @@ from link.zenoh.ends import until
 from ruler.browser.ruler_page import RulerPage, served
 
 RULES = "begin\n    SetFrequency /odom 10\n    SetFrequency /odom 5\nend\n"
+TYPED = "// weighed"
 # What is asked after the server ended, and what it was asked when it did.
 NO_SERVER = re.compile(
     "net::ERR_(CONNECTION_(REFUSED|RESET|CLOSED|ABORTED)|EMPTY_RESPONSE|SOCKET_NOT_CONNECTED)"
@@ -33,9 +34,9 @@ class Server:
         self._running = ExitStack()
         self.url = ""
 
-    def start(self) -> None:
-        """Start it where it was."""
-        self.url = self._running.enter_context(served(self._folder, self._port))
+    def start(self, folder: Path | None = None) -> None:
+        """Start it where it was, or on another folder."""
+        self.url = self._running.enter_context(served(folder or self._folder, self._port))
 
     def stop(self) -> None:
         """End its process, and wait until it is gone."""
@@ -133,6 +134,23 @@ def test_what_is_opened_while_the_server_is_gone_opens_when_it_is_back(
     content = {"other.adirf": page.text, "quality/weak_radio.toml": page.page.get_by_role("table")}[name]
     expect(content).to_be_visible()
     expect(refused).to_have_count(0)
+
+
+def test_what_was_typed_is_there_again_after_the_server_had_another_folder(
+    page: RulerPage, server: Server, tmp_path: Path
+) -> None:
+    page.text.get_by_text("SetFrequency").first.click()
+    page.page.keyboard.type(TYPED)
+    page.expect_lines(TYPED)
+    server.stop()
+    (tmp_path / "other").mkdir()
+    server.start(tmp_path / "other")
+    expect(page.page.get_by_text("other has no rules.adirf")).to_be_visible()
+    server.stop()
+    server.start()
+    expect(page.page.get_by_role("listitem").filter(has_text="rules.adirf")).to_contain_text("not saved")
+    page.open("rules.adirf")
+    page.expect_lines(TYPED)
 
 
 def test_blocks_come_when_the_server_is_back(page: RulerPage, server: Server) -> None:

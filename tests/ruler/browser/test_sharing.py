@@ -111,6 +111,19 @@ def test_a_file_dropped_on_the_editor_is_imported_where_it_was_not_there_before(
     )
 
 
+def test_an_import_with_many_findings_keeps_its_button_in_view(ruler: RulerPage) -> None:
+    ruler.open("zone.adirf")
+    rules = "".join(
+        f'Rule "R{number}" If CheckValue /odom pose_x > {number} Then SetFrequency /odom 5 EndIf\n'
+        for number in range(40)
+    )
+    _drop(ruler, "many.adirf", f"begin\n{rules}end\n".encode())
+    dialog = ruler.page.get_by_role("dialog", name="Import rules")
+    found = dialog.get_by_role("list", name="Findings of the import").get_by_role("listitem")
+    expect(found.nth(30)).to_be_attached()
+    expect(dialog.get_by_role("button", name="Import", exact=True)).to_be_in_viewport()
+
+
 def test_a_dropped_file_that_is_no_text_is_refused_with_a_sentence(ruler: RulerPage) -> None:
     ruler.open("warehouse.adirf")
     _drop(ruler, "image.png", b"\x89PNG\xff")

@@ -85,11 +85,15 @@ class SaveAnswer(Struct, frozen=True, kw_only=True):
 
 
 class RenameRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/file/rename`` → ``Project``: ``base_hash`` is what the page knows to be in ``name``."""
+    """``POST /api/file/rename`` → ``Project``: ``base_hash`` is what the page knows to be in ``name``.
+
+    With ``keeps`` the file is copied: the old name stays, with the versions.
+    """
 
     name: str
     new_name: str
     base_hash: str
+    keeps: bool = False
 
 
 class DeleteRequest(Struct, frozen=True, kw_only=True):
@@ -166,7 +170,10 @@ class ProjectFiles:
         return SaveAnswer(hash=sha256, note="")
 
     def rename(self, request: RenameRequest) -> Project:
-        """Call a rule file or a profile otherwise; its versions, its map and its profile go with it."""
+        """Call a rule file or a profile otherwise, or copy it; its map and its profile go with it.
+
+        Its versions go with it where it is not copied.
+        """
         name, new_name = request.name, request.new_name
         kind = self._folder.kind(name)
         if self._folder.kind(new_name) is not kind:
@@ -174,13 +181,21 @@ class ProjectFiles:
             raise ForbiddenPathError("a file keeps its kind", place=new_name, remedy=remedy)
         self._folder.path(new_name)
         layout = self._layout(name, new_name)
-        self._move(self._folder.read(name).text, name, new_name, request.base_hash)
+        text = self._folder.read(name).text
+        bring = self._copy if request.keeps else self._move
+        bring(text, name, new_name, request.base_hash)
         if layout is not None:
             with suppress(MissingFileError, ChangedFileError):
-                self._move(layout.text, layout_name(name), layout_name(new_name), layout.sha256)
-        if kind is FileKind.RULES:
-            self._versions.move(name, new_name)
-        self._settings.follow(name, new_name)
+                bring(layout.text, layout_name(name), layout_name(new_name), layout.sha256)
+        if not request.keeps:
+            if kind is FileKind.RULES:
+                self._versions.move(name, new_name)
+            self._settings.follow(name, new_name)
+        elif kind is FileKind.RULES:
+            self._versions.keep(new_name, text, int(self._now_s() * 1000))
+            profile = self._settings.read().profiles.get(name)
+            if profile is not None:
+                self._settings.set_profile(new_name, profile)
         return self.project()
 
     def delete(self, request: DeleteRequest) -> Project:
@@ -205,6 +220,9 @@ class ProjectFiles:
             cause = "the name is too long for the map of the rules"
             raise ForbiddenPathError(cause, place=new_name, remedy="choose a shorter name") from error
         return found
+
+    def _copy(self, text: str, _name: str, new_name: str, _base_sha256: str) -> None:
+        self._folder.write(new_name, text, None)
 
     def _move(self, text: str, name: str, new_name: str, base_sha256: str) -> None:
         written_sha256 = self._folder.write(new_name, text, None)
