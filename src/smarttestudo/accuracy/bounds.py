@@ -11,10 +11,11 @@ from operator import itemgetter
 from smarttestudo.accuracy.arms import Receiver
 from smarttestudo.accuracy.track import Message
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.decision import Decision, with_run_starts
+from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.record import JsonObject
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.loop.decision_log import with_run_starts
 
 MOST_STRETCHES = 20
 """Broken stretches that are told of one bound; the others are counted."""

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import field, replace
 from enum import Enum
 from typing import Annotated
@@ -94,19 +94,3 @@ class Decision:
         # Both no rate yet and Full are null.
         is_first = isinstance(record, dict) and record.get("start", False)
         return replace(decision, from_rate=None if is_first else decision.from_rate or Rate.full())
-
-
-_T_NS = 1000
-"""What a file's ``t``, in microseconds, cannot tell apart."""
-
-
-def with_run_starts(decisions: Iterable[Decision]) -> Iterator[tuple[int, Decision]]:
-    """The ``decisions``, each with the stamp of the first one of its run.
-
-    A file holds one run after the other, and each begins at 0: nothing of the one before holds then.
-    """
-    began_ns: int | None = None
-    for one in decisions:
-        if began_ns is None or (one.t_s == 0 and abs(one.stamp_ns - began_ns) > _T_NS):
-            began_ns = one.stamp_ns
-        yield began_ns, one

@@ -6,14 +6,7 @@
 ``knowledge``, and ``relays`` execute the plan. ``reload`` is how other rules take the place of those before.
 """
 
-from smarttestudo.loop.inputs import (
-    ChangeInput,
-    GraphInput,
-    LoopInput,
-    MessageInput,
-    RulesInput,
-    WakeInput,
-)
+from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop

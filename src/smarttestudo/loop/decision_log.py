@@ -19,6 +19,8 @@ from smarttestudo.files.whole_file import OutputFileError, not_written, whole_fi
 
 _CONTENT = "the decision log"
 _LINE_START = b'{"t":'
+_T_NS = 1000
+"""What a file's ``t``, in microseconds, cannot tell apart."""
 _MAX_LINE_BYTES = 1 << 20
 _CUT_OFF = "cut off, as where the run was killed, its disk was full or it goes on; what follows is not known"
 
@@ -121,3 +123,15 @@ def _parsed(line: str, place: str) -> Decision:
 
 def _line(decision: Decision) -> str:
     return json_text(decision.to_json(), ascii_only=False)
+
+
+def with_run_starts(decisions: Iterable[Decision]) -> Iterator[tuple[int, Decision]]:
+    """The ``decisions``, each with the stamp of the first one of its run.
+
+    A file holds one run after the other, and each begins at 0: nothing of the one before holds then.
+    """
+    began_ns: int | None = None
+    for one in decisions:
+        if began_ns is None or (one.t_s == 0 and abs(one.stamp_ns - began_ns) > _T_NS):
+            began_ns = one.stamp_ns
+        yield began_ns, one

@@ -45,11 +45,7 @@ class ChangeInput:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GraphInput:
-    """All that one look at the graph found changed, for which the plan is made once.
-
-    One by one, each of many topics that are left at once would give its part of a budget to those that are
-    next to go.
-    """
+    """All that one poll of the graph found, planned for once: no topic gets the part of one that goes too."""
 
     stamp_ns: int
     sources: tuple[SourceChanged, ...] = ()

@@ -9,7 +9,6 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.observation import (
     Arrival,
-    LinkBudget,
     ListenersChanged,
     Observation,
     ReceiversReckon,
@@ -20,14 +19,7 @@ from smarttestudo.domain.rests import Rest, no_rest
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.block_states import BlockStates
-from smarttestudo.loop.inputs import (
-    ChangeInput,
-    GraphInput,
-    LoopInput,
-    MessageInput,
-    RulesInput,
-    WakeInput,
-)
+from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.monitor import meter
 from smarttestudo.loop.prepared_rules import PreparedRules
@@ -107,7 +99,7 @@ class RelayLoop:
         A message is itself paced by the plan that it may change.
         """
         if not isinstance(given, MessageInput):
-            others = self._take_other(given)
+            others = self._handle_other(given)
             return self._with_freed(others) if self._freed else others
         # This runs for every message of a robot, so what is seldom needed is asked for without a call.
         now_ns, topic = given.stamp_ns, given.topic
@@ -184,27 +176,20 @@ class RelayLoop:
         """The recording ended at ``now_ns``: what is still held back, each at its time, by the last plan."""
         return self.relays.finish(now_ns)
 
-    def _take_other(self, given: ChangeInput | GraphInput | WakeInput | RulesInput) -> Sequence[Relayed]:
+    def _handle_other(self, given: ChangeInput | GraphInput | WakeInput | RulesInput) -> Sequence[Relayed]:
         match given:
             case WakeInput(stamp_ns=now_ns):
                 return self._pass_time(now_ns)
             case ChangeInput(stamp_ns=now_ns, change=change):
-                return self._take_change(change, now_ns)
+                if isinstance(change, ReceiversReckon):
+                    return [*self._pass_time(now_ns), *self.relays.set_reckoned(change.topics, now_ns)]
+                return self._observe((change,), now_ns)
             case GraphInput(stamp_ns=now_ns):
                 return self._observe((*given.sources, *given.listeners), now_ns)
             case RulesInput():
-                return self._take_rules(given)
+                return self._handle_rules(given)
 
-    def _take_change(
-        self, change: SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon, now_ns: int
-    ) -> Sequence[Relayed]:
-        if isinstance(change, ReceiversReckon):
-            return [*self._pass_time(now_ns), *self.relays.set_reckoned(change.topics, now_ns)]
-        return self._observe((change,), now_ns)
-
-    def _observe(
-        self, changes: Sequence[SourceChanged | ListenersChanged | LinkBudget], now_ns: int
-    ) -> Sequence[Relayed]:
+    def _observe(self, changes: Sequence[Observation], now_ns: int) -> Sequence[Relayed]:
         relayed = [*self._restarted(now_ns)]
         self._step(changes, now_ns)
         relayed += self._woken(now_ns)
@@ -217,7 +202,7 @@ class RelayLoop:
                 relayed += self.relays.change_source(change, now_ns)
         return relayed
 
-    def _take_rules(self, given: RulesInput) -> Sequence[Relayed]:
+    def _handle_rules(self, given: RulesInput) -> Sequence[Relayed]:
         """Exchange the rules.
 
         Knowledge of the robot stays, and so do the pacers of topics that are relayed before and after: none

@@ -14,8 +14,9 @@ from smarttestudo.bags.statistics import RecordingSpan
 from smarttestudo.bags.targets import mean_target, target_spans
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.decision import Decision, with_run_starts
+from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.loop.decision_log import with_run_starts
 from smarttestudo.pacing.sample import StreamKind
 from smarttestudo.report.rule_timeline import by_topic
 from smarttestudo.report.run_report import TopicHistory, TopicSeries

@@ -14,14 +14,7 @@ from smarttestudo.domain.robot import GraphChange, Robot
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.files.own_process import read_own_process
 from smarttestudo.loop.block_states import BlockStates
-from smarttestudo.loop.inputs import (
-    ChangeInput,
-    GraphInput,
-    LoopInput,
-    MessageInput,
-    RulesInput,
-    WakeInput,
-)
+from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.compiled_topics import CompiledTopics
@@ -113,18 +106,18 @@ class LiveRun:
         """
         now_ns = self._robot.now_ns()
         # What is due by the rules before this is theirs.
-        self._handle(WakeInput(stamp_ns=now_ns))
+        self.give(WakeInput(stamp_ns=now_ns))
         self.rules = rules
         self._follow_parts(now_ns)
         given = RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile, prepared=prepared)
-        self._handle(given)
+        self.give(given)
         self._follow(rules)
         self._poll(GraphChange.TOLD)
 
     def set_budget(self, budget_kb_per_s: float) -> None:
         """Set the budget of all relayed topics."""
         budget = LinkBudget(link_kb_per_s=budget_kb_per_s)
-        self._handle(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
+        self.give(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
 
     def set_status_hz(self, status_hz: float) -> None:
         """Publish the status so often from now on, while it has a subscriber."""
@@ -137,10 +130,6 @@ class LiveRun:
     def heard_here(self) -> Collection[str]:
         """The topics whose output has a subscriber on the robot's own graph."""
         return self._topics.heard_here()
-
-    def give(self, given: ChangeInput | WakeInput) -> None:
-        """Give the loop a change or the time, and relay what comes of it."""
-        self._handle(given)
 
     def _follow_parts(self, now_ns: int) -> None:
         for part in self._parts:
@@ -171,7 +160,7 @@ class LiveRun:
         self._compiled.deliver(now_ns)
         wake_ns = self.loop.next_wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
-            self._handle(WakeInput(stamp_ns=now_ns))
+            self.give(WakeInput(stamp_ns=now_ns))
         wake_ns = self._sampling.wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             self._sampling.on_wake(now_ns)
@@ -190,7 +179,7 @@ class LiveRun:
             return
         message = self._topics.decoded(topic, payload) if self.loop.needs_decoded(topic) else None
         self._sampling.received(topic, len(payload))
-        self._handle(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
+        self.give(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
 
     def _came(self, topic: str, copy: MessageCopy) -> None:
         if copy.payload is not None:
@@ -206,23 +195,24 @@ class LiveRun:
     def _poll(self, graph: GraphChange) -> None:
         # What is due goes out before a topic is opened anew, perhaps with another type.
         now_ns = self._robot.now_ns()
-        self._handle(WakeInput(stamp_ns=now_ns))
+        self.give(WakeInput(stamp_ns=now_ns))
         found = self._topics.poll(graph)
         if sources := tuple(change for change in found if change.topic in self._given):
-            self._handle(GraphInput(stamp_ns=now_ns, sources=sources))
+            self.give(GraphInput(stamp_ns=now_ns, sources=sources))
         # What was opened anew was first heard now; before it was closed, copies up to here were delivered.
         now_ns = self._robot.now_ns()
         for topic, source in self._topics.heard():
             for part in self._parts:
                 part.on_source(topic, source, now_ns)
         if listeners := tuple(self._topics.listeners()):
-            self._handle(GraphInput(stamp_ns=now_ns, listeners=listeners))
+            self.give(GraphInput(stamp_ns=now_ns, listeners=listeners))
         self._compiled.choose(self._topics, now_ns, is_quiet=graph is GraphChange.NONE)
         self._losses.measure(self._topics.subscriptions(), now_ns)
         for part in self._parts:
             part.on_graph()
 
-    def _handle(self, given: LoopInput) -> None:
+    def give(self, given: LoopInput) -> None:
+        """Give the loop an input, and relay what comes of it."""
         # What a block records that begins to hold now, came before.
         self._compiled.deliver(given.stamp_ns)
         self._inputs.record(given, self.rules)
@@ -248,7 +238,7 @@ class LiveRun:
     def _measure(self, most_blocks: int) -> tuple[RuntimeStatus, BlockStates]:
         """The status of now without its blocks, and the states of the first of those."""
         now_ns = self._robot.now_ns()
-        self._handle(WakeInput(stamp_ns=now_ns))
+        self.give(WakeInput(stamp_ns=now_ns))
         self._compiled.count(self._status.note)
         status = self._status.measure(
             self.loop,

@@ -25,7 +25,7 @@ _LESS = {"reliable delivery": "best effort", "transient local durability": "vola
 
 
 def instead_of(policies: Sequence[str]) -> str:
-    """What a subscriber is to request in the place of policies that are ``not_offered``."""
+    """Policies for a subscriber to request in the place of those that are ``not_offered``."""
     return " and ".join(_LESS.get(policy, f"no {policy.removeprefix('a ')}") for policy in policies)
 
 
