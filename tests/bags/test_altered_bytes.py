@@ -95,3 +95,15 @@ def test_what_we_write_has_the_checksums_that_mcap_looks_for(tmp_path: Path) -> 
     path.write_bytes(data)
     with path.open("rb") as opened, pytest.raises(CRCValidationError):
         list(make_reader(opened, validate_crcs=True).iter_messages())
+
+
+def test_a_chunk_that_says_to_be_endless_is_read_by_its_record(file: Path, tmp_path: Path) -> None:
+    data = bytearray(file.read_bytes())
+    with file.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    records_length = summary.chunk_indexes[0].chunk_start_offset + 9 + 32
+    data[records_length : records_length + 8] = (1 << 63).to_bytes(8, "little")
+    path = tmp_path / "mission.mcap"
+    path.write_bytes(data)
+    assert len(read_bag(path).messages) == len(MISSION.messages)

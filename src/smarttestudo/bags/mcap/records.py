@@ -15,7 +15,7 @@ import lz4.frame  # type: ignore[import-untyped]
 import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
-from mcap.records import Channel, Chunk, McapRecord, Message, Schema
+from mcap.records import Channel, McapRecord, Message, Schema
 
 from smarttestudo.bags import magic
 from smarttestudo.bags.mcap.record_bytes import (
@@ -187,10 +187,9 @@ def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
         return b""
     compression = chunk[32 : 32 + name_bytes].decode()
     content = _decompress(compression, chunk[CHUNK_HEADER.size + name_bytes :])
-    if is_whole:
-        header = Chunk.read(ReadDataStream(io.BytesIO(chunk)))
-        if header.uncompressed_crc and zlib.crc32(content) != header.uncompressed_crc:
-            raise ValueError("checksum mismatch")
+    checksum = int.from_bytes(chunk[24:28], "little")
+    if is_whole and checksum and zlib.crc32(content) != checksum:
+        raise ValueError("checksum mismatch")
     return content
 
 
