@@ -75,7 +75,7 @@ def test_each_frame_has_the_rate_of_tf_so_slow_ones_pass_whole(
 
 def test_transforms_are_judged_by_no_message_rate(whole_demo: Ran) -> None:
     (row,) = (line.split() for line in whole_demo.stdout.split("Bandwidth")[0].splitlines() if "/tf " in line)
-    assert (row[1], row[4], row[5]) == ("30.50", "10.00", "–")
+    assert (row[1], row[4], row[6]) == ("30.50", "10.00", "–")
 
 
 def test_no_topic_comes_more_often_than_its_source(baseline: Messages, adaptive: Messages) -> None:

@@ -206,7 +206,8 @@ def accuracies(
         curves += (one for one in found if one.motion.max_per_s)
         for one in found:
             unreadable = len(samples[topic].track) - one.messages
-            if unreadable:
+            # A property that no message says is not one of the topic.
+            if unreadable and one.messages:
                 left_out = counted(unreadable, "message")
                 what = f"{topic} {one.property_name}"
                 notices.append(f"{what}: {left_out} without a value, which no bound's figures hold")
