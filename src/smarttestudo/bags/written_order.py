@@ -11,7 +11,7 @@ from smarttestudo.domain.units import NS_PER_S
 
 LEAST_BACK_NS = NS_PER_S
 """A recorder that has several threads writes messages in another order than they came, by less than that."""
-SAMPLES = 5000
+SAMPLES = 2000
 """So many messages are looked at in a moment; of more, so many at least."""
 MESSAGES_PER_SAMPLE = 1000
 

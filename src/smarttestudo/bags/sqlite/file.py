@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from operator import itemgetter
 from pathlib import Path
 
 import apsw
@@ -25,7 +24,6 @@ from smarttestudo.bags.written_order import (
     LEAST_BACK_NS,
     MESSAGES_PER_SAMPLE,
     SAMPLES,
-    furthest_back_ns,
 )
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
@@ -42,8 +40,18 @@ _SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages WHERE typ
 _MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestamp, id"
 
 _NUMBERS = "SELECT min(id), max(id) FROM messages"
-_AS_WRITTEN = "SELECT timestamp FROM messages ORDER BY id"
-_FROM_NUMBER = "SELECT timestamp FROM messages WHERE id >= ? ORDER BY id LIMIT 1"
+# One statement for all samples: as many statements take Python longer than SQLite.
+_SAMPLED_BACK = """
+WITH RECURSIVE sample(number) AS (
+    SELECT :first UNION ALL SELECT number + :step FROM sample WHERE number + :step <= :last
+)
+SELECT max(before - stamp) FROM (
+    SELECT stamp, lag(stamp) OVER (ORDER BY number) AS before FROM (
+        SELECT number, (SELECT timestamp FROM messages WHERE id >= number ORDER BY id LIMIT 1) AS stamp
+        FROM sample
+    )
+)
+"""
 _FURTHEST_BACK = """
 SELECT max(before - timestamp) FROM (
     SELECT timestamp, lag(timestamp) OVER (PARTITION BY topic_id ORDER BY id) AS before FROM messages
@@ -123,24 +131,19 @@ class SqliteFile(ContinuedFile):
     def _back_ns(self) -> int:
         try:
             with open_database(self._path, self._log) as database:
-                # All topics together are looked at first, and few messages of many: one topic takes longer.
-                if furthest_back_ns(self._stamps_as_written(database)) <= LEAST_BACK_NS:
+                ((first, last),) = database.execute(_NUMBERS)
+                if first is None:
                     return 0
-                ((back_ns,),) = database.execute(_FURTHEST_BACK)
-                return int(back_ns or 0)
+                samples = max(SAMPLES, self._promised // MESSAGES_PER_SAMPLE)
+                places = {"first": first, "last": last, "step": max(1, (last - first) // samples)}
+                # All topics together first, and few messages of many: each topic alone takes longer.
+                ((back_ns,),) = database.execute(_SAMPLED_BACK, places)
+                if (back_ns or 0) > LEAST_BACK_NS:
+                    ((back_ns,),) = database.execute(_FURTHEST_BACK)
+                    return int(back_ns or 0)
+                return 0
         except (apsw.Error, OSError, TypeError):
             return 0
-
-    def _stamps_as_written(self, database: apsw.Connection) -> Iterator[int]:
-        ((first, last),) = database.execute(_NUMBERS)
-        if first is None:
-            return
-        samples = max(SAMPLES, self._promised // MESSAGES_PER_SAMPLE)
-        if self._promised <= samples:
-            yield from map(itemgetter(0), database.execute(_AS_WRITTEN))
-            return
-        for number in range(first, last + 1, max(1, (last - first) // samples)):
-            yield from map(itemgetter(0), database.execute(_FROM_NUMBER, (number,)))
 
     def _recovered(self) -> StoredFile:
         from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile  # noqa: PLC0415  most are whole
