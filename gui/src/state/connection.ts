@@ -50,13 +50,14 @@ function heardFrom(robot: RobotSummary, sinceToldS: number): Connection {
     const { health, label } = robot;
     const isFailing = health?.level === "error";
     const rules = RULES_WORDS[robot.rules.origin];
-    const trouble = health === null ? "" : robot.rules.origin === "fallback" ? rules : `${sentence(health.message)}.`;
+    const hasRules = robot.rules.origin !== "fallback";
+    const trouble = hasRules && health ? `${sentence(health.message)}.` : "";
     return {
       kind: "connected",
       isFailing,
       words: isFailing ? `${label}: ${health.summary}` : `connected to ${robot.node}`,
-      why: `${robot.node} relays ${robot.topics} topics. ${trouble === rules ? rules : `${rules} ${trouble}`.trim()}`,
-      trouble,
+      why: `${robot.node} relays ${robot.topics} topics. ${rules}${trouble && ` ${trouble}`}`,
+      trouble: hasRules ? trouble : rules,
     };
   }
   return {

@@ -4,21 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from itertools import chain, pairwise
-
 from smarttestudo.domain.units import NS_PER_S
 
 LEAST_BACK_NS = NS_PER_S
 """A recorder that has several threads writes messages in another order than they came, by less than that."""
 SAMPLES = 2000
 """So many messages are looked at in a moment; of more, so many at least."""
-MESSAGES_PER_SAMPLE = 1000
-
-
-def furthest_back_ns(stamps_ns: Iterable[int]) -> int:
-    """How far a stamp is before the one that was written before it; 0 where none is."""
-    return max(chain((0,), (before - after for before, after in pairwise(stamps_ns))))
 
 
 def notices_of_back(back_ns: int) -> list[str]:

@@ -8,7 +8,6 @@ import json
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from io import BytesIO
 from pathlib import Path
 
 from smarttestudo.domain.decision import Decision
@@ -73,7 +72,9 @@ def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], 
 def _require_no_other(path: Path) -> None:
     """Raise ``OutputFileError`` where there is a file with something else than decisions."""
     try:
-        with path.open("rb") if path.is_file() else BytesIO() as file:
+        if not path.is_file():
+            return
+        with path.open("rb") as file:
             start = file.read(len(_LINE_START))
     except OSError as error:
         raise not_written(path, _CONTENT, error) from error

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field
 from enum import IntEnum
 from typing import BinaryIO
@@ -17,6 +17,7 @@ from smarttestudo.domain.dataclass import dataclass
 FRAME = struct.Struct("<BQ")
 MESSAGE_HEADER = struct.Struct("<HIQQ")
 MESSAGE_START = struct.Struct("<BQHIQQ")
+_READ_BYTES = 1 << 20
 CHUNK_HEADER = struct.Struct("<QQQIIQ")
 """What an uncompressed chunk has before its records: stamps, their bytes, checksum, 0, their bytes again."""
 CHUNK_START = struct.Struct("<BQQQQIIQ")
@@ -152,7 +153,21 @@ def chunk_start(chunk: ChunkPlace) -> bytes:
 def is_altered(chunk: bytes) -> bool:
     """Whether the records of an uncompressed chunk, with its frame, are not those of its checksum."""
     *_, checksum, _, _ = CHUNK_START.unpack_from(chunk)
-    return bool(checksum) and zlib.crc32(memoryview(chunk)[CHUNK_START.size :]) != checksum
+    return not has_checksum(memoryview(chunk)[CHUNK_START.size :], checksum)
+
+
+def has_checksum(content: bytes | memoryview, checksum: int) -> bool:
+    """Whether that is the CRC-32 of ``content``; 0 stands for none."""
+    return not checksum or zlib.crc32(content) == checksum
+
+
+def checksum_of(read_at: Callable[[int, int], bytes], at: int, end: int) -> int:
+    """The CRC-32 of what a file holds between two bytes; ``read_at`` reads from one so many."""
+    checksum = 0
+    while at < end and (data := read_at(at, min(end - at, _READ_BYTES))):
+        checksum = zlib.crc32(data, checksum)
+        at += len(data)
+    return checksum
 
 
 def message_index(channel: int, stamps: Sequence[tuple[int, int]]) -> bytes:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import io
 import struct
-import zlib
 from collections.abc import Generator, Iterator
 from contextlib import suppress
 from typing import BinaryIO
@@ -25,6 +24,7 @@ from smarttestudo.bags.mcap.record_bytes import (
     MESSAGE_HEADER,
     Op,
     RecordPlace,
+    has_checksum,
     record_places,
 )
 from smarttestudo.bags.stored_file import OutlineError
@@ -188,7 +188,7 @@ def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
     compression = chunk[32 : 32 + name_bytes].decode()
     content = _decompress(compression, chunk[CHUNK_HEADER.size + name_bytes :])
     checksum = int.from_bytes(chunk[24:28], "little")
-    if is_whole and checksum and zlib.crc32(content) != checksum:
+    if is_whole and not has_checksum(content, checksum):
         raise ValueError("checksum mismatch")
     return content
 

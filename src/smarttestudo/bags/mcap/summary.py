@@ -6,19 +6,26 @@ from __future__ import annotations
 
 import os
 import struct
-import zlib
 from collections.abc import Iterator
 from dataclasses import field
+from functools import partial
 from typing import BinaryIO
 
 from smarttestudo.bags import magic
-from smarttestudo.bags.mcap.record_bytes import FOOTER_BYTES, FRAME, Op, read_bytes, read_notes, read_text
+from smarttestudo.bags.mcap.record_bytes import (
+    FOOTER_BYTES,
+    FRAME,
+    Op,
+    checksum_of,
+    read_bytes,
+    read_notes,
+    read_text,
+)
 from smarttestudo.domain.dataclass import dataclass
 
 _FOOTER = struct.Struct("<BQQQI8s")
 _SUMMED_FOOTER_BYTES = FRAME.size + 16
 """What the checksum of a summary covers of the footer behind it."""
-_READ_BYTES = 1 << 20
 _CHANNEL_START = struct.Struct("<HH")
 _CHUNK_START = struct.Struct("<QQQQI")
 _CHUNK_END = struct.Struct("<QQ")
@@ -93,7 +100,7 @@ def read_summary(file: BinaryIO) -> McapSummary | None:
         return None
     if start > end:
         raise ValueError("the summary begins behind its end")
-    if checksum and checksum != _checksum(file, start, end + _SUMMED_FOOTER_BYTES):
+    if checksum and checksum != checksum_of(partial(_read_at, file), start, end + _SUMMED_FOOTER_BYTES):
         raise ValueError("the summary is not that of its checksum")
     summary = McapSummary()
     for kind, content in _records(file, start, end):
@@ -109,13 +116,9 @@ def read_summary(file: BinaryIO) -> McapSummary | None:
     return summary
 
 
-def _checksum(file: BinaryIO, at: int, end: int) -> int:
+def _read_at(file: BinaryIO, at: int, size_bytes: int) -> bytes:
     file.seek(at)
-    checksum = 0
-    while at < end and (data := file.read(min(end - at, _READ_BYTES))):
-        checksum = zlib.crc32(data, checksum)
-        at += len(data)
-    return checksum
+    return file.read(size_bytes)
 
 
 def _records(file: BinaryIO, at: int, end: int) -> Iterator[tuple[int, bytes]]:

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import os
-import zlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import field
@@ -19,6 +18,7 @@ from smarttestudo.bags.mcap.record_bytes import (
     Op,
     StoredChannel,
     channel_record,
+    checksum_of,
     chunk_index,
     chunk_start,
     file_end,
@@ -32,7 +32,6 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.files.removal import remove
 
 CHUNK_BYTES = 1 << 20
-_READ_BYTES = 1 << 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -186,7 +185,8 @@ class McapWriter:
     def _close_chunk(self, chunk: ChunkPlace) -> None:
         state = self._state
         chunk.record_bytes = state.size_bytes - chunk.start - CHUNK_START.size
-        chunk.checksum = self._checksum(chunk.start + CHUNK_START.size, state.size_bytes)
+        # Another process may have begun the chunk: it is read, not summed up as it comes.
+        chunk.checksum = checksum_of(self._read_at, chunk.start + CHUNK_START.size, state.size_bytes)
         os.pwrite(self._file, chunk_start(chunk), chunk.start)
         indexes_start = state.size_bytes
         for number, stamps in chunk.stamps.items():
@@ -195,13 +195,8 @@ class McapWriter:
         chunk.index_bytes = state.size_bytes - indexes_start
         state.close_chunk()
 
-    def _checksum(self, start: int, end: int) -> int:
-        """The CRC-32 of what is in the file, which another process may have begun."""
-        checksum = 0
-        while start < end and (data := os.pread(self._file, min(end - start, _READ_BYTES), start)):
-            checksum = zlib.crc32(data, checksum)
-            start += len(data)
-        return checksum
+    def _read_at(self, at: int, size_bytes: int) -> bytes:
+        return os.pread(self._file, size_bytes, at)
 
     def _add(self, channel: StoredChannel) -> int:
         state = self._state

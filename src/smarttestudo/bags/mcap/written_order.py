@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, Iterator
+from itertools import chain, pairwise
 from operator import itemgetter
 from typing import BinaryIO
 
 from smarttestudo.bags.mcap.record_bytes import FRAME, Op
 from smarttestudo.bags.mcap.summary import ChunkEntry
-from smarttestudo.bags.written_order import LEAST_BACK_NS, furthest_back_ns
+from smarttestudo.bags.written_order import LEAST_BACK_NS
 
 _INDEX_START = struct.Struct("<HI")
 """The channel, and the bytes of the entries."""
@@ -39,9 +40,14 @@ def furthest_back_in(file: BinaryIO, chunks: Iterable[ChunkEntry]) -> int:
     for chunk in chunks:
         file.seek(chunk.chunk_start_offset + chunk.chunk_length)
         for number, stamps_ns in _indexes(file.read(chunk.message_index_length)):
-            back_ns = max(back_ns, furthest_back_ns([*latest.get(number, ()), *stamps_ns]))
+            back_ns = max(back_ns, _furthest_back_ns([*latest.get(number, ()), *stamps_ns]))
             latest[number] = stamps_ns[-1:]
     return back_ns
+
+
+def _furthest_back_ns(stamps_ns: Iterable[int]) -> int:
+    """How far a stamp is before the one that was written before it; 0 where none is."""
+    return max(chain((0,), (before - after for before, after in pairwise(stamps_ns))))
 
 
 def _indexes(data: bytes) -> Iterator[tuple[int, list[int]]]:

@@ -20,11 +20,7 @@ from smarttestudo.bags.stored_file import (
     OutlineError,
     StoredFile,
 )
-from smarttestudo.bags.written_order import (
-    LEAST_BACK_NS,
-    MESSAGES_PER_SAMPLE,
-    SAMPLES,
-)
+from smarttestudo.bags.written_order import LEAST_BACK_NS, SAMPLES
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 
@@ -39,6 +35,7 @@ _NO_MESSAGE = "a row without topic, stamp or payload"
 _SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages WHERE typeof(timestamp) = 'integer'"
 _MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestamp, id"
 
+_MESSAGES_PER_SAMPLE = 1000
 _NUMBERS = "SELECT min(id), max(id) FROM messages"
 # One statement for all samples: as many statements take Python longer than SQLite.
 _SAMPLED_BACK = """
@@ -134,7 +131,7 @@ class SqliteFile(ContinuedFile):
                 ((first, last),) = database.execute(_NUMBERS)
                 if first is None:
                     return 0
-                samples = max(SAMPLES, self._promised // MESSAGES_PER_SAMPLE)
+                samples = max(SAMPLES, self._promised // _MESSAGES_PER_SAMPLE)
                 places = {"first": first, "last": last, "step": max(1, (last - first) // samples)}
                 # All topics together first, and few messages of many: each topic alone takes longer.
                 ((back_ns,),) = database.execute(_SAMPLED_BACK, places)

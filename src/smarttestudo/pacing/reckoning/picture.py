@@ -74,21 +74,17 @@ class Picture:
 
         It is infinite where nothing is shown of a part, or where one of the two is not known.
         """
-        errors: dict[str, float] = {}
-        for gauge, known, parts in zip(self._gauges, self._shown, readings, strict=True):
-            for name in gauge.distances:
-                errors[name] = 0.0 if parts is not None else math.inf
-            moves = self._reckons and can_be_reckoned(parts)
-            for part in parts or ():
-                shown = known.get(part.name if gauge.is_shared else publisher)
-                if shown is None or not self._goes_on(shown, part, publisher, moves=moves):
-                    errors.update(dict.fromkeys(gauge.distances, math.inf))
-                    break
-                state = shown.at(gauge, part.at_ns)
-                for name, distance in gauge.distances.items():
-                    error = distance.between(part.state, state)
-                    if not error <= errors[name]:
-                        errors[name] = math.inf if math.isnan(error) else error
+        errors = {
+            name: math.inf if parts is None else 0.0
+            for gauge, parts in zip(self._gauges, readings, strict=True)
+            for name in gauge.distances
+        }
+        for gauge, part, state in self._compared(readings, publisher):
+            for name, distance in gauge.distances.items():
+                error = math.inf if state is None else distance.between(part.state, state)
+                # NaN is not at most anything.
+                if not error <= errors[name]:
+                    errors[name] = math.inf if math.isnan(error) else error
         return errors
 
     def judged_errors(self, readings: Sequence[Reading | None], publisher: Hashable) -> dict[str, float]:
@@ -98,18 +94,24 @@ class Picture:
         the picture, as nobody can tell how far it is from a truth that is not known.
         """
         errors: dict[str, float] = {}
+        for gauge, part, state in self._compared(readings, publisher):
+            for name, distance in gauge.distances.items():
+                if not distance.has_value(part.state):
+                    continue
+                error = math.inf if state is None else distance.between(part.state, state)
+                errors[name] = max(errors.get(name, 0.0), math.inf if math.isnan(error) else error)
+        return errors
+
+    def _compared(
+        self, readings: Sequence[Reading | None], publisher: Hashable
+    ) -> Iterator[tuple[Gauge, MovingPart, object]]:
+        """The parts of a message, each with what is shown of it at its time; ``None`` where nothing is."""
         for gauge, known, parts in zip(self._gauges, self._shown, readings, strict=True):
             moves = self._reckons and can_be_reckoned(parts)
             for part in parts or ():
                 shown = known.get(part.name if gauge.is_shared else publisher)
                 goes_on = shown is not None and self._goes_on(shown, part, publisher, moves=moves)
-                state = shown.at(gauge, part.at_ns) if shown and goes_on else None
-                for name, distance in gauge.distances.items():
-                    if not distance.has_value(part.state):
-                        continue
-                    error = math.inf if state is None else distance.between(part.state, state)
-                    errors[name] = max(errors.get(name, 0.0), math.inf if math.isnan(error) else error)
-        return errors
+                yield gauge, part, shown.at(gauge, part.at_ns) if shown and goes_on else None
 
     def says_all(self, readings: Sequence[Reading | None]) -> bool:
         """Whether a message has a value of each property, in one of its parts."""
