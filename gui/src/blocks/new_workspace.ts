@@ -75,6 +75,16 @@ export function newWorkspace(
   return workspace;
 }
 
+/** Lets nobody edit blocks, or everybody; Blockly says of a field which it is only while it draws the block. */
+export function setReadOnly(workspace: Blockly.WorkspaceSvg, readOnly: boolean): void {
+  if (readOnly === workspace.isReadOnly()) return;
+  workspace.setIsReadOnly(readOnly);
+  for (const field of workspace.getAllBlocks(false).flatMap((block) => [...block.getFields()])) {
+    field.updateEditable();
+    field.recomputeAriaContext();
+  }
+}
+
 /** Blockly opens an audio context for each workspace, even for one without sounds. */
 function silently<T>(work: () => T): T {
   const { AudioContext } = window;

@@ -15,7 +15,7 @@ import { asOfNow, bringLeft } from "./left_blocks";
 import type { RuleState } from "./live_states";
 import type { MenuPage } from "./menus";
 import { fingerprint, toBlock, toStatement } from "./model";
-import { newWorkspace } from "./new_workspace";
+import { newWorkspace, setReadOnly } from "./new_workspace";
 import { closeField, isElsewhere, isTyping, openField } from "./open_field";
 import { blocklyTheme } from "./palette";
 import { type ActedOn, actedOn } from "./rule_acts";
@@ -240,7 +240,7 @@ export class RuleWorkspace {
   }
 
   setReadOnly(readOnly: boolean): void {
-    this.workspace.setIsReadOnly(readOnly);
+    setReadOnly(this.workspace, readOnly);
   }
 
   resize(): void {

@@ -55,7 +55,7 @@ def test_every_example_opens_as_blocks_and_saves_the_same_bytes(ruler: RulerPage
 
 def test_two_errors_give_two_marks_and_the_last_good_blocks_stay(ruler: RulerPage, project: Path) -> None:
     ruler.open("warehouse.adirf")
-    blocks = ruler.blocks.get_by_role("button", name="Edit topic to send")
+    blocks = ruler.blocks.get_by_role("button", name="topic to send")
     expect(blocks).to_have_count((project / "warehouse.adirf").read_text().count("SetFrequency"))
     before = blocks.count()
     _replace_in_text(ruler, "SetFrequency /odom 10", "SetFrequenzy /odom 10")
@@ -167,6 +167,19 @@ def test_a_mark_stays_on_its_words_when_a_block_is_added_above(ruler: RulerPage,
     expect(marked).to_have_text(["CheckValue /odom speed < -1"])
     ruler.tool("Undo").click()
     expect(marked).to_have_text(["CheckValue /odom speed < -1"])
+
+
+def test_a_block_drawn_once_its_text_is_right_can_be_edited(ruler: RulerPage, project: Path) -> None:
+    (project / "speed.adirf").write_text(SPEED)
+    ruler.home()
+    ruler.open("speed.adirf")
+    ruler.field("Edit topic to send: /scan").wait_for()
+    _replace_in_text(ruler, "SetFrequency /scan 3", "SetFrequency /scan")
+    expect(ruler.page.get_by_text("the blocks show how it was before")).to_be_visible()
+    expect(ruler.blocks.get_by_role("button", name="Edit topic to send")).to_have_count(0)
+    ruler.page.keyboard.insert_text(" 3 SetFrequency /imu 4")
+    expect(ruler.blocks.get_by_role("button", name="Edit topic to send: /imu")).to_have_count(1)
+    expect(ruler.blocks.get_by_role("button", name="Remove this rate")).to_have_count(3)
 
 
 def test_completions_grow_when_more_topics_are_known_while_they_are_open(
