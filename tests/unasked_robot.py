@@ -23,6 +23,8 @@ class UnaskedRobot:
     Asking for them fails the test.
     """
 
+    is_time_simulated = False
+
     def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
         raise NotImplementedError
 

@@ -68,6 +68,17 @@ def test_a_clock_that_jumps_back_neither_shortens_nor_lengthens_a_window() -> No
     ]
 
 
+def test_a_jump_ahead_that_is_left_out_neither_shortens_a_window_nor_costs_what_came_before() -> None:
+    recorder, sink = recorder_for(RULES)
+    recorder.on_message("/scan", 99 * S, b"99")
+    recorder.time.leave_out(3600 * S)
+    recorder.begin(trigger(RULES, 3700 * S))
+    recorder.time.leave_out(3600 * S)
+    for second in (7304, 7306):
+        recorder.on_message("/scan", second * S, b"%d" % second)
+    assert [message.payload for message in sink.kept[0].messages] == [b"99", b"7304"]
+
+
 def test_latched_messages_and_all_static_frames_are_in_every_incident() -> None:
     rules = rules_of(
         "SetFrequency /map Full\nIf CheckValue /odom speed > 1 Then\n"

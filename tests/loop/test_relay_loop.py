@@ -7,8 +7,9 @@ from __future__ import annotations
 import pytest
 
 from loop.loop_driver import MS, SECOND, LoopDriver
+from smarttestudo.domain.observation import ClockJumped
 from smarttestudo.domain.profile import Profile, TopicProfile
-from smarttestudo.loop.inputs import MessageInput
+from smarttestudo.loop.inputs import ChangeInput, MessageInput
 from smarttestudo.pacing.sample import WhenSlow
 
 ONE_TOPIC = "begin SetFrequency /scan {} end"
@@ -141,3 +142,18 @@ def test_a_clock_that_jumps_back_leaves_no_relay_waiting_for_the_old_time() -> N
     driver.wait_until(4 * SECOND)
     assert [(one.payload, one.stamp_ns) for one in driver.relayed] == [(b"new", SECOND)]
     assert driver.loop.relays.statistics["/scan"].arrived.mean_hz == pytest.approx(12.5)
+
+
+def test_a_jump_ahead_that_is_left_out_is_not_in_the_means() -> None:
+    driver = LoopDriver(ONE_TOPIC.format("1"))
+    for step in range(5):
+        driver.send("/scan", step * 100 * MS)
+    driver.now_ns = 3600 * SECOND + 400 * MS
+    jumped = ClockJumped(ahead_ns=3600 * SECOND)
+    driver.keep(driver.loop.handle(ChangeInput(stamp_ns=driver.now_ns, change=jumped)))
+    for step in range(5, 31):
+        driver.send("/scan", 3600 * SECOND + step * 100 * MS)
+    list(driver.loop.finish(driver.now_ns))
+    statistics = driver.loop.relays.statistics["/scan"]
+    assert statistics.arrived.mean_hz == pytest.approx(10)
+    assert statistics.target.mean_hz(10.0) == 1

@@ -136,6 +136,7 @@ class ActingGraph(SmallGraph):
         self.compiled = None
         self.chance, self.acts_left = random.Random(seed), acts
         self.clock_ns, self.number = NS_PER_S, 0
+        self.ahead_ns, self.has_jumped = 0, False
         self.run: LiveRun | None = None
         for topic in TOPICS:
             self.joins(topic, GIDS[topic])
@@ -144,15 +145,20 @@ class ActingGraph(SmallGraph):
     def now_ns(self) -> int:
         return self.clock_ns
 
+    def steady_ns(self) -> int:
+        return self.clock_ns - self.ahead_ns
+
     def poll_graph(self, poll: PollGraph) -> None:
         self._poll = poll
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         self.acts_left -= 1
+        self.has_jumped = False
         self.clock_ns += self.chance.randrange(NS_PER_S // 20)
         for _ in range(self.chance.randint(1, 3)):
             sends = [self._send] * 3
-            self.chance.choice([*sends, self._see, self._reload, self._leave, self._set_budget])()
+            acts = [*sends, self._see, self._reload, self._leave, self._set_budget, self._jump_ahead]
+            self.chance.choice(acts)()
 
     def _send(self) -> None:
         for _ in range(self.chance.randint(1, 5)):
@@ -184,6 +190,15 @@ class ActingGraph(SmallGraph):
     def _set_budget(self) -> None:
         assert self.run is not None
         self.run.set_budget(self.chance.choice([1000.0, 2000.0]))
+
+    def _jump_ahead(self) -> None:
+        if self.has_jumped:
+            # Two jumps between two looks at the clock are one.
+            return
+        self.has_jumped = True
+        by_ns = self.chance.choice([NS_PER_S, 3600 * NS_PER_S])
+        self.clock_ns += by_ns
+        self.ahead_ns += by_ns
 
     def _check_publishers(self) -> None:
         """What is relayed is published by what is open, and what is not relayed by nothing."""
@@ -225,6 +240,9 @@ class Recording(Part):
         if topic in self.topics:
             assert publisher == GIDS[topic]
             self.told.append(("message", topic, payload[:], now_ns))
+
+    def on_clock_jump(self, ahead_ns: int) -> None:
+        self.told.append(("jump", "", b"%d" % ahead_ns, self.told[-1][-1]))
 
     def on_wake(self, now_ns: int) -> None:
         self.told.append(("wake", "", b"", now_ns))

@@ -81,7 +81,8 @@ export function setReadOnly(workspace: Blockly.WorkspaceSvg, readOnly: boolean):
   workspace.setIsReadOnly(readOnly);
   for (const field of workspace.getAllBlocks(false).flatMap((block) => [...block.getFields()])) {
     field.updateEditable();
-    field.recomputeAriaContext();
+    // It would call a plain word a button.
+    if (!(field instanceof Blockly.FieldLabel)) field.recomputeAriaContext();
   }
 }
 

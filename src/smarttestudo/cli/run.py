@@ -123,12 +123,9 @@ def _robot_name(given: str | None) -> str:
 
 def _is_local(arguments: argparse.Namespace) -> bool:
     """Whether the ROS graph gets what is relayed."""
-    has_link = bool(arguments.link or arguments.link_listen)
-    return (
-        not has_link
-        or getattr(arguments, OUTPUT_TOPIC.key) is not None
-        or arguments.output_domain is not None
-    )
+    if not arguments.link and not arguments.link_listen:
+        return True
+    return getattr(arguments, OUTPUT_TOPIC.key) is not None or arguments.output_domain is not None
 
 
 def _require_catch_up(settings: Settings, *, has_link: bool) -> None:

@@ -71,4 +71,12 @@ class ReceiversReckon:
     topics: frozenset[str]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClockJumped:
+    """The clock jumped ahead by ``ahead_ns``, as where the network told it the time: so much did not pass."""
+
+    ahead_ns: int
+
+
+Change = SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon | ClockJumped
 Observation = Arrival | SourceChanged | ListenersChanged | LinkBudget

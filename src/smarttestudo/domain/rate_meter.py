@@ -41,6 +41,13 @@ class Flow:
         self.messages += 1
         self.size_bytes += size_bytes
 
+    def leave_out(self, ahead_ns: int, now_ns: int) -> None:
+        """The clock jumped ahead by so much, to ``now_ns`` or just before; messages may have come since."""
+        if self.last_ns <= now_ns - ahead_ns:
+            self.last_ns += ahead_ns
+        else:
+            self.span_ns = max(self.span_ns - ahead_ns, 0)
+
     def skip(self, messages: int, size_bytes: int) -> None:
         """Count messages that came before the next one to be recorded and were not seen."""
         if self.messages:

@@ -214,6 +214,10 @@ class Robot(Protocol):
     def has_output_domain(self) -> bool:
         """Whether the operators are in another domain than the robot."""
 
+    @property
+    def is_time_simulated(self) -> bool:
+        """Whether its clock shows simulated time."""
+
     def now_ns(self) -> int:
         """The node's clock, which is 0 while simulated time has not begun."""
 
@@ -257,7 +261,7 @@ class Robot(Protocol):
         """
 
     def steady_ns(self) -> int:
-        """Time that only goes forward, from an unknown start."""
+        """Time that passes, from an unknown start; on Linux also while the machine sleeps."""
 
     def declare(self, parameters: Sequence[Parameter], accept: Accept) -> Mapping[str, ParameterValue]:
         """Have these parameters, to be called once; their values. Raises ``UsageError`` for a wrong one.

@@ -168,6 +168,11 @@ class LiveIncidents(Part):
         """When, on the clock, the next window is over."""
         return None if self._recorder is None else self._recorder.next_wake_ns
 
+    def on_clock_jump(self, ahead_ns: int) -> None:
+        """Keep the length of windows."""
+        if self._recorder is not None:
+            self._recorder.time.leave_out(ahead_ns)
+
     def on_wake(self, now_ns: int) -> None:
         """End the windows that are over."""
         if self._recorder is None:

@@ -10,6 +10,7 @@ from typing import Protocol
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.incident import Missing, MissingReason
+from smarttestudo.domain.steady_time import SteadyTime
 from smarttestudo.incidents.latched import Gone, LatchedSamples, holds_static_frames, nobody
 from smarttestudo.incidents.missing import missing_for_memory, unheard, without
 from smarttestudo.incidents.topic_ring import (
@@ -21,7 +22,6 @@ from smarttestudo.incidents.topic_ring import (
     TopicRing,
 )
 from smarttestudo.language.rule_set import RecordRequest, RuleSet
-from smarttestudo.loop.knowledge.knowledge import SteadyTime
 from smarttestudo.loop.triggers import Trigger
 
 MAX_OPEN_INCIDENTS = 100
@@ -91,8 +91,8 @@ class IncidentRecorder:
     is counted, for which 24 bytes of each message are kept. What is given up goes to ``store``, if there is
     one. Latched messages that count are never given up. A message of the window is in the incident once.
 
-    A clock that jumps back counts as one that stood still, so that a window keeps its length. ``refused``
-    counts incidents that were not begun, because ``MAX_OPEN_INCIDENTS`` were open.
+    A clock that jumps back counts as one that stood still, so that a window keeps its length; a jump ahead is
+    to be left out of ``time``. ``refused`` counts incidents not begun, as ``MAX_OPEN_INCIDENTS`` were open.
     """
 
     def __init__(
@@ -110,8 +110,8 @@ class IncidentRecorder:
         uncounted_bytes = int(memory_bytes * _UNCOUNTED)
         self._memory_bytes = memory_bytes - uncounted_bytes - min(uncounted_bytes, _MOST_TO_WRITE_BYTES)
         self._pool = BlockPool(_block_bytes(memory_bytes), _FREE_BLOCKS)
-        self._time = SteadyTime(start_ns)
-        self._start_ns = self._time.now_ns
+        self.time = SteadyTime(start_ns)
+        self._start_ns = self.time.now_ns
         self._number = 0
         self._rings: dict[str, TopicRing] = {}
         self._latched: dict[str, LatchedSamples] = {}
@@ -155,7 +155,7 @@ class IncidentRecorder:
         """When, on the clock, the next window is over."""
         if not self._open:
             return None
-        return self._time.on_clock(min(one.end_ns for one in self._open) + 1)
+        return self.time.on_clock(min(one.end_ns for one in self._open) + 1)
 
     def change_rules(self, rule_set: RuleSet, rules_sha256: str = "") -> None:
         """Keep what these rules ask for; windows that are open stay so."""
@@ -170,10 +170,10 @@ class IncidentRecorder:
         for topic, horizon_ns in horizons.items():
             ring = known[topic] if topic in known else TopicRing(topic, horizon_ns, self._pool)
             self._rings[topic] = ring
-            kept_ns = self._time.now_ns - ring.horizon_ns
+            kept_ns = self.time.now_ns - ring.horizon_ns
             if horizon_ns > ring.horizon_ns and ring.since is not None and ring.since[0] < kept_ns:
                 # Nobody asked for what came before that, so it is gone.
-                ring.since = (kept_ns, self._time.on_clock(kept_ns))
+                ring.since = (kept_ns, self.time.on_clock(kept_ns))
             ring.horizon_ns = horizon_ns
         self._ring_bytes = sum(ring.held_bytes for ring in self._rings.values())
         self._named = frozenset(
@@ -191,20 +191,20 @@ class IncidentRecorder:
 
     def hear(self, topic: str, now_ns: int, *, transient_local: bool, gone: Gone = nobody) -> None:
         """Take messages of ``topic`` as they come, if kept; what ``gone`` ones latched counts no more."""
-        self._time.advance(now_ns)
+        self.time.advance(now_ns)
         if (ring := self._rings.get(topic)) is not None and ring.since is None:
-            ring.since = (self._time.now_ns, now_ns)
+            ring.since = (self.time.now_ns, now_ns)
         # Also while nothing is recorded: what is latched does not come again with rules that record.
         if topic not in self._latched and (transient_local or holds_static_frames(topic)):
             self._hear_latched(topic)
         if (samples := self._latched.get(topic)) is not None:
-            samples.end(gone(samples.publishers), self._time.now_ns)
+            samples.end(gone(samples.publishers), self.time.now_ns)
             self._forget_replaced(topic, samples)
 
     def on_message(self, topic: str, stamp_ns: int, payload: bytes, publisher: Hashable = None) -> None:
         """A message of a topic that is kept came, at ``stamp_ns`` on the clock."""
         self.advance(stamp_ns)
-        now_ns = self._time.now_ns
+        now_ns = self.time.now_ns
         self._number += 1
         message = SourceMessage(self._number, topic, stamp_ns, payload)
         samples = self._latched.get(topic)
@@ -233,7 +233,7 @@ class IncidentRecorder:
         )
         ring = self._rings.get(topic)
         if ring is not None:
-            ring.lose(lost, self._time.now_ns)
+            ring.lose(lost, self.time.now_ns)
         for one in self._open:
             if topic in one.topics:
                 one.missing.append(lost)
@@ -249,7 +249,7 @@ class IncidentRecorder:
 
     def advance(self, now_ns: int) -> None:
         """Time passed: close the windows that are over."""
-        steady_ns = self._time.advance(now_ns)
+        steady_ns = self.time.advance(now_ns)
         if self._open and any(one.end_ns < steady_ns for one in self._open):
             over = [one for one in self._open if one.end_ns < steady_ns]
             self._note_open([one for one in self._open if one.end_ns >= steady_ns])
@@ -270,7 +270,7 @@ class IncidentRecorder:
                 )
                 for topic in sorted(set(one.incident.recording.topics))
             )
-            self._sink.end(one.incident, (*one.missing, *(ended if one.end_ns > self._time.now_ns else ())))
+            self._sink.end(one.incident, (*one.missing, *(ended if one.end_ns > self.time.now_ns else ())))
         self._note_open(())
 
     def _note_open(self, windows: Sequence[_OpenIncident]) -> None:
@@ -281,7 +281,7 @@ class IncidentRecorder:
         return topic in self._named or holds_static_frames(topic)
 
     def _forget_replaced(self, topic: str, samples: LatchedSamples) -> None:
-        samples.forget_before(self._time.now_ns - self._longest_ns)
+        samples.forget_before(self.time.now_ns - self._longest_ns)
         self._latched_bytes[topic] = samples.held_bytes
 
     def _hear_latched(self, topic: str) -> None:
@@ -289,10 +289,10 @@ class IncidentRecorder:
             self._latched[topic] = samples = LatchedSamples(topic)
             if topic in self._lapsed:
                 self._lapsed.remove(topic)
-                samples.complete_since_ns = self._time.now_ns
+                samples.complete_since_ns = self.time.now_ns
 
     def _begin(self, trigger: Trigger, recording: RecordRequest) -> None:
-        now_ns = self._time.now_ns
+        now_ns = self.time.now_ns
         from_ns = now_ns - recording.before_ns
         rings = [(topic, self._rings[topic]) for topic in recording.topics if topic in self._rings]
         held = {topic: ring.held_since(from_ns) for topic, ring in rings}
@@ -343,14 +343,14 @@ class IncidentRecorder:
             if ring.since is not None:
                 if ring.since[0] > from_ns:
                     yield unheard(topic, window_ns[0], ring.since[1])
-            elif self._time.now_ns == self._start_ns:
+            elif self.time.now_ns == self._start_ns:
                 yield unheard(topic, *window_ns)
             else:
                 yield unheard(topic, *window_ns, MissingReason.UNPUBLISHED)
         for topic, samples in self._latched.items():
             complete_ns = samples.complete_since_ns
             if topic not in self._rings and complete_ns is not None and complete_ns > from_ns:
-                yield unheard(topic, window_ns[0], self._time.on_clock(complete_ns))
+                yield unheard(topic, window_ns[0], self.time.on_clock(complete_ns))
 
     def _given_up(
         self, gone: Mapping[str, Sequence[GivenUp]], inside: Sequence[SourceMessage], from_ns: int

@@ -14,6 +14,8 @@ from typing import Any, TextIO
 from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.observation import (
+    Change,
+    ClockJumped,
     LinkBudget,
     ListenersChanged,
     ReceiversReckon,
@@ -37,11 +39,12 @@ _CONTENT = "the recorded inputs"
 _CUT_OFF = "cut off, as where the run was killed or its disk was full; later decisions are not repeated"
 # A line holds at most the largest message that a check reads, in base64, or all rules.
 MAX_LINE_BYTES = 64_000_000
-_CHANGES: Mapping[str, type[SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon]] = {
+_CHANGES: Mapping[str, type[Change]] = {
     "source": SourceChanged,
     "listeners": ListenersChanged,
     "budget": LinkBudget,
     "reckoned": ReceiversReckon,
+    "clock": ClockJumped,
 }
 _OTHERS: Mapping[str, type[GraphInput | WakeInput | RuleTextsInput]] = {
     "graph": GraphInput,

@@ -9,7 +9,7 @@ from dataclasses import field
 from typing import Annotated
 
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon, SourceChanged
+from smarttestudo.domain.observation import Change, ListenersChanged, SourceChanged
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import JsonEntry
@@ -37,10 +37,10 @@ class MessageInput:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChangeInput:
-    """The publishers of a topic, its listeners, what receivers reckon, or the budget changed."""
+    """The publishers of a topic, its listeners, what receivers reckon, the budget or the clock changed."""
 
     stamp_ns: int
-    change: SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon
+    change: Change
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.observation import (
     Arrival,
+    ClockJumped,
     ListenersChanged,
     Observation,
     ReceiversReckon,
@@ -37,6 +38,7 @@ class RelayLoop:
     The driver lets it ``take`` all that happens, in order, and a ``WakeInput`` when the clock reaches
     ``next_wake_ns``; a later wake, or the next message in its place, only delays what it would have done.
     The clock may jump back: for the plan it then stood still (``SteadyTime``), and the pacers begin anew.
+    Where it jumps ahead, that is time that passed, unless a ``ClockJumped`` comes before anything else.
     Of topics in ``reckoned``, receivers show dead reckoning in the place of the last value, until a
     ``ReceiversReckon`` says otherwise. ``knowledge`` and
     ``relays`` are there to be looked at; only the loop changes them.
@@ -183,6 +185,11 @@ class RelayLoop:
             case ChangeInput(stamp_ns=now_ns, change=change):
                 if isinstance(change, ReceiversReckon):
                     return [*self._pass_time(now_ns), *self.relays.set_reckoned(change.topics, now_ns)]
+                if isinstance(change, ClockJumped):
+                    self.knowledge.time.leave_out(change.ahead_ns)
+                    for statistics in self.relays.statistics.values():
+                        statistics.leave_out(change.ahead_ns, now_ns)
+                    return self._pass_time(now_ns)
                 return self._observe((change,), now_ns)
             case GraphInput(stamp_ns=now_ns):
                 return self._observe((*given.sources, *given.listeners), now_ns)

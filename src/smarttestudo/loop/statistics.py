@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Statistics of a relay. Where the clock jumps back, time stands still."""
+"""Statistics of a relay. Where the clock jumps back, time stands still; a jump ahead may be left out."""
 
 from __future__ import annotations
 
@@ -39,6 +39,10 @@ class TargetRate:
         self._ns_at[self.rate_hz] += max(now_ns - self._since_ns, 0)
         self._since_ns = now_ns
 
+    def leave_out(self, ahead_ns: int) -> None:
+        """The clock jumped ahead by so much."""
+        self._since_ns += ahead_ns
+
     def mean_hz(self, source_hz: float) -> float | None:
         """The mean over the counted time, where Full counts as ``source_hz``; ``None`` over no time."""
         return self._mean_hz(lambda rate_hz: source_hz if math.isinf(rate_hz) else rate_hz)
@@ -76,6 +80,11 @@ class FrameFlows:
                 flow = flows[frame] = Flow()
             flow.record(now_ns, 0)
 
+    def leave_out(self, ahead_ns: int, now_ns: int) -> None:
+        """The clock jumped ahead by so much, to ``now_ns``."""
+        for flow in (*self.arrived.values(), *self.relayed.values()):
+            flow.leave_out(ahead_ns, now_ns)
+
 
 class RelayStatistics:
     """The flows into and out of one relay, how many of the latter were repeated, and the target.
@@ -95,3 +104,9 @@ class RelayStatistics:
         self.bounds: BoundRecords = {}
         self.unreadable = 0
         self.target = TargetRate(now_ns)
+
+    def leave_out(self, ahead_ns: int, now_ns: int) -> None:
+        """The clock jumped ahead by so much, to ``now_ns``."""
+        for flow in (self.arrived, self.relayed, self.frames):
+            flow.leave_out(ahead_ns, now_ns)
+        self.target.leave_out(ahead_ns)

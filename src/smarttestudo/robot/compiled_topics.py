@@ -115,10 +115,27 @@ class CompiledTopics:
             if beginning:
                 note(Relayed(topic, at_ns, beginning, len(beginning), repeated=False))
 
+    def leave_out(self, ahead_ns: int, now_ns: int) -> None:
+        """The clock jumped ahead by so much, to ``now_ns``: take all topics back, with counts without that.
+
+        To be called once the loop has left it out; what was copied since is told of.
+        """
+        self._polled = None
+        flows = [self._flows(topic, use) for topic, (_, use) in self._running.items()]
+        self.close()
+        for flow in (flow for each in flows for flow in each):
+            flow.leave_out(ahead_ns, now_ns)
+
     def close(self) -> None:
         """Take all topics back; what was copied until now is told of."""
         for relay, _ in list(self._running.values()):
             relay.end()
+
+    def _flows(self, topic: str, use: _Use) -> Sequence[Flow]:
+        relay = self._loop.relays.relay(topic)
+        if not use.is_relayed:
+            return (self._unrelayed[topic],)
+        return () if relay is None else (relay.statistics.arrived, relay.statistics.relayed)
 
     def _choose(
         self, relays: CompiledRelays, ends: Ends, recorded: Set[str], now_ns: int

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Hashable, Sequence
 from typing import TYPE_CHECKING
 
 from smarttestudo.domain.compiled_relay import MessageCopy
-from smarttestudo.domain.observation import LinkBudget
+from smarttestudo.domain.observation import ClockJumped, LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import GraphChange, Robot
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus
@@ -17,6 +17,7 @@ from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.loop.relay import Relayed
+from smarttestudo.robot.clock_jumps import ClockJumps
 from smarttestudo.robot.compiled_topics import CompiledTopics
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
@@ -51,6 +52,7 @@ class LiveRun:
         self._robot = robot
         self._inputs = inputs
         now_ns = robot.now_ns()
+        self._clock = ClockJumps(robot)
         self.loop = loop = inputs.loop(rules, now_ns)
         self._parts = parts
         self._on_message = [part.on_message for part in parts if _does(part, "on_message")]
@@ -157,6 +159,7 @@ class LiveRun:
 
     def _wake(self) -> None:
         now_ns = self._robot.now_ns()
+        self._check_clock(now_ns)
         self._compiled.deliver(now_ns)
         wake_ns = self.loop.next_wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
@@ -171,6 +174,7 @@ class LiveRun:
 
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
         now_ns = self._robot.now_ns()
+        self._check_clock(now_ns)
         if self._on_message:
             self._compiled.deliver(now_ns)
             self._tell_parts(topic, payload, publisher, now_ns)
@@ -213,10 +217,24 @@ class LiveRun:
 
     def give(self, given: LoopInput) -> None:
         """Give the loop an input, and relay what comes of it."""
+        self._check_clock(given.stamp_ns)
         # What a block records that begins to hold now, came before.
         self._compiled.deliver(given.stamp_ns)
         self._inputs.record(given, self.rules)
         self._relay(self.loop.handle(given))
+
+    def _check_clock(self, now_ns: int) -> None:
+        """Have a jump ahead left out, before anything that came after it is told of."""
+        if self._clock.agrees(now_ns) or not (ahead_ns := self._clock.ahead_ns(now_ns)):
+            return
+        self._compiled.deliver(now_ns - ahead_ns)
+        for part in self._parts:
+            part.on_clock_jump(ahead_ns)
+        jumped = ChangeInput(stamp_ns=now_ns, change=ClockJumped(ahead_ns=ahead_ns))
+        self._inputs.record(jumped, self.rules)
+        self._relay(self.loop.handle(jumped))
+        self._compiled.leave_out(ahead_ns, now_ns)
+        self._status.begin_anew()
 
     def _relay(self, relayed: Sequence[Relayed]) -> None:
         if relayed:

@@ -111,6 +111,9 @@ class Part:
     def on_wake(self, now_ns: int) -> None:
         """Time passed."""
 
+    def on_clock_jump(self, ahead_ns: int) -> None:
+        """The clock jumped ahead by so much since anything was told: that time did not pass."""
+
     def on_decisions(self, decisions: Sequence[Decision]) -> None:
         """Decisions were taken. If it raises, it gets no more."""
 

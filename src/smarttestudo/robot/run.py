@@ -7,7 +7,6 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from functools import partial
 from typing import TYPE_CHECKING
 
 from smarttestudo.domain.command import IncomingCommands
@@ -68,7 +67,10 @@ def run_live(
     """
     settings = parameters.settings
     prefix = settings[TOPIC_PREFIX]
-    resolve = partial(_resolved, robot.resolve, prefix)
+
+    def resolve(topic: str) -> str:
+        return f"{prefix}{robot.resolve(topic)}"
+
     output_topic = OutputTopic(pattern=settings[OUTPUT_TOPIC], is_elsewhere=robot.has_output_domain)
     files = LiveRuleFiles(settings[RULES], settings[PROFILE], resolve=resolve, output_topic=output_topic)
     fallback = Fallback(robot, output_topic=output_topic, topic_prefix=prefix)
@@ -104,7 +106,3 @@ def _clock_runs(robot: Robot, stopped: Callable[[], bool]) -> bool:
     while robot.now_ns() == 0 and not stopped():
         robot.wait(None, POLL_PERIOD_S)
     return not stopped()
-
-
-def _resolved(resolve: Callable[[str], str], prefix: str, topic: str) -> str:
-    return f"{prefix}{resolve(topic)}"

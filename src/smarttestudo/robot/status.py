@@ -210,6 +210,10 @@ class LiveStatus:
         if meters is not None:
             meters.age.note(relayed.payload[_BEGINNING], relayed.stamp_ns)
 
+    def begin_anew(self) -> None:
+        """Measure all rates from the next messages on: the clock jumped."""
+        self._meters = {}
+
     def measure(
         self,
         loop: RelayLoop,

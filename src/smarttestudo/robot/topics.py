@@ -269,7 +269,14 @@ class LiveTopics:
             self._warn_once(str(error))
         self._name_unserved(live)
         is_told, live.is_told = live.is_told, True
-        return None if source == before and is_told else _changed(live.topic, source)
+        if source == before and is_told:
+            return None
+        return SourceChanged(
+            topic=live.topic,
+            publishers=source.publishers,
+            transient_local=source.qos.transient_local,
+            type_name=source.type_name,
+        )
 
     def _forget_undiscovered(self, live: OpenTopic, now_ns: int) -> None:
         try:
@@ -317,12 +324,3 @@ class LiveTopics:
         if message not in self._said:
             self._said.add(message)
             self._robot.log.warning(message)
-
-
-def _changed(topic: str, source: LiveSource) -> SourceChanged:
-    return SourceChanged(
-        topic=topic,
-        publishers=source.publishers,
-        transient_local=source.qos.transient_local,
-        type_name=source.type_name,
-    )

@@ -13,43 +13,13 @@ from smarttestudo.domain.decision import PlannedRate, Reason
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.steady_time import SteadyTime
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.evaluator import Evaluator, RequestedRate
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.knowledge.link_use import LinkUse
 from smarttestudo.loop.knowledge.settling_bounds import SettlingBounds
 from smarttestudo.loop.knowledge.watched_topic import WatchedTopic
-
-
-class SteadyTime:
-    """The clock's time, where a clock that jumps back counts as one that stood still meanwhile.
-
-    What is remembered (arrivals, waiting requests, held messages) so keeps its age across a jump: nothing
-    waits for the clock to catch up, and nothing expires early. A jump forward is time that passed.
-    """
-
-    __slots__ = ("_behind_ns", "now_ns")
-
-    def __init__(self, start_ns: int) -> None:
-        self.now_ns = start_ns
-        self._behind_ns = 0
-
-    def advance(self, clock_ns: int) -> int:
-        """The steady time when the clock shows ``clock_ns``."""
-        steady_ns = clock_ns + self._behind_ns
-        if steady_ns < self.now_ns:
-            self._behind_ns += self.now_ns - steady_ns
-            return self.now_ns
-        self.now_ns = steady_ns
-        return steady_ns
-
-    def at(self, clock_ns: int) -> int:
-        """Time that ``advance`` would return; nothing changes."""
-        return max(self.now_ns, clock_ns + self._behind_ns)
-
-    def on_clock(self, steady_ns: int) -> int:
-        """Time that the clock will show at ``steady_ns``, unless it jumps again."""
-        return steady_ns - self._behind_ns
 
 
 class Settling:

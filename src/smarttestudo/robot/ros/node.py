@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -128,7 +129,7 @@ class RosNode:
     def now_ns(self) -> int:
         """The node's clock, which is 0 while simulated time has not begun."""
         # Unless simulated, the clock of ROS is the system's, and that is asked for every message.
-        if not self._is_simulated:
+        if not self.is_time_simulated:
             return time.time_ns()
         nanoseconds: int = self._clock.now().nanoseconds
         return nanoseconds
@@ -208,7 +209,9 @@ class RosNode:
         return publish
 
     def steady_ns(self) -> int:
-        """Time that only goes forward, from an unknown start."""
+        """Time that passes, from an unknown start; on Linux also while the machine sleeps."""
+        if sys.platform == "linux":
+            return time.clock_gettime_ns(time.CLOCK_BOOTTIME)
         return time.monotonic_ns()
 
     def declare(self, parameters: Sequence[Parameter], accept: Accept) -> Mapping[str, ParameterValue]:
@@ -259,7 +262,7 @@ class RosNode:
         """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""
         timeout_s = min(longest_s, max(self._timers.due_s - time.monotonic(), 0.0))
         # Simulated time moves only with a message on /clock, and that ends the wait.
-        if wake_ns is not None and not self._is_simulated:
+        if wake_ns is not None and not self.is_time_simulated:
             timeout_s = min(timeout_s, max(wake_ns - time.time_ns(), 0) / NS_PER_S)
         if self._data_path is None:
             self._executor.spin_once(timeout_sec=timeout_s)
@@ -282,7 +285,7 @@ class RosNode:
         return self._data_path
 
     def _poll_clock(self) -> None:
-        self._is_simulated = self._clock.ros_time_is_active
+        self.is_time_simulated: bool = self._clock.ros_time_is_active
 
 
 def _endpoint(info: Any) -> Endpoint:
