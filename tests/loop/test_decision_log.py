@@ -15,7 +15,12 @@ from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.rate import Rate
 from smarttestudo.files.whole_file import OutputFileError
-from smarttestudo.loop.decision_log import DecisionLogError, growing_decision_log, read_decisions
+from smarttestudo.loop.decision_log import (
+    DecisionLogError,
+    decision_log,
+    growing_decision_log,
+    read_decisions,
+)
 
 DECISION = Decision(
     t_s=0.5,
@@ -54,13 +59,27 @@ def test_half_a_decision_of_a_former_run_is_cut_off_by_the_next(
     assert read_decisions(path) == [DECISION] * 2
 
 
-@pytest.mark.parametrize("text", ["", "notes", '{"a": 1}', "begin\nend"])
-def test_nothing_is_cut_off_a_file_that_is_no_log(tmp_path: Path, text: str) -> None:
+@pytest.mark.parametrize(
+    "content",
+    [b"notes", b'{"a": 1}', b"begin\nend", b"\xff\xd8\xff\xe0", b'{"t": 0.5, "x": 1}\n', b"\n", b"\0\0\1"],
+)
+def test_a_file_that_is_no_log_is_refused_and_stays_as_it_is(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "other.txt"
-    path.write_text(text)
-    with growing_decision_log(path):
-        pass
-    assert path.read_text() == text
+    path.write_bytes(content)
+    refused = rf"^{path}: error: .* the file there holds something else; name another output, or remove it$"
+    for log in (growing_decision_log, decision_log):
+        with pytest.raises(OutputFileError, match=refused), log(path):
+            pass
+        assert path.read_bytes() == content
+
+
+@pytest.mark.parametrize("content", [b"", b"\0" * 4096, b'{"', b'{"t": 0.5, "st'])
+def test_a_file_with_nothing_or_half_a_decision_is_a_log(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "decisions.jsonl"
+    path.write_bytes(content)
+    with growing_decision_log(path) as append:
+        append([DECISION])
+    assert read_decisions(path) == [DECISION]
 
 
 def test_a_full_disk_is_said_with_the_files_name() -> None:
