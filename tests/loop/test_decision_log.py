@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -30,6 +32,9 @@ DECISION = Decision(
     planned=PlannedRate(rate=Rate(4.0), reason=Reason.DEFAULT),
     values={},
 )
+
+
+ODD_SIGN = json.dumps({**DECISION.to_json(), "infinite": {"/scan distance": "far"}})
 
 
 def lines(path: Path) -> list[object]:
@@ -113,7 +118,7 @@ decisions = st.builds(
         rule=st.none() | st.text(),
         line=st.none() | st.integers(1),
     ),
-    values=st.dictionaries(st.text(), st.none() | st.floats(allow_nan=False, allow_infinity=False)),
+    values=st.dictionaries(st.text(), st.none() | st.floats(allow_nan=False)),
 )
 
 
@@ -125,6 +130,24 @@ def test_what_is_written_is_read_again(tmp_path_factory: pytest.TempPathFactory,
     assert read_decisions(path) == log
 
 
+def test_an_infinite_value_is_told_from_an_unknown_one_and_null_to_who_does_not_know_that(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "decisions.jsonl"
+    values = {"/scan distance": math.inf, "/odom speed": -math.inf, "/odom yaw": None, "/odom pose_x": 1.0}
+    with growing_decision_log(path) as append:
+        append([replace(DECISION, values=values)])
+    (line,) = path.read_text().splitlines()
+    record = json.loads(line, parse_constant=pytest.fail)
+    assert record["infinite"] == {"/scan distance": "inf", "/odom speed": "-inf"}
+    known_by_all = {name: value if name == "/odom pose_x" else None for name, value in values.items()}
+    assert record["values"] == known_by_all
+    assert read_decisions(path)[0].values == values
+    del record["infinite"]
+    path.write_text(f"{json.dumps(record)}\n")
+    assert read_decisions(path)[0].values == known_by_all
+
+
 def test_a_last_line_that_was_cut_off_costs_that_line(tmp_path: Path) -> None:
     path = tmp_path / "decisions.jsonl"
     with growing_decision_log(path) as append:
@@ -133,7 +156,7 @@ def test_a_last_line_that_was_cut_off_costs_that_line(tmp_path: Path) -> None:
     assert read_decisions(path) == [DECISION]
 
 
-@pytest.mark.parametrize("line", ["", "[]", "{}", '{"t": "soon"}', "[" * 100_000])
+@pytest.mark.parametrize("line", ["", "[]", "{}", '{"t": "soon"}', "[" * 100_000, ODD_SIGN])
 def test_a_line_that_is_no_decision_is_named(tmp_path: Path, line: str) -> None:
     path = tmp_path / "decisions.jsonl"
     path.write_text(f"{json.dumps(DECISION.to_json())}\n{line}\n", encoding="utf-8")
