@@ -162,3 +162,11 @@ def test_a_line_that_is_no_decision_is_named(tmp_path: Path, line: str) -> None:
     path.write_text(f"{json.dumps(DECISION.to_json())}\n{line}\n", encoding="utf-8")
     with pytest.raises(DecisionLogError, match=r"decisions\.jsonl:2: error: not a decision"):
         read_decisions(path)
+
+
+@pytest.mark.parametrize("text", ["notes", f"{json.dumps(DECISION.to_json())}\nnotes"])
+def test_a_last_line_that_is_no_part_of_a_decision_is_named(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "decisions.jsonl"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(DecisionLogError, match=rf"{text.count(chr(10)) + 1}: error: not a decision"):
+        read_decisions(path, pytest.fail)

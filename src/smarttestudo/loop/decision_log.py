@@ -124,7 +124,9 @@ def read_decisions(path: Path, noticed: Callable[[str], None] | None = None) -> 
         cause = f"the decision log cannot be read: {getattr(error, 'strerror', None) or error}"
         raise DecisionLogError(cause, place=str(path), remedy="give a file that --decisions wrote") from error
     *lines, rest = text.split("\n")
-    if rest and noticed is not None:
+    if rest and not _is_half_a_decision(rest.encode()):
+        lines.append(rest)
+    elif rest and noticed is not None:
         noticed(f"{path}:{len(lines) + 1}: {_CUT_OFF}")
     return [_parsed(line, f"{path}:{number}") for number, line in enumerate(lines, 1)]
 
