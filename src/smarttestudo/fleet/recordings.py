@@ -163,7 +163,7 @@ class _Walk:
         return [path]
 
     def notices(self) -> Iterator[str]:
-        """What was left out, a line for each kind."""
+        """Notices of all that was left out, a line for each kind."""
         if self._ros1_bags:
             bags = [bag for _, bag in self._ros1_bags]
             are = "is" if len(bags) == 1 else "are"
@@ -193,7 +193,7 @@ class _Walk:
             yield from self._recordings_in(path, is_link=path.is_symlink())
 
     def _listed(self, folder: Path) -> tuple[Sequence[Path], Sequence[Path]]:
-        """What is in ``folder``, and the folders of that; nothing where there is no folder."""
+        """Entries of ``folder``, and the folders among them; none where there is no folder."""
         try:
             entries = sorted(folder.iterdir())
             return entries, [entry for entry in entries if entry.is_dir()]
