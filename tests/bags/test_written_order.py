@@ -10,7 +10,16 @@ from pathlib import Path
 import pytest
 from rosbags.rosbag2 import StoragePlugin
 
-from bags.bag_factory import ODOM, START_NS, BagContent, BagMessage, BagTopic, odometry, write_bag
+from bags.bag_factory import (
+    ODOM,
+    START_NS,
+    BagContent,
+    BagMessage,
+    BagTopic,
+    odometry,
+    write_bag,
+    write_split_bag,
+)
 from smarttestudo.bags.measure import measure_bag
 
 S = 1_000_000_000
@@ -44,3 +53,31 @@ def test_stamps_that_change_places_or_come_topic_by_topic_are_no_set_clock(
     assert notices_of(tmp_path / "swapped", storage, swapped) == []
     one_by_one = [(topic, START_NS + number * S // 10) for topic in (ODOM, POSE) for number in range(300)]
     assert notices_of(tmp_path / "one_by_one", storage, one_by_one) == []
+
+
+def split_bag(folder: Path, storage: StoragePlugin, *parts: Iterable[tuple[BagTopic, int]]) -> list[str]:
+    contents = [
+        BagContent((ODOM, POSE), tuple(BagMessage(topic.name, stamp_ns, PAYLOAD) for topic, stamp_ns in part))
+        for part in parts
+    ]
+    write_split_bag(folder, contents, storage=storage)
+    return [*measure_bag(folder, lambda _: None).notices]
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_a_clock_that_was_set_back_between_two_files_is_noted_of_the_second(
+    tmp_path: Path, storage: StoragePlugin
+) -> None:
+    parts = [
+        [(ODOM, START_NS + start_s * S + number * S // 10) for number in range(300)]
+        for start_s in (0, 30, 50)
+    ]
+    (notice,) = split_bag(tmp_path / "bag", storage, *parts)
+    assert Path(notice.split(":", 1)[0]).name.startswith("bag_2.")
+    assert "stamps go back by up to 9.9 s, as where a clock was set" in notice
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_files_of_different_topics_may_overlap(tmp_path: Path, storage: StoragePlugin) -> None:
+    parts = [[(topic, START_NS + number * S // 10) for number in range(300)] for topic in (ODOM, POSE)]
+    assert split_bag(tmp_path / "bag", storage, *parts) == []

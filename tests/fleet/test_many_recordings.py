@@ -220,3 +220,13 @@ def test_a_number_of_workers_is_a_whole_one(workers: str, testudo: Command) -> N
     assert ran.err == (
         f"--workers: error: {workers!r} is not a whole number of 1 or more; see 'testudo bag rates --help'\n"
     )
+
+
+def test_bags_of_ros_1_that_are_left_out_are_said_once(testudo: Command, fleet: Path) -> None:
+    (fleet / "sent" / "old.bag").write_bytes(b"#ROSBAG V2.0\n")
+    left_out = (
+        "sent: 1 ROS 1 bag (sent/old.bag) is left out; convert it: rosbags-convert --src old.bag --dst old"
+    )
+    for command in ("info sent", "compare sent received", "report sent"):
+        ran = testudo("bag", *command.split())
+        assert (ran.code, ran.err) == (0, f"note: {left_out}\n")

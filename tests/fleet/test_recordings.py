@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -96,6 +97,44 @@ def test_a_circle_of_links_is_not_walked(fleet: Path) -> None:
     (fleet / "fleet" / "newest").symlink_to("tuesday/r1")
     expected = ["fleet/monday/r1", "fleet/monday/r2", "fleet/newest", "fleet/tuesday/r1"]
     assert named("fleet") == expected
+
+
+def notices_of(text: str) -> list[str]:
+    notices: list[str] = []
+    find_recordings(text, noticed=notices.append)
+    return notices
+
+
+def test_bags_of_ros_1_are_counted_with_what_converts_them(fleet: Path) -> None:
+    assert notices_of("fleet") == []
+    (fleet / "fleet/monday/r1/old.bag").touch()
+    convert = "convert it: rosbags-convert --src old.bag --dst old"
+    assert notices_of("fleet") == [
+        f"fleet: 1 ROS 1 bag (fleet/monday/r1/old.bag) is left out; {convert}",
+    ]
+    for name in ("older", "oldest"):
+        (fleet / f"fleet/tuesday/{name}.bag").touch()
+    assert notices_of("fleet/*") == [
+        f"fleet/*: 3 ROS 1 bags (first fleet/monday/r1/old.bag) are left out; {convert}"
+    ]
+
+
+def test_a_bag_of_ros_1_that_was_converted_or_is_opened_needs_no_word(fleet: Path) -> None:
+    (fleet / "fleet/monday/r1.bag").touch()
+    (fleet / "fleet/empty/old.bag").touch()
+    (fleet / "fleet/tuesday/r3.bag").mkdir()
+    assert notices_of("fleet/monday") == notices_of("fleet/empty") == notices_of("fleet/tuesday") == []
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root reads any folder")
+def test_a_folder_that_cannot_be_read_is_named(fleet: Path) -> None:
+    folder = fleet / "fleet/tuesday"
+    folder.chmod(0)
+    try:
+        assert notices_of("fleet") == ["fleet: 1 folder (fleet/tuesday) cannot be read: Permission denied"]
+        assert named("fleet") == ["fleet/monday/r1", "fleet/monday/r2"]
+    finally:
+        folder.chmod(0o755)
 
 
 def pairs(a: str, b: str) -> list[tuple[str, str] | str]:

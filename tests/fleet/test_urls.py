@@ -212,3 +212,15 @@ def test_a_store_that_stops_half_way_is_no_damage(
     assert (ran.code, ran.out) == (1, "")
     assert ran.err.startswith(f"s3://{BUCKET}/half.mcap: error: cannot be fetched: ")
     assert ran.err.count("\n") == 1
+
+
+def test_a_folder_without_recordings_behind_a_url_is_refused_as_one_here(
+    testudo: Command, tmp_path: Path
+) -> None:
+    (tmp_path / "notes.txt").touch()
+    place, expected = tmp_path.as_uri(), "give a rosbag2 folder, a .db3 or an .mcap file"
+    refused = testudo("bag", "info", place)
+    assert refused.err == f"{place}: error: the folder holds no .db3 or .mcap file; {expected}\n"
+    (tmp_path / "old.bag").write_bytes(b"#ROSBAG V2.0\n")
+    refused, convert = testudo("bag", "info", place), "convert it: rosbags-convert --src old.bag --dst old"
+    assert refused.err == f"{place}/old.bag: error: a ROS 1 bag, not a rosbag2; {convert}\n"

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import errno
 import json
+import math
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -77,6 +79,19 @@ def test_one_is_shown(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "rule Close call (rules.adirf:7), rules abababababab" in out
     assert "/scan distance = 0.4\n/odom speed = unknown or infinite" in out
     assert "missing: /scan: 2 messages from 1970-01-01" in out
+
+
+def test_an_infinite_value_is_shown_and_is_null_to_who_does_not_know_that(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    infinite = replace(RECORD, values={"/scan distance": math.inf, "/odom speed": None})
+    (folder / NAME / "incident.json").write_text(incident_text(infinite))
+    assert main(["incidents", "show", str(folder), NAME]) == 0
+    assert "/scan distance = inf\n/odom speed = unknown or infinite" in capsys.readouterr().out
+    assert main(["incidents", "show", str(folder), NAME, "--json"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["values"] == {"/scan distance": None, "/odom speed": None}
+    assert shown["infinite"] == {"/scan distance": "inf"}
 
 
 def test_one_is_exported_and_deleted(folder: Path, tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from smarttestudo.files.input_file import require_file
 
 _MAGIC_BY_SUFFIX = {".db3": magic.SQLITE, ".mcap": magic.MCAP}
 _ROS1_MAGIC = b"#ROSBAG V"
+ROS1_SUFFIX = ".bag"
 _MAGIC_BYTES = 16
 _EXPECTED = "give a rosbag2 folder, a .db3 or an .mcap file"
 
@@ -46,14 +47,9 @@ def find_bag_files(path: Path) -> BagFiles:
     return BagFiles(paths=(path,), metadata=BagMetadata())
 
 
-def is_recording(path: Path) -> bool:
-    """Whether ``path`` is a folder that holds the metadata or a storage file of a recording."""
-    try:
-        return any(
-            entry.name == METADATA_NAME or _expected_magic(entry) is not None for entry in path.iterdir()
-        )
-    except OSError:
-        return False
+def is_of_recording(path: Path) -> bool:
+    """Whether ``path`` has the name of a recording's metadata or of a storage file."""
+    return path.name == METADATA_NAME or _expected_magic(path) is not None
 
 
 def require_bag_file(path: Path) -> None:
@@ -64,14 +60,19 @@ def require_bag_file(path: Path) -> None:
     if not magic:
         raise RecordingError("the file is empty", place=str(path), remedy=_EXPECTED)
     if magic.startswith(_ROS1_MAGIC):
-        remedy = f"convert it: rosbags-convert --src {path.name} --dst {path.stem}"
-        raise RecordingError("a ROS 1 bag, not a rosbag2", place=str(path), remedy=remedy)
+        raise ros1_refusal(path)
     expected = _expected_magic(path)
     if expected is None:
         cause = f"unknown storage {path.suffix!r}" if path.suffix else "unknown storage"
         raise RecordingError(cause, place=str(path), remedy=_EXPECTED)
     if not magic.startswith(expected):
         raise RecordingError("not a recording: unknown file header", place=str(path), remedy=_EXPECTED)
+
+
+def ros1_refusal(path: Path) -> RecordingError:
+    """Why the bag of ROS 1 at ``path`` is not read, and the command that converts it."""
+    remedy = f"convert it: rosbags-convert --src {path.name} --dst {path.stem}"
+    return RecordingError("a ROS 1 bag, not a rosbag2", place=str(path), remedy=remedy)
 
 
 def is_packed(path: Path) -> bool:
@@ -103,12 +104,14 @@ def _in_folder(folder: Path) -> BagFiles:
 
 def _storage_files(folder: Path) -> tuple[Path, ...]:
     """The storage files in ``folder``; of a file and its packed copy, the file."""
-    found = sorted(path for path in folder.iterdir() if path.is_file() and _expected_magic(path) is not None)
+    files = sorted(path for path in folder.iterdir() if path.is_file())
+    found = [path for path in files if _expected_magic(path) is not None]
     paths = tuple(path for path in found if not (is_packed(path) and path.with_suffix("") in found))
     if not paths:
-        for path in sorted(path for path in folder.glob("*.bag") if path.is_file()):
-            # Those of ROS 1 are refused with the command that converts them.
-            require_bag_file(path)
+        for path in files:
+            if path.suffix == ROS1_SUFFIX:
+                # Those of ROS 1 are refused with the command that converts them.
+                require_bag_file(path)
         raise RecordingError("the folder holds no .db3 or .mcap file", place=str(folder), remedy=_EXPECTED)
     storages = {path.with_suffix("").suffix if is_packed(path) else path.suffix for path in paths}
     if len(storages) > 1:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from smarttestudo.bags.statistics import Latency, RecordingSpan, TopicStatistics
 from smarttestudo.domain.dataclass import dataclass
+from smarttestudo.domain.infinite_values import infinite_entry
 from smarttestudo.domain.record import JsonEntry, to_json
 from smarttestudo.domain.recording import Storage
 from smarttestudo.domain.units import utc_time
@@ -131,4 +132,5 @@ def _moment(record: IncidentRecord) -> dict[str, object]:
         "time": utc_time(record.triggered_ns),
         "triggered_ns": record.triggered_ns,
         "values": dict(record.values),
+        **infinite_entry(record.values),
     }

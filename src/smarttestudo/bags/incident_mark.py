@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -47,10 +46,9 @@ def _reason(record: IncidentRecord) -> str:
 
 
 def signal_texts(record: IncidentRecord) -> Iterator[str]:
-    """Values that the condition read, a text each; JSON, in which they are kept, has no infinite numbers."""
+    """Values that the condition read, a text each; former versions wrote infinite ones as unknown ones."""
     for signal, value in record.values.items():
-        is_known = value is not None and math.isfinite(value)
-        yield f"{signal} = {format(value, 'g') if is_known else 'unknown or infinite'}"
+        yield f"{signal} = {'unknown or infinite' if value is None else format(value, 'g')}"
 
 
 def incident_notices(record: IncidentRecord, span: RecordingSpan) -> Iterator[str]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from itertools import chain, count, islice
+from itertools import chain, count, islice, pairwise
 from operator import itemgetter
 from pathlib import Path
 from typing import TypeVar
@@ -19,6 +19,7 @@ from typing import TypeVar
 from smarttestudo.bags import magic
 from smarttestudo.bags.metadata import BagMetadata
 from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
+from smarttestudo.bags.written_order import LEAST_BACK_NS, notices_of_back
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
@@ -148,6 +149,8 @@ class RosbagRecording:
         self._parts = parts
         self._promised_messages = metadata.message_count
         self._lacks_files = lacks_files
+        self._is_order_known = bool(metadata.file_names)
+        self._between_files: Sequence[str] | None = None
         self._notices = list(notices)
         self._broken: Counter[str] = Counter()
         self.storage = Storage.MCAP if parts[0].storage_path.suffix == ".mcap" else Storage.SQLITE3
@@ -205,7 +208,41 @@ class RosbagRecording:
             f"{topic}: {left_out(count, 'that could not be decompressed')}"
             for topic, count in self._broken.items()
         ]
-        return [*self._notices, *lost, *broken]
+        if self._between_files is None:
+            self._between_files = [*self._notices_between_files()] if self._is_order_known else []
+        return [*self._notices, *lost, *self._between_files, *broken]
+
+    def _notices_between_files(self) -> Iterator[str]:
+        """Where stamps go back from one file to the next."""
+        for before, after in pairwise(part for part in self._parts if part.file.message_count):
+            # Few files overlap, and only those are read for it.
+            if before.file.end_ns - after.file.start_ns > LEAST_BACK_NS:
+                for notice in notices_of_back(self._back_ns(before.file, after.file)):
+                    yield f"{after.path}: {notice}"
+
+    def _back_ns(self, before: StoredFile, after: StoredFile) -> int:
+        """How far the first message of a topic in ``after`` is before the last one in ``before``."""
+        latest_ns = dict(self._stamps_of(before))
+        first_ns: dict[str, int] = {}
+        for topic, stamp_ns in self._stamps_of(after):
+            first_ns.setdefault(topic, stamp_ns)
+        shared = latest_ns.keys() & first_ns.keys()
+        return max((latest_ns[topic] - first_ns[topic] for topic in shared), default=0)
+
+    def _stamps_of(self, file: StoredFile) -> Iterator[tuple[str, int]]:
+        """The topic and the stamp of each message, of some twice."""
+        # Latched messages of an incident have the stamp of its start, wherever they stand.
+        channels = {
+            number: channel
+            for number, channel in self._channels_of(file).items()
+            if not channel.transient_local
+        }
+        try:
+            for channel, stamp_ns, _ in file.sizes(channels):
+                yield channel.topic, stamp_ns
+        except OutlineError:
+            for channel, stamp_ns, _ in file.messages(channels):
+                yield channel.topic, stamp_ns
 
     @property
     def _filled(self) -> Sequence[StoredFile]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar, cast
 
 from smarttestudo.bags.remote_path import RemotePath, is_remote
-from smarttestudo.cli.bag_options import CsvPrinter, print_json, print_notices
+from smarttestudo.cli.bag_options import CsvPrinter, print_json, print_notice, print_notices
 from smarttestudo.cli.paths import own_name
 from smarttestudo.cli.progress import Progress, progress, silent
 from smarttestudo.domain.errors import TestudoError, UsageError
@@ -105,7 +105,7 @@ def recordings_asked(arguments: argparse.Namespace) -> list[AskedOne]:
     return [
         {"bag": found.path, "key": found.key}
         for text in arguments.bags
-        for found in find_recordings(text, timeout_s=arguments.timeout)
+        for found in find_recordings(text, timeout_s=arguments.timeout, noticed=print_notice)
     ]
 
 
@@ -115,11 +115,11 @@ def pairs_asked(arguments: argparse.Namespace) -> list[Asked]:
 
     a, b, timeout_s = arguments.a, arguments.b, arguments.timeout
     if b is None:
-        found = find_recordings(a, timeout_s=timeout_s)
+        found = find_recordings(a, timeout_s=timeout_s, noticed=print_notice)
         return [{"a": one.path, "b": None, "key": one.key, "robot": one.robot} for one in found]
     return [
         one if isinstance(one, TestudoError) else {"a": one.a, "b": one.b, "key": one.key, "robot": one.robot}
-        for one in pair_recordings(a, b, timeout_s=timeout_s)
+        for one in pair_recordings(a, b, timeout_s=timeout_s, noticed=print_notice)
     ]
 
 

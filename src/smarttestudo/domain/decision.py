@@ -10,6 +10,7 @@ from enum import Enum
 from typing import Annotated
 
 from smarttestudo.domain.dataclass import dataclass
+from smarttestudo.domain.infinite_values import infinite_entry, with_infinite
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import Decimals, JsonEntry, from_json, to_json
 
@@ -80,7 +81,7 @@ class Decision:
 
     def to_json(self) -> dict[str, object]:
         """The object of one line of the decisions file; bounds that did not change are left out."""
-        record = to_json(self)
+        record = {**to_json(self), **infinite_entry(self.values)}
         if self.from_rate is None:
             record["start"] = True
         if self.from_within == self.planned.within:
@@ -93,4 +94,5 @@ class Decision:
         decision = from_json(Decision, record)
         # Both no rate yet and Full are null.
         is_first = isinstance(record, dict) and record.get("start", False)
-        return replace(decision, from_rate=None if is_first else decision.from_rate or Rate.full())
+        from_rate = None if is_first else decision.from_rate or Rate.full()
+        return replace(decision, from_rate=from_rate, values=with_infinite(decision.values, record))

@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import INCIDENT_VERSION, IncidentRecord
+from smarttestudo.domain.infinite_values import infinite_entry, with_infinite
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.record import from_json, to_json
 from smarttestudo.domain.units import utc_time
@@ -17,7 +19,12 @@ MAX_RECORD_BYTES = 4_000_000
 
 def incident_to_json(incident: IncidentRecord) -> dict[str, object]:
     """The object in ``incident.json``; times that end in ``_ns`` count from 1970."""
-    return {"version": INCIDENT_VERSION, "time": utc_time(incident.triggered_ns), **to_json(incident)}
+    return {
+        "version": INCIDENT_VERSION,
+        "time": utc_time(incident.triggered_ns),
+        **to_json(incident),
+        **infinite_entry(incident.values),
+    }
 
 
 def incident_text(incident: IncidentRecord) -> str:
@@ -38,7 +45,8 @@ def read_incident(text: bytes, place: str) -> IncidentRecord:
                 place=place,
                 remedy="read it with the SmartTestudo that wrote it",
             )
-        return _ordered(from_json(IncidentRecord, found))
+        record = from_json(IncidentRecord, found)
+        return _ordered(replace(record, values=with_infinite(record.values, found)))
     except (ValueError, RecursionError) as error:
         raise RecordingError(
             "does not hold the record of an incident", place=place, remedy="was it cut or edited?"

@@ -6,15 +6,16 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from glob import glob, has_magic
 from pathlib import Path
 
-from smarttestudo.bags.bag_files import is_recording
+from smarttestudo.bags.bag_files import ROS1_SUFFIX, is_of_recording, ros1_refusal
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, is_url, remote_matches, remote_path
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.units import counted
 
 _WILDCARD = re.compile(r"[*?]|\[[^]]*\]?")
 
@@ -41,18 +42,24 @@ class RecordingPair:
     robot: str = ""
 
 
-def find_recordings(text: str, *, timeout_s: float = DEFAULT_TIMEOUT_S) -> tuple[FoundRecording, ...]:
+def find_recordings(
+    text: str, *, timeout_s: float = DEFAULT_TIMEOUT_S, noticed: Callable[[str], None] | None = None
+) -> tuple[FoundRecording, ...]:
     """The recordings that ``text``, a path or a URL, names, by name.
 
     A folder that is no recording itself stands for all in it, at any depth. A pattern has ``*``, ``?``,
     ``[…]``, and ``**`` for any depth. What leads to no recording is named as if it was one, so that opening
-    it says why. A server has ``timeout_s`` for an answer.
+    it says why. A server has ``timeout_s`` for an answer. ``noticed`` is told what is left out.
     """
+    walk = _Walk()
     top = remote_path(text, timeout_s) if is_url(text) else Path(text)
     try:
-        found = _matching(text, top) if _is_pattern(text) else _below(top)
+        found = _matching(text, top, walk) if _is_pattern(text) else _below(top, walk)
     except OSError:
         found = []
+    if noticed is not None:
+        for notice in walk.notices():
+            noticed(f"{text}: {notice}")
     return tuple(found) or (FoundRecording(path=top),)
 
 
@@ -60,7 +67,7 @@ def _is_pattern(text: str) -> bool:
     return has_magic(text) and (is_url(text) or not os.path.lexists(text))
 
 
-def _matching(text: str, top: Path) -> list[FoundRecording]:
+def _matching(text: str, top: Path, walk: _Walk) -> list[FoundRecording]:
     """Recordings that the pattern ``text`` matches, or that are in folders that it matches."""
     first, *_, last = _WILDCARD.split(str(top))
     matches = remote_matches(top) if is_url(text) else map(Path, sorted(glob(text, recursive=True)))  # noqa: PTH207  pathlib has no patterns with a root
@@ -71,7 +78,7 @@ def _matching(text: str, top: Path) -> list[FoundRecording]:
             robot=_robot(str(path), len(first)),
         )
         for match in _outermost(matches)
-        for path in _recordings_at(match)
+        for path in walk.recordings_at(match)
     ]
 
 
@@ -86,7 +93,7 @@ def _outermost(matches: Iterable[Path]) -> Iterator[Path]:
             yield match
 
 
-def _below(top: Path) -> list[FoundRecording]:
+def _below(top: Path, walk: _Walk) -> list[FoundRecording]:
     return [
         FoundRecording(path=path)
         if path == top
@@ -95,7 +102,7 @@ def _below(top: Path) -> list[FoundRecording]:
             key=str(path.relative_to(top)),
             robot=_robot(str(path), len(str(path)) - len(str(path.relative_to(top)))),
         )
-        for path in _recordings_at(top)
+        for path in walk.recordings_at(top)
     ]
 
 
@@ -107,13 +114,13 @@ def _robot(path: str, opened: int) -> str:
 
 
 def pair_recordings(
-    a: str, b: str, *, timeout_s: float = DEFAULT_TIMEOUT_S
+    a: str, b: str, *, timeout_s: float = DEFAULT_TIMEOUT_S, noticed: Callable[[str], None] | None = None
 ) -> tuple[RecordingPair | RecordingError, ...]:
     """Pair each recording that ``a`` names with the one of ``b`` that has its name in the folder or pattern.
 
-    One without a partner is an error in its place.
+    One without a partner is an error in its place. ``noticed`` is told what is left out.
     """
-    first, second = (find_recordings(text, timeout_s=timeout_s) for text in (a, b))
+    first, second = (find_recordings(text, timeout_s=timeout_s, noticed=noticed) for text in (a, b))
     if len(first) == len(second) == 1:
         return (RecordingPair(a=first[0].path, b=second[0].path),)
     partners = _by_key(second)
@@ -140,30 +147,63 @@ def _alone(one: FoundRecording, other: str) -> RecordingError:
     )
 
 
-def _recordings_at(path: Path) -> Iterator[Path]:
-    """The recordings in ``path``; itself where there is none, so that opening it says why."""
-    yield from [*_recordings_in(path)] or [path]
+class _Walk:
+    """A walk through folders that finds recordings, and notes what it leaves out."""
 
+    def __init__(self) -> None:
+        self._ros1_bags: list[tuple[Path, Path]] = []
+        self._unread: list[tuple[Path, OSError]] = []
 
-def _recordings_in(folder: Path) -> Iterator[Path]:
-    """``folder``, if it is a recording, and those in it; a whole rosbag2 holds no other.
+    def recordings_at(self, path: Path) -> Sequence[Path]:
+        """The recordings in ``path``; itself where there is none, so that opening it says why."""
+        if found := [*self._recordings_in(path)]:
+            return found
+        self._ros1_bags = [(folder, bag) for folder, bag in self._ros1_bags if folder is not path]
+        self._unread = [(folder, error) for folder, error in self._unread if folder is not path]
+        return [path]
 
-    A link to another folder is one at most, so that no circle is walked.
-    """
-    if is_recording(folder):
-        yield folder
-        if (folder / METADATA_NAME).exists():
+    def notices(self) -> Iterator[str]:
+        """Notices of all that was left out, a line for each kind."""
+        if self._ros1_bags:
+            bags = [bag for _, bag in self._ros1_bags]
+            are = "is" if len(bags) == 1 else "are"
+            yield f"{_counted(bags, 'ROS 1 bag')} {are} left out; {ros1_refusal(bags[0]).remedy}"
+        if self._unread:
+            folders, errors = zip(*self._unread, strict=True)
+            yield f"{_counted(folders, 'folder')} cannot be read: {errors[0].strerror}"
+
+    def _recordings_in(self, folder: Path, *, is_link: bool = False) -> Iterator[Path]:
+        """``folder``, if it is a recording, and those in it; a whole rosbag2 holds no other.
+
+        A link to another folder is one at most, so that no circle is walked.
+        """
+        entries, folders = self._listed(folder)
+        if is_recording := any(map(is_of_recording, entries)):
+            yield folder
+        if is_link or (is_recording and (folder / METADATA_NAME).exists()):
             return
-    for path in _folders_in(folder):
-        if not path.is_symlink():
-            yield from _recordings_in(path)
-        elif is_recording(path):
-            yield path
+        names = {path.name for path in folders}
+        self._ros1_bags += (
+            # What its conversion made of it is beside it.
+            (folder, entry)
+            for entry in entries
+            if entry.suffix == ROS1_SUFFIX and names.isdisjoint((entry.name, entry.stem))
+        )
+        for path in folders:
+            yield from self._recordings_in(path, is_link=path.is_symlink())
+
+    def _listed(self, folder: Path) -> tuple[Sequence[Path], Sequence[Path]]:
+        """Entries of ``folder``, and the folders among them; none where there is no folder."""
+        try:
+            entries = sorted(folder.iterdir())
+            return entries, [entry for entry in entries if entry.is_dir()]
+        except (FileNotFoundError, NotADirectoryError):
+            pass
+        except OSError as error:
+            self._unread.append((folder, error))
+        return (), ()
 
 
-def _folders_in(folder: Path) -> Sequence[Path]:
-    """The folders in ``folder``; none where there is no folder that can be listed."""
-    try:
-        return sorted(entry for entry in folder.iterdir() if entry.is_dir())
-    except OSError:
-        return ()
+def _counted(paths: Sequence[Path], word: str) -> str:
+    """How many ``paths`` there are, and the first of them."""
+    return f"{counted(len(paths), word)} ({'' if len(paths) == 1 else 'first '}{paths[0]})"

@@ -46,8 +46,9 @@ def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], 
     """Append to a log of decisions: the block is given a function that writes decisions to ``path`` at once.
 
     A crash loses none. Half a decision, with which a full disk or a power loss ended the log, is cut off.
-    Raises ``OutputFileError`` where that is not possible.
+    Raises ``OutputFileError`` where that is not possible, and for a file with something else than decisions.
     """
+    _require_no_other(path)
     try:
         _cut_half_a_line(path)
         file = path.open("a", encoding="utf-8")
@@ -75,12 +76,28 @@ def _require_no_other(path: Path) -> None:
         if not path.is_file():
             return
         with path.open("rb") as file:
-            start = file.read(len(_LINE_START))
+            first = file.readline(_MAX_LINE_BYTES)
     except OSError as error:
         raise not_written(path, _CONTENT, error) from error
-    if start and start != _LINE_START:
+    if not _is_first_of_log(first):
         cause = f"{_CONTENT} cannot be written: the file there holds something else"
         raise OutputFileError(cause, place=str(path), remedy="name another output, or remove it")
+
+
+def _is_first_of_log(line: bytes) -> bool:
+    if not line.endswith(b"\n"):
+        return _is_half_a_decision(line)
+    try:
+        Decision.from_json(json.loads(line))
+    except (ValueError, RecursionError):
+        return False
+    return True
+
+
+def _is_half_a_decision(line: bytes) -> bool:
+    """Whether ``line`` is what a full disk or a power loss, which leaves zeros, makes of a decision."""
+    begun = line.rstrip(b"\0")[: len(_LINE_START)]
+    return begun == _LINE_START[: len(begun)]
 
 
 def _cut_half_a_line(path: Path) -> None:
@@ -92,9 +109,7 @@ def _cut_half_a_line(path: Path) -> None:
         file.seek(start)
         last = file.read()
         line_start = last.rfind(b"\n") + 1
-        line = last[line_start:].rstrip(b"\0")
-        # Another file, which somebody named by mistake, stays as it is.
-        if line_start < len(last) and line[: len(_LINE_START)] == _LINE_START[: len(line)]:
+        if line_start < len(last) and _is_half_a_decision(last[line_start:]):
             file.truncate(start + line_start)
 
 
@@ -109,7 +124,9 @@ def read_decisions(path: Path, noticed: Callable[[str], None] | None = None) -> 
         cause = f"the decision log cannot be read: {getattr(error, 'strerror', None) or error}"
         raise DecisionLogError(cause, place=str(path), remedy="give a file that --decisions wrote") from error
     *lines, rest = text.split("\n")
-    if rest and noticed is not None:
+    if rest and not _is_half_a_decision(rest.encode()):
+        lines.append(rest)
+    elif rest and noticed is not None:
         noticed(f"{path}:{len(lines) + 1}: {_CUT_OFF}")
     return [_parsed(line, f"{path}:{number}") for number, line in enumerate(lines, 1)]
 
