@@ -132,7 +132,7 @@ def test_a_table_for_rules_is_theirs_though_it_is_opened_from_the_list(
 ) -> None:
     (project / "aisle.adirf").write_text("begin\n    SetFrequency /lift 5\nend\n")
     (project / "wlan.toml").write_text(PROFILE)
-    ruler.page.goto(f"{ruler.url}/#/topics/lift.toml?rules=aisle.adirf")
+    ruler.page.goto(f"{ruler.url}#/topics/lift.toml?rules=aisle.adirf")
     ruler.page.get_by_label("Message size (KB) of /lift").fill("0.5")
     ruler.page.get_by_role("link", name="Home").click()
     ruler.page.reload()
