@@ -87,6 +87,7 @@ on_the_graph: OpenRobots = partial(open_graph_robots, "testudo_ruler")
 @contextmanager
 def served(
     folder: Path,
+    port: int = 0,
     *,
     opened: str | None = None,
     token: str | None = None,
@@ -97,9 +98,9 @@ def served(
 ) -> Iterator[Page]:
     """The server of ``folder`` while the block lasts; with ``token`` as if other machines could reach it.
 
-    Who has ``watch_token`` may only watch, and with ``is_watch_only`` everybody.
+    Who has ``watch_token`` may only watch, and with ``is_watch_only`` everybody. ``port`` 0 is a free one.
     """
-    with listening("127.0.0.1", 0) as listener:
+    with listening("127.0.0.1", port) as listener:
         port = listener.getsockname()[1]
         access = ServerAddress.at("127.0.0.1", port, is_watch_only=is_watch_only)
         if token is not None:

@@ -52,13 +52,13 @@ def test_a_file_takes_its_versions_its_map_and_its_profile_along(tmp_path: Path)
 
 def test_a_copy_has_the_map_and_the_profile_of_the_file_and_versions_of_its_own(tmp_path: Path) -> None:
     with served(tmp_path) as page:
-        sha256 = saved(page, "day.adirf")
+        saved(page, "day.adirf")
         saved(page, "radio.toml", "")
         saved(page, ".day.adirf.layout.json", '{"map": null}')
         page.put("/api/profile/for", {"name": "day.adirf", "profile": "radio.toml"})
 
-        asked = {"name": "day.adirf", "new_name": "runs/night.adirf", "base_hash": sha256, "keeps": True}
-        answer = page.post("/api/file/rename", asked)
+        asked = {"name": "day.adirf", "new_name": "runs/night.adirf"}
+        answer = page.post("/api/file/copy", asked)
 
         assert answer.status == 200, answer.body
         assert (tmp_path / "runs/.night.adirf.layout.json").read_text() == '{"map": null}'
@@ -67,7 +67,15 @@ def test_a_copy_has_the_map_and_the_profile_of_the_file_and_versions_of_its_own(
             assert len(page.get(f"/api/versions?name={name}").json["versions"]) == 1
             chosen = page.post("/api/profile/for", {"name": name, "text": RULES}).json
             assert chosen["name"] == "radio.toml"
-        assert page.post("/api/file/rename", asked).status == 409
+        assert page.post("/api/file/copy", asked).status == 409
+
+
+def test_a_copy_of_a_table_is_a_table_and_nothing_else(tmp_path: Path) -> None:
+    with served(tmp_path) as page:
+        saved(page, "radio.toml", "budget_kb_per_s = 5.0\n")
+        answer = page.post("/api/file/copy", {"name": "radio.toml", "new_name": "radio_copy.toml"})
+        assert (answer.status, names(answer.json)) == (200, {"radio.toml", "radio_copy.toml"})
+    assert (tmp_path / "radio_copy.toml").read_text() == "budget_kb_per_s = 5.0\n"
 
 
 def test_a_file_whose_map_would_have_too_long_a_name_takes_its_versions_along(tmp_path: Path) -> None:
@@ -103,6 +111,11 @@ def test_a_deleted_file_comes_back_from_what_the_page_kept_and_from_its_versions
         ("rename", {"new_name": "1/2/3/4/5/6/a.adirf"}, "shows no files of such a folder"),
         ("rename", {"new_name": "c.adirf", "base_hash": "0"}, "changed on disk"),
         ("rename", {"new_name": f"{LONG}.adirf"}, "too long for the map"),
+        ("copy", {"new_name": "b.adirf"}, "has a file of this name"),
+        ("copy", {"new_name": "a.toml"}, "keeps its kind"),
+        ("copy", {"new_name": "../a.adirf"}, "not the name of a file in the project"),
+        ("copy", {"new_name": f"{LONG}.adirf"}, "too long for the map"),
+        ("copy", {"name": "gone.adirf", "new_name": "c.adirf"}, "no such file"),
         ("delete", {"base_hash": "0"}, "changed on disk"),
         ("delete", {"name": "linked.adirf"}, "is a link"),
         ("delete", {"name": "../outside.adirf"}, "not the name of a file in the project"),

@@ -93,7 +93,7 @@ def test_the_token_in_the_address_becomes_a_cookie(secret_page: Page) -> None:
     cookie = SimpleCookie(answer.headers["set-cookie"])
     (name,) = cookie
     assert cookie[name]["httponly"] is True
-    assert cookie[name]["samesite"] == "strict"
+    assert cookie[name]["samesite"] == "lax"
     project = secret_page.request("GET", "/api/project", headers={"Cookie": f"{name}={cookie[name].value}"})
     assert project.status == 200
     wrong = secret_page.request("GET", "/api/project", headers={"Cookie": f"{name}=x; broken"})

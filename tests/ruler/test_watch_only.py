@@ -31,6 +31,7 @@ REFUSED = "you may only watch here: nothing was changed"
 CHANGES = {
     "PUT /api/file",
     "POST /api/file/rename",
+    "POST /api/file/copy",
     "POST /api/file/delete",
     "PUT /api/project/settings",
     "PUT /api/recording",

@@ -9,8 +9,8 @@ const LONGEST_WAIT_MS = 8000;
 interface LiveOwner {
   /** The server's greeting came: from now on it can be told something. */
   heard(push: Push): void;
-  /** The server cannot be reached; it is tried again by itself. */
-  lost(): void;
+  /** The server cannot be reached, or knows no token of this browser; it is tried again by itself. */
+  lost(needsToken: boolean): void;
 }
 
 /** The web socket to the server; it connects again by itself, ever more seldom up to every 8 s. */
@@ -18,6 +18,7 @@ export class LiveSocket {
   private socket: WebSocket | null = null;
   private waitMs = FIRST_WAIT_MS;
   private timer: number | undefined;
+  private needsToken = false;
 
   constructor(private readonly owner: LiveOwner) {}
 
@@ -31,7 +32,8 @@ export class LiveSocket {
     socket.onclose = () => {
       if (this.socket !== socket) return;
       this.socket = null;
-      this.owner.lost();
+      this.owner.lost(this.needsToken);
+      void this.lookForToken();
       this.timer = window.setTimeout(() => this.open(), this.waitMs);
       this.waitMs = Math.min(2 * this.waitMs, LONGEST_WAIT_MS);
     };
@@ -50,8 +52,18 @@ export class LiveSocket {
     socket?.close();
   }
 
+  /** A browser does not say why a web socket was refused, but does so of a file. */
+  private async lookForToken(): Promise<void> {
+    const answer = await fetch("./icon.svg", { method: "HEAD", cache: "no-store" }).catch(() => null);
+    const needsToken = answer?.status === 401;
+    if (needsToken === this.needsToken || this.socket?.readyState === WebSocket.OPEN) return;
+    this.needsToken = needsToken;
+    this.owner.lost(needsToken);
+  }
+
   private hear(push: Push): void {
     this.waitMs = FIRST_WAIT_MS;
+    this.needsToken = false;
     this.owner.heard(push);
   }
 }

@@ -212,6 +212,12 @@ export interface ConfirmAnswer {
   hash: string;
 }
 
+/** `POST /api/file/copy` → `Project`: `new_name` must not exist yet. */
+export interface CopyRequest {
+  name: string;
+  new_name: string;
+}
+
 /** Rectangles that share no area and hold the polygon; `over_m2` is what they cover beside it. */
 export interface CoverAnswer {
   rectangles: ZoneRectangle[];
@@ -1239,16 +1245,11 @@ export interface RemoteIncident {
   missing: string[];
 }
 
-/**
- * `POST /api/file/rename` → `Project`: `base_hash` is what the page knows to be in `name`.
- *
- * With `keeps` the file is copied: the old name stays, with the versions.
- */
+/** `POST /api/file/rename` → `Project`: `base_hash` is what the page knows to be in `name`. */
 export interface RenameRequest {
   name: string;
   new_name: string;
   base_hash: string;
-  keeps?: boolean;
 }
 
 /**
@@ -2026,6 +2027,7 @@ export interface Routes {
   "GET /api/file/state": { asked: null; answered: FileOnDisk };
   "PUT /api/file": { asked: SaveRequest; answered: SaveAnswer };
   "POST /api/file/rename": { asked: RenameRequest; answered: Project };
+  "POST /api/file/copy": { asked: CopyRequest; answered: Project };
   "POST /api/file/delete": { asked: DeleteRequest; answered: Project };
   "PUT /api/project/settings": { asked: SettingsRequest; answered: Project };
   "POST /api/recording": { asked: BagRequest; answered: RecordingAnswer };

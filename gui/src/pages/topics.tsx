@@ -25,7 +25,8 @@ import type { PageProps } from "./page_props";
 /** The topic parameters: what the optimizer knows of each topic and of the link. */
 export function TopicsPage({ api, project, name, rules, refresh, editors }: PageProps) {
   const editor = useMemo(() => editors.profileOf(api, name), []);
-  editor.madeFor = rules ?? editor.madeFor;
+  editor.madeFor.value = rules ?? editor.madeFor.peek();
+  const madeFor = editor.madeFor.value;
   const [problem, setProblem] = useState("");
   const isOpen = editor.isOpen.value;
   const guarded = async (work: () => Promise<void>) => {
@@ -75,7 +76,7 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
         <RestoredNotice file={editor} />
         <DiskNotice file={editor} />
         {problem && <Notice kind="error" text={problem} />}
-        {isOpen && rules !== undefined && <RulesTopics {...{ api, editors, editor, rules }} />}
+        {isOpen && madeFor !== null && <RulesTopics {...{ api, editors, editor }} rules={madeFor} />}
         <div class="row">
           <NeedsServer>
             {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}

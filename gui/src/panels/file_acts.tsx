@@ -72,9 +72,12 @@ function NameDialog(props: FileActsProps & { name: string; isCopy: boolean; onCl
     const wanted = typed.endsWith(ending) ? typed : typed + ending;
     setProblem(
       await refusalOf(async () => {
-        const file = await api.read(name);
-        const asked = { name, new_name: wanted, base_hash: file.hash, keeps: isCopy };
-        if (isCopy || wanted !== name) await api.ask("POST /api/file/rename", asked);
+        const asked = { name, new_name: wanted };
+        if (isCopy) await api.ask("POST /api/file/copy", asked);
+        else if (wanted !== name) {
+          const { hash } = await api.read(name);
+          await api.ask("POST /api/file/rename", { ...asked, base_hash: hash });
+        }
         onClose();
       }),
     );

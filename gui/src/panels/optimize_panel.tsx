@@ -13,6 +13,7 @@ import { namesLevel, topicsIn } from "../state/statements";
 import { Button } from "../ui/button";
 import { download } from "../ui/files";
 import { hz, kilobytes, readable, sentence } from "../ui/numbers";
+import { NeedsServer } from "../ui/server_gone";
 import { ProfileChangeNotice } from "./profile_choice";
 
 const AFTER_MS = 300;
@@ -93,9 +94,11 @@ function MissingEntries(props: Pick<Props, "editor" | "project" | "repair"> & { 
     void repair.measureMissing(bag, topicsIn(editor.document.value)).catch((error: unknown) => editor.tell(error));
   return (
     <div class="row">
-      {bags.slice(0, MOST_BAGS).map((bag) => (
-        <Button label={`Measure it in ${bag}`} key={bag} class="small fix" onClick={() => measure(bag)} />
-      ))}
+      <NeedsServer changes>
+        {bags.slice(0, MOST_BAGS).map((bag) => (
+          <Button label={`Measure it in ${bag}`} key={bag} class="small fix" onClick={() => measure(bag)} />
+        ))}
+      </NeedsServer>
       <a href={href({ page: "topics", name: profile, rules: editor.name })}>Enter it in {profile}</a>
     </div>
   );
@@ -159,13 +162,14 @@ function RefusalCard({ api, editor, refusal, text }: { api: Api; editor: RuleEdi
       <p>{sentence(refusal.message)}</p>
       <div class="row">
         {refusal.repairs.map((repair) => (
-          <Button
-            label={repair.title}
-            key={repair.sentence}
-            class="small repair"
-            title={repair.sentence}
-            onClick={() => void apply(api, editor, repair, text)}
-          />
+          <NeedsServer changes={repair.budget_kb_per_s !== null} key={repair.sentence}>
+            <Button
+              label={repair.title}
+              class="small repair"
+              title={repair.sentence}
+              onClick={() => void apply(api, editor, repair, text)}
+            />
+          </NeedsServer>
         ))}
       </div>
     </div>

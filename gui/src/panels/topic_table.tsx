@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import { useEffect } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 import { TIERS } from "../api/types";
 import { type DraftRow, isNumber, type NumberField } from "../state/draft_row";
 import { tableCells } from "../state/pasted_table";
@@ -70,7 +70,18 @@ function TableHead() {
   );
 }
 
-function TopicRow({ editor, row, number }: { editor: ProfileEditor; row: DraftRow; number: number }) {
+interface RowProps {
+  editor: ProfileEditor;
+  row: DraftRow;
+  number: number;
+}
+
+/** A row, drawn anew only where it changed: a table may have many. */
+function TopicRow({ editor, row, number }: RowProps) {
+  return useMemo(() => <TopicCells {...{ editor, row, number }} />, [editor, row, number]);
+}
+
+function TopicCells({ editor, row, number }: RowProps) {
   const of = row.topic || `row ${number}`;
   const cell = (label: string, value: string, change: (text: string) => Partial<DraftRow>, placeholder = "") => (
     <td>

@@ -8,7 +8,7 @@ export const TOLD_WITHIN_S = 8;
 
 /** Whether the server's web socket is open, and speaks what this page understands. */
 export type ServerState =
-  | { kind: "lost" }
+  | { kind: "lost"; needsToken: boolean }
   | { kind: "opening" }
   | { kind: "open" }
   | { kind: "other"; version: string };
@@ -31,7 +31,10 @@ export function connectionOf(
   node: string | null,
   sinceToldS: number,
 ): Connection {
-  if (server.kind === "lost") return none("The Ruler's server does not answer. The page reconnects by itself.");
+  if (server.kind === "lost") {
+    const why = server.needsToken ? "no longer takes this browser's token" : "does not answer";
+    return none(`The Ruler's server ${why}. The page reconnects by itself.`);
+  }
   if (server.kind === "other") {
     return none(
       `The server is SmartTestudo ${server.version}, which needs another version of this page. Reload the page.`,

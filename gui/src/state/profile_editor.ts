@@ -20,6 +20,11 @@ interface Table {
   baseText: string;
 }
 
+/** What a draft keeps of it. */
+interface Drafted extends Table {
+  madeFor: string | null;
+}
+
 const NOTHING: ProfileTable = { rows: [{ topic: "" }], budget_kb_per_s: null };
 
 /** The same letters for the same table. */
@@ -29,10 +34,13 @@ function packed({ rows, budget, baseText }: Table): string {
 
 /** The table of one profile. */
 export class ProfileEditor extends OpenFile {
-  readonly whole = signal<Table>({ rows: [], budget: "", baseText: "" });
-  readonly rows = computed(() => this.whole.value.rows);
-  readonly budget = computed(() => this.whole.value.budget);
-  readonly content = computed(() => packed(this.whole.value));
+  private readonly table = signal<Table>({ rows: [], budget: "", baseText: "" });
+  /** The rule file that the table is made for: it is checked with what is saved of it first. */
+  readonly madeFor = signal<string | null>(null);
+  readonly whole = computed<Drafted>(() => ({ ...this.table.value, madeFor: this.madeFor.value }));
+  readonly rows = computed(() => this.table.value.rows);
+  readonly budget = computed(() => this.table.value.budget);
+  readonly content = computed(() => packed(this.table.value));
   /** Whether there is no file of this name yet. */
   readonly isNew = computed(() => this.isOpen.value && this.saved.value.hash === null);
   /** Why the server would not save the table. */
@@ -41,8 +49,6 @@ export class ProfileEditor extends OpenFile {
     ...problemsOf(this.rows.value, this.budget.value),
     ...(this.refusal.value ? [`${this.refusal.value}.`] : []),
   ]);
-  /** The rule file that the table is made for: it is checked with what is saved of it first. */
-  madeFor: string | null = null;
   private timer: number | undefined;
   private nextKey = 0;
 
@@ -58,25 +64,27 @@ export class ProfileEditor extends OpenFile {
   }
 
   protected override async written(name: string): Promise<string> {
-    return (await this.api.writeProfile(name, this.table(), this.typesText)).text;
+    return (await this.api.writeProfile(name, this.finishedTable(), this.typesText)).text;
   }
 
   protected setContent(content: string): void {
-    this.whole.value = JSON.parse(content);
+    this.table.value = JSON.parse(content);
   }
 
   protected unpacked(draft: string): string | null {
-    const table = tableOf(draft);
+    const table = draftOf(draft);
+    // Who comes from other rules now makes it for those.
+    this.madeFor.value ??= table?.madeFor ?? null;
     return table && packed({ ...table, rows: table.rows.map((row) => ({ ...row, key: this.nextKey++ })) });
   }
 
   protected override asSaved(content: string, baseText: string): string {
-    this.whole.value = { ...this.whole.value, baseText };
+    this.table.value = { ...this.table.value, baseText };
     return packed({ ...JSON.parse(content), baseText });
   }
 
   protected override async saveBeside(name: string, isNew: boolean): Promise<void> {
-    if (isNew && this.madeFor !== null) await this.api.chooseProfile(this.madeFor, name);
+    if (isNew && this.madeFor.value !== null) await this.api.chooseProfile(this.madeFor.value, name);
   }
 
   override async open(isThere: boolean): Promise<void> {
@@ -118,7 +126,7 @@ export class ProfileEditor extends OpenFile {
 
   /** Begins a new table with rows for topics: nobody changed anything yet. */
   begin(topics: readonly string[]): void {
-    this.whole.value = { ...this.whole.value, rows: topics.map((topic) => this.draftRow({ topic })) };
+    this.table.value = { ...this.table.value, rows: topics.map((topic) => this.draftRow({ topic })) };
     this.saved.value = { ...this.saved.value, content: this.content.value };
     void this.check();
   }
@@ -172,7 +180,7 @@ export class ProfileEditor extends OpenFile {
   }
 
   private put(changes: Partial<Table>): void {
-    this.whole.value = { ...this.whole.value, ...changes };
+    this.table.value = { ...this.table.value, ...changes };
     window.clearTimeout(this.timer);
     this.timer = window.setTimeout(() => void this.check(), CHECK_AFTER_MS);
   }
@@ -182,7 +190,7 @@ export class ProfileEditor extends OpenFile {
     window.clearTimeout(this.timer);
     const asked = this.content.value;
     const isReadable = problemsOf(this.rows.value, this.budget.value).length === 0;
-    const refusal = isReadable ? await this.refusalOf(this.table()) : "";
+    const refusal = isReadable ? await this.refusalOf(this.finishedTable()) : "";
     if (asked === this.content.value) this.refusal.value = refusal;
   }
 
@@ -214,19 +222,19 @@ export class ProfileEditor extends OpenFile {
 
   /** The profile as it was read or saved last: it has the types of topics, which nobody types. */
   get typesText(): string {
-    return this.whole.value.baseText;
+    return this.table.value.baseText;
   }
 
-  private table(): ProfileTable {
+  private finishedTable(): ProfileTable {
     const rows = this.rows.value.filter((row) => row.topic.trim() !== "");
     return { rows: rows.map(finished), budget_kb_per_s: toNumber(this.budget.value) };
   }
 }
 
 /** The table that a draft holds; null where it cannot be read. */
-function tableOf(draft: string): Table | null {
+function draftOf(draft: string): Drafted | null {
   try {
-    const { rows, budget, baseText } = JSON.parse(draft) as Table;
+    const { rows, budget, baseText, madeFor } = JSON.parse(draft) as Drafted;
     const isTable = rows.every(
       ({ topic, tiers_hz, accuracies, ...cells }) =>
         typeof topic === "string" &&
@@ -236,7 +244,8 @@ function tableOf(draft: string): Table | null {
           (cell) => typeof cell === "string",
         ),
     );
-    return isTable && typeof budget === "string" && typeof baseText === "string" ? { rows, budget, baseText } : null;
+    if (!isTable || typeof budget !== "string" || typeof baseText !== "string") return null;
+    return { rows, budget, baseText, madeFor: typeof madeFor === "string" ? madeFor : null };
   } catch {
     return null;
   }

@@ -14,6 +14,7 @@ const SAMPLE_MS = 200;
 /** After so long without a status the server calls a robot silent, or later where it sends less than one a second. */
 const SILENT_AFTER_MS = 2400;
 const NODE_KEY = "robot";
+const WATCHES_KEY = "may only watch";
 const RATE_KEY = "updates of the robot in Hz";
 
 /** What this page knows of running robots, over one web socket that connects again by itself. */
@@ -64,6 +65,10 @@ export class RobotLink {
     this.socket.open();
     window.setInterval(() => this.tick(), TICK_MS);
     effect(() => this.noteServer(this.isServerGone.value));
+    // Another tab got another token, which is this one's as well.
+    addEventListener("storage", ({ key, newValue }) => {
+      if (key === WATCHES_KEY) this.onlyWatches.value = newValue === "true";
+    });
   }
 
   choose(node: string): void {
@@ -96,9 +101,9 @@ export class RobotLink {
     else if (push.kind === "live" && push.node === this.watched) this.show(push);
   }
 
-  lost(): void {
+  lost(needsToken: boolean): void {
     batch(() => {
-      this.server.value = { kind: "lost" };
+      this.server.value = { kind: "lost", needsToken };
       this.robots.value = null;
       this.forget(null);
     });
@@ -116,6 +121,7 @@ export class RobotLink {
 
   private greet({ version, protocol, only_watches }: Hello): void {
     this.onlyWatches.value = only_watches;
+    localStorage.setItem(WATCHES_KEY, String(only_watches));
     this.server.value = protocol === PROTOCOL_VERSION ? { kind: "open" } : { kind: "other", version };
     this.tellWatched();
   }

@@ -9,6 +9,8 @@ import { Button } from "./button";
 import { FormDialog } from "./dialog";
 import { DifferenceWords, TextComparison } from "./difference_words";
 import { Problem } from "./notice";
+import { useRobot } from "./robot_state";
+import { NeedsServer } from "./server_gone";
 
 interface Props {
   api: Api;
@@ -45,6 +47,7 @@ function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflic
       title={isGone ? `${file.name} is no longer there` : `Somebody else changed ${file.name}`}
       submit="Save as"
       isWide
+      canSubmit={!useRobot().onlyWatches.value}
       onSubmit={saveAs}
       onClose={() => (file.conflict.value = null)}
     >
@@ -67,7 +70,9 @@ function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflic
       <div class="ways">
         {!isGone && <Button label="Read again" onClick={() => void guarded(() => file.readAgain())} />}
         {!isGone && <span>loads their version; Undo restores yours.</span>}
-        <Button label="Save anyway" onClick={() => void guarded(() => file.saveAnyway())} />
+        <NeedsServer changes>
+          <Button label="Save anyway" onClick={() => void guarded(() => file.saveAnyway())} />
+        </NeedsServer>
         <span>{isGone ? "creates the file again." : "replaces theirs with yours."}</span>
       </div>
       <label>

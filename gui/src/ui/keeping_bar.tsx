@@ -5,15 +5,19 @@ import type { KeepState } from "../api/types";
 import { href } from "../route";
 import type { Keepings } from "../state/keepings";
 import { Button } from "./button";
+import { useRobot } from "./robot_state";
+import { NeedsServer } from "./server_gone";
 
 /** Which incidents the server keeps now, and what came of it, on every page until somebody has read it. */
 export function KeepingBar({ keepings }: { keepings: Keepings }) {
   const keeps = keepings.keeps.value;
+  // What is read by whom may only watch stays for the others.
+  const mayEnd = !useRobot().onlyWatches.value;
   if (keeps.length === 0) return null;
   return (
     <section class="keeping-bar" aria-label="Incidents being kept">
       {keeps.map((keep) => (
-        <Keeping key={keep.run} keep={keep} end={() => void keepings.end(keep.run)} />
+        <Keeping key={keep.run} keep={keep} end={() => mayEnd && void keepings.end(keep.run)} />
       ))}
     </section>
   );
@@ -28,7 +32,9 @@ function Keeping({ keep, end }: { keep: KeepState; end: () => void }) {
         <span role="status">Keeping {what} …</span>
         <progress max={1} value={share} aria-label={`Keeping ${what}`} />
         <span class="number">{Math.round(100 * share)} %</span>
-        <Button label="Cancel" class="small" aria-label={`Cancel keeping ${what}`} onClick={end} />
+        <NeedsServer changes>
+          <Button label="Cancel" class="small" aria-label={`Cancel keeping ${what}`} onClick={end} />
+        </NeedsServer>
       </div>
     );
   }
@@ -46,7 +52,9 @@ function Keeping({ keep, end }: { keep: KeepState; end: () => void }) {
           </a>
         </span>
       )}
-      <Button label="Close" class="small" aria-label={`Close: ${what}`} onClick={end} />
+      <NeedsServer changes>
+        <Button label="Close" class="small" aria-label={`Close: ${what}`} onClick={end} />
+      </NeedsServer>
     </div>
   );
 }

@@ -26,16 +26,34 @@ export function ServerGone() {
     return <Notice kind="warning" text="The server is another version: this page does not fit it." action={reload} />;
   }
   if (since === null) return null;
+  const needsToken = link.server.value.kind === "lost" && link.server.value.needsToken;
   return (
     <div class="notice error server-notice" role="alert">
       <span>
-        <strong>The Ruler's server has not answered since {clock(since)}.</strong> You can go on typing in the text and
-        in tables; it is kept in this browser. Blocks, checks, saving, tries and robots wait. Is{" "}
-        <code>testudo ruler</code> still running in its terminal? Once it is, this page goes on by itself.
+        <strong>
+          {needsToken
+            ? "The Ruler's server no longer takes this browser's token."
+            : `The Ruler's server has not answered since ${clock(since)}.`}
+        </strong>{" "}
+        You can go on typing in the text and in tables; it is kept in this browser. Blocks, checks, saving, tries and
+        robots wait. {needsToken ? <TokenWay /> : <ServerWay />}
       </span>
     </div>
   );
 }
+
+const ServerWay = () => (
+  <>
+    Is <code>testudo ruler</code> still running in its terminal? Once it is, this page goes on by itself.
+  </>
+);
+
+const TokenWay = () => (
+  <>
+    <code>testudo ruler</code> was started again and printed another address: open that in another tab of this browser,
+    and this page goes on by itself.
+  </>
+);
 
 /** Says on every page to whoever may only watch what that means. */
 export function WatchNotice() {

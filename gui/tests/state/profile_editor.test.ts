@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
-import { type Disk, openTable, typeSize } from "./served";
+import { type Disk, draftsIn, openTable, storage, typeSize } from "./served";
 
 const row = (topic: string, message_kb: number | null) => ({ topic, message_kb });
 afterEach(() => {
@@ -47,7 +47,7 @@ test("a table that was made for rules is theirs, also where it was gone and is s
   const chosen: unknown[] = [];
   const disk: Disk = { text: "[]" };
   const editor = await openTable(disk, { "PUT /api/profile/for": (asked) => void chosen.push(asked) });
-  editor.madeFor = "a.adirf";
+  editor.madeFor.value = "a.adirf";
   editor.setBudget("200");
   await editor.save();
   expect(chosen).toEqual([]);
@@ -56,4 +56,32 @@ test("a table that was made for rules is theirs, also where it was gone and is s
   await editor.save();
   await editor.saveAnyway();
   expect(chosen).toEqual([{ name: "a.adirf", profile: "lte.toml" }]);
+});
+
+test("a table that was made for rules is still theirs when it is saved after a reload", async () => {
+  vi.useFakeTimers();
+  const kept = storage();
+  const before = await openTable({ text: null }, {}, draftsIn(kept, [], "before"));
+  before.madeFor.value = "a.adirf";
+  before.setBudget("200");
+  await vi.runAllTimersAsync();
+  const chosen: unknown[] = [];
+  const disk: Disk = { text: null };
+  const more = { "PUT /api/profile/for": (asked: unknown) => void chosen.push(asked) };
+  const after = await openTable(disk, more, draftsIn(kept, [], "after"));
+  expect(after.budget.value).toBe("200");
+  await after.save();
+  expect(chosen).toEqual([{ name: "a.adirf", profile: "lte.toml" }]);
+});
+
+test("a table that was made for rules is theirs under the other name that it is saved with", async () => {
+  const chosen: unknown[] = [];
+  const more = {
+    "PUT /api/file": () => ({ hash: "new" }),
+    "PUT /api/profile/for": (asked: unknown) => void chosen.push(asked),
+  };
+  const editor = await openTable({ text: "[]" }, more);
+  editor.madeFor.value = "a.adirf";
+  await editor.saveAs("mine.toml");
+  expect(chosen).toEqual([{ name: "a.adirf", profile: "mine.toml" }]);
 });

@@ -52,6 +52,7 @@ test("a status stands for the time since the one before, also from a robot that 
 
 test("a server is not gone because the computer stood still, and is when it says nothing after that", () => {
   vi.stubGlobal("window", globalThis);
+  vi.stubGlobal("addEventListener", () => undefined);
   vi.stubGlobal("location", { href: "http://localhost/" });
   const link = linkOf(robotOf("/ada"));
   vi.stubGlobal("WebSocket", class {});

@@ -127,6 +127,23 @@ def test_the_table_is_there_after_a_reload(ruler: RulerPage, project: Path) -> N
     assert (project / "wlan.toml").read_text() == PROFILE.replace("0.7", "0.9")
 
 
+def test_a_table_for_rules_is_theirs_though_it_is_opened_from_the_list(
+    ruler: RulerPage, project: Path
+) -> None:
+    (project / "aisle.adirf").write_text("begin\n    SetFrequency /lift 5\nend\n")
+    (project / "wlan.toml").write_text(PROFILE)
+    ruler.page.goto(f"{ruler.url}#/topics/lift.toml?rules=aisle.adirf")
+    ruler.page.get_by_label("Message size (KB) of /lift").fill("0.5")
+    ruler.page.get_by_role("link", name="Home").click()
+    ruler.page.reload()
+    ruler.page.get_by_role("link", name="lift.toml", exact=True).click()
+    expect(_notice(ruler)).to_be_visible()
+    with ruler.page.expect_response("**/api/profile/for"):
+        ruler.save()
+    ruler.page.get_by_role("link", name="Back to aisle.adirf").click()
+    expect(ruler.page.get_by_label("Topic parameters")).to_have_value("lift.toml")
+
+
 def test_a_browser_without_room_says_so_and_asks_before_a_reload(ruler: RulerPage, project: Path) -> None:
     ruler.page.evaluate("() => { Storage.prototype.setItem = () => { throw new Error('full') } }")
     _open(ruler, project)

@@ -143,3 +143,21 @@ def _expect_one_row(ruler: RulerPage) -> None:
     assert bar["height"] <= 72
     tools = [each for each in seen if re.match("Save|Undo|Redo|Menu", each["name"])]
     assert max(each["top"] for each in tools) - min(each["top"] for each in tools) < 2
+
+
+@pytest.mark.parametrize(("width_px", "factor"), [(1440, 2), (820, 2), (390, 2), (195, 1)])
+def test_the_name_is_read_where_the_text_is_twice_as_large(
+    ruler: RulerPage, width_px: int, factor: int
+) -> None:
+    page = ruler.page
+    page.set_viewport_size({"width": width_px, "height": 844})
+    ruler.open("quality/inspection.adirf")
+    page.add_style_tag(content=f"html {{ font-size: {100 * factor}% }}")
+    ruler.button("Menu").wait_for()
+    seen = page.evaluate(IN_THE_BAR)
+    named = [each for each in seen if each["name"] == "quality/inspection.adirf"]
+    assert len(named) == 1
+    assert [each["name"] for each in seen if not each["isInside"] or (each in named and each["isCut"])] == []
+    heading = page.get_by_role("heading", name="quality/inspection.adirf").bounding_box()
+    assert heading is not None
+    assert heading["width"] >= 80 * factor

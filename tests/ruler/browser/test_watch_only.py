@@ -64,6 +64,26 @@ def test_every_page_says_it_and_what_changes_something_is_off(ruler: RulerPage, 
     _expect_notice(ruler)
 
 
+def test_what_a_save_would_do_is_off_where_somebody_compares_or_optimizes(
+    ruler: RulerPage, project: Path
+) -> None:
+    page = ruler.page
+    (project / "patrol.toml").write_text(
+        'budget_kb_per_s = 1\n\n[topics."/odom"]\nmessage_kb = 1\nsource_hz = 20\n'
+    )
+    ruler.open("patrol.adirf")
+    page.get_by_role("tab", name="Optimize").click()
+    _expect_off(page.get_by_role("button", name="would do"))
+    ruler.change("Edit rate: 5", "7")
+    (project / "patrol.adirf").write_text(RULES.replace("5", "9"))
+    page.get_by_role("button", name="Compare", exact=True).click()
+    ways = page.get_by_role("dialog", name="Somebody else changed patrol.adirf")
+    expect(ways.get_by_role("button", name="Save as", exact=True)).to_be_disabled()
+    _expect_off(ways.get_by_role("button", name="Save anyway"))
+    ways.get_by_role("button", name="Read again").click()
+    ruler.expect_lines("SetFrequency /odom 9")
+
+
 def test_a_project_that_saves_by_itself_does_not_ask_to(
     browser: Browser, project: Path, options: tuple[str, ...]
 ) -> None:

@@ -12,6 +12,7 @@ from importlib.util import find_spec
 from msgspec import Struct
 
 from smarttestudo import __version__
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.ruler.project.project_folder import (
     ChangedFileError,
@@ -85,15 +86,18 @@ class SaveAnswer(Struct, frozen=True, kw_only=True):
 
 
 class RenameRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/file/rename`` → ``Project``: ``base_hash`` is what the page knows to be in ``name``.
-
-    With ``keeps`` the file is copied: the old name stays, with the versions.
-    """
+    """``POST /api/file/rename`` → ``Project``: ``base_hash`` is what the page knows to be in ``name``."""
 
     name: str
     new_name: str
     base_hash: str
-    keeps: bool = False
+
+
+class CopyRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/file/copy`` → ``Project``: ``new_name`` must not exist yet."""
+
+    name: str
+    new_name: str
 
 
 class DeleteRequest(Struct, frozen=True, kw_only=True):
@@ -101,6 +105,15 @@ class DeleteRequest(Struct, frozen=True, kw_only=True):
 
     name: str
     base_hash: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Source:
+    """A file that is renamed or copied, with its map where it has one."""
+
+    kind: FileKind
+    text: str
+    layout: FileText | None
 
 
 class ProjectFiles:
@@ -170,29 +183,29 @@ class ProjectFiles:
         return SaveAnswer(hash=sha256, note="")
 
     def rename(self, request: RenameRequest) -> Project:
-        """Call a rule file or a profile otherwise, or copy it; its map and its profile go with it.
-
-        Its versions go with it where it is not copied.
-        """
+        """Call a rule file or a profile otherwise; its map, its versions and its profile go with it."""
         name, new_name = request.name, request.new_name
-        kind = self._folder.kind(name)
-        if self._folder.kind(new_name) is not kind:
-            remedy = "rule files end in .adirf, profiles in .toml"
-            raise ForbiddenPathError("a file keeps its kind", place=new_name, remedy=remedy)
-        self._folder.path(new_name)
-        layout = self._layout(name, new_name)
-        text = self._folder.read(name).text
-        bring = self._copy if request.keeps else self._move
-        bring(text, name, new_name, request.base_hash)
-        if layout is not None:
+        source = self._source(name, new_name)
+        self._move(source.text, name, new_name, request.base_hash)
+        if source.layout is not None:
             with suppress(MissingFileError, ChangedFileError):
-                bring(layout.text, layout_name(name), layout_name(new_name), layout.sha256)
-        if not request.keeps:
-            if kind is FileKind.RULES:
-                self._versions.move(name, new_name)
-            self._settings.follow(name, new_name)
-        elif kind is FileKind.RULES:
-            self._versions.keep(new_name, text, int(self._now_s() * 1000))
+                layout = source.layout
+                self._move(layout.text, layout_name(name), layout_name(new_name), layout.sha256)
+        if source.kind is FileKind.RULES:
+            self._versions.move(name, new_name)
+        self._settings.follow(name, new_name)
+        return self.project()
+
+    def copy(self, request: CopyRequest) -> Project:
+        """Write a rule file or a profile under another name as well, with its map and its profile."""
+        name, new_name = request.name, request.new_name
+        source = self._source(name, new_name)
+        self._folder.write(new_name, source.text, None)
+        if source.layout is not None:
+            with suppress(ChangedFileError):
+                self._folder.write(layout_name(new_name), source.layout.text, None)
+        if source.kind is FileKind.RULES:
+            self._versions.keep(new_name, source.text, int(self._now_s() * 1000))
             profile = self._settings.read().profiles.get(name)
             if profile is not None:
                 self._settings.set_profile(new_name, profile)
@@ -207,6 +220,16 @@ class ProjectFiles:
         self._folder.remove(name, request.base_hash)
         return self.project()
 
+    def _source(self, name: str, new_name: str) -> _Source:
+        """What is in ``name``; ``ForbiddenPathError`` where ``new_name`` could not have it."""
+        kind = self._folder.kind(name)
+        if self._folder.kind(new_name) is not kind:
+            remedy = "rule files end in .adirf, profiles in .toml"
+            raise ForbiddenPathError("a file keeps its kind", place=new_name, remedy=remedy)
+        self._folder.path(new_name)
+        layout = self._layout(name, new_name)
+        return _Source(kind=kind, text=self._folder.read(name).text, layout=layout)
+
     def _layout(self, name: str, new_name: str) -> FileText | None:
         """The map of ``name``, if it has one; ``ForbiddenPathError`` where ``new_name`` could not have it."""
         try:
@@ -220,9 +243,6 @@ class ProjectFiles:
             cause = "the name is too long for the map of the rules"
             raise ForbiddenPathError(cause, place=new_name, remedy="choose a shorter name") from error
         return found
-
-    def _copy(self, text: str, _name: str, new_name: str, _base_sha256: str) -> None:
-        self._folder.write(new_name, text, None)
 
     def _move(self, text: str, name: str, new_name: str, base_sha256: str) -> None:
         written_sha256 = self._folder.write(new_name, text, None)

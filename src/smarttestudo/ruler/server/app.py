@@ -35,6 +35,7 @@ from smarttestudo.ruler.answers.incident_course import IncidentCourse, IncidentC
 from smarttestudo.ruler.answers.incident_keeping import KeepEndRequest, KeepRequest, KeepsAnswer
 from smarttestudo.ruler.answers.incidents import KnownIncidents, OneIncidentRequest
 from smarttestudo.ruler.answers.project import (
+    CopyRequest,
     DeleteRequest,
     ProjectFiles,
     RenameRequest,
@@ -155,6 +156,7 @@ def _project_routes(files: ProjectFiles) -> Iterator[ApiRoute]:
     yield telling("/api/file/state", files.state, query="name")
     yield answering("/api/file", SaveRequest, files.save, method="PUT")
     yield answering("/api/file/rename", RenameRequest, files.rename)
+    yield answering("/api/file/copy", CopyRequest, files.copy)
     yield answering("/api/file/delete", DeleteRequest, files.delete)
     yield answering("/api/project/settings", SettingsRequest, files.set, method="PUT")
 

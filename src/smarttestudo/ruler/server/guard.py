@@ -23,6 +23,7 @@ from starlette.websockets import WebSocketClose
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.ruler.server.errors import RequestError, error_answer
 from smarttestudo.ruler.server.permission import Permission, note_permission, only_reads
+from smarttestudo.ruler.server.token_page import token_page
 
 _FORBIDDEN, _UNAUTHORIZED = 403, 401
 _POLICY_VIOLATION = 1008
@@ -142,7 +143,9 @@ class Guard:
             return
         marked = _marked(send)
         if refusal is not None:
-            await error_answer(refusal)(scope, receive, marked)
+            is_read = refusal.status == _UNAUTHORIZED and _is_shown(scope)
+            answer = token_page(_UNAUTHORIZED) if is_read else error_answer(refusal)
+            await answer(scope, receive, marked)
         elif (token := _token_in(scope)) is not None and self._access.token is not None:
             await self._give_cookie(token)(scope, receive, marked)
         else:
@@ -176,7 +179,8 @@ class Guard:
     def _give_cookie(self, token: str) -> RedirectResponse:
         """Keep the token in a cookie, and out of the address."""
         answer = RedirectResponse("/", status_code=303)
-        answer.set_cookie(self._access.cookie, token, httponly=True, samesite="strict")
+        # A strict cookie is not sent by who clicks a link in a mail or a chat; Origin keeps other sites out.
+        answer.set_cookie(self._access.cookie, token, httponly=True, samesite="lax")
         return answer
 
 
@@ -218,6 +222,11 @@ def _split(host: str) -> tuple[str | None, int]:
 
 def _is_api(scope: Scope) -> bool:
     return str(scope["path"]).startswith("/api/") or scope["type"] == "websocket"
+
+
+def _is_shown(scope: Scope) -> bool:
+    """Whether a person is to read the answer, and no script."""
+    return not _is_api(scope) and "text/html" in Headers(scope=scope).get("accept", "")
 
 
 def _only_reads(scope: Scope) -> bool:
