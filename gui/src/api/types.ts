@@ -1751,6 +1751,7 @@ export interface TopicStatus {
   problem: string | null;
   silent: Silence | null;
   received: number;
+  lost?: number;
   relayed: number;
   repeated: number;
   discarded: number;

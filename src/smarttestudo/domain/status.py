@@ -153,7 +153,8 @@ class RulesInForce:
 class TopicCounts:
     """Messages of one topic since the start.
 
-    ``received`` came, ``relayed`` went out, ``repeated`` of those for another time, ``dropped`` were held
+    ``received`` came, ``lost`` were sent and did not come, which is ``None`` while they are not numbered.
+    ``relayed`` went out, ``repeated`` of those for another time, ``dropped`` were held
     back by the pacer. ``discarded`` met no decision of the topic they are paced with, ``undecodable`` could
     not be read by a check.
     """
@@ -161,6 +162,16 @@ class TopicCounts:
     received: Annotated[
         Count, Metered("topic_received", "messages", "Messages that came.", MetricKind.COUNTER)
     ] = 0
+    lost: Annotated[
+        Count | None,
+        JsonEntry(is_lenient=True, omits_default=True),
+        Metered(
+            "topic_lost",
+            "messages",
+            "Messages that were lost before they could be relayed; absent while they are not numbered.",
+            MetricKind.COUNTER,
+        ),
+    ] = None
     relayed: Annotated[
         Count,
         Metered(

@@ -194,6 +194,7 @@ def _own_values(source: str, topic: TopicStatus) -> Mapping[str, str]:
         "rule": topic.rule or "",
         "publishers": str(topic.publishers),
         "subscribers": str(topic.subscribers),
+        "lost": _said(topic.counts.lost),
         "dropped": str(topic.counts.dropped),
         "repeated": str(topic.counts.repeated),
         "undecodable": str(topic.counts.undecodable),

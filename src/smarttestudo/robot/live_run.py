@@ -246,6 +246,7 @@ class LiveRun:
             self._rules_in_force(),
             read_own_process(),
             now_ns,
+            lost=self._losses.lost(),
             status_hz=self._timer.status_hz,
         )
         for part in self._parts:

@@ -237,6 +237,13 @@ def test_a_relay_that_loses_messages_is_off_its_rate() -> None:
     assert not topic.keeps_rate
 
 
+def test_a_topic_has_the_number_of_its_lost_messages_where_that_is_known() -> None:
+    rules = "begin SetFrequency /imu 10 SetFrequency /scan 5 end"
+    driver = StatusDriver(rules=rules, source_hz={"/imu": 30, "/scan": 10}, lost={"/imu": 12})
+    topics = driver.status_at(5).topics
+    assert (topics["/imu"].counts.lost, topics["/scan"].counts.lost) == (12, None)
+
+
 def test_an_output_that_stops_while_its_source_goes_on_is_off_its_rate() -> None:
     profile = Profile(topics={"/info": TopicProfile(paced_with="/image")})
     rules = "begin SetFrequency /image 10 SetFrequency /info 10 end"
