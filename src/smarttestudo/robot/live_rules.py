@@ -14,7 +14,6 @@ from smarttestudo.domain.rule_texts import RuleTexts
 from smarttestudo.domain.status import RulesInForce
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.robot.output_topics import OutputTopic, output_topics
 from smarttestudo.rules.rule_sets import check_texts
 
 LARGE_BYTES = 64_000
@@ -35,7 +34,7 @@ class LiveRules:
     """
 
     rule_set: RuleSet
-    output_topics: Mapping[str, str]
+    output_topics: Mapping[str, str] = field(default_factory=dict)
     profile: Profile = field(default_factory=Profile)
     in_force: RulesInForce = field(default_factory=RulesInForce)
     texts: Mapping[str, str] = field(default_factory=dict)
@@ -66,7 +65,6 @@ class UncheckedRules:
     texts: Mapping[str, str]
     profile: Path | None
     profile_text: str | None
-    output_topic: OutputTopic
 
     @property
     def is_large(self) -> bool:
@@ -74,7 +72,10 @@ class UncheckedRules:
         return are_large(self.texts)
 
     def checked(self, resolve: Resolve) -> LiveRules:
-        """The rules, where ``resolve`` gives the full name of a topic. Raises ``TestudoError``."""
+        """The rules, where ``resolve`` gives the full name of a topic; their outputs have no names yet.
+
+        Raises ``TestudoError``.
+        """
         names: dict[str, str] = {}
 
         def named(topic: str) -> str:
@@ -91,7 +92,6 @@ class UncheckedRules:
         loaded.refuse_errors()
         return LiveRules(
             rule_set=loaded.rule_set,
-            output_topics=output_topics(loaded.rule_set, self.output_topic),
             profile=profile or Profile(),
             in_force=loaded.in_force,
             texts=self.texts,

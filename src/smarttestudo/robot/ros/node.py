@@ -139,6 +139,12 @@ class RosNode:
             name: str = self._node.resolve_topic_name(topic)
         return name
 
+    def resolve_output(self, topic: str) -> str:
+        """The full name that a publisher of ``topic`` has where the operators are, remapped."""
+        with ros_errors(topic):
+            name: str = self._operators.resolve_topic_name(topic)
+        return name
+
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         """Publishers of ``topic`` now, as far as discovered."""
         with ros_errors(topic):
