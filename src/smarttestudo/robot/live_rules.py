@@ -29,6 +29,7 @@ def are_large(texts: Mapping[str, str]) -> bool:
 class LiveRules:
     """Valid rules: their meaning, and their texts by path.
 
+    ``doubts`` has the first warning of a check, empty without any.
     ``output_topics`` has the output topic of each relayed one, ``names`` the full name of each topic by the
     name that the texts use.
     """
@@ -40,6 +41,7 @@ class LiveRules:
     texts: Mapping[str, str] = field(default_factory=dict)
     profile_text: str | None = None
     names: Mapping[str, str] = field(default_factory=dict)
+    doubts: str = ""
 
     @property
     def rules_hash(self) -> str:
@@ -97,4 +99,5 @@ class UncheckedRules:
             texts=self.texts,
             profile_text=self.profile_text,
             names=names,
+            doubts=loaded.doubts,
         )

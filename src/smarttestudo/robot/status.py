@@ -291,7 +291,7 @@ def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts
         stamped_hz=meters.age.stamped_hz if link.has_header else None,
         delay_ms=meters.age.delay_ms if link.has_header else None,
         in_kb_per_s=meters.arrived.kb_per_s,
-        out_kb_per_s=meters.relayed.kb_per_s if meters.target_hz else 0.0,
+        out_kb_per_s=meters.relayed.kb_per_s if meters.target_hz and link.is_received else 0.0,
         publishers=link.publishers,
         subscribers=link.subscribers,
         incompatible=link.incompatible,
