@@ -45,7 +45,7 @@ class RemoteRobots(Protocol):
 
     @property
     def remedy(self) -> str:
-        """What to do where no robot is heard."""
+        """Advice where no robot is heard."""
 
     @property
     def heard(self) -> Mapping[str, HeardStatus]:

@@ -9,6 +9,7 @@ from collections.abc import Collection
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC, TOPIC_PLACEHOLDER, output_name
+from smarttestudo.domain.robot import Robot
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.robot.status_topics import DIAGNOSTICS_TOPIC
@@ -29,6 +30,13 @@ class OutputTopic:
     pattern: str = DEFAULT_OUTPUT_TOPIC
     is_elsewhere: bool = False
     resolve: Resolve = str
+
+    @staticmethod
+    def of(robot: Robot, pattern: str) -> OutputTopic:
+        """The names that ``robot`` gives by ``pattern``."""
+        return OutputTopic(
+            pattern=pattern, is_elsewhere=robot.has_output_domain, resolve=robot.resolve_output
+        )
 
 
 def output_topics(

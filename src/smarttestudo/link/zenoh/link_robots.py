@@ -83,7 +83,7 @@ class LinkRobots:
 
     @property
     def remedy(self) -> str:
-        """What to do where none is heard: about admission, where somebody is there and refuses it."""
+        """Advice where none is heard: about admission, where somebody is there and refuses it."""
         if self._client.is_refused:
             return "check certificates, user and password in --zenoh-config, here and there"
         return "start `testudo run --link` on the robot, and check that it reaches the same place"
