@@ -173,6 +173,9 @@ class SmallGraph(UnaskedRobot):
     def resolve(self, topic: str) -> str:
         return topic
 
+    def resolve_output(self, topic: str) -> str:
+        return topic
+
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         self.asked[topic] += 1
         return list(self.sources.get(topic, ()))

@@ -35,13 +35,8 @@ def zones(count: int, rate: int = 5) -> str:
     return "\n".join(["begin SetFrequency /scan 1 SetFrequency /imu 1", TIMED, *blocks, "end"])
 
 
-def unchecked(text: str, output_topic: str = "/testudo{topic}") -> UncheckedRules:
-    return UncheckedRules(
-        texts={"a.adirf": text},
-        profile=Path("p.toml"),
-        profile_text=PROFILE,
-        output_topic=OutputTopic(pattern=output_topic),
-    )
+def unchecked(text: str) -> UncheckedRules:
+    return UncheckedRules(texts={"a.adirf": text}, profile=Path("p.toml"), profile_text=PROFILE)
 
 
 def below_ada(topic: str) -> str:
@@ -85,8 +80,10 @@ def test_their_errors_are_those_of_a_check_here(text: str, kind: type[Exception]
 
 
 def test_names_of_outputs_that_are_taken_are_an_error_of_usage() -> None:
+    files = LiveRuleFiles([], None, resolve=resolve_topic, output_topic=OutputTopic(pattern="{topic}"))
+    assert unchecked(zones(700)).is_large
     with pytest.raises(UsageError, match="its own name"):
-        elsewhere(unchecked(zones(3), output_topic="{topic}"))
+        files.check(zones(700))
 
 
 def test_without_another_process_they_are_checked_here(monkeypatch: pytest.MonkeyPatch) -> None:

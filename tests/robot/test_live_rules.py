@@ -160,6 +160,28 @@ def test_a_topic_that_would_be_relayed_to_itself_is_told_so() -> None:
     assert output_topics(rules, OutputTopic(pattern="{topic}", is_elsewhere=True)) == {"/any": "/any"}
 
 
+def output_names(text: str, remaps: dict[str, str]) -> dict[str, str]:
+    output_topic = OutputTopic(resolve=lambda topic: remaps.get(topic, topic))
+    return dict(
+        LiveRuleFiles([], None, resolve=resolve_topic, output_topic=output_topic).check(text).output_topics
+    )
+
+
+def test_a_remapped_output_has_the_name_that_it_has_on_the_graph() -> None:
+    assert output_names(GOOD, {"/testudo/imu": "/far/imu"}) == {"/imu": "/far/imu"}
+    # ROS remaps a publisher's name once, and would take the first for the second.
+    chained = {"/testudo/imu": "/imu_thin", "/imu_thin": "/other"}
+    assert output_names(GOOD, chained) == {"/imu": "/testudo/imu"}
+
+
+def test_an_output_that_is_remapped_to_a_name_in_use_is_an_error() -> None:
+    with pytest.raises(UsageError, match="/imu would be relayed to its own name"):
+        output_names(GOOD, {"/testudo/imu": "/imu"})
+    both = "begin SetFrequency /imu 10 SetFrequency /scan 5 end"
+    with pytest.raises(UsageError, match="/scan would be relayed to /far, as another topic is"):
+        output_names(both, {"/testudo/imu": "/far", "/testudo/scan": "/far"})
+
+
 def test_what_nobody_expected_of_the_files_is_an_error_once_and_they_are_watched_on(tmp_path: Path) -> None:
     class Odd(LiveRuleFiles):
         def states(self) -> FileStates:

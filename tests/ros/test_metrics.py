@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import math
+import re
+import signal
 import time
 from collections.abc import Callable
 
@@ -83,3 +85,21 @@ def test_a_run_without_a_link_has_metrics_under_the_name_of_its_machine(robot: S
     found = scraped_until(here, lambda found: relayed(found) > 20)
     assert {name for name, _ in found if "link" in name} == set()
     assert {name for name, _ in found} >= {"testudo_rules_info", "testudo_memory_bytes", "testudo_cpu_ratio"}
+
+
+def test_lost_messages_are_those_that_the_log_warns_of(robot: SmallRobot) -> None:
+    running = robot.runtime("begin SetFrequency /imu Full end", "--openmetrics", "0")
+    robot.operator(imu={"type": IMU})
+    robot.source(imu={"type": IMU, "hz": 200})
+    here, name = port_of(running), "testudo_topic_lost_messages_total"
+
+    def total(found: Samples, of: str) -> float:
+        return sum(number for (metric, _), number in found.items() if metric == of)
+
+    scraped_until(here, lambda found: total(found, "testudo_topic_relayed_messages_total") > 20)
+    running.signal(signal.SIGSTOP)
+    time.sleep(2.0)
+    running.signal(signal.SIGCONT)
+    lost = re.search(r"/imu: lost (\d+) messages", running.line_with("before they could be relayed"))
+    assert lost is not None
+    scraped_until(here, lambda found: total(found, name) >= int(lost[1]) > 0)

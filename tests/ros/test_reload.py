@@ -161,3 +161,41 @@ def test_rules_with_an_error_are_said_at_the_start_and_none_at_all_are_rules_too
     assert "no rules are given; name a rule file with --rules" in none.line_with(
         "relaying everything at Full"
     )
+
+
+def rules_told(robot: SmallRobot) -> dict[str, object]:
+    top = robot.testudo("top", "--once", "--json", "--timeout", "40")
+    assert top.exit_code() == 0
+    rules: dict[str, object] = json.loads("".join(top.output))["nodes"]["/smarttestudo"]["rules"]
+    return rules
+
+
+def test_files_that_became_bad_are_told_in_the_status_until_they_are_good(robot: SmallRobot) -> None:
+    good = "begin SetFrequency /imu 10 end"
+    runtime = robot.runtime(good)
+    path = robot.folder / "rules0.adirf"
+    runtime.line_with("/imu: 10 Hz (default)")
+    assert "problem" not in rules_told(robot)
+    replace_text(path, "begin bad end")
+    runtime.line_with(STAY)
+    told = rules_told(robot)
+    assert (told["sha256"], told["origin"]) == (sha256(good), "files")
+    assert str(told["problem"]).startswith(f"{path}:1:7: error: ")
+    replace_text(path, good.replace("10", "20"))
+    runtime.line_with("rules reloaded")
+    assert "problem" not in rules_told(robot)
+
+
+def test_doubtful_rules_are_in_force_and_their_first_warning_is_logged(robot: SmallRobot) -> None:
+    doubtful = "begin SetFrequency /imu 10 SetFrequency /imu 20 SetFrequency /imu 30 end"
+    runtime = robot.runtime(doubtful)
+    path = robot.folder / "rules0.adirf"
+    assert (line := runtime.line_with("warning:")).endswith(
+        "(the first of 2 warnings); testudo check shows all\n"
+    ), line
+    assert f"{path}:1:7: warning: " in line
+    replace_text(path, doubtful.replace("30", "40"))
+    runtime.line_with("warning:")
+    remote = robot.remote()
+    assert remote.ask("set", {"rules_text": doubtful}) == []
+    assert "rules_text:1:7: warning: " in runtime.line_with("warning:")

@@ -41,6 +41,20 @@ def test_a_prefix_goes_before_every_topic(robot: SmallRobot) -> None:
     assert topics == ["/tb3_0/arm/imu", "/tb3_0/odom"]
 
 
+def test_a_remapped_output_is_told_by_its_own_name_and_may_not_take_that_of_a_source(
+    robot: SmallRobot,
+) -> None:
+    runtime = robot.runtime(RULES, "--ros-args", "-r", "/testudo/imu:=/far/imu")
+    runtime.line_with("/imu: 10 Hz (default)")
+    top = robot.testudo("top", "--once", "--json", "--timeout", "40")
+    assert top.exit_code() == 0
+    topics = json.loads("".join(top.output))["nodes"]["/smarttestudo"]["topics"]
+    assert topics["/imu"]["output"] == "/far/imu"
+    refused = robot.runtime(RULES, "--ros-args", "-r", "/testudo/imu:=/imu")
+    assert refused.exit_code() == 2
+    assert "/imu would be relayed to its own name" in refused.output[-1]
+
+
 def test_rules_that_record_are_followed_and_that_nothing_is_recorded_is_said(robot: SmallRobot) -> None:
     runtime = robot.runtime(
         "begin SetFrequency /imu 10 If CheckValue /imu rate > 1 Then "

@@ -1494,12 +1494,14 @@ export interface RuleZones {
  * The files that the rules came from, and the SHA-256 of their text in hexadecimal.
  *
  * `waits_s` is how long pushed rules still hold unless they are confirmed; `None` where none wait.
+ * `problem` says why the rule files cannot be used as they are now; the rules in force are others.
  */
 export interface RulesInForce {
   files: string[];
   sha256: string;
   origin: RulesOrigin;
   waits_s: number | null;
+  problem?: string;
 }
 
 /** Where the rules in force come from; the value is its name in JSON. */
@@ -1752,6 +1754,7 @@ export interface TopicStatus {
   problem: string | null;
   silent: Silence | null;
   received: number;
+  lost?: number;
   relayed: number;
   repeated: number;
   discarded: number;

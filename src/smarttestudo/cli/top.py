@@ -28,7 +28,9 @@ from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.remote_robots import RemoteRobots
+from smarttestudo.domain.units import grouped
 from smarttestudo.link.zenoh import open_link_robots
+from smarttestudo.report.table import printable
 from smarttestudo.robot.ros import open_graph_robots
 
 _SHOW_PERIOD_S = 1.0
@@ -67,14 +69,17 @@ def run(arguments: argparse.Namespace) -> int:
         )
         if arguments.once:
             wait_for_all(robots, stopped, arguments.timeout)
-            _print_once(robots, arguments)
+            print_once(robots, arguments)
         else:
             _show(robots, stopped, SortKey(arguments.sort))
     return 0
 
 
-def _print_once(robots: RemoteRobots, arguments: argparse.Namespace) -> None:
+def print_once(robots: RemoteRobots, arguments: argparse.Namespace) -> None:
+    """Print what was heard of ``robots``; as JSON, what could not be heard is on standard error."""
     if arguments.json:
+        for line in _unheard(robots):
+            warn(line.text)
         nodes = {node: to_json(heard.status) for node, heard in sorted(robots.heard.items())}
         sys.stdout.write(json_text({"nodes": nodes}, ascii_only=False, indent=2) + "\n")
     else:
@@ -110,8 +115,13 @@ def _lines(robots: RemoteRobots, sort: SortKey, width: int | None) -> list[Line]
         lines += [Line(""), *topic_lines(heard.status, sort, width)]
     if not lines:
         lines = [Line(f"Waiting for a status at {robots.place} …", Style.QUIET)]
-    if robots.problem:
-        lines.append(Line(robots.problem, Style.ERROR))
+    return lines + _unheard(robots)
+
+
+def _unheard(robots: RemoteRobots) -> list[Line]:
+    """Why some robots may be missing."""
+    lines = [Line(printable(robots.problem), Style.ERROR)] if robots.problem else []
     if robots.unreadable:
-        lines.append(Line(f"{robots.unreadable} statuses of another version could not be read", Style.WARN))
+        unread = f"statuses of another version that could not be read: {grouped(robots.unreadable)}"
+        lines.append(Line(unread, Style.WARN))
     return lines

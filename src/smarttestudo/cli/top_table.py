@@ -8,6 +8,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import timedelta
 from enum import Enum
 from pathlib import Path
@@ -19,7 +20,7 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import LinkState
-from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
+from smarttestudo.domain.status import DiagnosticLevel, RulesInForce, RuntimeStatus, Silence, TopicStatus
 from smarttestudo.domain.units import counted, grouped
 from smarttestudo.report.table import (
     Align,
@@ -33,7 +34,7 @@ from smarttestudo.report.table import (
     plain_table,
     printable,
 )
-from smarttestudo.robot.diagnostics import accepted_text, recording_text, topic_health
+from smarttestudo.robot.diagnostics import accepted_text, node_problems, recording_text, topic_health
 
 WIDE = 110
 _QUIET = frozenset({Silence.OFF, Silence.NO_SUBSCRIBER})
@@ -85,15 +86,16 @@ _MEASURES: dict[SortKey, Callable[[TopicStatus], float | None]] = {
 
 
 def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> list[Line]:
-    """The runtime itself, the link, what is accepted of operators, and what recording costs.
+    """The runtime itself, the link, what is wrong, what is accepted of operators, and what recording costs.
 
     ``silent_s`` is the time without a status, if it is too long.
     """
     recording = status.incidents
     return [
         Line(_runtime(status), Style.HEADING),
-        Line(_link(status), Style.ERROR if status.floors_break_budget else Style.PLAIN),
-        *([Line("No valid rules: everything is relayed at full rate.", Style.WARN)] * status.is_fallback),
+        Line(_link(status)),
+        *(Line(printable(one.message), _LEVEL_STYLES[one.level]) for one in node_problems(status)),
+        *_waiting(status.rules),
         *(
             Line(
                 printable(f"accepts {topic.topic}: {accepted_text(topic)}"),
@@ -148,6 +150,14 @@ def _runtime(status: RuntimeStatus) -> str:
     )
 
 
+def _waiting(rules: RulesInForce) -> list[Line]:
+    """Which rules come back, while pushed ones wait to be confirmed."""
+    if rules.waits_s is None:
+        return []
+    text = f"pushed rules: those before come back in {rules.waits_s:.0f} s, unless they are confirmed"
+    return [Line(text, Style.WARN)]
+
+
 def _link(status: RuntimeStatus) -> str:
     text = (
         f"in {format_number(status.in_kb_per_s, 1)} KB/s   out {format_number(status.out_kb_per_s, 1)} KB/s"
@@ -157,16 +167,13 @@ def _link(status: RuntimeStatus) -> str:
         limit = "no budget" if status.link is None else "not limited"
         return f"{text}, {limit}{_capacity(status.link)}"
     share = f" ({100 * status.out_kb_per_s / budget_kb_per_s:.0f} %)" if budget_kb_per_s else ""
-    floors = "   the floors alone exceed it" if status.floors_break_budget else ""
-    return f"{text} of {format_number(budget_kb_per_s, 1)}{share}{floors}{_capacity(status.link)}"
+    return f"{text} of {format_number(budget_kb_per_s, 1)}{share}{_capacity(status.link)}"
 
 
 def _capacity(link: LinkState | None) -> str:
-    """How the link to the operator does."""
-    if link is None:
+    """How the link to the operator does, if there is one."""
+    if link is None or not link.is_connected:
         return ""
-    if not link.is_connected:
-        return "   link: no operator is connected"
     capacity = (
         "not the limit" if link.capacity_kb_per_s is None else f"{grouped(link.capacity_kb_per_s, 1)} KB/s"
     )
@@ -175,7 +182,8 @@ def _capacity(link: LinkState | None) -> str:
 
 
 def _recording(state: IncidentState) -> Line:
-    return Line(printable(f"records {recording_text(state)}"), Style.WARN if state.problem else Style.PLAIN)
+    # What keeps it from recording is a problem of the node, and said there.
+    return Line(printable(f"records {recording_text(replace(state, problem=None))}"))
 
 
 def _sorted(status: RuntimeStatus, sort: SortKey) -> list[tuple[str, TopicStatus]]:

@@ -37,12 +37,15 @@ class HeardStatus:
 class RemoteRobots(Protocol):
     """Robots by their ids (``RuntimeStatus.robot_id``), for one thread; callbacks run within ``wait``.
 
-    ``place`` is where they are listened for, ``remedy`` what to do where none is heard. ``unreadable`` counts
-    what came there and was no status of this version.
+    ``place`` is where they are listened for. ``unreadable`` counts what came there and was no status of this
+    version.
     """
 
     place: str
-    remedy: str
+
+    @property
+    def remedy(self) -> str:
+        """Advice where no robot is heard."""
 
     @property
     def heard(self) -> Mapping[str, HeardStatus]:

@@ -224,6 +224,9 @@ class Robot(Protocol):
     def resolve(self, topic: str) -> str:
         """The full name of ``topic`` in the node's namespace, remapped."""
 
+    def resolve_output(self, topic: str) -> str:
+        """The full name that a publisher of ``topic`` has where the operators are, remapped."""
+
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         """Publishers of ``topic`` now, as far as discovered."""
 

@@ -141,19 +141,22 @@ class RulesInForce:
     """The files that the rules came from, and the SHA-256 of their text in hexadecimal.
 
     ``waits_s`` is how long pushed rules still hold unless they are confirmed; ``None`` where none wait.
+    ``problem`` says why the rule files cannot be used as they are now; the rules in force are others.
     """
 
     paths: Annotated[tuple[str, ...], JsonEntry(name="files")] = ()
     sha256: str = ""
     origin: Annotated[RulesOrigin, JsonEntry(is_lenient=True)] = RulesOrigin.FILES
     waits_s: Measured | None = None
+    problem: Annotated[str | None, JsonEntry(is_lenient=True, omits_default=True)] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicCounts:
     """Messages of one topic since the start.
 
-    ``received`` came, ``relayed`` went out, ``repeated`` of those for another time, ``dropped`` were held
+    ``received`` came, ``lost`` were sent and did not come, which is ``None`` while they are not numbered.
+    ``relayed`` went out, ``repeated`` of those for another time, ``dropped`` were held
     back by the pacer. ``discarded`` met no decision of the topic they are paced with, ``undecodable`` could
     not be read by a check.
     """
@@ -161,6 +164,16 @@ class TopicCounts:
     received: Annotated[
         Count, Metered("topic_received", "messages", "Messages that came.", MetricKind.COUNTER)
     ] = 0
+    lost: Annotated[
+        Count | None,
+        JsonEntry(is_lenient=True, omits_default=True),
+        Metered(
+            "topic_lost",
+            "messages",
+            "Messages that were lost before they could be relayed; absent while they are not numbered.",
+            MetricKind.COUNTER,
+        ),
+    ] = None
     relayed: Annotated[
         Count,
         Metered(
@@ -234,7 +247,8 @@ class TopicStatus:
     ]
     in_kb_per_s: Annotated[Measured, Metered("topic_input", "bytes_per_second", "What comes of the topic.")]
     out_kb_per_s: Annotated[
-        Measured, Metered("topic_output", "bytes_per_second", "What is relayed of the topic.")
+        Measured,
+        Metered("topic_output", "bytes_per_second", "What goes out of the topic to subscribers."),
     ]
     publishers: int
     subscribers: int

@@ -35,13 +35,12 @@ from smarttestudo.pacing.sample import WhenSlow
 class RelayLoop:
     """Steps the loop when something it watches happens, and paces every message by the plan.
 
-    The driver lets it ``take`` all that happens, in order, and a ``WakeInput`` when the clock reaches
+    The driver lets it ``handle`` all that happens, in order, and a ``WakeInput`` when the clock reaches
     ``next_wake_ns``; a later wake, or the next message in its place, only delays what it would have done.
     The clock may jump back: for the plan it then stood still (``SteadyTime``), and the pacers begin anew.
     Where it jumps ahead, that is time that passed, unless a ``ClockJumped`` comes before anything else.
     Of topics in ``reckoned``, receivers show dead reckoning in the place of the last value, until a
-    ``ReceiversReckon`` says otherwise. ``knowledge`` and
-    ``relays`` are there to be looked at; only the loop changes them.
+    ``ReceiversReckon`` says otherwise. ``knowledge`` and ``relays`` are there to be read, not changed.
     """
 
     def __init__(

@@ -31,21 +31,20 @@ class ClockJumps:
         """How far the clock, which shows ``now_ns``, has jumped ahead since the last call; 0 if not far."""
         # What delays this process between two readings makes a jump seem less, never more.
         jumped_ns = now_ns - self._clock_ns - (self._robot.steady_ns() - self._steady_ns)
-        was_set_back = now_ns < self._clock_ns
+        was_set_back, log = now_ns < self._clock_ns, self._robot.log
         self._compare()
         if self._robot.is_time_simulated:
             return 0
         if jumped_ns > LEAST_NS:
-            self._say(f"jumped ahead by {jumped_ns / NS_PER_S:.1f} s: rules and rates leave that out")
+            ahead_s = jumped_ns / NS_PER_S
+            log.warning(f"the clock jumped ahead by {ahead_s:.1f} s: rules and rates leave that out")
             return jumped_ns
         if was_set_back and jumped_ns < -LEAST_NS:
-            self._say(f"was set back by {-jumped_ns / NS_PER_S:.1f} s: rules and rates go on from there")
+            back_s = -jumped_ns / NS_PER_S
+            log.warning(f"the clock was set back by {back_s:.1f} s: rules and rates go on from there")
         return 0
 
     def _compare(self) -> None:
         self._steady_ns = self._robot.steady_ns()
         self._clock_ns = self._robot.now_ns()
         self._until_ns = self._clock_ns + LEAST_NS
-
-    def _say(self, jump: str) -> None:
-        self._robot.log.warning(f"the clock {jump}")

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.incident import IncidentState
@@ -56,6 +56,8 @@ def _of_node(status: RuntimeStatus) -> Diagnostic:
         values={
             "rules": ", ".join(status.rules.paths),
             "rules_sha256": status.rules.sha256,
+            "rules_origin": status.rules.origin.value,
+            "rules_problem": status.rules.problem or "",
             "topics": str(len(status.topics)),
             "in_kb_per_s": _number(status.in_kb_per_s),
             "out_kb_per_s": _number(status.out_kb_per_s),
@@ -93,15 +95,22 @@ def node_health(status: RuntimeStatus) -> Health:
 
     A robot that has a link is meant to be watched: that no operator is connected is a warning.
     """
+    is_well = Health(DiagnosticLevel.OK, f"relaying {counted(len(status.topics), 'topic')}")
+    return next(node_problems(status), is_well)
+
+
+def node_problems(status: RuntimeStatus) -> Iterator[Health]:
+    """All that keeps the runtime as a whole from what it should do, the worst first."""
     if status.floors_break_budget:
-        return Health(DiagnosticLevel.ERROR, "the floors alone are more than the budget")
+        yield Health(DiagnosticLevel.ERROR, "the floors alone are more than the budget")
     if status.is_fallback:
-        return Health(DiagnosticLevel.ERROR, "no valid rules", "everything is relayed at full rate")
+        yield Health(DiagnosticLevel.ERROR, "no valid rules", "everything is relayed at full rate")
+    if status.rules.problem is not None:
+        yield Health(DiagnosticLevel.WARN, "the rule files cannot be used as they are", status.rules.problem)
     if status.incidents is not None and status.incidents.problem is not None:
-        return Health(DiagnosticLevel.WARN, "incidents cannot be written", status.incidents.problem)
+        yield Health(DiagnosticLevel.WARN, "incidents cannot be written", status.incidents.problem)
     if status.link is not None and not status.link.is_connected:
-        return Health(DiagnosticLevel.WARN, "no operator is connected over the link")
-    return Health(DiagnosticLevel.OK, f"relaying {counted(len(status.topics), 'topic')}")
+        yield Health(DiagnosticLevel.WARN, "no operator is connected over the link")
 
 
 def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
@@ -194,6 +203,7 @@ def _own_values(source: str, topic: TopicStatus) -> Mapping[str, str]:
         "rule": topic.rule or "",
         "publishers": str(topic.publishers),
         "subscribers": str(topic.subscribers),
+        "lost": _said(topic.counts.lost),
         "dropped": str(topic.counts.dropped),
         "repeated": str(topic.counts.repeated),
         "undecodable": str(topic.counts.undecodable),

@@ -49,7 +49,9 @@ class Fallback:
 
     def _join(self, topic: str) -> None:
         try:
-            self._output_topics.update(output_topics(fallback_rules([topic]), self._output_topic))
+            in_use = self._output_topics.values()
+            named = output_topics(fallback_rules([topic]), self._output_topic, in_use=in_use)
+            self._output_topics.update(named)
         except UsageError as error:
             self._refused.add(topic)
             self._robot.log.warning(str(error))

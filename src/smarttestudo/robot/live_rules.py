@@ -14,7 +14,6 @@ from smarttestudo.domain.rule_texts import RuleTexts
 from smarttestudo.domain.status import RulesInForce
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.robot.output_topics import OutputTopic, output_topics
 from smarttestudo.rules.rule_sets import check_texts
 
 LARGE_BYTES = 64_000
@@ -30,17 +29,19 @@ def are_large(texts: Mapping[str, str]) -> bool:
 class LiveRules:
     """Valid rules: their meaning, and their texts by path.
 
+    ``doubts`` has the first warning of a check, empty without any.
     ``output_topics`` has the output topic of each relayed one, ``names`` the full name of each topic by the
     name that the texts use.
     """
 
     rule_set: RuleSet
-    output_topics: Mapping[str, str]
+    output_topics: Mapping[str, str] = field(default_factory=dict)
     profile: Profile = field(default_factory=Profile)
     in_force: RulesInForce = field(default_factory=RulesInForce)
     texts: Mapping[str, str] = field(default_factory=dict)
     profile_text: str | None = None
     names: Mapping[str, str] = field(default_factory=dict)
+    doubts: str = ""
 
     @property
     def rules_hash(self) -> str:
@@ -66,7 +67,6 @@ class UncheckedRules:
     texts: Mapping[str, str]
     profile: Path | None
     profile_text: str | None
-    output_topic: OutputTopic
 
     @property
     def is_large(self) -> bool:
@@ -74,7 +74,10 @@ class UncheckedRules:
         return are_large(self.texts)
 
     def checked(self, resolve: Resolve) -> LiveRules:
-        """The rules, where ``resolve`` gives the full name of a topic. Raises ``TestudoError``."""
+        """The rules, where ``resolve`` gives the full name of a topic; their outputs have no names yet.
+
+        Raises ``TestudoError``.
+        """
         names: dict[str, str] = {}
 
         def named(topic: str) -> str:
@@ -91,10 +94,10 @@ class UncheckedRules:
         loaded.refuse_errors()
         return LiveRules(
             rule_set=loaded.rule_set,
-            output_topics=output_topics(loaded.rule_set, self.output_topic),
             profile=profile or Profile(),
             in_force=loaded.in_force,
             texts=self.texts,
             profile_text=self.profile_text,
             names=names,
+            doubts=loaded.doubts,
         )

@@ -80,7 +80,7 @@ class LiveRun:
         self._standing: Callable[[], RulesInForce] = lambda: self.rules.in_force
         self._timer = StatusTimer(robot, link, needs_all=any(_does(part, "on_status") for part in parts))
         publisher = StatusPublisher(robot, link)
-        self._telling = StatusTelling(robot, publisher, self._timer, self._measure, self._rules_in_force)
+        self._telling = StatusTelling(robot, publisher, self._timer, self._measure, lambda: self._standing())  # noqa: PLW0108 - another one is set later
 
     def drive(self, stopped: Callable[[], bool]) -> None:
         """Until ``stopped``."""
@@ -261,9 +261,10 @@ class LiveRun:
         status = self._status.measure(
             self.loop,
             self._topics.links(),
-            self._rules_in_force(),
+            self._standing(),
             read_own_process(),
             now_ns,
+            lost=self._losses.lost(),
             status_hz=self._timer.status_hz,
         )
         for part in self._parts:
@@ -271,9 +272,6 @@ class LiveRun:
         for part in self._parts:
             part.on_status(status)
         return status, self.loop.block_states(now_ns, most_blocks)
-
-    def _rules_in_force(self) -> RulesInForce:
-        return self._standing()
 
     def _report(self) -> None:
         decisions = self.loop.take_decisions()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Warns of topics that lose messages before they can be relayed."""
+"""Counts the messages that topics lose before they can be relayed, and warns of them."""
 
 from __future__ import annotations
 
@@ -21,12 +21,14 @@ class _Losses:
 
 
 class LiveLosses:
-    """Warns of each topic that lost messages since it was last reported."""
+    """Counts what each topic lost, and warns of what it lost since it was last reported."""
 
     def __init__(self, log: RobotLog) -> None:
         self._log = log
         self._open: Mapping[str, Subscription] = {}
         self._losses: dict[str, _Losses] = {}
+        self._ended: dict[str, int] = {}
+        """What subscriptions lost that are closed."""
 
     def measure(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
         """Count for the subscriptions that are open; times may jump back."""
@@ -37,6 +39,15 @@ class LiveLosses:
             if subscription.dropped:
                 self._say_in_time(topic, subscription, now_ns)
 
+    def lost(self) -> Mapping[str, int]:
+        """Messages that each topic lost so far; none for one whose messages were never numbered."""
+        still_open = {
+            topic: self._ended.get(topic, 0) + subscription.dropped
+            for topic, subscription in self._open.items()
+            if subscription.sent is not None
+        }
+        return {**self._ended, **still_open}
+
     def close(self) -> None:
         """Report what was not reported yet; nothing is received any more."""
         self.measure({}, 0)
@@ -45,6 +56,8 @@ class LiveLosses:
         for topic, subscription in self._open.items():
             if still_open.get(topic) is not subscription:
                 self._say(topic, subscription, self._losses.pop(topic, _Losses()))
+                if subscription.sent is not None:
+                    self._ended[topic] = self._ended.get(topic, 0) + subscription.dropped
 
     def _say_in_time(self, topic: str, subscription: Subscription, now_ns: int) -> None:
         losses = self._losses.setdefault(topic, _Losses())

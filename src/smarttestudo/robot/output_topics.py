@@ -4,9 +4,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC, TOPIC_PLACEHOLDER, output_name
+from smarttestudo.domain.robot import Robot
+from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.robot.status_topics import DIAGNOSTICS_TOPIC
 
@@ -20,17 +24,30 @@ class OutputTopic:
     """How output topics are named: ``pattern`` has ``{topic}`` for the source's full name.
 
     ``is_elsewhere``: they are in another domain than their sources, whose names they may have.
+    ``resolve`` gives the name that a publisher really has, which ROS may remap.
     """
 
     pattern: str = DEFAULT_OUTPUT_TOPIC
     is_elsewhere: bool = False
+    resolve: Resolve = str
+
+    @staticmethod
+    def of(robot: Robot, pattern: str) -> OutputTopic:
+        """The names that ``robot`` gives by ``pattern``."""
+        return OutputTopic(
+            pattern=pattern, is_elsewhere=robot.has_output_domain, resolve=robot.resolve_output
+        )
 
 
-def output_topics(rule_set: RuleSet, output_topic: OutputTopic) -> dict[str, str]:
-    """The output topic of each relayed one; ``UsageError`` if a name is invalid or taken."""
-    names = {topic: output_name(topic, output_topic.pattern) for topic in rule_set.relayed}
+def output_topics(
+    rule_set: RuleSet, output_topic: OutputTopic, *, in_use: Collection[str] = ()
+) -> dict[str, str]:
+    """The output topic of each relayed one; ``UsageError`` if a name is invalid, taken or ``in_use``."""
+    named = {topic: output_name(topic, output_topic.pattern) for topic in rule_set.relayed}
+    names = {topic: output_topic.resolve(name) for topic, name in named.items()}
     sources = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
     taken = OWN_TOPICS if output_topic.is_elsewhere else OWN_TOPICS | sources
+    used = set(in_use)
     for topic, name in names.items():
         if name in taken:
             is_source = name == topic and name not in OWN_TOPICS
@@ -38,7 +55,14 @@ def output_topics(rule_set: RuleSet, output_topic: OutputTopic) -> dict[str, str
             cause = f"{topic} would be relayed to {whose}"
             remedy = f"choose another pattern, such as {DEFAULT_OUTPUT_TOPIC}"
             raise UsageError(cause, place="--output-topic", remedy=remedy)
-    return names
+        if name in used:
+            cause = f"{topic} would be relayed to {name}, as another topic is"
+            raise UsageError(cause, place="--ros-args", remedy="remap each to a name of its own")
+        used.add(name)
+    # ROS remaps what a publisher is given: a name that it would remap once more stays as it was.
+    return {
+        topic: name if output_topic.resolve(name) == name else named[topic] for topic, name in names.items()
+    }
 
 
 def is_output_topic(topic: str, output_topic: OutputTopic) -> bool:

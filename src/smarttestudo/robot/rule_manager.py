@@ -15,6 +15,7 @@ from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RulesInForce, RulesOrigin
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.robot.fallback import Fallback
 from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules
@@ -146,6 +147,7 @@ class RuleManager:
 
     def keep(self) -> AbstractContextManager[None]:
         """Follow the rules during the block, as they change."""
+        self._warn_of_doubts(self._rules)
         self._show()
         self._live.ask_standing(self._standing)
         self._robot.every(POLL_PERIOD_S, self._poll)
@@ -220,6 +222,7 @@ class RuleManager:
             self._in_force.replace(reading.rules)
             self._hold(reading.prepared)
             self._robot.log.info(f"rules reloaded, hash {reading.rules.rules_hash}{pushed}")
+            self._warn_of_doubts(reading.rules)
         elif reading.error is not None and is_new:
             stays = _FALLBACK if self._in_force.rules is None else _STAYS
             self._robot.log.warning(f"{reading.error}; {stays}")
@@ -227,6 +230,7 @@ class RuleManager:
     def _push(self, rules: LiveRules) -> None:
         self._in_force.push(rules, rules.rules_hash, self._robot.steady_ns())
         self._hold()
+        self._warn_of_doubts(rules)
         if not self._in_force.is_confirmed:
             self._robot.log.warning(
                 f"rules pushed, hash {rules.rules_hash}; they are in force for {CONFIRM_WITHIN_S} s, "
@@ -250,6 +254,10 @@ class RuleManager:
             self._watch.free(prepared)
         self._show()
 
+    def _warn_of_doubts(self, rules: LiveRules) -> None:
+        if rules.doubts:
+            self._robot.log.warning(f"{rules.doubts}; testudo check shows all")
+
     def _show(self) -> None:
         rules = self._rules
         self._robot.show("rules_hash", rules.rules_hash)
@@ -266,7 +274,9 @@ class RuleManager:
         else:
             origin = RulesOrigin.PUSHED if PUSHED in rules.texts else RulesOrigin.FILES
         waits_s = None if waits_ns is None else waits_ns / NS_PER_S
-        return replace(rules.in_force, origin=origin, waits_s=waits_s)
+        error = self._last.error if self._files.are_named else None
+        problem = None if error is None else in_utf_8(str(error))
+        return replace(rules.in_force, origin=origin, waits_s=waits_s, problem=problem)
 
     def _checked_text(self, text: str) -> LiveRules:
         size_bytes = len(text.encode("utf-8"))

@@ -20,7 +20,7 @@ from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.robot.live_rules import LiveRules, UncheckedRules
-from smarttestudo.robot.output_topics import OutputTopic
+from smarttestudo.robot.output_topics import OutputTopic, output_topics
 from smarttestudo.robot.unnoticed import unnoticed
 from smarttestudo.rules.rule_files import (
     FileStates,
@@ -119,17 +119,14 @@ class LiveRuleFiles:
         return read_toml_text(self._profile)
 
     def _checked(self, texts: Mapping[str, str], profile_text: str | None) -> LiveRules:
-        rules = UncheckedRules(
-            texts=texts,
-            profile=self._profile,
-            profile_text=profile_text,
-            output_topic=self._output_topic,
-        )
-        if rules.is_large:
+        unchecked = UncheckedRules(texts=texts, profile=self._profile, profile_text=profile_text)
+        if unchecked.is_large:
             from smarttestudo.robot.rule_checking import check_elsewhere  # noqa: PLC0415  few rules are large
 
-            return check_elsewhere(rules, self._resolve, self._ended.is_set)
-        return rules.checked(self._resolve)
+            rules = check_elsewhere(unchecked, self._resolve, self._ended.is_set)
+        else:
+            rules = unchecked.checked(self._resolve)
+        return replace(rules, output_topics=output_topics(rules.rule_set, self._output_topic))
 
 
 POLL_PERIOD_S = 0.25

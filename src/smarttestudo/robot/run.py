@@ -71,7 +71,7 @@ def run_live(
     def resolve(topic: str) -> str:
         return f"{prefix}{robot.resolve(topic)}"
 
-    output_topic = OutputTopic(pattern=settings[OUTPUT_TOPIC], is_elsewhere=robot.has_output_domain)
+    output_topic = OutputTopic.of(robot, settings[OUTPUT_TOPIC])
     files = LiveRuleFiles(settings[RULES], settings[PROFILE], resolve=resolve, output_topic=output_topic)
     fallback = Fallback(robot, output_topic=output_topic, topic_prefix=prefix)
     first = first_rules(robot, files, settings[RULES_TEXT])

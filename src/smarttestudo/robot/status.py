@@ -222,11 +222,13 @@ class LiveStatus:
         process: ProcessReading,
         now_ns: int,
         *,
+        lost: Mapping[str, int],
         status_hz: float = STATUS_HZ,
     ) -> RuntimeStatus:
         """The status at ``now_ns`` on the node's clock, by when what time alone does was done.
 
-        ``links`` are those of all relayed topics. The blocks are left to the caller.
+        ``links`` are those of all relayed topics, ``lost`` counts what was lost of those where that is known.
+        The blocks are left to the caller.
         """
         resident = process.resident_bytes
         return RuntimeStatus(
@@ -238,7 +240,7 @@ class LiveStatus:
             floors_break_budget=loop.knowledge.floors_break_budget,
             cpu_percent=self._share_of_cpu(process),
             memory_mb=None if resident is None else resident / BYTES_PER_MB,
-            topics=self._topics(loop, links, now_ns),
+            topics=self._topics(loop, links, lost, now_ns),
             status_hz=status_hz,
         )
 
@@ -250,8 +252,10 @@ class LiveStatus:
             self._process = process
         return self._cpu_percent
 
-    def _topics(self, loop: RelayLoop, links: Mapping[str, TopicLink], now_ns: int) -> dict[str, TopicStatus]:
-        knowledge, statistics, discarded = loop.knowledge, loop.relays.statistics, loop.relays.discarded
+    def _topics(
+        self, loop: RelayLoop, links: Mapping[str, TopicLink], lost: Mapping[str, int], now_ns: int
+    ) -> dict[str, TopicStatus]:
+        knowledge, statistics = loop.knowledge, loop.relays.statistics
         self._meters = {topic: self._metered(topic, statistics[topic]) for topic in links}
         for topic, link in links.items():
             self._meters[topic].measure(link, knowledge.profile.topic(topic), now_ns)
@@ -260,7 +264,7 @@ class LiveStatus:
                 link,
                 knowledge.plan[topic],
                 self._meters[topic],
-                _counts(statistics[topic], discarded.get(topic, 0), knowledge.undecodable.get(topic, 0)),
+                _counts(topic, loop, lost),
             )
             for topic, link in links.items()
         }
@@ -291,7 +295,7 @@ def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts
         stamped_hz=meters.age.stamped_hz if link.has_header else None,
         delay_ms=meters.age.delay_ms if link.has_header else None,
         in_kb_per_s=meters.arrived.kb_per_s,
-        out_kb_per_s=meters.relayed.kb_per_s if meters.target_hz else 0.0,
+        out_kb_per_s=meters.relayed.kb_per_s if meters.target_hz and link.is_received else 0.0,
         publishers=link.publishers,
         subscribers=link.subscribers,
         incompatible=link.incompatible,
@@ -304,13 +308,15 @@ def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts
     )
 
 
-def _counts(statistics: RelayStatistics, discarded: int, undecodable: int) -> TopicCounts:
+def _counts(topic: str, loop: RelayLoop, lost: Mapping[str, int]) -> TopicCounts:
+    statistics = loop.relays.statistics[topic]
     return TopicCounts(
         received=statistics.arrived.messages,
+        lost=lost.get(topic),
         relayed=statistics.relayed.messages,
         repeated=statistics.repeated,
-        discarded=discarded,
-        undecodable=undecodable,
+        discarded=loop.relays.discarded.get(topic, 0),
+        undecodable=loop.knowledge.undecodable.get(topic, 0),
     )
 
 

@@ -50,6 +50,11 @@ class TopicLink:
     incompatible: tuple[str, ...] = ()
     problem: str | None = None
 
+    @property
+    def is_received(self) -> bool:
+        """Whether somebody receives what is relayed."""
+        return self.subscribers > self.unserved
+
 
 def topic_link(topic: OpenTopic, output: str, subscribers: Sequence[Endpoint]) -> TopicLink:
     """The links of ``topic``, which is relayed to ``output``, where the ``subscribers`` are."""

@@ -66,21 +66,37 @@ class LoadedRules:
         """Raise ``FaultyRulesError`` with the first error where there is one."""
         if not self.errors:
             return
-        first, *others = self.errors
-        more = f" (the first of {len(self.errors)} errors)" if others else ""
+        first = self.errors[0]
         error = FaultyRulesError(
-            f"{first.message}{more}",
-            place=f"{first.path}:{first.span.line}:{first.span.column}",
+            f"{first.message}{_of_how_many(self.errors, 'errors')}",
+            place=_place(first),
             remedy=first.hint or None,
         )
         error.rules = self
         raise error
 
     @property
+    def doubts(self) -> str:
+        """The first warning in one line, with how many there are; empty without any."""
+        warnings = [finding for finding in self.findings if finding.severity is Severity.WARNING]
+        if not warnings:
+            return ""
+        first = warnings[0]
+        return f"{_place(first)}: warning: {first.message}{_of_how_many(warnings, 'warnings')}"
+
+    @property
     def in_force(self) -> RulesInForce:
         """The files, and the SHA-256 of their text in UTF-8, one after the other."""
         sha256 = sha256_of_rules("".join(self.texts.values()))
         return RulesInForce(paths=tuple(map(in_utf_8, self.texts)), sha256=sha256)
+
+
+def _place(finding: Finding) -> str:
+    return f"{finding.path}:{finding.span.line}:{finding.span.column}"
+
+
+def _of_how_many(findings: Sequence[Finding], what: str) -> str:
+    return f" (the first of {len(findings)} {what})" if len(findings) > 1 else ""
 
 
 def sha256_of_rules(text: str) -> str:

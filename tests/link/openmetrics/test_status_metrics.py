@@ -80,6 +80,16 @@ def test_numbers_are_in_base_units() -> None:
     assert {key: found[key] for key in expected} == pytest.approx(expected)
 
 
+def test_lost_messages_are_counted_where_they_are_numbered() -> None:
+    imu = STATUS.topics["/imu"]
+    lost = replace(STATUS, topics={"/imu": replace(imu, counts=replace(imu.counts, lost=12))})
+    name = "testudo_topic_lost_messages_total"
+    assert {key: number for key, number in numbers(lost).items() if key[0] == name} == {
+        (name, "ada", "/imu"): 12.0
+    }
+    assert {key for key in numbers(STATUS) if key[0] == name} == set()
+
+
 def test_full_is_infinite_and_what_is_not_known_has_no_number() -> None:
     found = numbers()
     assert found["testudo_topic_target_hertz", "ada", "/estop"] == math.inf

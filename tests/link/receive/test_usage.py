@@ -92,6 +92,21 @@ def test_a_name_that_no_robot_can_have_is_a_wrong_usage(capsys: pytest.CaptureFi
     assert line.startswith("--robot: error: 'a/b' cannot be a robot's name on a link; ")
 
 
+WITHOUT_PORT = [
+    ("tcp/127.0.0.1:99999", "'99999' is not a port from 0 to 65535; write it as in tls/192.168.1.5:7447"),
+    ("udp/[::1]:http", "'http' is not a port"),
+    ("tls/robot.local", "it has no port; write it as in tls/192.168.1.5:7447"),
+]
+
+
+@pytest.mark.parametrize(("endpoint", "remedy"), WITHOUT_PORT)
+def test_who_only_watches_is_told_of_a_wrong_port_in_the_same_words(
+    capsys: pytest.CaptureFixture[str], endpoint: str, remedy: str
+) -> None:
+    line = refusal(capsys, ["top", "--once", "--connect", endpoint], 1)
+    assert line.startswith(f"{endpoint}: error: {remedy}")
+
+
 @pytest.mark.parametrize("side", ["--link", "--link-listen"])
 @pytest.mark.parametrize(
     ("endpoint", "remedy"),
@@ -99,6 +114,7 @@ def test_a_name_that_no_robot_can_have_is_a_wrong_usage(capsys: pytest.CaptureFi
         ("nonsense", "tls/192.168.1.5:7447"),
         ("tcp/192.0.2.1:7447", "--insecure"),
         ("tcp/0.0.0.0:0", "--insecure"),
+        *WITHOUT_PORT,
     ],
 )
 def test_a_robot_s_endpoint_that_cannot_be_used_is_said_in_one_line(
@@ -111,7 +127,8 @@ def test_a_robot_s_endpoint_that_cannot_be_used_is_said_in_one_line(
 
 @pytest.mark.parametrize("side", ["--listen", "--connect"])
 @pytest.mark.parametrize(
-    ("endpoint", "remedy"), [("nonsense", "tls/192.168.1.5:7447"), ("tcp/192.0.2.1:7447", "--insecure")]
+    ("endpoint", "remedy"),
+    [("nonsense", "tls/192.168.1.5:7447"), ("tcp/192.0.2.1:7447", "--insecure"), *WITHOUT_PORT],
 )
 def test_an_operator_s_endpoint_that_cannot_be_used_leaves_no_recording(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, side: str, endpoint: str, remedy: str

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import subprocess
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ import pytest
 from link.zenoh.ends import ODOM, Reader, free_endpoint, refuse_warning, until
 from made_once import made_once
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.link.zenoh import open_operator_end, open_robot_end
+from smarttestudo.link.zenoh import open_link_robots, open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.security import LinkOptions
 
 pytestmark = pytest.mark.process
@@ -115,6 +116,28 @@ def test_others_are_not_let_in_and_are_told_why(
         assert not robot.state.is_connected
         assert max(map(len, warnings)) < 300
         assert len([warning for warning in warnings if "--insecure" not in warning]) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "cause", "remedy"),
+    [
+        ("stranger", "does not accept our certificate", "check certificates, user and password"),
+        (None, "it cannot be reached", "start `testudo run --link` on the robot"),
+    ],
+)
+def test_who_hears_no_robot_is_told_what_to_do_about_the_cause(
+    certificates: Path, name: str | None, cause: str, remedy: str
+) -> None:
+    endpoint = free_endpoint("tls")
+    config_file = written(certificates, "watcher", settings(certificates, "connect", name or "robot", "ours"))
+    watcher = LinkOptions(connect=(endpoint,), config_file=config_file, insecure=True)
+    with ExitStack() as opened:
+        if name is not None:
+            at = at_operator(certificates, endpoint)
+            opened.enter_context(open_operator_end(at, refuse_warning))
+        robots = opened.enter_context(open_link_robots(watcher, lambda _: None))
+        until(lambda: cause in (robots.problem or ""))
+        assert robots.remedy.startswith(remedy)
 
 
 @pytest.mark.parametrize("protocol", ["tcp", "tls"])

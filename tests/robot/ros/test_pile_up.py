@@ -117,7 +117,7 @@ def test_publishers_without_end_do_not_grow_the_memory() -> None:
 
 
 class Subscription:
-    sent = None
+    sent: int | None = None
     dropped = 0
 
     def pause(self) -> None: ...
@@ -172,6 +172,22 @@ def test_what_was_lost_last_is_said_when_a_topic_is_no_longer_subscribed_to_and_
         "/scan: lost 1",
         "/imu: lost 1",
     ]
+
+
+def test_what_was_lost_is_counted_from_the_start_over_all_subscriptions_of_a_topic() -> None:
+    scan, imu, later, unnumbered = Subscription(), Subscription(), Subscription(), Subscription()
+    for numbered in (scan, imu, later):
+        numbered.sent = 100
+    losses = LiveLosses(Log())
+    scan.dropped = 5
+    losses.measure({"/scan": scan, "/imu": imu, "/tf": unnumbered}, 0)
+    scan.dropped = 7
+    assert losses.lost() == {"/scan": 7, "/imu": 0}, "nobody knows of messages without numbers"
+    losses.measure({"/imu": imu}, SECOND)
+    assert losses.lost() == {"/scan": 7, "/imu": 0}
+    later.dropped = 1
+    losses.measure({"/scan": later, "/imu": imu}, 2 * SECOND)
+    assert losses.lost() == {"/scan": 8, "/imu": 0}
 
 
 def test_timers_do_not_catch_up_on_what_they_missed() -> None:

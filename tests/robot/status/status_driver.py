@@ -43,6 +43,7 @@ class StatusDriver:
     links: dict[str, dict[str, object]] = field(default_factory=dict)
     profile: Profile | None = None
     budget_kb_per_s: float | None = None
+    lost: dict[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.driver = LoopDriver(self.rules, self.profile, budget_kb_per_s=self.budget_kb_per_s)
@@ -60,7 +61,7 @@ class StatusDriver:
         """The status now."""
         now_ns, loop = self.driver.now_ns, self.driver.loop
         links = {topic: linked(topic, **self.links.get(topic, {})) for topic in loop.knowledge.plan}
-        return self.live.measure(loop, links, RULES, process_at(now_ns), now_ns)
+        return self.live.measure(loop, links, RULES, process_at(now_ns), now_ns, lost=self.lost)
 
     def send_until(self, end_s: int) -> None:
         """Run on to ``end_s``."""

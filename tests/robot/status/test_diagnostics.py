@@ -47,6 +47,13 @@ def test_what_is_not_known_is_said_as_greenwave_says_it() -> None:
     assert values["target"] == "Full"
 
 
+def test_messages_that_were_lost_are_counted_where_they_are_numbered() -> None:
+    imu = STATUS.topics["/imu"]
+    lost = replace(STATUS, topics={"/imu": replace(imu, counts=replace(imu.counts, lost=12))})
+    assert named("/testudo/imu", lost).values["lost"] == "12"
+    assert named("/testudo/imu").values["lost"] == "N/A"
+
+
 @pytest.mark.parametrize(
     ("name", "level", "message"),
     [

@@ -80,6 +80,19 @@ def test_the_output_has_its_bandwidth_while_its_target_changes_with_each_look() 
     assert topic.out_kb_per_s == pytest.approx(50, rel=0.05)
 
 
+def test_what_nobody_receives_takes_no_bandwidth_out() -> None:
+    alone: dict[str, object] = {"subscribers": 0}
+    deaf: dict[str, object] = {"subscribers": 1, "unserved": 1}
+    rules = "begin SetFrequency /imu 10 SetFrequency /scan 5 SetFrequency /odom 5 end"
+    driver = StatusDriver(
+        rules=rules, source_hz={"/imu": 30, "/scan": 30, "/odom": 30}, links={"/imu": alone, "/scan": deaf}
+    )
+    status = driver.status_at(10)
+    assert [status.topics[topic].out_kb_per_s for topic in ("/imu", "/scan")] == [0, 0]
+    assert status.topics["/imu"].in_kb_per_s > 0
+    assert status.out_kb_per_s == status.topics["/odom"].out_kb_per_s > 0
+
+
 def test_a_topic_that_is_off_takes_no_bandwidth() -> None:
     driver = StatusDriver(rules=OFF_LATER, source_hz={"/imu": 200})
     assert driver.status_at(19).topics["/imu"].out_kb_per_s == pytest.approx(25, rel=0.05)
@@ -235,6 +248,13 @@ def test_a_relay_that_loses_messages_is_off_its_rate() -> None:
     assert topic.error_percent is not None
     assert topic.error_percent < -40
     assert not topic.keeps_rate
+
+
+def test_a_topic_has_the_number_of_its_lost_messages_where_that_is_known() -> None:
+    rules = "begin SetFrequency /imu 10 SetFrequency /scan 5 end"
+    driver = StatusDriver(rules=rules, source_hz={"/imu": 30, "/scan": 10}, lost={"/imu": 12})
+    topics = driver.status_at(5).topics
+    assert (topics["/imu"].counts.lost, topics["/scan"].counts.lost) == (12, None)
 
 
 def test_an_output_that_stops_while_its_source_goes_on_is_off_its_rate() -> None:

@@ -20,7 +20,7 @@ from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import MOST_UPTIME_S, RulesOrigin, Silence, TopicStatus
-from smarttestudo.domain.status_json import status_from_text
+from smarttestudo.domain.status_json import status_from_json, status_from_text
 
 TEXT = json.dumps(to_json(STATUS))
 RECORD = json.loads(TEXT)
@@ -105,6 +105,17 @@ TOPIC_ENTRIES: dict[str, Callable[[object], bool]] = {
 
 def test_what_is_written_is_read() -> None:
     assert status_from_text(TEXT) == STATUS
+
+
+def test_messages_lost_have_an_entry_where_they_are_numbered() -> None:
+    imu = STATUS.topics["/imu"]
+    lost = replace(STATUS, topics={"/imu": replace(imu, counts=replace(imu.counts, lost=12))})
+    record = to_json(lost)
+    assert status_from_json(record) == lost
+    topics = record["topics"]
+    assert isinstance(topics, dict)
+    assert topics["/imu"]["lost"] == 12
+    assert "lost" not in RECORD["topics"]["/imu"]
 
 
 def test_topics_are_by_name_and_full_is_null_as_in_decisions() -> None:

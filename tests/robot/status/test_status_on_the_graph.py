@@ -5,11 +5,15 @@
 from __future__ import annotations
 
 import json
+from argparse import Namespace
 from dataclasses import replace
+
+import pytest
 
 from robot.memory_link import MemoryLink
 from robot.status.statuses import STATUS
 from robot.status.virtual_robot import Source, VirtualRobot
+from smarttestudo.cli.top import print_once
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
 from smarttestudo.robot.ros.graph_robots import GraphRobots
@@ -58,6 +62,19 @@ def test_several_smarttestudos_are_told_apart() -> None:
         robot.say(STATUS_TOPIC, json.dumps(to_json(replace(STATUS, node=node))))
         assert watch.has_heard_all == (node == both[-1])
     assert [heard.status.node for heard in watch.heard.values()] == list(both)
+
+
+def test_what_could_not_be_read_is_said_beside_the_json_of_top(capsys: pytest.CaptureFixture[str]) -> None:
+    robot = VirtualRobot(sources={STATUS_TOPIC: Source()})
+    robots = GraphRobots(robot, robot.steady_s)
+    robot.say(STATUS_TOPIC, TEXT)
+    print_once(robots, Namespace(json=True))
+    assert capsys.readouterr().err == ""
+    robot.say(STATUS_TOPIC, "{}")
+    print_once(robots, Namespace(json=True))
+    told = capsys.readouterr()
+    assert json.loads(told.out)["nodes"].keys() == {"/smarttestudo"}
+    assert told.err == "testudo: statuses of another version that could not be read: 1\n"
 
 
 def test_nodes_of_one_name_are_told_apart_by_the_robots_names() -> None:

@@ -24,6 +24,7 @@ from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import CommandTopic, LinkState
 from smarttestudo.domain.status import RulesInForce, RulesOrigin, Silence, TopicStatus
+from smarttestudo.robot.diagnostics import node_health
 
 GOLDEN = Path(__file__).parent / "golden"
 IN_BACKGROUND = Path(__file__).parents[2] / "in_background.py"
@@ -79,15 +80,16 @@ def test_where_nobody_subscribes_to_anything_it_names_the_command_that_does() ->
 
 def test_what_recording_costs_has_a_line() -> None:
     state = IncidentState(held_bytes=12_340_000, memory_bytes=256_000_000, topics=5, open=1, recorded=3)
-    (line,) = summary_lines(replace(STATUS, incidents=state))[2:]
+    settled = replace(STATUS, rules=replace(STATUS.rules, waits_s=None))
+    (line,) = summary_lines(replace(settled, incidents=state))[2:]
     assert line == Line("records 5 topics in 12.3 of 256 MB; incidents: 1 open, 3 recorded")
     with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
-    (line,) = summary_lines(replace(STATUS, incidents=with_ring))[2:]
+    (line,) = summary_lines(replace(settled, incidents=with_ring))[2:]
     assert line.text.startswith("records 5 topics in 12.3 of 256 MB, on disk 40.1 of 5 000 MB; incidents: 1")
     failed = replace(state, failed=2, problem="/data: error: the disk is full")
-    (line,) = summary_lines(replace(STATUS, incidents=failed))[2:]
-    assert line.text.endswith("1 open, 3 recorded, 2 failed: /data: error: the disk is full")
-    assert line.style is Style.WARN
+    problem, line = summary_lines(replace(settled, incidents=failed))[2:]
+    assert line.text.endswith("1 open, 3 recorded, 2 failed")
+    assert problem == Line("incidents cannot be written: /data: error: the disk is full", Style.WARN)
 
 
 def test_what_is_accepted_of_operators_has_a_line_a_topic() -> None:
@@ -122,8 +124,8 @@ def test_it_sorts_by_name_upwards_and_by_numbers_downwards() -> None:
 
 def test_the_budget_and_its_trouble_are_said() -> None:
     assert summary_lines(STATUS)[1].text == "in 12 492.0 KB/s   out 946.0 KB/s of 1 000.0 (95 %)"
-    tight = summary_lines(replace(STATUS, floors_break_budget=True))[1]
-    assert (tight.style, tight.text.endswith("the floors alone exceed it")) == (Style.ERROR, True)
+    tight = summary_lines(replace(STATUS, floors_break_budget=True))[2]
+    assert tight == Line("the floors alone are more than the budget", Style.ERROR)
     assert "no budget" in summary_lines(replace(STATUS, budget_kb_per_s=None))[1].text
     linked = replace(STATUS, budget_kb_per_s=None, link=LinkState(is_connected=True))
     assert "out 946.0 KB/s, not limited   link: not the limit" in summary_lines(linked)[1].text
@@ -133,7 +135,27 @@ def test_the_budget_and_its_trouble_are_said() -> None:
 def test_a_fallback_and_a_lost_runtime_are_said() -> None:
     fallback = replace(STATUS, rules=RulesInForce(origin=RulesOrigin.FALLBACK))
     looks = [line.style for line in summary_lines(fallback, silent_s=7.0)]
-    assert looks[2:] == [Style.WARN, Style.STALE]
+    assert looks[2:] == [Style.ERROR, Style.STALE]
+
+
+def test_what_is_wrong_with_a_node_is_said_in_the_words_of_its_diagnostics() -> None:
+    rules = RulesInForce(origin=RulesOrigin.FALLBACK, problem="a.adirf:1:1: error: no rules")
+    broken = replace(STATUS, rules=rules, floors_break_budget=True, link=LinkState(is_connected=False))
+    texts = [line.text for line in summary_lines(broken)]
+    assert texts[1] == "in 12 492.0 KB/s   out 946.0 KB/s of 1 000.0 (95 %)"
+    assert texts[2:] == [
+        "the floors alone are more than the budget",
+        "no valid rules: everything is relayed at full rate",
+        "the rule files cannot be used as they are: a.adirf:1:1: error: no rules",
+        "no operator is connected over the link",
+    ]
+    assert texts[2] == node_health(broken).message
+
+
+def test_pushed_rules_that_wait_are_said_to_end() -> None:
+    line = Line("pushed rules: those before come back in 8 s, unless they are confirmed", Style.WARN)
+    assert line in summary_lines(replace(STATUS, rules=replace(STATUS.rules, waits_s=8.3)))
+    assert line not in summary_lines(replace(STATUS, rules=replace(STATUS.rules, waits_s=None)))
 
 
 def test_names_from_the_network_cannot_move_the_cursor() -> None:

@@ -80,6 +80,9 @@ class VirtualRobot(UnaskedRobot):
     def resolve(self, topic: str) -> str:
         return topic
 
+    def resolve_output(self, topic: str) -> str:
+        return topic
+
     def topics(self) -> Mapping[str, Sequence[str]]:
         return {topic: [source.type_name] for topic, source in self.sources.items() if self._is_there(source)}
 

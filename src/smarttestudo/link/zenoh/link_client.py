@@ -27,6 +27,7 @@ class LinkClient(QueryClient):
         self._known = known
         self._endpoints = endpoints
         self._unreachable: str | None = f"{', '.join(endpoints)}: nobody answers yet"
+        self._is_refused = False
         self._versions = OtherVersions()
         self._listener: StatusListener | None = None
         self._heard: Heard | None = None
@@ -44,6 +45,11 @@ class LinkClient(QueryClient):
     def problem(self) -> str | None:
         """Why nobody is connected, or who is not understood."""
         return "; ".join(filter(None, (self._unreachable, *self._versions.present.values()))) or None
+
+    @property
+    def is_refused(self) -> bool:
+        """Whether nobody is connected because somebody there does not let us in, or we not them."""
+        return self._unreachable is not None and self._is_refused
 
     def begin(
         self,
@@ -95,7 +101,9 @@ class LinkClient(QueryClient):
         self._present(boot, is_present)
 
     def _why(self) -> str:
-        return "; ".join(why_unreachable(endpoint, self._known) for endpoint in self._endpoints)
+        found = [why_unreachable(endpoint, self._known) for endpoint in self._endpoints]
+        self._is_refused = any(one.is_refused for one in found)
+        return "; ".join(one.why for one in found)
 
     def _fail(self, error: Exception) -> None:
         self._unreachable = f"{', '.join(self._endpoints)}: {error}"

@@ -38,6 +38,13 @@ class LinkClients(QueryClient):
         told = [client for client in self._clients if client.is_connected] or self._clients
         return "; ".join(filter(None, (client.problem for client in told))) or None
 
+    @property
+    def is_refused(self) -> bool:
+        """Whether nobody is connected, and somebody at one of the places does not let us in."""
+        return not any(client.is_connected for client in self._clients) and any(
+            client.is_refused for client in self._clients
+        )
+
     def begin(self, present: Present, all_known: Callable[[], None], heard: Heard | None = None) -> None:
         """Connect, as ``LinkClient.begin``; a place that cannot be reached now has nobody to be known."""
         for client in self._clients:

@@ -56,7 +56,6 @@ class LinkRobots:
 
     def __init__(self, client: LinkClient | LinkClients, place: str, steady_s: Callable[[], float]) -> None:
         self.place = place
-        self.remedy = "start `testudo run --link` on the robot, and check that it reaches the same place"
         self.unreadable = 0
         self._client = client
         self._steady_s = steady_s
@@ -81,6 +80,13 @@ class LinkRobots:
         """Whether a status of each robot that is there was received, and there is one."""
         present = [robot for robot in self._robots.values() if robot.is_present]
         return self._knows_all and bool(present) and all(robot.status for robot in present)
+
+    @property
+    def remedy(self) -> str:
+        """Advice where none is heard: about admission, where somebody is there and refuses it."""
+        if self._client.is_refused:
+            return "check certificates, user and password in --zenoh-config, here and there"
+        return "start `testudo run --link` on the robot, and check that it reaches the same place"
 
     @property
     def problem(self) -> str | None:

@@ -9,6 +9,7 @@ import ssl
 from collections.abc import Mapping
 from pathlib import Path
 
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.zenoh.security import LinkOptions, Locator, key_files, tls_settings
 
@@ -28,27 +29,37 @@ def check_certificates(options: LinkOptions, config: Mapping[str, object]) -> No
                 _context(authority)
 
 
-def why_unreachable(endpoint: str, config: Mapping[str, object]) -> str:
-    """One line on why there is no link to ``endpoint``, from a look at it where it is TCP or TLS."""
+@dataclass(frozen=True, slots=True)
+class Unreachable:
+    """Why there is no link to an endpoint, in one line, and whether somebody there does not let us in."""
+
+    why: str
+    is_refused: bool = False
+
+
+def why_unreachable(endpoint: str, config: Mapping[str, object]) -> Unreachable:
+    """Why there is no link to ``endpoint``, from a look at it where it is TCP or TLS."""
     locator = Locator.of(endpoint)
+    if locator.protocol not in ("tcp", "tls"):
+        return Unreachable(f"{endpoint}: it cannot be reached, or does not let us in")
     port = locator.address.rpartition(":")[2]
-    if locator.protocol not in ("tcp", "tls") or not port.isdecimal():
-        return f"{endpoint}: it cannot be reached, or does not let us in"
     try:
         with socket.create_connection((locator.host, int(port)), _ANSWER_WITHIN_S) as connection:
             if locator.protocol == "tls":
                 _shake_hands(connection, locator, config)
     except ssl.SSLCertVerificationError as error:
-        return f"{endpoint}: its certificate is not accepted here: {error.verify_message}"
+        why = f"its certificate is not accepted here: {error.verify_message}"
     except ssl.SSLError as error:
         reason = (error.reason or str(error)).replace("_", " ").lower()
-        return f"{endpoint}: it does not accept our certificate: {reason}"
-    except (OSError, OverflowError, LinkError) as error:
-        return f"{endpoint}: it cannot be reached: {getattr(error, 'strerror', None) or error}"
-    return (
-        f"{endpoint}: a process listens there, but no link comes about: "
-        "user or password in --zenoh-config are not accepted, or that process stands still"
-    )
+        why = f"it does not accept our certificate: {reason}"
+    except (OSError, LinkError) as error:
+        return Unreachable(f"{endpoint}: it cannot be reached: {getattr(error, 'strerror', None) or error}")
+    else:
+        why = (
+            "a process listens there, but no link comes about: "
+            "user or password in --zenoh-config are not accepted, or that process stands still"
+        )
+    return Unreachable(f"{endpoint}: {why}", is_refused=True)
 
 
 def _shake_hands(connection: socket.socket, locator: Locator, config: Mapping[str, object]) -> None:

@@ -14,6 +14,8 @@ from smarttestudo.domain.errors import LinkError, UsageError
 
 _LOCAL_PROTOCOLS = ("unixsock-stream", "unixpipe")
 _TLS_PROTOCOLS = ("tls", "quic")
+_PORT_PROTOCOLS = (*_TLS_PROTOCOLS, "tcp", "udp", "ws")
+_LAST_PORT = 65_535
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,6 +52,14 @@ class Locator:
         if not protocol or not address:
             raise LinkError(
                 "this is no endpoint", place=endpoint[:200], remedy="write it as in tls/192.168.1.5:7447"
+            )
+        port = address.rpartition(":")[2] if ":" in address else ""
+        has_port = port.isascii() and port.isdecimal() and int(port) <= _LAST_PORT
+        if protocol in _PORT_PROTOCOLS and not has_port:
+            raise LinkError(
+                f"{port[:80]!r} is not a port from 0 to {_LAST_PORT}" if port else "it has no port",
+                place=endpoint[:200],
+                remedy="write it as in tls/192.168.1.5:7447",
             )
         pairs = (setting.partition("=") for setting in settings.split(";") if setting)
         return Locator(protocol=protocol, address=address, settings={name: value for name, _, value in pairs})

@@ -178,7 +178,7 @@ def _watch(
         if is_connected(session):
             said, seen = set(), set()
             continue
-        before, seen = seen, {why_unreachable(endpoint, config) for endpoint in endpoints}
+        before, seen = seen, {why_unreachable(endpoint, config).why for endpoint in endpoints}
         for why in sorted(before & seen - said):
             warn(why)
         said |= before & seen

@@ -67,6 +67,10 @@ class LinkedNode(RosNode):
         """Whether relayed topics may have the names of their sources."""
         return super().has_output_domain or not self._is_local
 
+    def resolve_output(self, topic: str) -> str:
+        """The full name of ``topic`` at the operators: remapped where it is on the ROS graph, too."""
+        return super().resolve_output(topic) if self._is_local else topic
+
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
         """Which operators subscribe to ``topic`` now."""
         local = super().subscribers(topic) if self._is_here(topic) else ()

@@ -36,6 +36,7 @@ from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.robot.ros.data_path import open_data_path
 from smarttestudo.robot.ros.definitions import message_definition
 from smarttestudo.robot.ros.diagnostics import diagnostics_publisher
+from smarttestudo.robot.ros.full_names import full_name
 from smarttestudo.robot.ros.graph_polls import GraphPolls
 from smarttestudo.robot.ros.message_types import begins_with_header, message_type
 from smarttestudo.robot.ros.node_log import node_log
@@ -129,16 +130,16 @@ class RosNode:
     def now_ns(self) -> int:
         """The node's clock, which is 0 while simulated time has not begun."""
         # Unless simulated, the clock of ROS is the system's, and that is asked for every message.
-        if not self.is_time_simulated:
-            return time.time_ns()
-        nanoseconds: int = self._clock.now().nanoseconds
-        return nanoseconds
+        now_ns: int = self._clock.now().nanoseconds if self.is_time_simulated else time.time_ns()
+        return now_ns
 
     def resolve(self, topic: str) -> str:
         """The full name of ``topic`` in the node's namespace, remapped."""
-        with ros_errors(topic):
-            name: str = self._node.resolve_topic_name(topic)
-        return name
+        return full_name(self._node, topic)
+
+    def resolve_output(self, topic: str) -> str:
+        """The full name that a publisher of ``topic`` has where the operators are, remapped."""
+        return full_name(self._operators, topic)
 
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         """Publishers of ``topic`` now, as far as discovered."""
