@@ -221,7 +221,7 @@ class ProjectFiles:
         return self.project()
 
     def _source(self, name: str, new_name: str) -> _Source:
-        """What is in ``name``; ``ForbiddenPathError`` where ``new_name`` could not have it."""
+        """Content of the file ``name``; ``ForbiddenPathError`` where ``new_name`` could not have it."""
         kind = self._folder.kind(name)
         if self._folder.kind(new_name) is not kind:
             remedy = "rule files end in .adirf, profiles in .toml"
