@@ -154,6 +154,8 @@ def in_text(page: Page, watch: Watch, keys: int) -> Iterator[Strokes]:
     watch.lap_ms()
     typed(page, (STATEMENT * keys)[:keys])
     yield strokes("statement in the text", page, watch)
+    # While a statement is cut off, no block can be edited.
+    typed(page, STATEMENT[keys % len(STATEMENT) :])
 
 
 def in_block(page: Page, watch: Watch, keys: int) -> Iterator[Strokes]:
@@ -161,8 +163,9 @@ def in_block(page: Page, watch: Watch, keys: int) -> Iterator[Strokes]:
     blocks = page.get_by_role("region", name="Blocks", exact=True)
     pane = blocks.bounding_box() or {"y": 0.0, "height": 0.0}
     end_px = pane["y"] + pane["height"] - GRIP_PX
-    rates = blocks.get_by_role("button", name="Edit rate").all()
-    boxes = (rate.bounding_box() or pane for rate in rates)
+    rates = blocks.get_by_role("button", name="Edit rate")
+    rates.first.wait_for()
+    boxes = (rate.bounding_box() or pane for rate in rates.all())
     place = next(box for box in boxes if pane["y"] < box["y"] < end_px)
     page.evaluate(COLLECT)
     watch.lap_ms()

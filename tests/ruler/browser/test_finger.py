@@ -58,6 +58,8 @@ def test_a_finger_drags_the_block_that_it_tapped_before(phone: RulerPage) -> Non
 def test_a_swipe_over_the_level_lines_scrolls_the_page(phone: RulerPage) -> None:
     phone.page.get_by_role("link", name="wlan.toml", exact=True).click()
     line = phone.page.get_by_role("slider", name="Acceptable level of /odom (Hz)", exact=True)
+    # It comes last, and moves the lines down.
+    phone.page.get_by_label("Levels of").wait_for()
     line.scroll_into_view_if_needed()
     # To the middle: there is room on both sides to scroll to.
     phone.page.evaluate("scrollBy(0, -60)")
