@@ -121,9 +121,9 @@ class CompiledTopics:
         To be called once the loop has left it out; what was copied since is told of.
         """
         self._polled = None
-        flows = [self._flows(topic, use) for topic, (_, use) in self._running.items()]
+        flows = [flow for topic, (_, use) in self._running.items() for flow in self._flows(topic, use)]
         self.close()
-        for flow in (flow for each in flows for flow in each):
+        for flow in flows:
             flow.leave_out(ahead_ns, now_ns)
 
     def close(self) -> None:

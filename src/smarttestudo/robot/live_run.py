@@ -174,8 +174,8 @@ class LiveRun:
 
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
         now_ns = self._robot.now_ns()
-        self._check_clock(now_ns)
         if self._on_message:
+            self._check_clock(now_ns)
             self._compiled.deliver(now_ns)
             self._tell_parts(topic, payload, publisher, now_ns)
         if topic not in self._given:

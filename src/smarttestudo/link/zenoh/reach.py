@@ -29,7 +29,7 @@ def check_certificates(options: LinkOptions, config: Mapping[str, object]) -> No
                 _context(authority)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Unreachable:
     """Why there is no link to an endpoint, in one line, and whether somebody there does not let us in."""
 
@@ -41,10 +41,9 @@ def why_unreachable(endpoint: str, config: Mapping[str, object]) -> Unreachable:
     """Why there is no link to ``endpoint``, from a look at it where it is TCP or TLS."""
     locator = Locator.of(endpoint)
     if locator.protocol not in ("tcp", "tls"):
-        return Unreachable(f"{endpoint}: it cannot be reached, or does not let us in")
-    port = locator.address.rpartition(":")[2]
+        return Unreachable(why=f"{endpoint}: it cannot be reached, or does not let us in")
     try:
-        with socket.create_connection((locator.host, int(port)), _ANSWER_WITHIN_S) as connection:
+        with socket.create_connection((locator.host, int(locator.port)), _ANSWER_WITHIN_S) as connection:
             if locator.protocol == "tls":
                 _shake_hands(connection, locator, config)
     except ssl.SSLCertVerificationError as error:
@@ -53,13 +52,14 @@ def why_unreachable(endpoint: str, config: Mapping[str, object]) -> Unreachable:
         reason = (error.reason or str(error)).replace("_", " ").lower()
         why = f"it does not accept our certificate: {reason}"
     except (OSError, LinkError) as error:
-        return Unreachable(f"{endpoint}: it cannot be reached: {getattr(error, 'strerror', None) or error}")
+        cause = getattr(error, "strerror", None) or error
+        return Unreachable(why=f"{endpoint}: it cannot be reached: {cause}")
     else:
         why = (
             "a process listens there, but no link comes about: "
             "user or password in --zenoh-config are not accepted, or that process stands still"
         )
-    return Unreachable(f"{endpoint}: {why}", is_refused=True)
+    return Unreachable(why=f"{endpoint}: {why}", is_refused=True)
 
 
 def _shake_hands(connection: socket.socket, locator: Locator, config: Mapping[str, object]) -> None:

@@ -16,6 +16,7 @@ _LOCAL_PROTOCOLS = ("unixsock-stream", "unixpipe")
 _TLS_PROTOCOLS = ("tls", "quic")
 _PORT_PROTOCOLS = (*_TLS_PROTOCOLS, "tcp", "udp", "ws")
 _LAST_PORT = 65_535
+_EXPECTED = "write it as in tls/192.168.1.5:7447"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,24 +51,27 @@ class Locator:
         place, _, settings = endpoint.partition("#")
         protocol, _, address = place.partition("?")[0].partition("/")
         if not protocol or not address:
-            raise LinkError(
-                "this is no endpoint", place=endpoint[:200], remedy="write it as in tls/192.168.1.5:7447"
-            )
-        port = address.rpartition(":")[2] if ":" in address else ""
+            raise LinkError("this is no endpoint", place=endpoint[:200], remedy=_EXPECTED)
+        pairs = (setting.partition("=") for setting in settings.split(";") if setting)
+        found = Locator(
+            protocol=protocol, address=address, settings={name: value for name, _, value in pairs}
+        )
+        port = found.port
         has_port = port.isascii() and port.isdecimal() and int(port) <= _LAST_PORT
         if protocol in _PORT_PROTOCOLS and not has_port:
-            raise LinkError(
-                f"{port[:80]!r} is not a port from 0 to {_LAST_PORT}" if port else "it has no port",
-                place=endpoint[:200],
-                remedy="write it as in tls/192.168.1.5:7447",
-            )
-        pairs = (setting.partition("=") for setting in settings.split(";") if setting)
-        return Locator(protocol=protocol, address=address, settings={name: value for name, _, value in pairs})
+            cause = f"{port[:80]!r} is not a port from 0 to {_LAST_PORT}" if port else "it has no port"
+            raise LinkError(cause, place=endpoint[:200], remedy=_EXPECTED)
+        return found
 
     @property
     def host(self) -> str:
         """Its host, or the whole address where it has none."""
         return self.address.rpartition(":")[0].strip("[]") or self.address
+
+    @property
+    def port(self) -> str:
+        """Its port; empty where it has none."""
+        return self.address.rpartition(":")[2] if ":" in self.address else ""
 
     @property
     def is_loopback(self) -> bool:
