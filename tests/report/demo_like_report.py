@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import math
 import random
+from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 
 from smarttestudo.accuracy.accuracy_curve import (
@@ -128,9 +130,8 @@ _RACKS_M = (
 )
 
 
-def demo_like_report(
-    *, title: str = "A TurtleBot3 patrols a warehouse", seconds: float = SECONDS
-) -> RunReport:
+@cache
+def demo_like_report() -> RunReport:
     decisions = _decisions()
     before = {topic: _source(topic) for topic in SOURCES}
     after = {topic: _relayed(topic, [one for one in decisions if one.topic == topic]) for topic in SOURCES}
@@ -150,8 +151,8 @@ def demo_like_report(
         topic="All topics", before=_history(list(before.values())), after=_history(list(after.values()))
     )
     return RunReport(
-        title=title,
-        duration_s=seconds,
+        title="A TurtleBot3 patrols a warehouse",
+        duration_s=SECONDS,
         comparison=comparison,
         series=series,
         total=total,
@@ -167,6 +168,24 @@ def demo_like_report(
         ),
         floor_plan=_floor_plan(),
         path=_path(),
+    )
+
+
+def small_report() -> RunReport:
+    """The same with a point of its lines every 20 s and one of its path every 2 s."""
+
+    def history(one: TopicHistory) -> TopicHistory:
+        return replace(one, rate_hz=one.rate_hz[::20], kb_per_s=one.kb_per_s[::20])
+
+    def series(one: TopicSeries) -> TopicSeries:
+        return replace(one, before=history(one.before), after=history(one.after))
+
+    report = demo_like_report()
+    return replace(
+        report,
+        series=tuple(map(series, report.series)),
+        total=series(report.total),
+        path=report.path[::51],
     )
 
 

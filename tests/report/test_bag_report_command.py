@@ -95,7 +95,7 @@ def test_decisions_that_were_cut_off_are_told_of(desk: Desk) -> None:
         assert "note: cut.jsonl:5: cut off, as where the run was killed" in ran.err
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_report_of_a_replay_has_summary_rules_decisions_path_and_loss(desk: Desk) -> None:
     ran = desk.report(
         "sent", "received", "--rules", "rules.adirf", "--decisions", "log.jsonl", "--figures", "figures"
@@ -173,7 +173,7 @@ def test_what_cannot_be_reported_is_refused_in_one_line(desk: Desk) -> None:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_actions_draw_what_they_tell(desk: Desk) -> None:
     assert desk.run("bag", "rates", "sent", "--figures", "r").code == 0
     assert desk.run("bag", "bandwidth", "sent", "received", "--budget", "20", "--figures", "b").code == 0

@@ -45,7 +45,7 @@ def small_report() -> RunReport:
     return replace(report, series=series, budget_kb_per_s=30.0)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_each_figure_is_a_png_and_an_svg_of_the_same_bytes_each_time(tmp_path: Path) -> None:
     report = small_report()
     once, again = (draw_figures(report, list(FigureKind), tmp_path / name) for name in ("once", "again"))
@@ -87,7 +87,7 @@ def test_names_from_strangers_are_drawn_as_they_are(tmp_path: Path) -> None:
     assert "<script>" not in (tmp_path / "rates.svg").read_text()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("kind", [FigureKind.RATES, FigureKind.TOTAL, FigureKind.INTERVALS])
 def test_a_figure_is_no_wider_for_a_name_without_end(tmp_path: Path, kind: FigureKind) -> None:
     report = small_report()

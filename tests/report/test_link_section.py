@@ -137,7 +137,7 @@ def test_numbers_of_a_stranger_leave_a_chart_that_can_be_drawn(values: list[floa
     assert plain_table(link_table(history))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_long_recording_with_many_topics_stays_bounded() -> None:
     names = [f"/t{number}" for number in range(MAX_TOPICS + 50)]
     many = [(float(number), status(dict.fromkeys(names, 5.0), number)) for number in range(30)]

@@ -8,16 +8,18 @@ import base64
 import hashlib
 import math
 import re
-from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from html.parser import HTMLParser
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from report.demo_like_report import SOURCES, demo_like_report
+from report.demo_like_report import SOURCES, demo_like_report, small_report
+from report.golden_files import assert_reads_as, page_lines
 from smarttestudo.bags.comparison import Comparison, compare
 from smarttestudo.bags.floor import PathPoint
 from smarttestudo.bags.incident_mark import IncidentMark
@@ -36,6 +38,7 @@ from smarttestudo.report.series import SeriesPoint, bandwidth_series, rate_serie
 from smarttestudo.report.table import printable
 from smarttestudo.report.time_chart import MOST_LAYERS
 
+GOLDEN = Path(__file__).parent / "golden"
 LARGEST_BYTES = 500_000
 HOSTILE = (
     "<script>alert(1)</script><img src=x onerror=alert(2)> \" ' & </style> </svg> ]]> \x1b[31m \u202e \ud800"
@@ -97,32 +100,44 @@ def hostile_report() -> RunReport:
     )
 
 
-REPORTS = {"demo": demo_like_report, "hostile": hostile_report, "bare": bare_report}
+def many_rules_report() -> RunReport:
+    """More rules than there are styles, of which two have one name."""
+    rules = [("Hall", 3), ("Hall", 9), *((f"Rule {at}", 10 + at) for at in range(STYLED_BLOCKS))]
+    decisions = [decided(float(at), "/odom", Rate(1.0), *rule) for at, rule in enumerate(rules)]
+    return bare_report(decisions=tuple(decisions), series=(TopicSeries(topic="/odom"),))
 
 
-@pytest.mark.parametrize("make", REPORTS.values(), ids=REPORTS.keys())
-def test_a_report_refers_to_nothing_outside(make: Callable[[], RunReport]) -> None:
-    document = tree(render_report(make()))
+@cache
+def html_of(name: str) -> str:
+    """The page of one of three reports."""
+    reports = {"demo": demo_like_report(), "hostile": hostile_report(), "bare": bare_report()}
+    return render_report(reports[name])
+
+
+EACH = pytest.mark.parametrize("name", ["demo", "hostile", "bare"])
+
+
+@EACH
+def test_a_report_refers_to_nothing_outside(name: str) -> None:
+    document = tree(html_of(name))
     assert not {"link", "img", "iframe", "object", "embed", "base", "form", "a", "use", "image"} & {
         element.tag for element in document.iter()
     }
     for element in document.iter():
-        for name in element.attrib:
-            assert not name.lower().startswith("on")
-            assert name not in {"src", "href", "style", "action", "srcset", "data"}
+        for key in element.attrib:
+            assert not key.lower().startswith("on")
+            assert key not in {"src", "href", "style", "action", "srcset", "data"}
 
 
 def test_a_report_names_no_address_but_that_of_the_language_of_its_drawings() -> None:
-    html = render_report(demo_like_report())
+    html = html_of("demo")
     addresses = re.findall(r"https?:[^\s\"')]*|url\(|@import", html)
     assert set(addresses) == {"http://www.w3.org/2000/svg"}
 
 
-@pytest.mark.parametrize("make", REPORTS.values(), ids=REPORTS.keys())
-def test_the_browser_is_told_to_run_the_reports_own_script_and_to_load_nothing(
-    make: Callable[[], RunReport],
-) -> None:
-    html = render_report(make())
+@EACH
+def test_the_browser_is_told_to_run_the_reports_own_script_and_to_load_nothing(name: str) -> None:
+    html = html_of(name)
     (policy,) = [
         element.get("content", "")
         for element in tree(html).iter("meta")
@@ -142,13 +157,13 @@ def digest(text: str) -> str:
     return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"
 
 
-@pytest.mark.parametrize("make", REPORTS.values(), ids=REPORTS.keys())
-def test_a_report_can_be_written_as_utf_8_and_is_small(make: Callable[[], RunReport]) -> None:
-    assert len(render_report(make()).encode("utf-8")) < LARGEST_BYTES
+@EACH
+def test_a_report_can_be_written_as_utf_8_and_is_small(name: str) -> None:
+    assert len(html_of(name).encode("utf-8")) < LARGEST_BYTES
 
 
 def test_strangers_texts_are_shown_as_they_are() -> None:
-    html = render_report(hostile_report())
+    html = html_of("hostile")
     shown = " ".join(printable(HOSTILE).split())
     assert "\x1b" not in html
     assert "\u202e" not in html
@@ -181,44 +196,10 @@ def test_any_text_comes_back_from_a_browser_as_it_was(text: str) -> None:
     assert reader.elements == [{"aria-label": printable(text)}]
 
 
-def test_the_same_run_gives_the_same_page() -> None:
-    assert render_report(demo_like_report()) == render_report(demo_like_report())
-
-
-def test_the_first_lines_say_what_happened() -> None:
-    opening = all_text(render_report(demo_like_report()).replace("\N{NO-BREAK SPACE}", " ")).partition(
-        "Rate of each"
-    )[0]
-    assert "A TurtleBot3 patrols a warehouse" in opening
-    assert "−89 % bandwidth, 24 decisions, /odom error 1.3 cm" in opening
-    assert "Source 192.3 MB/s SmartTestudo 20.9 MB/s" in opening
-
-
-def test_every_topic_has_a_chart_and_every_decision_a_line() -> None:
-    report = demo_like_report()
-    document = tree(render_report(report))
-    charts = [element for element in document.iter("svg") if element.get("class") == "over-time small"]
-    assert len(charts) == len(SOURCES)
-    decisions = next(one for one in document.iter("figure") if "decisions" in one.get("class", ""))
-    lines = [" ".join(" ".join(row.itertext()).split()) for row in decisions.iter("tr")]
-    assert len(lines) == 1 + len(report.decisions)
-    assert lines[1] == (
-        "0.0 /odom start → 10 Hz Scaffolding · line 25 · unknown /odom pose_x = unknown, pose_y = unknown"
-    )
-    assert "31.2 /odom 10 Hz → 4 Hz Warehouse Corridor · line 14 /odom pose_x = 2.1, pose_y = 2.1" in lines
-
-
-def test_the_path_is_drawn_in_the_styles_of_the_deciding_rules() -> None:
-    document = tree(render_report(demo_like_report()))
-    floor = next(element for element in document.iter("svg") if element.get("class") == "map")
-    styles = [
-        element.get("class", "").removeprefix("path ")
-        for element in floor.iter("polyline")
-        if element.get("class", "").startswith("path ")
-    ]
-    assert styles == ["by-rule-2", "by-default", "by-rule-1", "by-rule-2", "by-default"]
-    zones = [element.get("class") for element in floor.iter("rect") if "zone" in element.get("class", "")]
-    assert zones == ["zone by-rule-1", "zone by-rule-2"]
+def test_pages_read_as_in_the_golden_files() -> None:
+    pages = {"demo": small_report(), "bare": bare_report(), "rules": many_rules_report()}
+    for name, report in pages.items():
+        assert_reads_as(GOLDEN / f"page-{name}.html", page_lines(render_report(report)))
 
 
 def test_every_class_on_the_page_has_a_look() -> None:
@@ -226,34 +207,9 @@ def test_every_class_on_the_page_has_a_look() -> None:
     made_by_scripts = {"time-bar", "scripted", "robot", "known", "zoomed", "shown-path", "cursor", "chosen"}
     shares = {f"share-{index}" for index in range(1, MOST_LAYERS + 2)}
     used = (
-        classes(render_report(demo_like_report()))
-        | made_by_scripts
-        | shares
-        | styles
-        | {DEFAULTS.css_class, OTHERS.css_class}
+        classes(html_of("demo")) | made_by_scripts | shares | styles | {DEFAULTS.css_class, OTHERS.css_class}
     )
     assert {name for name in used if f".{name}" not in style()} == set()
-
-
-def test_more_rules_than_styles_share_one_and_are_still_named_in_the_decisions() -> None:
-    decisions = tuple(
-        decided(float(at), "/odom", Rate(1.0), f"Rule {at}", at) for at in range(STYLED_BLOCKS + 2)
-    )
-    html = render_report(bare_report(decisions=decisions, series=(TopicSeries(topic="/odom"),)))
-    assert OTHERS.name in all_text(html)
-    assert all(f"Rule {at} " in all_text(html) for at in range(STYLED_BLOCKS + 2))
-
-
-def test_blocks_of_one_name_are_told_apart_by_their_lines() -> None:
-    decisions = (decided(0.0, "/odom", Rate(1.0), "Hall", 3), decided(5.0, "/odom", Rate(1.0), "Hall", 9))
-    html = render_report(bare_report(decisions=decisions, series=(TopicSeries(topic="/odom"),)))
-    assert {"Hall (line 3)", "Hall (line 9)"} <= {element.text for element in tree(html).iter("span")}
-
-
-def test_a_run_without_place_rules_or_series_has_a_page_too() -> None:
-    text = all_text(render_report(bare_report()))
-    assert "What the rules decided" not in text
-    assert "Frequency" in text
 
 
 @pytest.mark.parametrize("place", [math.nan, math.inf, -math.inf, 1e300])
@@ -268,7 +224,7 @@ def test_an_impossible_place_is_left_out_of_the_map(place: float) -> None:
     assert 'class="map"' not in render_report(bare_report(path=path[1:2]))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_long_run_makes_no_larger_page() -> None:
     """A day at 25 Hz with a decision every second."""
     seconds = 86_400

@@ -12,10 +12,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from axe import WIDTHS_PX, violations
-from report.demo_like_report import demo_like_report
-from report.test_report import hostile_report
-from smarttestudo.report.document import render_report
-from smarttestudo.report.run_report import RunReport
+from report.test_report import html_of
 
 BOXES = """texts => texts.map((text) => {
     const { left, right, height } = text.getBoundingClientRect();
@@ -46,9 +43,9 @@ CUT_OFF = """names => names.filter((name) => {
 class Opened:
     """A report in a tab, and everything that its browser complained of or asked for."""
 
-    def __init__(self, browser: Browser, folder: Path, report: RunReport, *, scripts: bool = True) -> None:
+    def __init__(self, browser: Browser, folder: Path, name: str = "demo", *, scripts: bool = True) -> None:
         path = folder / "report.html"
-        path.write_text(render_report(report), "utf-8")
+        path.write_text(html_of(name), "utf-8")
         context = browser.new_context(
             offline=True, java_script_enabled=scripts, viewport={"width": 1280, "height": 900}
         )
@@ -86,7 +83,7 @@ class Opened:
 
 @pytest.fixture
 def opened(browser: Browser, tmp_path: Path) -> Opened:
-    return Opened(browser, tmp_path, demo_like_report())
+    return Opened(browser, tmp_path)
 
 
 def test_a_report_opens_without_a_complaint_and_asks_for_nothing(opened: Opened) -> None:
@@ -97,7 +94,7 @@ def test_a_report_opens_without_a_complaint_and_asks_for_nothing(opened: Opened)
 
 
 def test_strangers_texts_do_nothing_in_a_browser(browser: Browser, tmp_path: Path) -> None:
-    opened = Opened(browser, tmp_path, hostile_report())
+    opened = Opened(browser, tmp_path, "hostile")
     expect(opened.page.locator(".time-bar")).to_be_visible()
     assert opened.complaints == []
     assert len(opened.requests) == 1
@@ -162,7 +159,7 @@ def test_the_keyboard_reaches_the_time_the_tables_and_the_decisions(opened: Open
 
 
 def test_without_scripts_every_drawing_and_number_is_there(browser: Browser, tmp_path: Path) -> None:
-    opened = Opened(browser, tmp_path, demo_like_report(), scripts=False)
+    opened = Opened(browser, tmp_path, scripts=False)
     assert opened.page.locator("svg.over-time:visible").count() == 12
     expect(opened.page.locator(".time-bar")).to_have_count(0)
     words = opened.page.locator("body").inner_text().replace("\N{NO-BREAK SPACE}", " ")
@@ -204,32 +201,28 @@ def test_a_zoomed_chart_names_its_times_and_the_bars_that_have_room(opened: Open
     assert max(map(float, times)) <= 200
 
 
-def test_a_chart_fits_a_telephone_with_letters_of_the_usual_size(browser: Browser, tmp_path: Path) -> None:
-    opened = Opened(browser, tmp_path, demo_like_report())
-    opened.page.set_viewport_size({"width": 390, "height": 800})
-    opened.chart("total").scroll_into_view_if_needed()
-    boxes = opened.chart("total").locator(".times text").evaluate_all(BOXES)
-    assert all(height >= 11 for _, _, height in boxes)
-    assert all(right < left for (_, right, _), (left, _, _) in pairwise(boxes))
-    assert boxes[-1][1] <= 390
-
-
-@pytest.mark.parametrize("width", WIDTHS_PX)
 @pytest.mark.parametrize("scripts", [True, False], ids=["scripts", "no-scripts"])
 def test_the_page_has_no_sideways_scroll_and_letters_to_read_at_each_width(
-    browser: Browser, tmp_path: Path, width: int, scripts: bool
+    browser: Browser, tmp_path: Path, scripts: bool
 ) -> None:
-    opened = Opened(browser, tmp_path, demo_like_report(), scripts=scripts)
-    opened.page.set_viewport_size({"width": width, "height": 800})
-    texts = opened.page.locator("svg text:visible")
+    page = Opened(browser, tmp_path, scripts=scripts).page
+    for width in WIDTHS_PX:
+        assert_readable(page, width)
+
+
+def assert_readable(page: Page, width: int) -> None:
+    """Letters of 11 px or more, nothing cut off and nothing to scroll sideways in a window of ``width``."""
+    page.set_viewport_size({"width": width, "height": 800})
+    texts = page.locator("svg text:visible")
     assert min(texts.evaluate_all(LETTERS_PX)) >= 11
     assert texts.evaluate_all(CUT_OFF) == []
-    assert not opened.page.locator("html").evaluate(SCROLLS_SIDEWAYS)
-    assert not any(figure.evaluate(SCROLLS_SIDEWAYS) for figure in opened.page.locator("figure.chart").all())
+    assert not page.locator("html").evaluate(SCROLLS_SIDEWAYS)
+    assert not any(figure.evaluate(SCROLLS_SIDEWAYS) for figure in page.locator("figure.chart").all())
 
 
-def test_on_a_telephone_a_lane_has_its_name_above_its_bars(browser: Browser, tmp_path: Path) -> None:
-    opened = Opened(browser, tmp_path, demo_like_report())
+def test_on_a_telephone_a_chart_fits_a_lane_has_its_name_above_and_a_wide_table_scrolls(
+    opened: Opened,
+) -> None:
     lanes = opened.chart("lanes").locator(".lane")
     beside = lanes.evaluate_all(LANES)
     assert all(bar_top <= top and bottom <= bar_bottom for _, top, bottom, _, bar_top, bar_bottom in beside)
@@ -246,22 +239,20 @@ def test_on_a_telephone_a_lane_has_its_name_above_its_bars(browser: Browser, tmp
     assert cursor is not None
     lowest_bar = lanes.evaluate_all(LANES)[-1][-1]
     assert lowest_bar < cursor["y"] + cursor["height"] < lowest_bar + 10
-
-
-def test_on_a_telephone_a_wide_table_scrolls_under_what_names_its_rows(
-    browser: Browser, tmp_path: Path
-) -> None:
-    opened = Opened(browser, tmp_path, demo_like_report())
-    opened.page.set_viewport_size({"width": 390, "height": 800})
+    opened.chart("total").scroll_into_view_if_needed()
+    boxes = opened.chart("total").locator(".times text").evaluate_all(BOXES)
+    assert all(height >= 11 for _, _, height in boxes)
+    assert all(right < left for (_, right, _), (left, _, _) in pairwise(boxes))
+    assert boxes[-1][1] <= 390
     table = opened.page.get_by_role("table", name="Frequency")
     table.locator("xpath=..").evaluate("(figure) => { figure.scrollLeft = figure.scrollWidth; }")
-    last = table.locator("tbody tr").first.locator("td").last.bounding_box()
+    cells = table.locator("tbody tr").first.locator("td")
+    first, last = cells.first.bounding_box(), cells.last.bounding_box()
+    assert first is not None
     assert last is not None
+    assert first["x"] >= 0
     assert last["x"] + last["width"] <= 390
-    left = table.locator("tbody tr").first.locator("td").first.bounding_box()
-    assert left is not None
-    assert left["x"] >= 0
 
 
 def test_axe_finds_nothing(browser: Browser, tmp_path: Path) -> None:
-    assert violations(Opened(browser, tmp_path, demo_like_report()).page) == []
+    assert violations(Opened(browser, tmp_path).page) == []
