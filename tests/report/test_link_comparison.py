@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from report.golden_files import assert_reads_as
 from smarttestudo.demo.link_side import zenoh_priorities
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.report.link_comparison import (
@@ -14,6 +17,7 @@ from smarttestudo.report.link_comparison import (
 )
 from smarttestudo.report.table import plain_table
 
+GOLDEN = Path(__file__).parent / "golden"
 ODOM = TopicArrivals(published_hz=25.5, received_hz=10.0, ages_s=[0.01 * age for age in range(1, 101)])
 NONE = TopicArrivals(published_hz=28.0, received_hz=0.0, ages_s=[])
 ARRIVALS = (
@@ -22,26 +26,10 @@ ARRIVALS = (
 )
 
 
-def lines(text: str) -> list[list[str]]:
-    return [line.split() for line in text.splitlines() if line and "─" not in line]
-
-
-def test_rates_are_beside_each_other_and_the_share_of_the_link_below() -> None:
-    assert lines(plain_table(arrival_rates_table(ARRIVALS))) == [
-        ["Rate", "at", "the", "operator"],
-        ["Topic", "Published", "SmartTestudo", "Zenoh"],
-        ["Hz", "Hz", "Hz"],
-        ["/image", "28.00", "0.00", "–"],
-        ["/odom", "25.50", "10.00", "10.00"],
-        ["Share", "of", "the", "link", "used", "–", "93%", "98%"],
-    ]
-
-
-def test_ages_are_the_median_the_95th_percentile_and_the_greatest() -> None:
-    assert lines(plain_table(arrival_ages_table(ARRIVALS)))[3:5] == [
-        ["/image", "–", "–"],
-        ["/odom", "0.51", "0.96", "1.00", "0.51", "0.96", "1.00"],
-    ]
+def test_the_tables_read_as_in_the_golden_file() -> None:
+    """The ages are the median, the 95th percentile and the greatest."""
+    tables = (arrival_rates_table(ARRIVALS), arrival_ages_table(ARRIVALS))
+    assert_reads_as(GOLDEN / "link-comparison.txt", "\n\n".join(map(plain_table, tables)) + "\n")
 
 
 def test_zenoh_s_priorities_are_in_the_order_of_the_profile() -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import io
 import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from report.demo_like_report import demo_like_report
+from report.golden_files import assert_reads_as
 from smarttestudo.bags.comparison import Comparison, compare
 from smarttestudo.bags.statistics import TopicStatistics
 from smarttestudo.bags.targets import Target
@@ -62,43 +64,31 @@ def shown(table: Table, terminal: Terminal) -> list[str]:
     return _ESCAPE_SEQUENCE.sub("", terminal.getvalue()).splitlines()
 
 
-@pytest.mark.parametrize(("name", "build"), [("frequency", frequency_table), ("bandwidth", bandwidth_table)])
+@pytest.mark.parametrize("build", [frequency_table, bandwidth_table])
 @pytest.mark.parametrize("width", [80, 60])
-def test_the_demos_tables_read_as_in_the_golden_file(name: str, build: object, width: int) -> None:
-    table = {"frequency": frequency_table, "bandwidth": bandwidth_table}[name](demo_like_report().comparison)
-    golden = (GOLDEN / f"{name}-{width}.txt").read_text(encoding="utf-8")
-    assert plain_table(table, width=width) + "\n" == golden
+def test_the_demos_tables_read_as_in_the_golden_file(
+    build: Callable[[Comparison], Table], width: int
+) -> None:
+    table = plain_table(build(demo_like_report().comparison), width=width)
+    assert_reads_as(GOLDEN / f"{build.__name__.removesuffix('_table')}-{width}.txt", table + "\n")
 
 
-def test_beside_an_error_stands_the_mean_that_it_is_the_error_of() -> None:
+def test_missing_numbers_exact_means_frames_and_named_runs_read_as_in_the_golden_file() -> None:
+    """A dash and no zero; beside an error the mean that it is of; transforms without an error, explained."""
     second = TopicStatistics(
         messages=300, size_bytes=300, start_s=0.0, end_s=99.6, mean_hz=3.002, binned_hz=2.98, kb_per_s=0.003
     )
-    (pair,) = compare(
-        {"/scan": second}, {"/scan": second}, {"/scan": Target(planned_hz=3.0, attainable_hz=3.0)}
-    ).topics
-    line = plain_table(frequency_table(Comparison(topics=(pair,)))).splitlines()[5]
-    assert line.split() == ["/scan", "2.98", "2.98", "0.0", "3.00", "3.00", "+0.07"]
-
-
-def test_transforms_have_a_target_of_each_frame_and_no_error() -> None:
-    (pair,) = compare(
-        {"/tf": HALF}, {"/tf": HALF}, {"/tf": Target(planned_hz=2.0, attainable_hz=None)}
-    ).topics
-    shown = plain_table(frequency_table(Comparison(topics=(pair,))))
-    assert shown.splitlines()[5].split() == ["/tf", "1.00", "1.00", "0.0", "2.00", "–", "–"]
-    assert "Of transforms the target is that of each frame" in " ".join(shown.split())
-    assert "Of transforms" not in plain_table(one_topic("/odom"))
-
-
-def test_what_is_missing_is_a_dash_and_never_a_zero() -> None:
-    cells = plain_table(one_topic("/odom")).splitlines()[5].split()
-    assert cells == ["/odom", "1.00", "–", "–", "2.00", "–", "–"]
-
-
-def test_the_runs_can_be_named() -> None:
-    names = RunNames(before="monday.mcap", after="tuesday.mcap")
-    assert "monday.mcap  tuesday.mcap" in plain_table(frequency_table(compare({}, {}), names))
+    halves = compare(
+        {"/odom": HALF, "/scan": second},
+        {"/scan": second},
+        {
+            "/odom": Target(planned_hz=2.0, attainable_hz=1.0),
+            "/scan": Target(planned_hz=3.0, attainable_hz=3.0),
+        },
+    )
+    frames = compare({"/tf": HALF}, {"/tf": HALF}, {"/tf": Target(planned_hz=2.0, attainable_hz=None)})
+    tables = (frequency_table(halves, RunNames(before="monday", after="tuesday")), frequency_table(frames))
+    assert_reads_as(GOLDEN / "frequency-cells.txt", "\n\n".join(map(plain_table, tables)) + "\n")
 
 
 @pytest.mark.parametrize(
