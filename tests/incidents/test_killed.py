@@ -1,39 +1,30 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a process leaves that is killed while it records, and what the next one makes of it."""
+"""What a run leaves that is killed while it records, and what the next one makes of it."""
 
 from __future__ import annotations
 
-import os
 import struct
-import subprocess
-import sys
 import tempfile
-import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
-from random import Random
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bags.bag_factory import BagMessage
 from bags.bag_reading import read_bag, read_with_mcap, read_with_rosbags
-from incidents.folder_runs import record_of
-from link.zenoh.ends import until
+from incidents.folder_runs import MS, FolderRun, record_of
+from incidents.incident_runs import recording_rules
 from smarttestudo.bags.mcap.record_bytes import StoredChannel, file_start
 from smarttestudo.bags.mcap.writer import McapWriter
 from smarttestudo.bags.mcap.written_file import complete_file, complete_files
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.incidents.recovery import complete_incidents
 
-SCRIPT = Path(__file__).with_name("writing_process.py")
 LOST_NS = 500_000_000
-LAST_NS = 2 * LOST_NS
-ATTEMPTS = 20
 CHANNEL = StoredChannel(topic="/odom", type_name="std_msgs/msg/String", definition="string data\n")
 # Long as those of sensor messages, and with a letter that takes two bytes.
 OTHER = StoredChannel(topic="/scan", type_name="sensor_msgs/msg/LaserScan", definition=700 * "\u00b0")
@@ -42,65 +33,23 @@ STAMP_NS = 1_700_000_000_000_000_000
 SECTOR_BYTES = 512
 
 
-def kill_after(folder: Path, log: Path, seconds: float) -> int:
-    """Have a process record so long, and a message at least; the monotonic time, in ns, of its end."""
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
-    command = [sys.executable, str(SCRIPT), str(folder), str(log)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
-        try:
-            assert process.stdout is not None
-            assert process.stdout.readline() == b"ready\n"
-            time.sleep(seconds)
-            until(lambda: any(map(has_message, folder.glob(".*.partial"))))
-        finally:
-            killed_ns = time.monotonic_ns()
-            process.kill()
-    return killed_ns
-
-
-def kept_pace(given: Sequence[tuple[int, int, int]], killed_ns: int) -> bool:
-    """Whether the process stood still for no longer than it may lose, in its last second."""
-    moments_ns = [*(at_ns for _, _, at_ns in given), killed_ns]
-    gaps_ns = [after - before for before, after in pairwise(moments_ns) if after > killed_ns - LAST_NS]
-    return max(gaps_ns) < LOST_NS // 4
-
-
-def killed_at_pace(folder: Path, seconds: float) -> tuple[Path, int, list[tuple[int, int, int]]]:
-    """The folder of a process that was killed while the machine kept up, when that was, and its log."""
-    for attempt in range(ATTEMPTS):
-        incidents, log = folder / f"incidents{attempt}", folder / f"log{attempt}"
-        killed_ns = kill_after(incidents, log, seconds)
-        given = list(struct.iter_unpack("<QQQ", log.read_bytes()))
-        if kept_pace(given, killed_ns):
-            return incidents, killed_ns, given
-    pytest.fail("machine too slow: the process stood still each time, and what it had then is not claimed")
-
-
 def messages_in(bag: Path) -> list[BagMessage]:
     """What can be read of a folder that was not ended; an incident that just began has no file yet."""
     has_file = any(file.stat().st_size >= len(file_start()) for file in bag.glob("*.mcap"))
     return read_bag(bag).messages if has_file else []
 
 
-def has_message(bag: Path) -> bool:
-    """Whether a message can be read of a folder that the process writes, and may end meanwhile."""
-    try:
-        return bool(messages_in(bag))
-    except (FileNotFoundError, RecordingError):
-        return False
-
-
-def numbers(messages: list[BagMessage]) -> list[int]:
+def numbers(messages: Sequence[BagMessage]) -> list[int]:
     return [struct.unpack_from("<Q", message.payload)[0] for message in messages]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20))
-def test_a_killed_process_loses_the_last_half_second_at_most(tmp_path: Path, seed: int) -> None:
-    folder, killed_ns, given = killed_at_pace(tmp_path, Random(seed).uniform(0.4, 1.6))
-    sure = [(number, stamp_ns) for number, stamp_ns, at_ns in given if at_ns < killed_ns - LOST_NS]
-    left = {path.name[1:-8]: messages_in(path) for path in folder.glob(".*.partial")}
-    assert left
+def completed_as_left(
+    folder: Path, left: Mapping[str, Sequence[BagMessage]], began_ns: int
+) -> dict[str, list[int]]:
+    """Complete the incidents that were left with these messages; the numbers of those that have any.
+
+    One without any began after ``began_ns``.
+    """
     completed = {one.name: one for one in complete_incidents(folder)}
     assert set(completed) == set(left)
     for name, messages in left.items():
@@ -110,12 +59,9 @@ def test_a_killed_process_loses_the_last_half_second_at_most(tmp_path: Path, see
         assert record["topics"].get("/odom", {"messages": 0})["messages"] == len(found)
         if not found:
             # It was killed as the incident began.
-            assert record["triggered_ns"] > given[-1][1] - LOST_NS
+            assert record["triggered_ns"] > began_ns
             continue
         assert found == list(range(found[0], found[-1] + 1))
-        assert found[-1] >= max(
-            (number for number, stamp_ns in sure if stamp_ns <= record["to_ns"]), default=0
-        )
         assert read_bag(folder / name).messages == messages
         assert read_bag(folder / name).notices == []
         assert read_with_rosbags(folder / name) == messages
@@ -123,13 +69,38 @@ def test_a_killed_process_loses_the_last_half_second_at_most(tmp_path: Path, see
         assert sorted(numbers(with_mcap)) == found
         assert {one["reason"] for one in record["missing"]} <= {"killed", "late"}
     assert list(complete_incidents(folder)) == []
+    return {name: numbers(messages) for name, messages in left.items() if messages}
+
+
+def record_until_killed(folder: Path, messages: int) -> FolderRun:
+    """What lies on the disk after so many messages, 100 a second, with an incident every 300 ms."""
+    rules = recording_rules('Record "one" /odom Before 500 ms After 700 ms')
+    run = FolderRun(rules, folder, topics=("/odom",))
+    for number in range(messages):
+        if number % 30 == 29:
+            run.trigger()
+        run.message("/odom", 1000)
+        run.wait(10)
+    return run
+
+
+@settings(max_examples=15)
+@given(st.integers(31, 130))
+def test_whenever_a_run_is_killed_all_that_it_wrote_is_completed(count: int) -> None:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name, "incidents")
+        run = record_until_killed(folder, count)
+        left = {path.name[1:-8]: messages_in(path) for path in folder.glob(".*.partial")}
+        assert left
+        found = completed_as_left(folder, left, run.clock_ms * MS - LOST_NS)
+        assert all(of_one[-1] == count - 1 for of_one in found.values())
 
 
 def test_a_file_that_is_cut_anywhere_is_completed_as_far_as_it_goes(tmp_path: Path) -> None:
     path = tmp_path / "whole.mcap"
     writer = McapWriter(path)
     ends = []
-    for number in range(30):
+    for number in range(8):
         writer.write(CHANNEL, number, struct.pack("<Q", number))
         ends.append(path.stat().st_size)
     unended = path.read_bytes()
@@ -215,7 +186,7 @@ def test_a_file_of_another_kind_is_named_and_left_alone(tmp_path: Path, content:
 
 
 def test_a_folder_that_cannot_be_completed_costs_only_itself(tmp_path: Path) -> None:
-    kill_after(tmp_path / "incidents", tmp_path / "log", 0.8)
+    record_until_killed(tmp_path / "incidents", 80)
     (broken, *others) = sorted((tmp_path / "incidents").glob(".*.partial"))
     (broken / "incident.json").write_text("{")
     said = {one.name: str(one) for one in complete_incidents(tmp_path / "incidents")}
@@ -227,7 +198,7 @@ def test_a_folder_that_cannot_be_completed_costs_only_itself(tmp_path: Path) -> 
 
 @pytest.mark.parametrize("written_bytes", [0, 5, len(file_start()) - 1])
 def test_a_file_with_less_than_a_beginning_costs_nothing(tmp_path: Path, written_bytes: int) -> None:
-    kill_after(tmp_path / "incidents", tmp_path / "log", 0.8)
+    record_until_killed(tmp_path / "incidents", 80)
     (partial, *_) = sorted((tmp_path / "incidents").glob(".*.partial"))
     name, before = partial.name[1:-8], read_bag(partial).messages
     (partial / f"{name}_9.mcap").write_bytes(file_start()[:written_bytes])
@@ -238,7 +209,7 @@ def test_a_file_with_less_than_a_beginning_costs_nothing(tmp_path: Path, written
 
 def test_links_are_not_followed(tmp_path: Path) -> None:
     folder = tmp_path / "incidents"
-    kill_after(folder, tmp_path / "log", 0.5)
+    record_until_killed(folder, 50)
     secret = tmp_path / "secret.mcap"
     secret.write_bytes(b"secret")
     partial = next(iter(folder.glob(".*.partial")))
