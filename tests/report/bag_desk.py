@@ -8,14 +8,17 @@ import csv
 import json
 from collections import Counter
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from bags.bag_factory import BagContent, BagMessage, BagTopic, small_mission
+from bags.bag_factory import BagContent, BagMessage, BagTopic, small_mission, write_bag
+from made_once import made_once
 from smarttestudo.cli.main import main
 
 MISSION = small_mission()
+DECLARED = {"smarttestudo.declared_bytes": json.dumps({"/image": 6_220_000})}
 
 
 @dataclass(frozen=True)
@@ -62,3 +65,14 @@ def thinned(every: int, rename: str = "{}") -> BagContent:
         seen[message.topic] += 1
     topics = [BagTopic(rename.format(topic.name), topic.type_name, topic.qos) for topic in MISSION.topics]
     return BagContent(tuple(topics), tuple(kept))
+
+
+def mission_bags(factory: pytest.TempPathFactory) -> Path:
+    """The mission as ``sent``, with declared sizes as ``bag``, and each fifth of its messages as ``seen``."""
+
+    def make(folder: Path) -> None:
+        write_bag(folder / "sent", MISSION)
+        write_bag(folder / "bag", MISSION, custom_data=DECLARED)
+        write_bag(folder / "seen", thinned(5))
+
+    return made_once(factory, "mission-bags", make)

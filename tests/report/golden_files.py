@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import os
 import re
+from difflib import unified_diff
 from pathlib import Path
+
+import pytest
 
 from smarttestudo import __version__
 
@@ -21,7 +24,10 @@ def assert_reads_as(golden: Path, text: str) -> None:
     """``text`` is what the file says, to the last character."""
     if "WRITE_GOLDEN" in os.environ:
         golden.write_text(text, encoding="utf-8")
-    assert text == golden.read_text(encoding="utf-8")
+    expected = golden.read_text(encoding="utf-8")
+    if text != expected:
+        diff = unified_diff(expected.splitlines(), text.splitlines(), str(golden), "shown", lineterm="")
+        pytest.fail("\n".join(diff), pytrace=False)
 
 
 def page_lines(html: str) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import shutil
 import statistics
 import struct
 from collections import Counter, defaultdict
@@ -31,15 +32,21 @@ from bags.bag_factory import (
     write_split_bag,
 )
 from bags.bag_reading import read_with_rosbags
-from report.bag_desk import MISSION, Desk, thinned
+from report.bag_desk import MISSION, Desk, mission_bags, thinned
+from report.golden_files import assert_reads_as
 
 GOLDEN = Path(__file__).parent / "golden"
-DECLARED = {"smarttestudo.declared_bytes": json.dumps({"/image": 6_220_000})}
 BAG_EXPECTED = "give a rosbag2 folder, a .db3 or an .mcap file"
 
 
 @pytest.fixture
-def desk(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Desk:
+def desk(
+    tmp_path: Path,
+    tmp_path_factory: pytest.TempPathFactory,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> Desk:
+    shutil.copytree(mission_bags(tmp_path_factory), tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     return Desk(capsys)
 
@@ -87,11 +94,11 @@ def test_the_numbers_are_those_of_a_naive_count(
 ) -> None:
     size = -(-len(MISSION.messages) // files)
     parts = [MISSION.between(size * i, size * (i + 1)) for i in range(files)]
-    folder = write_split_bag(tmp_path / "bag", parts, storage=storage, compression=compression)
+    folder = write_split_bag(tmp_path / "split", parts, storage=storage, compression=compression)
     naive = naive_numbers(list(MISSION.messages))
     if compression is CompressionMode.NONE:
         assert naive == naive_numbers(read_with_rosbags(folder))
-    ran = desk.bag("rates", "bag", "--json")
+    ran = desk.bag("rates", "split", "--json")
     assert (ran.code, ran.err) == (0, "")
     assert_same_numbers(ran.json["topics"], naive)
     total = ran.json["total"]
@@ -100,24 +107,23 @@ def test_the_numbers_are_those_of_a_naive_count(
     assert math.isclose(total["kbit_per_s"], 8 * total["bytes"] / 1000 / ran.json["duration_s"])
 
 
-@pytest.mark.parametrize("action", ["info", "rates", "bandwidth"])
-def test_the_tables_read_as_in_the_golden_file(desk: Desk, tmp_path: Path, action: str) -> None:
-    write_bag(tmp_path / "bag", MISSION, custom_data=DECLARED)
-    ran = desk.bag(action, "bag")
-    assert (ran.code, ran.err) == (0, "")
-    assert ran.out == (GOLDEN / f"bag-{action}.txt").read_text(encoding="utf-8")
+def test_the_tables_read_as_in_the_golden_files(desk: Desk, tmp_path: Path) -> None:
+    write_bag(tmp_path / "relayed", thinned(5, "/testudo{}"))
+    write_bag(tmp_path / "late", BagContent((ODOM, GRIPPER), tuple(stamped(ODOM, [1, 2, 9]))))
+    commands = {
+        "info": "info bag",
+        "rates": "rates bag",
+        "bandwidth": "bandwidth bag",
+        "compare": "compare sent relayed",
+        "latency": "rates late --latency",
+    }
+    for name, command in commands.items():
+        ran = desk.bag(*command.split())
+        assert (ran.code, ran.err) == (0, "")
+        assert_reads_as(GOLDEN / f"bag-{name}.txt", ran.out)
 
 
-def test_the_comparison_reads_as_in_the_golden_file(desk: Desk, tmp_path: Path) -> None:
-    write_bag(tmp_path / "full", MISSION)
-    write_bag(tmp_path / "thin", thinned(5, "/testudo{}"))
-    ran = desk.bag("compare", "full", "thin")
-    assert (ran.code, ran.err) == (0, "")
-    assert ran.out == (GOLDEN / "bag-compare.txt").read_text(encoding="utf-8")
-
-
-def test_declared_sizes_count_and_are_labelled(desk: Desk, tmp_path: Path) -> None:
-    write_bag(tmp_path / "bag", MISSION, custom_data=DECLARED)
+def test_declared_sizes_count_and_are_labelled(desk: Desk) -> None:
     topics = desk.bag("bandwidth", "bag", "--json").json["topics"]
     assert topics["/image"]["bytes"] == 20 * 6_220_000
     assert {name for name, topic in topics.items() if topic["declared"]} == {"/image"}
@@ -148,27 +154,25 @@ def test_silence_in_the_time_of_the_first_run_counts_as_bandwidth_of_nothing(
 
 @pytest.mark.parametrize("rename", ["{}", "/testudo{}", "{}_receive"])
 def test_topics_pair_with_their_relays(desk: Desk, tmp_path: Path, rename: str) -> None:
-    write_bag(tmp_path / "a", MISSION)
     write_bag(tmp_path / "b", thinned(5, rename))
-    compared = desk.bag("compare", "a", "b", "--json").json
-    a, b = (desk.bag("rates", bag, "--json").json["topics"] for bag in "ab")
+    compared = desk.bag("compare", "sent", "b", "--json").json
+    a, b = (desk.bag("rates", bag, "--json").json["topics"] for bag in ("sent", "b"))
     odom = compared["topics"]["/odom"]
     relay = b[rename.format("/odom")]
     assert odom["b_topic"] == rename.format("/odom")
     assert odom["change_percent"] == 100 * (relay["binned_hz"] / a["/odom"]["binned_hz"] - 1)
     assert odom["a"].items() <= a["/odom"].items()
-    over_s = desk.bag("info", "a", "--json").json["duration_s"]
+    over_s = desk.bag("info", "sent", "--json").json["duration_s"]
     kb_per_s = relay["bytes"] / 1000 / over_s
     assert odom["b"] == {key: relay[key] for key in odom["b"]} | {"kb_per_s": kb_per_s}
 
 
 def test_a_mapping_pairs_topics_of_any_name(desk: Desk, tmp_path: Path) -> None:
-    write_bag(tmp_path / "a", MISSION)
     write_bag(tmp_path / "b", thinned(5, "/robot{}"))
-    assert desk.refuses("compare", "a", "b") == (
-        "b: error: it has no topic in common with a; pair two by --map /a=/b"
+    assert desk.refuses("compare", "sent", "b") == (
+        "b: error: it has no topic in common with sent; pair two by --map /a=/b"
     )
-    ran = desk.bag("compare", "a", "b", "--map", "/odom=/robot/odom", "--csv")
+    ran = desk.bag("compare", "sent", "b", "--map", "/odom=/robot/odom", "--csv")
     paired = {row["topic"]: row["b_topic"] for row in ran.csv}
     assert paired["/odom"] == "/robot/odom"
     assert paired["/scan"] == ""
@@ -176,23 +180,20 @@ def test_a_mapping_pairs_topics_of_any_name(desk: Desk, tmp_path: Path) -> None:
 
 
 def test_a_source_recorded_beside_its_relay_hides_no_pair(desk: Desk, tmp_path: Path) -> None:
-    write_bag(tmp_path / "a", MISSION)
     relayed = thinned(5, "/testudo{}")
     both = sorted([*MISSION.messages, *relayed.messages], key=lambda message: message.stamp_ns)
     write_bag(tmp_path / "b", BagContent((*MISSION.topics, *relayed.topics), tuple(both)))
-    topics = desk.bag("compare", "a", "b", "--json").json["topics"]
-    messages = desk.bag("info", "a", "--json").json["topics"]["/odom"]["messages"]
+    topics = desk.bag("compare", "sent", "b", "--json").json["topics"]
+    messages = desk.bag("info", "sent", "--json").json["topics"]["/odom"]["messages"]
     assert (topics["/odom"]["a"]["messages"], topics["/odom"]["b_topic"]) == (messages, "/testudo/odom")
     assert (topics["/odom (B)"]["a"], topics["/odom (B)"]["b_topic"]) == (None, "/odom")
-    rows = desk.bag("compare", "a", "b", "--topics", "/odom", "--csv").csv
+    rows = desk.bag("compare", "sent", "b", "--topics", "/odom", "--csv").csv
     assert [row["topic"] for row in rows] == ["/odom", "/odom (B)"]
 
 
-def test_the_sum_of_a_comparison_is_over_the_topics_shown(desk: Desk, tmp_path: Path) -> None:
-    write_bag(tmp_path / "a", MISSION)
-    write_bag(tmp_path / "b", thinned(5))
-    total = desk.bag("compare", "a", "b", "--topics", "/odom", "/scan", "--json").json["total"]
-    a, b = (desk.bag("rates", bag, "--topics", "/odom", "/scan", "--json").json for bag in "ab")
+def test_the_sum_of_a_comparison_is_over_the_topics_shown(desk: Desk) -> None:
+    total = desk.bag("compare", "sent", "seen", "--topics", "/odom", "/scan", "--json").json["total"]
+    a, b = (desk.bag("rates", bag, "--topics", "/odom", "/scan", "--json").json for bag in ("sent", "seen"))
     kb_per_s = b["total"]["bytes"] / 1000 / a["duration_s"]
     assert total["a"] == a["total"]
     assert total["b"] == {
@@ -202,41 +203,38 @@ def test_the_sum_of_a_comparison_is_over_the_topics_shown(desk: Desk, tmp_path: 
     }
 
 
-def test_topics_are_chosen_by_name_and_by_pattern(desk: Desk, tmp_path: Path) -> None:
-    write_bag(tmp_path / "bag", MISSION)
+def test_topics_are_chosen_by_name_and_by_pattern(desk: Desk) -> None:
     ran = desk.bag("rates", "bag", "--json", "--topics", "/odom", "/*ap*")
     assert list(ran.json["topics"]) == ["/map_name", "/odom"]
 
 
-def test_a_topic_that_is_not_there_is_refused_with_the_nearest(desk: Desk, tmp_path: Path) -> None:
-    write_bag(tmp_path / "bag", MISSION)
-    write_bag(tmp_path / "thin", thinned(5))
+def test_a_topic_that_is_not_there_is_refused_with_the_nearest(desk: Desk) -> None:
     nearest = "error: no topic /odmo; did you mean /odom?"
     for action in ("info", "rates", "bandwidth"):
         assert desk.refuses(action, "bag", "--topics", "/odmo") == f"bag: {nearest}"
-    assert desk.refuses("compare", "bag", "thin", "--topics", "/odmo") == f"bag, thin: {nearest}"
-    assert desk.refuses("compare", "bag", "thin", "--map", "/scan=/odmo") == f"thin: {nearest}"
+    assert desk.refuses("compare", "sent", "seen", "--topics", "/odmo") == f"sent, seen: {nearest}"
+    assert desk.refuses("compare", "sent", "seen", "--map", "/scan=/odmo") == f"seen: {nearest}"
     listed = "error: no topic /zzz*; `testudo bag info` lists them"
     assert desk.refuses("rates", "bag", "--topics", "/zzz*") == f"bag: {listed}"
 
 
 def test_several_bags_are_shown_one_after_the_other(desk: Desk, tmp_path: Path) -> None:
-    write_bag(tmp_path / "a", MISSION)
     write_bag(tmp_path / "b", thinned(5), storage=StoragePlugin.MCAP)
-    both = [json.loads(line) for line in desk.bag("rates", "a", "b", "--json").out.splitlines()]
-    assert both == [desk.bag("rates", bag, "--json").json for bag in "ab"]
+    names = ("sent", "b")
+    both = [json.loads(line) for line in desk.bag("rates", *names, "--json").out.splitlines()]
+    assert both == [desk.bag("rates", bag, "--json").json for bag in names]
     assert [bag["storage"] for bag in both] == ["sqlite3", "mcap"]
-    rows = desk.bag("rates", "a", "b", "--csv").csv
+    rows = desk.bag("rates", *names, "--csv").csv
     assert [(row["bag"], row["topic"]) for row in rows] == [
-        (bag, topic) for bag in "ab" for topic in sorted(topic.name for topic in MISSION.topics)
+        (bag, topic) for bag in names for topic in sorted(topic.name for topic in MISSION.topics)
     ]
-    tables = [desk.bag("rates", bag).out for bag in "ab"]
-    assert desk.bag("rates", "a", "b").out.startswith("\n".join(tables))
+    tables = [desk.bag("rates", bag).out for bag in names]
+    assert desk.bag("rates", *names).out.startswith("\n".join(tables))
 
 
 def test_a_topic_without_messages_is_shown_without_numbers(desk: Desk, tmp_path: Path) -> None:
-    write_bag(tmp_path / "bag", BagContent(MISSION.topics, MISSION.messages[:1]))
-    topics = desk.bag("rates", "bag", "--json").json["topics"]
+    write_bag(tmp_path / "one", BagContent(MISSION.topics, MISSION.messages[:1]))
+    topics = desk.bag("rates", "one", "--json").json["topics"]
     assert topics["/scan"]["messages"] == 0
     assert (
         topics["/scan"]["mean_hz"] is topics["/scan"]["longest_gap_s"] is topics["/scan"]["start_s"] is None
@@ -268,9 +266,9 @@ def test_latency_is_receive_time_minus_the_stamp_in_the_header(
     ]
     messages.sort(key=lambda message: message.stamp_ns)
     content = BagContent((ODOM, SCAN, GRIPPER), tuple(messages))
-    write_bag(tmp_path / "bag", content, storage=storage, compression=compression)
-    plain = desk.bag("rates", "bag", "--json").json["topics"]
-    topics = desk.bag("rates", "bag", "--latency", "--json").json["topics"]
+    write_bag(tmp_path / "late", content, storage=storage, compression=compression)
+    plain = desk.bag("rates", "late", "--json").json["topics"]
+    topics = desk.bag("rates", "late", "--latency", "--json").json["topics"]
     odom = topics["/odom"]
     assert math.isclose(odom["latency_mean_s"], statistics.mean(latencies_ms) / 1000, rel_tol=1e-12)
     assert odom["latency_p95_s"] == sorted(latencies_ms)[math.ceil(0.95 * len(latencies_ms)) - 1] / 1000
@@ -278,13 +276,6 @@ def test_latency_is_receive_time_minus_the_stamp_in_the_header(
     assert topics["/scan"]["latency_mean_s"] is topics["/gripper"]["latency_max_s"] is None
     assert {name: {**topic, **plain[name]} for name, topic in topics.items()} == topics
     assert "latency_mean_s" not in plain["/odom"]
-
-
-def test_the_table_of_rates_has_latency_when_asked(desk: Desk, tmp_path: Path) -> None:
-    write_bag(tmp_path / "bag", BagContent((ODOM, GRIPPER), tuple(stamped(ODOM, [1, 2, 9]))))
-    ran = desk.bag("rates", "bag", "--latency")
-    assert (ran.code, ran.err) == (0, "")
-    assert ran.out == (GOLDEN / "bag-latency.txt").read_text(encoding="utf-8")
 
 
 def test_types_that_nobody_defines_are_counted_and_named(desk: Desk, tmp_path: Path) -> None:
@@ -304,14 +295,14 @@ def test_the_share_of_a_split_bag_counts_all_its_files(
     desk: Desk, tmp_path: Path, storage: StoragePlugin, has_metadata: bool
 ) -> None:
     parts = [MISSION.between(0, 60), MISSION.between(60, 120), MISSION.between(120, 161)]
-    folder = write_split_bag(tmp_path / "bag", parts, storage=storage)
-    assert desk.bag("info", "bag", "--json").json["readable_percent"] == 100
+    folder = write_split_bag(tmp_path / "split", parts, storage=storage)
+    assert desk.bag("info", "split", "--json").json["readable_percent"] == 100
     second = sorted(path for path in folder.iterdir() if path.name != "metadata.yaml")[1]
     second.write_bytes(second.read_bytes()[: second.stat().st_size // 2])
     if not has_metadata:
         (folder / "metadata.yaml").unlink()
-    ran = desk.bag("info", "bag")
-    read = desk.bag("info", "bag", "--json").json
+    ran = desk.bag("info", "split")
+    read = desk.bag("info", "split", "--json").json
     if has_metadata:
         share = read["total"]["messages"] / len(MISSION.messages)
         assert math.isclose(read["readable_percent"], 100 * share)
@@ -326,23 +317,23 @@ def test_the_share_of_a_split_bag_counts_all_its_files(
 
 
 def test_what_is_lost_of_a_cut_bag_is_said_beside_the_table(desk: Desk, tmp_path: Path) -> None:
-    path = next(write_bag(tmp_path / "bag", MISSION).glob("*.db3"))
+    path = next((tmp_path / "sent").glob("*.db3"))
     path.write_bytes(path.read_bytes()[: path.stat().st_size * 69 // 100])
-    ran = desk.bag("info", "bag")
+    ran = desk.bag("info", "sent")
     assert ran.code == 0
     damage = "69 % readable, ends at 2023-11-14 22:13:22.607 UTC"
     assert "\ndamaged: 66 % readable, ends at 2023-11-14 22:13:22.607 UTC\n" in ran.out
-    assert ran.err == f"note: {Path('bag', path.name)}: cut off: {damage} after 107 messages\n"
-    assert desk.bag("info", "bag", "--json").json["notices"] == [ran.err.removeprefix("note: ").rstrip("\n")]
+    assert ran.err == f"note: {Path('sent', path.name)}: cut off: {damage} after 107 messages\n"
+    assert desk.bag("info", "sent", "--json").json["notices"] == [ran.err.removeprefix("note: ").rstrip("\n")]
 
 
 def test_a_cut_bag_of_which_no_message_is_left_says_why(desk: Desk, tmp_path: Path) -> None:
-    path = next(write_bag(tmp_path / "bag", MISSION).glob("*.db3"))
+    path = next((tmp_path / "sent").glob("*.db3"))
     path.write_bytes(path.read_bytes()[: 8 * 4096])
     why = "cut off: no message could be read"
     assert (
-        desk.refuses("info", "bag")
-        == f"bag: error: the recording holds no message; {Path('bag', path.name)}: {why}"
+        desk.refuses("info", "sent")
+        == f"sent: error: the recording holds no message; {Path('sent', path.name)}: {why}"
     )
 
 
@@ -350,7 +341,6 @@ def test_bags_that_cannot_be_shown_are_refused_in_one_line(desk: Desk, tmp_path:
     (tmp_path / "notes.db3").write_text("dear diary, today")
     (tmp_path / "notes.txt").write_text("dear diary, today")
     write_bag(tmp_path / "empty", BagContent(MISSION.topics))
-    write_bag(tmp_path / "bag", MISSION)
     refusals = {
         "nowhere": f"nowhere: error: no such file or folder; {BAG_EXPECTED}",
         "notes.db3": f"notes.db3: error: not a recording: unknown file header; {BAG_EXPECTED}",
@@ -360,7 +350,7 @@ def test_bags_that_cannot_be_shown_are_refused_in_one_line(desk: Desk, tmp_path:
     for bag, refusal in refusals.items():
         for action in ("info", "rates", "bandwidth"):
             assert desk.refuses(action, bag) == refusal
-        assert desk.refuses("compare", "bag", bag) == refusal
+        assert desk.refuses("compare", "sent", bag) == refusal
 
 
 @pytest.mark.parametrize("text", ["/odom", "=/odom", "/odom="])
@@ -377,7 +367,7 @@ def test_a_topic_paired_twice_is_wrong_usage(desk: Desk) -> None:
 
 def test_messages_of_one_instant_have_no_bandwidth(desk: Desk, tmp_path: Path) -> None:
     message = BagMessage(ODOM.name, START_NS, odometry(0.0, 0.0))
-    write_bag(tmp_path / "bag", BagContent((ODOM,), (message, message)))
-    ran = desk.bag("bandwidth", "bag", "--json").json
+    write_bag(tmp_path / "instant", BagContent((ODOM,), (message, message)))
+    ran = desk.bag("bandwidth", "instant", "--json").json
     assert ran["topics"]["/odom"]["kb_per_s"] is ran["total"]["kbit_per_s"] is None
     assert ran["topics"]["/odom"]["longest_gap_s"] == 0

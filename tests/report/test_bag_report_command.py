@@ -5,13 +5,16 @@
 from __future__ import annotations
 
 import json
+import shutil
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from bags.bag_factory import START_NS, BagContent, small_mission, write_bag
+from report.bag_desk import Ran
+from report.golden_files import assert_reads_as, page_lines
 from smarttestudo.cli.main import main
 from smarttestudo.domain.packages import Extra, how_to_install
 from smarttestudo.domain.units import NS_PER_S
@@ -26,18 +29,12 @@ RULES = """begin
     EndIf
 end
 """
+GOLDEN = Path(__file__).parent / "golden"
 ALL_FIGURES = {
     f"{name}.{form}"
     for name in ("rates", "bandwidth", "total", "intervals", "accuracy", "path")
     for form in ("png", "svg")
 }
-
-
-@dataclass(frozen=True)
-class Ran:
-    code: int
-    out: str
-    err: str
 
 
 class Desk:
@@ -46,11 +43,6 @@ class Desk:
     def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
         self.folder = folder
         self._capsys = capsys
-        write_bag(folder / "sent", small_mission())
-        (folder / "rules.adirf").write_text(RULES)
-        self.run(
-            "replay", "sent", "--rules", "rules.adirf", "--output", "received", "--decisions", "log.jsonl"
-        )
 
     def run(self, *arguments: str) -> Ran:
         self._capsys.readouterr()
@@ -75,8 +67,22 @@ class Desk:
         return {path.name for path in (self.folder / folder).iterdir()}
 
 
+@pytest.fixture(scope="module")
+def replayed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("replayed")
+    rules = folder / "rules.adirf"
+    rules.write_text(RULES)
+    sent = write_bag(folder / "sent", small_mission())
+    written = ("--output", str(folder / "received"), "--decisions", str(folder / "log.jsonl"))
+    assert main(["replay", str(sent), "--rules", str(rules), *written]) == 0
+    return folder
+
+
 @pytest.fixture
-def desk(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Desk:
+def desk(
+    replayed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> Desk:
+    shutil.copytree(replayed, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     return Desk(tmp_path, capsys)
 
@@ -95,27 +101,15 @@ def test_decisions_that_were_cut_off_are_told_of(desk: Desk) -> None:
         assert "note: cut.jsonl:5: cut off, as where the run was killed" in ran.err
 
 
-@pytest.mark.full
-def test_a_report_of_a_replay_has_summary_rules_decisions_path_and_loss(desk: Desk) -> None:
-    ran = desk.report(
-        "sent", "received", "--rules", "rules.adirf", "--decisions", "log.jsonl", "--figures", "figures"
-    )
-    assert ran.code == 0
-    assert ran.out.startswith("report.html: −")
-    assert "4 decisions, /odom error 6.8 cm\n" in ran.out
-    for text in ("sent beside received", "Far", "pose_y &gt; 2", 'class="map"', "Age of information"):
-        assert text in desk.html
-    assert desk.names_in("figures") == ALL_FIGURES
-
-
-def test_a_report_of_one_recording_has_its_rates_and_no_comparison(desk: Desk) -> None:
-    ran = desk.report("sent", "--topics", "/odom", "-o", "one.html")
-    html = (desk.folder / "one.html").read_text("utf-8")
+def test_the_reports_of_a_replay_and_of_one_recording_read_as_in_the_golden_files(desk: Desk) -> None:
+    ran = desk.report("sent", "received", "--rules", "rules.adirf", "--decisions", "log.jsonl")
     assert (ran.code, ran.err) == (0, "")
-    assert ran.out.startswith("one.html: ")
-    assert "Longest gap" in html
-    assert "/scan" not in html
-    assert "What the operator lost" not in html
+    assert ran.out == "report.html: −90 % bandwidth, 4 decisions, /odom error 6.8 cm\n"
+    assert_reads_as(GOLDEN / "page-replay.html", page_lines(desk.html))
+    ran = desk.report("sent", "--topics", "/odom", "-o", "one.html")
+    assert (ran.code, ran.err) == (0, "")
+    assert ran.out == "one.html: 17.9 KB/s\n"
+    assert_reads_as(GOLDEN / "page-recording.html", page_lines(Path("one.html").read_text("utf-8")))
 
 
 def test_recordings_of_different_times_are_shown_from_their_starts_and_that_is_said(desk: Desk) -> None:
@@ -175,13 +169,16 @@ def test_what_cannot_be_reported_is_refused_in_one_line(desk: Desk) -> None:
 
 @pytest.mark.full
 def test_the_actions_draw_what_they_tell(desk: Desk) -> None:
-    assert desk.run("bag", "rates", "sent", "--figures", "r").code == 0
-    assert desk.run("bag", "bandwidth", "sent", "received", "--budget", "20", "--figures", "b").code == 0
-    ran = desk.run("bag", "compare", "sent", "received", "--figures", "c", "--csv")
+    drawn = ("--topics", "/odom", "--figures")
+    assert desk.run("bag", "rates", "sent", *drawn, "r").code == 0
+    assert desk.run("bag", "bandwidth", "sent", "received", "--budget", "20", *drawn, "b").code == 0
+    ran = desk.run("bag", "compare", "sent", "received", "--csv", *drawn, "c")
+    assert desk.report("sent", "received", "--rules", "rules.adirf", *drawn, "figures").code == 0
     assert desk.names_in("r") == {name for name in ALL_FIGURES if name.startswith(("rates", "intervals"))}
     assert desk.names_in("b") == {"sent", "received"}
     assert desk.names_in("b/sent") == {name for name in ALL_FIGURES if name.startswith(("band", "total"))}
     assert desk.names_in("c") == {name for name in ALL_FIGURES if not name.startswith(("accuracy", "path"))}
+    assert desk.names_in("figures") == ALL_FIGURES
     assert "wrote c/rates.svg\n" in ran.err
     assert "wrote" not in ran.out
 
