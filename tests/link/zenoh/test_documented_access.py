@@ -15,7 +15,7 @@ import zenoh
 
 from docs.code_blocks import blocks_of, shell_blocks_run_of
 from link.zenoh.ends import ODOM, Reader, free_endpoint, refuse_warning, until
-from link.zenoh.test_fetching import write_incident
+from link.zenoh.fetched_incidents import write_incident
 from link.zenoh.test_watching import NAMES, Robot, answered, step, watching
 from made_once import made_once
 from smarttestudo.domain.errors import LinkError
@@ -24,7 +24,7 @@ from smarttestudo.link.zenoh import open_link_incidents, open_operator_end, open
 from smarttestudo.link.zenoh.security import LinkOptions
 from smarttestudo.link.zenoh.session import open_session
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.full
 CERTIFICATES = "docs/how-to/secure-link.md"
 ACCESS = "docs/how-to/watch-without-ros.md"
 OPERATOR, ROBOT, VIEWER = (Path(f"{name}.json5") for name in ("operator", "robot", "viewer"))

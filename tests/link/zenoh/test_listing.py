@@ -11,12 +11,14 @@ from pathlib import Path
 import pytest
 
 from link.zenoh.ends import free_endpoint, operator_end, refuse_warning, robot_end, until
-from link.zenoh.test_fetching import NAME, write_incident
+from link.zenoh.fetched_incidents import NAME, write_incident
+from link.zenoh.memory_zenoh import network, virtual_time
 from smarttestudo.cli.main import main
 from smarttestudo.link.zenoh import open_robot_end
 from smarttestudo.link.zenoh.security import LinkOptions
 
-pytestmark = pytest.mark.process
+__all__ = ["network", "virtual_time"]
+pytestmark = pytest.mark.usefixtures("network", "virtual_time")
 
 
 def test_a_robot_that_keeps_no_incidents_is_said_and_those_of_others_are_listed(

@@ -1,0 +1,194 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Incidents that are listed and fetched over a link in memory, and strangers at both ends of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from link.zenoh.ends import free_endpoint, operator_end, refuse_warning, robot_end, stranger_at, until
+from link.zenoh.fetched_incidents import (
+    NAME,
+    contents,
+    fetching_from,
+    listening_robot,
+    never,
+    write_incident,
+)
+from link.zenoh.memory_zenoh import VirtualTime, network, virtual_time
+from smarttestudo.domain.errors import LinkError, TestudoError
+from smarttestudo.domain.remote_incidents import FetchProgress
+from smarttestudo.incidents.transfer_messages import (
+    AskBytes,
+    AskPlan,
+    PlannedFile,
+    TransferPiece,
+    TransferPlan,
+)
+from smarttestudo.incidents.transfer_order import ByteRange, RangePart
+from smarttestudo.link.protocol.incident_messages import PIECES, PLANS, QUESTIONS
+from smarttestudo.link.protocol.wire import WIRE_VERSION
+from smarttestudo.link.zenoh import open_robot_end
+from smarttestudo.link.zenoh.compression import packed
+from smarttestudo.link.zenoh.security import LinkOptions
+from smarttestudo.link.zenoh.session import open_session
+
+__all__ = ["network", "virtual_time"]
+pytestmark = pytest.mark.usefixtures("network", "virtual_time")
+GONE = "the robot, which is not there"
+VERSION = bytes([WIRE_VERSION])
+
+
+def test_a_fetch_waits_for_a_robot_that_left_and_goes_on(tmp_path: Path, virtual_time: VirtualTime) -> None:
+    endpoint = free_endpoint()
+    path = write_incident(tmp_path / "robot", seconds=3)
+    said: list[FetchProgress] = []
+    router = open_session(LinkOptions(listen=(endpoint,)), "router", refuse_warning)
+    with router, fetching_from(endpoint, robot=None) as incidents, ExitStack() as robot:
+
+        def come() -> None:
+            robot.enter_context(robot_end(endpoint)).offer_incidents(path.parent)
+
+        def hear(progress: FetchProgress) -> None:
+            if GONE not in {one.waits_for for one in said}:
+                if progress.waits_for == GONE:
+                    come()
+                elif progress.got_bytes > 50_000:
+                    robot.close()
+            said.append(progress)
+
+        def look() -> bool:
+            virtual_time.sleep(0.3)
+            return False
+
+        come()
+        until(lambda: "r1" in incidents.robots(0))
+        fetched = incidents.fetch("r1", NAME, tmp_path / "here", hear, look)
+    assert GONE in {one.waits_for for one in said}
+    assert fetched is not None
+    assert contents(fetched) == contents(path)
+
+
+def test_a_robot_that_is_away_for_a_moment_is_asked_once_it_is_back(
+    tmp_path: Path, virtual_time: VirtualTime
+) -> None:
+    endpoint = free_endpoint()
+    path = write_incident(tmp_path / "robot")
+    with operator_end(endpoint), fetching_from(endpoint, robot=None) as incidents, ExitStack() as robot:
+        with robot_end(endpoint):
+            until(lambda: "r1" in incidents.robots(0))
+        until(lambda: incidents.robots(0) == [])
+        virtual_time.later(2.0, lambda: robot.enter_context(robot_end(endpoint)).offer_incidents(path.parent))
+        assert [one.name for one in incidents.list("r1")] == [NAME]
+
+
+def test_what_is_not_there_is_said(tmp_path: Path) -> None:
+    endpoint = free_endpoint()
+    with listening_robot(endpoint, tmp_path / "nothing"), fetching_from(endpoint) as incidents:
+        assert incidents.list("r1") == []
+        for name in (NAME, "../nothing", f"{NAME}/", ""):
+            with pytest.raises(LinkError, match=f"there is no incident '{name}'; 'testudo incidents list'"):
+                incidents.fetch("r1", name, tmp_path / "here", lambda _: None, never)
+        with pytest.raises(LinkError, match="there is no robot 'r2'"):
+            incidents.list("r2")
+    assert not (tmp_path / "here").exists()
+
+
+@pytest.mark.parametrize(
+    "question",
+    [b"", b"malformed", VERSION + b"\x0c\1\x09../../etc", VERSION + b"\x0c\2" + bytes(60), bytes(5_000)],
+)
+def test_a_stranger_who_asks_what_is_malformed_is_refused_and_others_are_answered(
+    tmp_path: Path, question: bytes
+) -> None:
+    endpoint = free_endpoint()
+    path = write_incident(tmp_path / "robot")
+    with (
+        listening_robot(endpoint, path.parent) as end,
+        stranger_at(endpoint, "peer") as session,
+    ):
+        replies = session.get(end.boot.incidents_key, payload=question, timeout=5.0)
+        assert all(one.ok is None for one in replies)
+        with fetching_from(endpoint) as incidents:
+            fetched = incidents.fetch("r1", NAME, tmp_path / "here", lambda _: None, never)
+    assert fetched is not None
+    assert contents(fetched) == contents(path)
+
+
+Answer = Callable[[AskPlan | AskBytes], bytes]
+SHA = "00" * 32
+LIED = TransferPlan(token=bytes(16), files=(PlannedFile("a.mcap", 3_000, SHA),), levels=())
+
+
+def whole_piece(ask: AskBytes, file: int = 0, offset: int | None = None, size: int | None = None) -> bytes:
+    size = ask.size_bytes if size is None else size
+    part = RangePart(ByteRange(file, ask.cursor if offset is None else offset, size), 0, size)
+    return PIECES.to_bytes(TransferPiece(parts=(part,), body=bytes(size), advised_bytes=900, waiting=0))
+
+
+def lie(**changes: object) -> Answer:
+    plan = PLANS.to_bytes(replace(LIED, **changes))  # type: ignore[arg-type]
+
+    def answer(question: AskPlan | AskBytes) -> bytes:
+        return packed(plan) if isinstance(question, AskPlan) else whole_piece(question)
+
+    return answer
+
+
+def lying_piece(make: Callable[[AskBytes], bytes]) -> Answer:
+    return lambda question: packed(PLANS.to_bytes(LIED)) if isinstance(question, AskPlan) else make(question)
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        lie(files=(PlannedFile("../../outside", 3_000, SHA),)),
+        lie(files=(PlannedFile("/tmp/outside", 3_000, SHA),)),
+        lie(files=(PlannedFile("a.mcap", 2**61, SHA),)),
+        lie(),
+        lying_piece(lambda ask: whole_piece(ask, file=1)),
+        lying_piece(lambda ask: whole_piece(ask, offset=2_500)),
+        lying_piece(lambda ask: whole_piece(ask, offset=2**50)),
+        lying_piece(lambda ask: whole_piece(ask, offset=0)),
+        lying_piece(lambda ask: whole_piece(ask, size=ask.size_bytes + 1)),
+        lying_piece(lambda _: b"malformed"),
+        lying_piece(lambda ask: whole_piece(ask)[:-1]),
+        lambda _: b"malformed",
+        lambda _: packed(VERSION + b"\x0e" + b"[" * 100_000),
+    ],
+)
+def test_a_robot_that_lies_costs_its_own_fetch_only(tmp_path: Path, answer: Answer) -> None:
+    endpoint = free_endpoint()
+    here = tmp_path / "deep" / "here"
+    here.mkdir(parents=True)
+    with (
+        open_robot_end("r1", LinkOptions(listen=(endpoint,)), refuse_warning) as end,
+        stranger_at(endpoint, "peer") as session,
+    ):
+
+        def take(query: zenoh.Query) -> None:
+            assert query.payload is not None
+            question = QUESTIONS.from_bytes(query.payload.to_bytes())
+            with query:
+                if isinstance(question, AskPlan) or (isinstance(question, AskBytes) and question.size_bytes):
+                    query.reply(end.boot.incidents_key, answer(question))
+
+        liar = session.declare_queryable(end.boot.incidents_key, take)
+        with fetching_from(endpoint) as incidents, pytest.raises(TestudoError):
+            incidents.fetch("r1", NAME, here, lambda _: None, never)
+        liar.undeclare()
+    assert {path.name for path in tmp_path.rglob("*")} <= {
+        "deep",
+        "here",
+        f".{NAME}.partial",
+        "a.mcap",
+        ".fetch.json",
+        ".fetch.lock",
+    }
+    assert not (here / NAME).exists()
