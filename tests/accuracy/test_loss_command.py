@@ -4,11 +4,9 @@
 
 from __future__ import annotations
 
-import csv
-import json
 import math
-from collections import Counter
-from dataclasses import dataclass, replace
+import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,15 +26,15 @@ from bags.bag_factory import (
     cdr,
     message_of,
     odometry,
-    small_mission,
     write_bag,
     write_humble_file,
 )
+from report.bag_desk import MISSION, Ran, mission_bags, thinned
+from report.golden_files import assert_reads_as
 from smarttestudo.accuracy.recorded_loss import measure_loss
 from smarttestudo.cli.main import main
 from smarttestudo.rules.profile_file import load_profile
 
-MISSION = small_mission()
 GOLDEN = Path(__file__).parent / "golden"
 S = 1_000_000_000
 RULES = """begin
@@ -45,20 +43,6 @@ RULES = """begin
     If (CheckValue /odom rate < 1 OR CheckValue /battery level < 20) Then SetFrequency /odom 1
 end
 """
-
-
-@dataclass(frozen=True)
-class Ran:
-    code: int
-    out: str
-    err: str
-
-    @property
-    def json(self) -> Any:
-        return json.loads(self.out)
-
-    def field(self, topic: str, name: str) -> Any:
-        return next(one for one in self.json["fields"] if (one["topic"], one["field"]) == (topic, name))
 
 
 class Desk:
@@ -80,25 +64,21 @@ class Desk:
         return ran.err.rstrip("\n")
 
 
+def field_of(ran: Ran, topic: str, name: str) -> Any:
+    return next(one for one in ran.json["fields"] if (one["topic"], one["field"]) == (topic, name))
+
+
 @pytest.fixture
-def desk(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Desk:
+def desk(
+    tmp_path: Path,
+    tmp_path_factory: pytest.TempPathFactory,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> Desk:
+    shutil.copytree(mission_bags(tmp_path_factory), tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
-    write_bag(tmp_path / "sent", MISSION)
-    write_bag(tmp_path / "seen", thinned(MISSION, 5))
     (tmp_path / "rules.adirf").write_text(RULES)
     return Desk(capsys)
-
-
-def thinned(content: BagContent, every: int, rename: str = "{}") -> BagContent:
-    """Each ``every``-th message of each topic, which get other names."""
-    seen: Counter[str] = Counter()
-    kept = []
-    for message in content.messages:
-        if seen[message.topic] % every == 0:
-            kept.append(replace(message, topic=rename.format(message.topic)))
-        seen[message.topic] += 1
-    topics = [replace(topic, name=rename.format(topic.name)) for topic in content.topics]
-    return BagContent(tuple(topics), tuple(kept))
 
 
 def of_floats(values: list[float], *, hz: int, topic: str = "/level", start_ns: int = START_NS) -> BagContent:
@@ -113,8 +93,8 @@ def of_floats(values: list[float], *, hz: int, topic: str = "/level", start_ns: 
 def test_the_loss_of_a_recorded_sine_is_its_closed_form(desk: Desk, tmp_path: Path) -> None:
     content = of_floats([sine(0.5)(n / 100) for n in range(1001)], hz=100)
     write_bag(tmp_path / "sine", content)
-    write_bag(tmp_path / "tenth", thinned(content, 10, "/testudo{}"), storage=StoragePlugin.MCAP)
-    loss = desk.loss("sine", "tenth", "--json").field("/level", "data")
+    write_bag(tmp_path / "tenth", thinned(10, "/testudo{}", content), storage=StoragePlugin.MCAP)
+    loss = field_of(desk.loss("sine", "tenth", "--json"), "/level", "data")
     step = math.tau * 0.5 / 100
     assert loss["received"]["hold"]["rmse"] == pytest.approx(held_sine_rmse(step, 10), rel=1e-9)
     assert loss["received"]["interpolated"]["rmse"] == pytest.approx(line_sine_rmse(step, 10), rel=1e-9)
@@ -134,23 +114,20 @@ def test_nothing_is_lost_between_a_recording_and_itself(desk: Desk) -> None:
     assert len(set(ran.json["bytes"].values())) == 1
 
 
-def test_the_tables_read_as_in_the_golden_file(desk: Desk) -> None:
+def test_the_tables_and_curves_read_as_in_the_golden_files(desk: Desk) -> None:
     ran = desk.loss("sent", "seen", "--rules", "rules.adirf")
     assert ran.code == 0
     assert ran.err == "note: /battery: a check reads it, which seen lacks; its crossings are left out\n"
-    assert ran.out == (GOLDEN / "bag-loss.txt").read_text(encoding="utf-8")
+    assert_reads_as(GOLDEN / "bag-loss.txt", ran.out)
     assert max(map(len, ran.out.splitlines())) <= 100
-
-
-def test_the_curves_read_as_in_the_golden_file(desk: Desk) -> None:
     ran = desk.loss("sent")
     assert ran.code == 0
     assert ran.err == "note: /image, /map_name: no field changes, so there is no curve\n"
-    assert ran.out == (GOLDEN / "bag-loss-curves.txt").read_text(encoding="utf-8")
+    assert_reads_as(GOLDEN / "bag-loss-curves.txt", ran.out)
 
 
 def test_a_robot_at_constant_speed_is_off_by_what_it_drove_since(desk: Desk) -> None:
-    pose = desk.loss("sent", "seen", "--json").field("/odom", "pose_y")
+    pose = field_of(desk.loss("sent", "seen", "--json"), "/odom", "pose_y")
     squares = [(number % 5 / 25) ** 2 for number in range(99)]
     assert pose["received"]["hold"]["rmse"] == pytest.approx(math.sqrt(sum(squares) / 99))
     assert pose["received"]["hold"]["max"] == pytest.approx(4 / 25)
@@ -175,14 +152,13 @@ def test_topics_and_fields_are_chosen_by_name(desk: Desk) -> None:
     ran = desk.loss(
         "sent", "seen", "--topics", "/grip*", "--field", "/scan", "ranges[0]", "range_min", "--csv"
     )
-    rows = list(csv.DictReader(ran.out.splitlines()))
-    assert [(row["topic"], row["field"]) for row in rows] == [
+    assert [(row["topic"], row["field"]) for row in ran.csv] == [
         ("/gripper", "opening"),
         ("/scan", "distance"),
         ("/scan", "ranges[0]"),
         ("/scan", "range_min"),
     ]
-    ranges, range_min = rows[-2:]
+    ranges, range_min = ran.csv[-2:]
     assert (ranges["range"], ranges["b_hold_max"]) == ("19.0", "4.0")
     assert (range_min["range"], range_min["b_hold_rmse"], range_min["b_hold_relative_rmse"]) == (
         "0.0",
@@ -196,7 +172,7 @@ def test_values_that_are_no_numbers_are_left_out_and_counted(desk: Desk, tmp_pat
     write_bag(tmp_path / "holes", of_floats(values, hz=1))
     write_bag(tmp_path / "first", of_floats(values[:2], hz=1))
     ran = desk.loss("holes", "first", "--json")
-    loss = ran.field("/level", "data")
+    loss = field_of(ran, "/level", "data")
     assert (loss["excluded_sent"], loss["excluded_received"]) == (2, 1)
     # Of 5 s, one second each is unknown to NaN and inf; in two of the other three the value held is wrong.
     assert loss["received"]["hold"]["rmse"] == pytest.approx(math.sqrt(2 / 3))
@@ -219,7 +195,7 @@ def test_messages_that_cannot_be_decoded_are_counted(desk: Desk, tmp_path: Path)
     write_bag(tmp_path / "broken", BagContent(MISSION.topics, (*MISSION.messages, broken)))
     ran = desk.loss("broken", "seen", "--json")
     assert ran.err == "note: /odom: 1 message could not be decoded and was left out\n"
-    assert ran.field("/odom", "pose_y")["excluded_sent"] == 1
+    assert field_of(ran, "/odom", "pose_y")["excluded_sent"] == 1
 
 
 def test_a_topic_of_two_types_is_compared_by_age_only(desk: Desk, tmp_path: Path) -> None:
@@ -229,7 +205,7 @@ def test_a_topic_of_two_types_is_compared_by_age_only(desk: Desk, tmp_path: Path
     write_bag(tmp_path / "floats", level)
     write_bag(tmp_path / "ints", BagContent((BagTopic("/level", kind),), tuple(ints)))
     ran = desk.loss("floats", "ints", "--json")
-    assert ran.field("/level", "data")["received"] is None
+    assert field_of(ran, "/level", "data")["received"] is None
     assert ran.json["topics"]["/level"]["received"]["age"]["max_s"] == 2
     assert ran.err == (
         "note: /level: std_msgs/msg/Float64 in floats and std_msgs/msg/Int32 in ints; "
@@ -245,7 +221,7 @@ def test_the_curve_at_a_rate_is_the_loss_of_a_replay_at_that_rate(desk: Desk, tm
     for topic, field, hz in (("/odom", "pose_y", 5), ("/scan", "distance", 2)):
         point = next(point for point in curves[topic]["points"] if point["hz"] == hz)
         error = {key: value for key, value in point["fields"][field].items() if key != "unit"}
-        assert error == ran.field(topic, field)["received"]
+        assert error == field_of(ran, topic, field)["received"]
         assert point["age"] == ran.json["topics"][topic]["received"]["age"]
 
 
@@ -270,7 +246,7 @@ def test_a_topic_of_which_nothing_was_received_has_no_numbers(desk: Desk, tmp_pa
     scans_only = [message for message in MISSION.messages if message.topic == "/scan"]
     write_bag(tmp_path / "scans", BagContent(MISSION.topics, tuple(scans_only)))
     ran = desk.loss("sent", "scans", "--json")
-    assert ran.field("/odom", "pose_y")["received"] is None
+    assert field_of(ran, "/odom", "pose_y")["received"] is None
     assert ran.json["topics"]["/odom"]["received"] == {"messages": 0, "bytes": 0, "age": None}
     assert desk.loss("sent", "scans").code == 0
 

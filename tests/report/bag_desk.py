@@ -7,13 +7,13 @@ from __future__ import annotations
 import csv
 import json
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from bags.bag_factory import BagContent, BagMessage, BagTopic, small_mission, write_bag
+from bags.bag_factory import BagContent, small_mission, write_bag
 from made_once import made_once
 from smarttestudo.cli.main import main
 
@@ -55,15 +55,15 @@ class Desk:
         return ran.err.rstrip("\n")
 
 
-def thinned(every: int, rename: str = "{}") -> BagContent:
-    """Each ``every``-th message of the mission's topics, which get other names."""
+def thinned(every: int, rename: str = "{}", content: BagContent = MISSION) -> BagContent:
+    """Each ``every``-th message of each topic, which get other names."""
     seen: Counter[str] = Counter()
     kept = []
-    for message in MISSION.messages:
+    for message in content.messages:
         if seen[message.topic] % every == 0:
-            kept.append(BagMessage(rename.format(message.topic), message.stamp_ns, message.payload))
+            kept.append(replace(message, topic=rename.format(message.topic)))
         seen[message.topic] += 1
-    topics = [BagTopic(rename.format(topic.name), topic.type_name, topic.qos) for topic in MISSION.topics]
+    topics = [replace(topic, name=rename.format(topic.name)) for topic in content.topics]
     return BagContent(tuple(topics), tuple(kept))
 
 

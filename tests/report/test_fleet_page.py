@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 import gc
+import html
 import random
+import re
 import tracemalloc
 from collections import Counter
 from dataclasses import replace
@@ -160,6 +162,13 @@ def test_the_page_reads_as_in_the_golden_file(*, is_pair: bool) -> None:
     name = "fleet-pairs" if is_pair else "fleet-recordings"
     text = render_fleet_report(fleet_report(12, is_pair=is_pair))
     assert_reads_as(GOLDEN / f"{name}.html", page_lines(text))
+
+
+def test_the_page_loads_nothing_and_refers_to_reports_beside_it_alone() -> None:
+    text = html.unescape(render_fleet_report(fleet_report(12)))
+    named = set(re.findall(r"(?:src|href|url)\s*[=(]\s*[\"']?([^\"'\s)>]*)", text))
+    assert named == {"#unreadable", "ada-01-0a1b2c3d.html", "ada-11-0a1b2c3d.html"}
+    assert "default-src 'none'" in text
 
 
 class Opened:
