@@ -21,7 +21,7 @@ import pytest
 import zenoh
 
 from smarttestudo.cli import remote_incidents
-from smarttestudo.link.zenoh import link_incidents
+from smarttestudo.link.zenoh import link_incidents, status_listener
 
 __all__ = ["network", "virtual_time"]
 
@@ -36,9 +36,9 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
 
 @pytest.fixture
 def virtual_time(monkeypatch: pytest.MonkeyPatch) -> VirtualTime:
-    """The time of who lists and fetches."""
+    """The time of who lists, fetches and watches."""
     time = VirtualTime()
-    for module in (link_incidents, remote_incidents):
+    for module in (link_incidents, remote_incidents, status_listener):
         monkeypatch.setattr(module, "time", time)
     return time
 
