@@ -16,9 +16,9 @@ import pytest
 from link.zenoh.ends import ODOM, Reader, free_endpoint, operator_end, robot_end, until
 from smarttestudo.domain.link import MessageOrigin
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.full
 _RESET = struct.pack("ii", 1, 0)
-RESETS = 5
+RESETS = 2
 
 
 class Wire:
