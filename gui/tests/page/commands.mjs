@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { existsSync, readFileSync } from "node:fs";
+
+/**
+ * While answers are recorded each key and each step of the mouse takes so long: the page then asks about all
+ * that it may ask about when it is faster.
+ */
+export const RECORDING_STEP_MS = 500;
+const ANSWERS = new URL("./answers/", import.meta.url);
+
+/** Where this file put the mouse of each page. */
+const mice = new WeakMap();
+
+/** What the page's tests have done outside of their document: by the browser's driver, or on the disk. */
+export const commands = {
+  /** The recorded answers of a test file, null where there are none. */
+  recordedAnswers(_, file) {
+    const path = new URL(`${file}.json`, ANSWERS);
+    return existsSync(path) ? readFileSync(path, "utf-8") : null;
+  },
+
+  isRecording,
+
+  /** Has the recorder (scripts/make_page_answers.py) do something, and returns what it answers. */
+  async recorder(_, act, said) {
+    const answer = await fetch(`${process.env.PAGE_RECORDER}/${act}`, { method: "POST", body: JSON.stringify(said) });
+    if (!answer.ok) throw new Error(`the recorder does not ${act}`);
+    return answer.json();
+  },
+
+  /** Gives the whole page a size: vitest gives it to the test's frame only. */
+  resize: ({ page }, width, height) => page.setViewportSize({ width, height }),
+
+  async press(context, ...keys) {
+    await focusFrame(context);
+    for (const key of keys) await context.page.keyboard.press(key);
+  },
+
+  async type(context, text) {
+    await focusFrame(context);
+    if (!isRecording()) await context.page.keyboard.type(text);
+    else for (const key of text) await context.page.keyboard.type(key);
+  },
+
+  keyDown: ({ page }, key) => page.keyboard.down(key),
+  keyUp: ({ page }, key) => page.keyboard.up(key),
+
+  /** Moves the mouse there in so many steps from where it was put last. */
+  async mouseMove({ page }, x, y, steps = 1) {
+    const from = mice.get(page) ?? { x, y };
+    mice.set(page, { x, y });
+    if (!isRecording()) return page.mouse.move(x, y, { steps });
+    for (let step = 1; step <= steps; step++)
+      await page.mouse.move(from.x + ((x - from.x) * step) / steps, from.y + ((y - from.y) * step) / steps);
+  },
+  mouseDown: ({ page }, button = "left") => page.mouse.down({ button }),
+  mouseUp: ({ page }, button = "left") => page.mouse.up({ button }),
+  mouseWheel: ({ page }, x, y) => page.mouse.wheel(x, y),
+  tap: ({ page }, x, y) => page.touchscreen.tap(x, y),
+
+  /** The next file that the page gives to download. */
+  async nextDownload({ page }) {
+    const download = await page.waitForEvent("download");
+    return { name: download.suggestedFilename(), text: readFileSync(await download.path(), "utf-8") };
+  },
+};
+
+function isRecording() {
+  return process.env.PAGE_RECORDER !== undefined;
+}
+
+/** Keys go to the test's frame, as where it is the whole page. */
+async function focusFrame({ frame }) {
+  await (await frame()).evaluate(() => {
+    if (!document.hasFocus()) window.focus();
+  });
+}

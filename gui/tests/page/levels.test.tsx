@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { expect, test } from "vitest";
+import { commands, type Locator, page } from "vitest/browser";
+import { boxOf, openPage, resize, typedIn } from "./ruler_page";
+
+const PROFILE = `\
+# Our radio.
+[topics."/odom"]
+message_kb = 0.7
+tiers_hz = [1, 2, 5, 10, 15, 20]
+`;
+
+test("lines are dragged or moved by keys and the table follows", async () => {
+  const ruler = await openPage("radio");
+  await page.getByRole("link", { name: "radio.toml" }).click();
+  const [desirable, cell] = [line("Desirable"), cellOf("Desirable")];
+  await expect.element(desirable).toHaveAttribute("aria-valuetext", "10 Hz");
+  await ruler.press(desirable, "ArrowRight");
+  await expect.element(cell).toHaveValue("11");
+  await ruler.press(desirable, "End");
+  await expect.element(cell).toHaveValue("15");
+  await ruler.press(desirable, "ArrowUp");
+  await expect.element(cell).toHaveValue("15");
+  await expect.element(page.getByText("Desirable stops at Competitive (15 Hz)")).toBeVisible();
+
+  await dragLine(desirable, -60);
+  await expect.element(cell).not.toHaveValue("15");
+  expect(Number(typedIn(cell))).toBeGreaterThanOrEqual(5);
+  expect(Number(typedIn(cell))).toBeLessThan(15);
+  await ruler.use("Undo");
+  await expect.element(cell).toHaveValue("15");
+  for (let step = 0; step < 3; step++) await ruler.use("Undo");
+  await expect.element(cell).toHaveValue("10");
+  await expect.element(await ruler.tool("Undo")).toBeDisabled();
+
+  await cell.fill("12");
+  await expect.element(desirable).toHaveAttribute("aria-valuenow", "12");
+  await ruler.use("Save");
+  await expect.element(page.getByText("Saved radio.toml")).toBeVisible();
+  expect(await ruler.saved("radio.toml")).toBe(PROFILE.replace("10", "12"));
+});
+
+test("a name takes hold of its own line and does not jump", async () => {
+  const close = PROFILE.replace("1, 2, 5, 10, 15, 20", "10, 11, 12, 14, 16, 200");
+  await openPage("radio", { files: { "radio.toml": close } });
+  await page.getByRole("link", { name: "radio.toml" }).click();
+  const [taken, ...others] = ["Unacceptable", "Marginal", "Acceptable", "Excessive"].map(cellOf) as [Locator];
+  await awaitAxis();
+  const name = await boxOf(page.getByText("Unacceptable 10 Hz"));
+  const other = await boxOf(line("Marginal"));
+  const [x, y] = [other.x + other.width / 2, name.y + name.height / 2];
+  expect(x).toBeGreaterThan(name.left);
+  expect(x).toBeLessThan(name.right);
+  await commands.mouseMove(x, y);
+  await commands.mouseDown();
+  await commands.mouseMove(x - 3, y);
+  await expect.element(taken).toHaveValue("9.9");
+  await commands.mouseMove(x - 60, y, 5);
+  await commands.mouseUp();
+  await expect.poll(() => Number(typedIn(taken))).toBeLessThan(9);
+  expect(others.map(typedIn)).toEqual(["11", "12", "200"]);
+});
+
+test.each([1440, 1280, 900])("the button that removes a topic is whole at every width: %i", async (width) => {
+  await resize(width, 800);
+  const ruler = await openPage("radio");
+  await page.getByRole("link", { name: "radio.toml" }).click();
+  const button = await boxOf(ruler.button("Remove /odom"));
+  const table = await boxOf(page.getByCss(".table-scroll"));
+  expect(innerWidth).toBe(width);
+  expect(button.right).toBeLessThan(table.right);
+});
+
+test("levels that fall are refused in words", async () => {
+  const ruler = await openPage("radio");
+  await page.getByRole("link", { name: "radio.toml" }).click();
+  await cellOf("Desirable").fill("3");
+  const problems = page.getByRole("list", { name: "Problems" });
+  await expect.element(problems).toHaveTextContent("Desirable (3 Hz) is below Acceptable (5 Hz)");
+  await expect.element(await ruler.tool("Save")).toBeDisabled();
+  await cellOf("Desirable").fill("6");
+  await expect.element(problems.getByRole("listitem")).not.toBeInTheDocument();
+  await expect.element(await ruler.tool("Save")).toBeEnabled();
+});
+
+test("the curve of a recording proposes levels with one click", async () => {
+  const ruler = await openPage("radio");
+  await page.getByRole("link", { name: "radio.toml" }).click();
+  await page.getByRole("combobox", { name: "Recording" }).selectOptions("monday");
+  await ruler.button("Show what each rate loses").click();
+  await page.getByText("The curve as numbers").click();
+  await expect.element(page.getByRole("row").filter({ hasText: "pose_y" }).first()).toBeVisible();
+  await ruler.button("Use the proposed levels").click();
+  await expect.element(line("Excessive")).toHaveAttribute("aria-valuetext", "25 Hz");
+  await ruler.use("Save");
+  await expect.element(page.getByText("Saved radio.toml")).toBeVisible();
+  const tiers =
+    /tiers_hz = \[(.*)\]/
+      .exec(await ruler.saved("radio.toml"))?.[1]
+      ?.split(", ")
+      .map(Number) ?? [];
+  expect(tiers).toHaveLength(6);
+  expect(tiers).toEqual([...tiers].sort((one, other) => one - other));
+  expect(tiers.at(-1)).toBe(25);
+  const shown = ["Unacceptable", "Competitive"].map((level) => line(level).element().getAttribute("aria-valuenow"));
+  expect(shown.map(Number)).toEqual([tiers[0], tiers[4]]);
+});
+
+function line(level: string): Locator {
+  return page.getByRole("slider", { name: `${level} level of /odom (Hz)`, exact: true });
+}
+
+function cellOf(level: string): Locator {
+  return page.getByLabelText(`${level} (Hz) of /odom`, { exact: true });
+}
+
+/** Waits until the levels stand on the axis, which is drawn a picture after they are there. */
+async function awaitAxis(): Promise<void> {
+  await expect.poll(() => document.querySelector(".level-area")?.clientWidth).toBeGreaterThan(0);
+}
+
+async function dragLine(found: Locator, rightPx: number): Promise<void> {
+  await awaitAxis();
+  const { x: left, width, bottom } = await boxOf(found);
+  const [x, y] = [left + width / 2, bottom - 20];
+  await commands.mouseMove(x, y);
+  await commands.mouseDown();
+  await commands.mouseMove(x + rightPx, y, 5);
+  await commands.mouseUp();
+}

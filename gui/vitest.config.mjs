@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { accessSync, constants } from "node:fs";
+import { delimiter, join } from "node:path";
+import { playwright } from "@vitest/browser-playwright";
+import { defineConfig, mergeConfig } from "vitest/config";
+import { commands, RECORDING_STEP_MS } from "./tests/page/commands.mjs";
+import vite from "./vite.config.mjs";
+
+const CHROMIUM = ["chromium", "chromium-browser", "google-chrome"];
+/** A machine with two busy cores is slow. */
+const PATIENCE_MS = 60_000;
+const SCREEN = { width: 1440, height: 900 };
+
+/** The Chromium that is installed: none is downloaded. */
+function chromium() {
+  const folders = (process.env.PATH ?? "").split(delimiter);
+  return CHROMIUM.flatMap((name) => folders.map((folder) => join(folder, name))).find(isExecutable);
+}
+
+function isExecutable(path) {
+  try {
+    accessSync(path, constants.X_OK);
+    return true;
+  } catch {
+    return false;
+  }
+}
+
+const executablePath = chromium();
+const isRecording = process.env.PAGE_RECORDER !== undefined;
+if (executablePath === undefined) {
+  const missing = "Chromium is not installed: the page's components are not tested (Debian: apt install chromium)";
+  if (process.env.CI === "true" || isRecording) throw new Error(missing);
+  // Each project reads this file again.
+  if (process.env.TOLD_OF_CHROMIUM === undefined) console.log(missing);
+  process.env.TOLD_OF_CHROMIUM = "yes";
+}
+
+const modules = {
+  extends: true,
+  test: { name: "modules", include: ["tests/**/*.test.ts"], exclude: ["tests/page/**"] },
+};
+const page = {
+  extends: true,
+  // What is found while tests run reloads their page.
+  optimizeDeps: { entries: ["src/**/*.{ts,tsx}", "tests/page/**/*.{ts,tsx}"] },
+  test: {
+    name: "page",
+    isolate: false,
+    include: ["tests/page/**/*.test.tsx"],
+    setupFiles: ["tests/page/setup.ts"],
+    testTimeout: 2 * PATIENCE_MS,
+    hookTimeout: PATIENCE_MS,
+    expect: { poll: { timeout: PATIENCE_MS, interval: 20 } },
+    // The recorder serves one test at a time.
+    fileParallelism: !isRecording,
+    browser: {
+      enabled: true,
+      headless: true,
+      ui: false,
+      screenshotFailures: false,
+      viewport: SCREEN,
+      commands,
+      provider: playwright({
+        launchOptions: { executablePath, args: ["--no-sandbox"], slowMo: isRecording ? RECORDING_STEP_MS : 0 },
+        contextOptions: { viewport: SCREEN, reducedMotion: "reduce", timezoneId: "UTC", acceptDownloads: true },
+        actionTimeout: PATIENCE_MS,
+      }),
+      instances: [{ browser: "chromium" }],
+    },
+  },
+};
+
+export default mergeConfig(
+  vite,
+  defineConfig({ test: { projects: executablePath === undefined ? [modules] : [modules, page] } }),
+);
