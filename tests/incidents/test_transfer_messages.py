@@ -31,7 +31,7 @@ from smarttestudo.link.protocol.incident_messages import (
     list_to_bytes,
     piece_from_bytes,
 )
-from smarttestudo.link.protocol.wire import FrameType
+from smarttestudo.link.protocol.wire import FrameType, Kind, frame
 
 TOKEN = bytes(range(16))
 SHA = "00" * 32
@@ -48,7 +48,7 @@ def test_a_question_is_what_travelled(asker: int, got: int, cursor: int, size: i
 
 @given(st.binary(max_size=100))
 def test_random_bytes_are_a_question_or_refused(data: bytes) -> None:
-    for start in (b"", b"\4\x0c\0", b"\4\x0c\1", b"\4\x0c\2"):
+    for start in (b"", *(frame(Kind.INCIDENT_QUESTION, one) for one in (b"\0", b"\1", b"\2"))):
         try:
             question = QUESTIONS.from_bytes(start + data)
         except LinkError:
@@ -106,7 +106,13 @@ def test_a_list_that_lies_is_refused(change: dict[str, object]) -> None:
         list_from_bytes(LISTS.to_bytes((incident(**{"name": "i", **change}),)), "ada")
 
 
-@pytest.mark.parametrize(("messages", "start"), [(LISTS, b"\4\x0d\1"), (PLANS, b"\4\x0e\x10" + TOKEN)])
+@pytest.mark.parametrize(
+    ("messages", "start"),
+    [
+        (LISTS, frame(Kind.INCIDENT_LIST, b"\1")),
+        (PLANS, frame(Kind.INCIDENT_PLAN, b"\x10" + TOKEN)),
+    ],
+)
 @given(data=st.binary(max_size=200))
 def test_random_bytes_are_a_list_or_a_plan_or_refused(
     messages: FrameType[Any], start: bytes, data: bytes

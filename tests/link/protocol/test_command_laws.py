@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import pytest
 from hypothesis import given
@@ -28,6 +28,7 @@ from smarttestudo.link.protocol.messages import (
     CommandReport,
     SentNames,
 )
+from smarttestudo.link.protocol.wire import Kind, frame
 
 MAX_AGE_S = MAX_AGE_NS / S
 HOUR_NS = 3_600 * S
@@ -203,7 +204,7 @@ def test_a_flood_costs_what_is_allowed_in_a_second() -> None:
     assert len(receiver.next_report(9 * S)) < 1_000
 
 
-@given(st.binary(max_size=120) | st.binary(max_size=80).map(lambda data: b"\4\6" + data))
+@given(st.binary(max_size=120) | st.binary(max_size=80).map(partial(frame, Kind.COMMAND)))
 def test_random_bytes_are_refused_at_both_ends_or_cost_nothing(data: bytes) -> None:
     receiver, sender = accepting(), CommandSender((JOY,), lambda: 3)
     assert receiver.receive(data, 0) is None
