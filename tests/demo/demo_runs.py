@@ -25,6 +25,12 @@ def run_testudo(*arguments: object) -> Ran:
     return Ran(code=code, stdout=stdout.getvalue(), stderr=stderr.getvalue())
 
 
+def without_replay(ran: Ran) -> str:
+    """What a demo said before its last line, which names the ``testudo`` of this machine."""
+    return ran.stdout.rstrip().rpartition("\n")[0] + "\n"
+
+
+GOLDEN = Path(__file__).parent / "golden"
 Messages = dict[str, list[tuple[int, bytes]]]
 
 

@@ -12,8 +12,9 @@ from typing import Any
 
 import pytest
 
-from demo.demo_runs import run_testudo
+from demo.demo_runs import GOLDEN, run_testudo, without_replay
 from made_demos import EXAMPLES, Ran, made_demo
+from report.golden_files import assert_reads_as
 from smarttestudo.language.formatter import format_rules
 
 ERRANDS = ("--mission", "examples/errands.mission.toml")
@@ -48,6 +49,7 @@ def test_the_demo_has_the_example_of_that_name_as_the_formatter_leaves_it(name: 
     assert format_rules(text, name) == text
 
 
+@pytest.mark.full
 def test_fixed_rates_and_rules_with_bounds_take_the_bytes_of_the_thesis(
     arms: dict[tuple[str, str], dict[str, Any]],
 ) -> None:
@@ -93,8 +95,10 @@ def test_the_bounds_hold_for_every_property_and_view(arms: dict[tuple[str, str],
                 assert said["worst"] <= max(said["bounds"])
 
 
-def test_the_command_for_any_recording_says_the_same_as_the_demo(errands: Path) -> None:
-    demo = errands
+@pytest.mark.full
+def test_the_command_for_any_recording_says_the_same_as_the_demo(tmp_path: Path) -> None:
+    demo = tmp_path / "demo"
+    assert run_testudo("demo", "--seconds", 10, "--out", demo).code == 0
     within, predicted = (demo / name for name in BOUNDING)
     rules = ("--rules", demo / "warehouse.adirf", "--rules", within)
     command = ("bag", "accuracy", demo / "baseline", *rules, "--predicted", within, "--predicted", predicted)
@@ -110,13 +114,10 @@ def test_the_screen_and_the_report_show_the_ways_beside_each_other(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
     errands, ran = made_demo(tmp_path_factory, *ERRANDS)
-    printed = ran.stdout
     page = (errands / "report.html").read_text("utf-8")
 
     assert (ran.code, ran.stderr) == (0, "")
-    assert "How far the picture of /odom is off" in printed
-    assert "warehouse_within (hold) shows the position of /odom with 47 % of the error" in printed
-    assert "warehouse_predicted (dead reckoning) shows the position of /odom with 7 % of the error" in printed
+    assert_reads_as(GOLDEN / "errands.txt", without_replay(ran))
     for text in ("How far the picture of /odom is off", "fixed rates", "warehouse_within", "dead reckoning"):
         assert text in page
 
@@ -130,6 +131,7 @@ def test_a_mission_is_not_driven_over_a_link(tmp_path: Path) -> None:
     assert "--mission" in ran.stderr
 
 
+@pytest.mark.full
 def test_a_robot_that_never_stops_is_held_no_better_within_a_bound_than_at_a_fixed_rate(
     demo_out: Path, whole_demo: Ran, tmp_path: Path
 ) -> None:

@@ -173,7 +173,7 @@ def test_a_file_that_cannot_be_written_is_one_clear_error(tmp_path: Path) -> Non
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_progress_names_the_folder_that_was_asked_for_and_not_where_it_is_made(tmp_path: Path) -> None:
     labels: list[str] = []
 

@@ -33,6 +33,7 @@ def _table(folder: Path, name: str) -> dict[str, dict[str, str]]:
         return {row["Topic"]: row for row in csv.DictReader(file)}
 
 
+@pytest.mark.full
 def test_both_tables_a_figure_of_each_topic_and_the_zones_are_written(
     thesis_demo: tuple[Path, Ran], received: Messages
 ) -> None:
