@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -26,8 +25,6 @@ from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.report.accuracy_chart import accuracy_chart
 from smarttestudo.report.accuracy_curve_section import draw_accuracy
 from smarttestudo.report.document import render_report
-from smarttestudo.report.figures.draw import draw_figures
-from smarttestudo.report.figures.kinds import FigureKind
 
 ERRORS = st.builds(
     PacedPicture,
@@ -105,10 +102,3 @@ def test_where_every_message_passes_there_is_no_drawing_and_still_a_table() -> N
     page = render_report(bare_report(accuracy_curve=curve))
     assert "What an accuracy costs" in page
     assert 'class="accuracy"' not in page
-
-
-def test_the_figure_shows_what_the_report_shows(tmp_path: Path) -> None:
-    report = bare_report(accuracy_curve=demo_like_accuracy())
-    written = draw_figures(report, {FigureKind.ACCURACY}, tmp_path)
-    assert [path.name for path in written] == ["accuracy.png", "accuracy.svg"]
-    assert draw_figures(bare_report(), {FigureKind.ACCURACY}, tmp_path) == []

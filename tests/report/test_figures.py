@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from report.demo_like_report import demo_like_report
+from report.demo_like_report import small_report
 from smarttestudo.bags.comparison import Comparison
 from smarttestudo.bags.statistics import IntervalHistogram
 from smarttestudo.domain.units import NS_PER_S
@@ -33,9 +33,9 @@ from smarttestudo.report.time_drawing import SMALL, draw_chart
 EMPTY = RunReport(title="", duration_s=0.0, comparison=Comparison(topics=()), series=(), decisions=())
 
 
-def small_report() -> RunReport:
+def drawn_report() -> RunReport:
     """Two topics of the demo with intervals, so that drawing it takes little time."""
-    report = demo_like_report()
+    report = small_report()
     histogram = IntervalHistogram()
     for stamp_ns in range(0, 100 * 40_000_000, 40_000_000):
         histogram.record(stamp_ns)
@@ -47,7 +47,7 @@ def small_report() -> RunReport:
 
 @pytest.mark.full
 def test_each_figure_is_a_png_and_an_svg_of_the_same_bytes_each_time(tmp_path: Path) -> None:
-    report = small_report()
+    report = drawn_report()
     once, again = (draw_figures(report, list(FigureKind), tmp_path / name) for name in ("once", "again"))
     assert {path.name for path in once} == {
         f"{kind.value}.{form}" for kind in FigureKind for form in ("png", "svg")
@@ -58,7 +58,7 @@ def test_each_figure_is_a_png_and_an_svg_of_the_same_bytes_each_time(tmp_path: P
 
 
 def test_a_figure_shows_the_lines_and_labels_of_the_report() -> None:
-    report = small_report()
+    report = drawn_report()
     figure = rates_figure(report)
     assert figure is not None
     for axes, chart in zip(figure.axes, rate_charts(report), strict=True):
@@ -73,7 +73,7 @@ def test_a_figure_shows_the_lines_and_labels_of_the_report() -> None:
 
 def test_only_what_was_asked_for_and_can_be_drawn_is_written(tmp_path: Path) -> None:
     assert draw_figures(EMPTY, list(FigureKind), tmp_path / "none") == []
-    written = draw_figures(small_report(), {FigureKind.PATH}, tmp_path)
+    written = draw_figures(drawn_report(), {FigureKind.PATH}, tmp_path)
     assert [path.name for path in written] == ["path.png", "path.svg"]
 
 
@@ -90,7 +90,7 @@ def test_names_from_strangers_are_drawn_as_they_are(tmp_path: Path) -> None:
 @pytest.mark.full
 @pytest.mark.parametrize("kind", [FigureKind.RATES, FigureKind.TOTAL, FigureKind.INTERVALS])
 def test_a_figure_is_no_wider_for_a_name_without_end(tmp_path: Path, kind: FigureKind) -> None:
-    report = small_report()
+    report = drawn_report()
     widths = []
     for name in (f"/{'w' * 59}", f"/{'w' * 999}"):
         first, *others = report.series
@@ -104,7 +104,7 @@ def test_a_folder_that_cannot_be_made_is_told_in_one_line(tmp_path: Path) -> Non
     (tmp_path / "figures").touch()
     cause = "the figures cannot be written: a file is there in place of a folder; name another place"
     with pytest.raises(OutputFileError, match=rf"figures: error: {cause}"):
-        draw_figures(small_report(), {FigureKind.PATH}, tmp_path / "figures")
+        draw_figures(drawn_report(), {FigureKind.PATH}, tmp_path / "figures")
 
 
 def test_styles_differ_by_more_than_their_colour() -> None:

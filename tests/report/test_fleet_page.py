@@ -114,6 +114,7 @@ def test_the_worst_recordings_are_those_that_a_sort_puts_first() -> None:
     assert total_of(alone, are_pairs=False).worst == alone[:MOST_ROWS]
 
 
+@pytest.mark.full
 def test_the_page_over_twice_as_many_recordings_is_as_large() -> None:
     sizes = [len(render_fleet_report(fleet_report(count))) for count in (3_000, 6_000)]
     assert sizes[1] < 1.1 * sizes[0]
@@ -124,6 +125,7 @@ def test_the_page_over_20_000_recordings_has_less_than_400_kb() -> None:
     assert len(render_fleet_report(fleet_report(20_000)).encode()) < 400_000
 
 
+@pytest.mark.full
 def test_memory_does_not_grow_with_the_number_of_recordings() -> None:
     totals = FleetTotals(are_pairs=True)
     tracemalloc.start()
