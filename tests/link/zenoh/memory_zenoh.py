@@ -76,13 +76,18 @@ class Matching(NamedTuple):
 
 
 class VirtualTime:
-    """What a module has as ``time``: sleeping takes none, and ``acts`` are done when they are due."""
+    """What a module has as ``time``: sleeping takes none, and ``acts`` are done when they are due.
 
-    def __init__(self) -> None:
+    Of this time, each look at it takes ``look_s``.
+    """
+
+    def __init__(self, look_s: float = 0.0) -> None:
+        self.look_s = look_s
         self.now_s = 1_000.0
         self.acts: list[tuple[float, Callable[[], object]]] = []
 
     def monotonic(self) -> float:
+        self.now_s += self.look_s
         return self.now_s
 
     def monotonic_ns(self) -> int:

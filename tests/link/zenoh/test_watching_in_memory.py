@@ -25,6 +25,7 @@ from link.zenoh.test_watching import (
     step,
     watching,
 )
+from smarttestudo.cli import robots as cli_robots
 from smarttestudo.cli.robots import topics_of_robot
 from smarttestudo.domain.errors import LinkError, UsageError
 from smarttestudo.domain.parameter import SilentNodeError
@@ -32,12 +33,25 @@ from smarttestudo.domain.questions import SetParameters
 from smarttestudo.link.protocol.messages import CHANGING_QUESTIONS
 from smarttestudo.link.protocol.wire import WIRE_VERSION
 from smarttestudo.link.zenoh import open_link_robots, open_robot_end
+from smarttestudo.link.zenoh.link_robots import LinkRobots
 from smarttestudo.link.zenoh.query_server import MAX_WAITING
 from smarttestudo.link.zenoh.security import LinkOptions
 
 __all__ = ["network", "virtual_time"]
 pytestmark = pytest.mark.usefixtures("network")
 VERSION = bytes([WIRE_VERSION])
+
+
+@pytest.fixture
+def settles_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That no further robot is heard of for half a second is known after two looks."""
+    monkeypatch.setattr(cli_robots, "time", VirtualTime(look_s=0.3))
+
+
+def step_later(time: VirtualTime, robots: LinkRobots, robot: Robot) -> None:
+    """A step, long enough after the one before that a full status may soon be asked for again."""
+    time.sleep(0.25)
+    step(robots, robot)
 
 
 def test_a_robot_that_left_is_said_to_be_gone_and_one_that_is_back_is_heard() -> None:
@@ -61,7 +75,9 @@ def test_a_place_where_nobody_answers_keeps_no_watcher_waiting_for_the_others() 
         assert [*robots.heard] == [ID]
 
 
-def test_a_robot_that_is_reached_in_two_ways_is_heard_while_there_is_one() -> None:
+def test_a_robot_that_is_reached_in_two_ways_is_heard_while_there_is_one(
+    virtual_time: VirtualTime,
+) -> None:
     endpoints = [free_endpoint() for _ in range(2)]
     with ExitStack() as opened:
         robot = Robot(
@@ -73,15 +89,18 @@ def test_a_robot_that_is_reached_in_two_ways_is_heard_while_there_is_one() -> No
         options = LinkOptions(connect=tuple(endpoints))
         robots = opened.enter_context(open_link_robots(options, refuse_warning))
         heard_by(robots, robot)
-        until(lambda: robot.steps > 10, lambda: step(robots, robot))
+        until(lambda: robot.steps > 5, lambda: step_later(virtual_time, robots, robot))
         assert [*robots.heard] == [ID]
         ends[0].close()
-        steps = robot.steps + 10
-        until(lambda: robots.heard[ID].status.uptime_s > steps, lambda: step(robots, robot))
+        steps = robot.steps + 5
+        until(
+            lambda: robots.heard[ID].status.uptime_s > steps, lambda: step_later(virtual_time, robots, robot)
+        )
         assert robots.heard[ID].is_present
         assert answered(robots, robot, partial(robots.get, ID, NAMES)) == {NAMES[0]: f"value of {NAMES[0]}"}
 
 
+@pytest.mark.usefixtures("settles_at_once")
 def test_two_robots_of_one_name_are_two() -> None:
     endpoint = free_endpoint()
     with ExitStack() as opened:
@@ -99,6 +118,7 @@ def test_two_robots_of_one_name_are_two() -> None:
         assert refused.value.remedy == "name one with --robot"
 
 
+@pytest.mark.usefixtures("settles_at_once")
 def test_two_nodes_of_one_name_are_asked_by_their_ids() -> None:
     endpoint, nodes = free_endpoint(), ("/a/smarttestudo", "/b/smarttestudo")
     with ExitStack() as opened:
@@ -113,6 +133,7 @@ def test_two_nodes_of_one_name_are_asked_by_their_ids() -> None:
         assert asked.result() == {"/imu": "sensor_msgs/msg/Imu"}
 
 
+@pytest.mark.usefixtures("settles_at_once")
 def test_an_unknown_robot_and_one_that_never_answers_are_silent(
     network: Network, virtual_time: VirtualTime
 ) -> None:
@@ -173,16 +194,14 @@ def test_what_is_malformed_on_a_status_key_costs_what_it_touches(virtual_time: V
         robot = Robot(end)
 
         def tell() -> None:
-            # A full status is asked for once a second.
-            virtual_time.sleep(0.25)
-            step(robots, robot)
+            step_later(virtual_time, robots, robot)
 
         for strange in (b"", VERSION, VERSION + b"\5\5\xff", VERSION + b"\4\1[]", b"\xff" * 500):
             until(lambda: ID in robots.heard, tell)
             for key in (end.boot.status_key, "testudo/r1/0000000000000000/status", "testudo/x y/1/status"):
                 stranger.put(key, strange)
             steps = robot.steps
-            until(lambda: robots.heard[ID].status.uptime_s > steps + 5, tell)  # noqa: B023
+            until(lambda: robots.heard[ID].status.uptime_s > steps + 1, tell)  # noqa: B023
 
 
 def test_a_question_of_many_keys_at_once_reaches_no_robot() -> None:
