@@ -80,13 +80,13 @@ def test_a_robot_that_is_reached_in_two_ways_is_heard_while_there_is_one(
 ) -> None:
     endpoints = [free_endpoint() for _ in range(2)]
     with ExitStack() as opened:
+        options = LinkOptions(connect=tuple(endpoints))
         robot = Robot(
-            opened.enter_context(open_robot_end("r1", LinkOptions(connect=tuple(endpoints)), print))
+            opened.enter_context(open_robot_end("r1", options, print, clock=virtual_time.monotonic_ns))
         )
         ends = [opened.enter_context(ExitStack()) for _ in endpoints]
         for stack, endpoint in zip(ends, endpoints, strict=True):
             stack.enter_context(operator_end(endpoint))
-        options = LinkOptions(connect=tuple(endpoints))
         robots = opened.enter_context(open_link_robots(options, refuse_warning))
         heard_by(robots, robot)
         until(lambda: robot.steps > 5, lambda: step_later(virtual_time, robots, robot))
