@@ -32,6 +32,9 @@ export const commands = {
   /** Gives the whole page a size: vitest gives it to the test's frame only. */
   resize: ({ page }, width, height) => page.setViewportSize({ width, height }),
 
+  /** Whether the browser's user wants no motion: `reduce`, as each test begins, or `no-preference`. */
+  emulateMotion: ({ page }, reducedMotion) => page.emulateMedia({ reducedMotion }),
+
   async press(context, ...keys) {
     await focusFrame(context);
     for (const key of keys) await context.page.keyboard.press(key);
@@ -41,6 +44,12 @@ export const commands = {
     await focusFrame(context);
     if (!isRecording()) await context.page.keyboard.type(text);
     else for (const key of text) await context.page.keyboard.type(key);
+  },
+
+  /** Puts a text where the focus is, at once. */
+  async insertText(context, text) {
+    await focusFrame(context);
+    await context.page.keyboard.insertText(text);
   },
 
   keyDown: ({ page }, key) => page.keyboard.down(key),

@@ -14,8 +14,10 @@ declare module "vitest/browser" {
     isRecording: () => Promise<boolean>;
     recorder: (act: string, said: object) => Promise<unknown>;
     resize: (width: number, height: number) => Promise<void>;
+    emulateMotion: (motion: "reduce" | "no-preference") => Promise<void>;
     press: (...keys: string[]) => Promise<void>;
     type: (text: string) => Promise<void>;
+    insertText: (text: string) => Promise<void>;
     keyDown: (key: string) => Promise<void>;
     keyUp: (key: string) => Promise<void>;
     mouseMove: (x: number, y: number, steps?: number) => Promise<void>;

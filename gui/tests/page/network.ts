@@ -31,7 +31,7 @@ export class Network {
   private readonly sockets = new Set<PlayedSocket>();
   private waiting: { route: string; done: () => void }[] = [];
   private readonly held = new Map<string, Promise<void>>();
-  private readonly replaced = new Map<string, Answered>();
+  private readonly replaced = new Map<string, { answer: Answered; isFor: (body: unknown) => boolean }>();
   private readonly asking = new Set<Promise<Answered>>();
   private isCut = false;
   private isClosed = false;
@@ -120,10 +120,10 @@ export class Network {
     return () => release();
   }
 
-  /** Answers a route otherwise from now on; null as recorded. */
-  replace(route: string, answer: Answered | null): void {
+  /** Answers a route otherwise from now on, where `isFor` takes what was sent; null as recorded. */
+  replace(route: string, answer: Answered | null, isFor: (body: unknown) => boolean = () => true): void {
     if (answer === null) this.replaced.delete(route);
-    else this.replaced.set(route, answer);
+    else this.replaced.set(route, { answer, isFor });
   }
 
   /** The server ends, or comes back. */
@@ -169,7 +169,8 @@ export class Network {
     if (this.isCut) throw new TypeError("Failed to fetch");
     if (!route.includes(" /api/")) return new Response();
     try {
-      const answer = this.replaced.get(route) ?? (await this.ask(asked));
+      const replaced = this.replaced.get(route);
+      const answer = replaced?.isFor(asked.body) ? replaced.answer : await this.ask(asked);
       for (const one of this.waiting) if (one.route === route) one.done();
       this.waiting = this.waiting.filter((one) => one.route !== route);
       return responseOf(answer);
