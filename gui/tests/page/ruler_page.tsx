@@ -12,7 +12,7 @@ import { type Files, serverOf } from "./answers";
 import { Network } from "./network";
 
 /** From the corner of a block to where it is taken: beside its fields. */
-const GRIP_PX = 9;
+export const GRIP_PX = 9;
 
 export interface Opening {
   /** Files beside those of the project, or null for one that is not there. */
