@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from bags.bag_factory import small_mission, write_bag
+from bags.bag_factory import localized_mission, small_mission, write_bag
 from optimizer import golden
+from ruler.incident_projects import write_incidents
 from ruler.ruler_server import EXAMPLES
 
 RADIO = """\
@@ -46,8 +47,68 @@ def _thesis(folder: Path) -> None:
     (folder / "profile.toml").write_text("budget_kb_per_s = 15000\n" + "".join(entries))
 
 
+def _monday(folder: Path) -> None:
+    """A robot that drives 8 m along y in 8 s."""
+    write_bag(folder / "monday", small_mission(8))
+
+
+def _two_drives(folder: Path) -> None:
+    """Of 8 s, and of 12 s."""
+    _monday(folder)
+    write_bag(folder / "longer", small_mission(12))
+
+
+def _runs(folder: Path) -> None:
+    """Three drives, the longer ones with a longer time without a picture, and one that cannot be read."""
+    for name, seconds in (("a_short", 1), ("b_long", 4), ("d_middle", 2)):
+        write_bag(folder / "runs" / name, small_mission(seconds))
+    (folder / "runs" / "c_broken").mkdir()
+    (folder / "runs" / "c_broken" / "metadata.yaml").write_text("no bag")
+
+
+def _incidents(folder: Path) -> None:
+    """A robot that drove 10 m, and two incidents at 5 m."""
+    write_incidents(folder)
+
+
+def _no_incidents(folder: Path) -> None:
+    """A robot that drove 10 m, and rules that would record something at 5 m."""
+    write_incidents(folder)
+    shutil.rmtree(folder / "incidents")
+
+
+def _localized(folder: Path) -> None:
+    """A robot that says where it is in its map."""
+    write_bag(folder / "monday", localized_mission())
+
+
+def _plan(folder: Path) -> None:
+    """An image, and no map that has its scale."""
+    shutil.copy(EXAMPLES / "warehouse_map.png", folder / "plan.png")
+
+
+def _inspection(folder: Path) -> None:
+    """Rules in levels with their topic parameters."""
+    (folder / "quality").mkdir()
+    for name in ("inspection.adirf", "radio.toml"):
+        shutil.copy(EXAMPLES / "quality" / name, folder / "quality")
+
+
 PROJECTS: Mapping[str, Callable[[Path], None]] = MappingProxyType(
-    {"empty": _empty, "examples": _examples, "radio": _radio, "thesis": _thesis}
+    {
+        "empty": _empty,
+        "examples": _examples,
+        "incidents": _incidents,
+        "inspection": _inspection,
+        "localized": _localized,
+        "monday": _monday,
+        "no_incidents": _no_incidents,
+        "plan": _plan,
+        "radio": _radio,
+        "runs": _runs,
+        "thesis": _thesis,
+        "two_drives": _two_drives,
+    }
 )
 """Each writes its files into a folder that is there and empty."""
 

@@ -38,6 +38,12 @@ export const commands = {
   /** Whether the browser's user wants no motion: `reduce`, as each test begins, or `no-preference`. */
   emulateMotion: ({ page }, reducedMotion) => page.emulateMedia({ reducedMotion }),
 
+  /** Whether the screen is light or dark. */
+  colorScheme: ({ page }, colorScheme) => page.emulateMedia({ colorScheme }),
+
+  /** Whether pages are looked at on some screens only; continuous integration looks at all. */
+  isBrief: () => process.env.SWEEPS === "some",
+
   async press(context, ...keys) {
     await focusFrame(context);
     for (const key of keys) await context.page.keyboard.press(key);

@@ -19,6 +19,8 @@ declare module "vitest/browser" {
       reducedMotion?: "reduce" | "no-preference" | null;
     }) => Promise<void>;
     emulateMotion: (motion: "reduce" | "no-preference") => Promise<void>;
+    colorScheme: (scheme: "light" | "dark") => Promise<void>;
+    isBrief: () => Promise<boolean>;
     press: (...keys: string[]) => Promise<void>;
     type: (text: string) => Promise<void>;
     insertText: (text: string) => Promise<void>;

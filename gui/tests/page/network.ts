@@ -30,7 +30,7 @@ export class Network {
   readonly told: unknown[] = [];
   private readonly sockets = new Set<PlayedSocket>();
   private waiting: { route: string; done: () => void }[] = [];
-  private readonly held = new Map<string, Promise<void>>();
+  private readonly held = new Map<string, { words: string; until: Promise<void> }>();
   private readonly replaced = new Map<string, { answer: Answered; isFor: (body: unknown) => boolean }>();
   private readonly asking = new Set<Promise<Answered>>();
   private isCut = false;
@@ -105,18 +105,19 @@ export class Network {
     return new Promise((done) => this.waiting.push({ route, done }));
   }
 
-  /** Keeps answers of a route, as `POST /api/optimize`, until the returned function is called. */
-  hold(route: string): () => void {
+  /**
+   * Keeps answers of a route, as `POST /api/optimize`, until the returned function is called; with `words` only
+   * those whose request holds them.
+   */
+  hold(route: string, words = ""): () => void {
     let release = () => {};
-    this.held.set(
-      route,
-      new Promise((done) => {
-        release = () => {
-          this.held.delete(route);
-          done();
-        };
-      }),
-    );
+    const until = new Promise<void>((done) => {
+      release = () => {
+        this.held.delete(route);
+        done();
+      };
+    });
+    this.held.set(route, { words, until });
     return () => release();
   }
 
@@ -164,7 +165,8 @@ export class Network {
     const route = asked.ask.split("?")[0] as string;
     // As over a network: not in the same turn.
     await new Promise((done) => BROWSER.setTimeout.call(window, done));
-    await this.held.get(route);
+    const held = this.held.get(route);
+    if (held !== undefined && JSON.stringify(asked).includes(held.words)) await held.until;
     if (this.isClosed) return new Promise(() => {});
     if (this.isCut) throw new TypeError("Failed to fetch");
     if (!route.includes(" /api/")) return new Response();
