@@ -31,6 +31,28 @@ START_S = 1_700_000_000
 """When a project was written, in seconds since 1970; each change comes a minute after the last."""
 MINUTE_S = 60
 LINE_WIDTH = 110
+PURE = frozenset(
+    f"POST /api/{path}"
+    for path in (
+        "difference",
+        "document",
+        "edit",
+        "export",
+        "format",
+        "import",
+        "import/preview",
+        "optimize",
+        "profile/check",
+        "profile/entry",
+        "profile/levels",
+        "profile/parse",
+        "profile/write",
+        "vocabulary",
+        "zones",
+        "zones/cover",
+    )
+)
+"""What is answered from what is sent alone, whatever is in the project."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,17 +160,19 @@ def _steady_object(value: dict[str, Any]) -> dict[str, Any]:
 
 
 def in_order(steps: Sequence[Step]) -> list[Step]:
-    """Sort requests between two changes, and leave out those whose answer is known from before."""
-    ordered: list[Step] = []
+    """Sort requests between two changes, and leave out those whose answer is known from before.
+
+    When a page asks about what it has depends on the machine: such requests come first.
+    """
     known: dict[str, str] = {}
+    ordered = _new_of([step for step in steps if step.ask in PURE], known)
     stage: list[Step] = []
     for step in steps:
-        if not step.changes:
+        if step.changes:
+            ordered += [*_new_of(stage, known), step]
+            stage = []
+        elif step.ask not in PURE:
             stage.append(step)
-            continue
-        ordered += _new_of(stage, known)
-        ordered.append(step)
-        stage = []
     return ordered + _new_of(stage, known)
 
 
