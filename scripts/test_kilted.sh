@@ -4,18 +4,18 @@
 # `live` makes the environment and runs what other work beside it does not disturb, `calm` the rest. The documents
 # are followed on one distribution only.
 set -eu
-python=${PYTHON:-python3}
-uv=${UV:-uv}
+python=${PYTHON:-.venv/bin/python}
+uv=${UV:-.venv/bin/uv}
 part=$1
 shift
 bin=build/kilted/bin
 
 if [ "$part" = live ]; then
     "$uv" venv --quiet --clear --python "$python" build/kilted
-    "$uv" pip install --quiet --compile-bytecode --python "$bin/python" --editable '.[studio,dev]' \
+    "$uv" pip install --quiet --compile-bytecode --python "$bin/python" --editable '.[studio,dev,physics]' \
         'ros-rclpy[fastrtps]==9.1.2' ros-diagnostic-msgs==5.5.1 ros-geometry-msgs==5.5.1 ros-nav-msgs==5.5.1 \
         ros-sensor-msgs==5.5.1 ros-std-srvs==5.5.1
-    exec "$bin/pytest" --quiet --numprocesses 3 --dist worksteal -m "not calm" \
+    exec "$bin/pytest" --numprocesses 2 --dist worksteal -m "not calm" \
         --ignore tests/ros/test_documented_commands.py tests/ros "$@"
 fi
-exec "$bin/pytest" --quiet -m calm tests/ros "$@"
+exec "$bin/pytest" -m calm tests/ros "$@"

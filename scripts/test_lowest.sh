@@ -9,7 +9,7 @@ PYTHON=$python sh "$(dirname "$0")/check_python.sh"
 "$python" -m venv "$folder/venv"
 bin=$folder/venv/bin
 "$bin/pip" install --quiet uv
-"$bin/uv" pip compile --quiet pyproject.toml --extra studio --extra ros --extra dev --resolution lowest-direct \
+"$bin/uv" pip compile --quiet pyproject.toml --extra studio --extra ros --extra full --resolution lowest-direct \
     --python "$bin/python" --output-file "$folder/lowest.txt"
 "$bin/pip" install --quiet --requirement "$folder/lowest.txt"
 "$bin/pip" install --quiet --no-deps --editable .

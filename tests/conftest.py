@@ -3,23 +3,24 @@
 """What holds for all tests.
 
 Hypothesis tries the same examples each time, so that a commit has one verdict; with the profile ``fuzz`` it
-tries new ones. It is never timed. In continuous integration nothing is skipped.
+tries new ones. It is never timed. ``tiers.py`` says which tests run where, ``needs.py`` which cannot run on a
+machine. In continuous integration nothing is skipped.
 """
 
 from __future__ import annotations
 
-import os
 import signal
-import subprocess
 from collections.abc import Generator, Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, settings
 
-from real_browser import chromium
+from needs import LeavingOut, is_on_ci, require
+from progress import Progress
+from real_browser import opened_chromium
 from smarttestudo.domain.robot import DataPathKind
+from tiers import MARKERS, of_tiers
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -30,8 +31,6 @@ settings.register_profile("fuzz", _UNTIMED, derandomize=False)
 settings.load_profile("default")
 # Where Hypothesis itself reads them at each run; its decorator may be applied to a test but once.
 _SETTINGS_OF_LAW = "_hypothesis_internal_use_settings"
-_TESTS = Path(__file__).parent
-_FOLDERS_OF_PROCESSES = ("ros", "ros_package", "ruler")
 _SIGNALS_OF_A_TERMINAL = (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP)
 
 
@@ -50,22 +49,53 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         default=DataPathKind.AUTO.value,
         help="how `testudo run` of live tests relays where the test does not say; as its own --data-path",
     )
+    parser.addoption("--tiers", metavar="NAMES", help="only tests of these tiers, as in plain,contract")
+    parser.addoption("--part", metavar="NAME", help="say how far this part is, in place of dots")
 
 
-def pytest_configure() -> None:
+def pytest_configure(config: pytest.Config) -> None:
     """Start processes with the signals of a terminal, also under ``nohup`` and in the background of a shell.
 
     What is ignored stays ignored in children; what has a handler, though it does nothing, is reset in them.
     """
+    for marker in MARKERS:
+        config.addinivalue_line("markers", marker)
+    config.pluginmanager.register(LeavingOut())
+    if config.getoption("--part") and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(Progress(config.getoption("--part")))
     for number in _SIGNALS_OF_A_TERMINAL:
         if signal.getsignal(number) is signal.SIG_IGN:
             signal.signal(number, lambda *_: None)
 
 
+@pytest.fixture(scope="session", name="chromium")
+def need_chromium() -> None:
+    """For tests that open a page."""
+    require("chromium")
+
+
+@pytest.fixture(scope="session", name="built_page")
+def need_built_page() -> None:
+    """For tests of the Ruler's page."""
+    require("built_page")
+
+
+@pytest.fixture(scope="session", name="ros")
+def need_ros() -> None:
+    """For tests on a ROS graph."""
+    require("ros")
+
+
+@pytest.fixture(scope="session", name="network_namespaces")
+def need_network_namespaces() -> None:
+    """For tests of a link between two machines."""
+    require("network_namespaces")
+
+
 @pytest.fixture(scope="session")
-def worker_browser() -> Iterator[Browser]:
+def worker_browser(chromium: None) -> Iterator[Browser]:
     """The one Chromium of this worker; Playwright allows no second one."""
-    with chromium() as browser:
+    with opened_chromium() as browser:
         yield browser
 
 
@@ -79,21 +109,12 @@ def browser(worker_browser: Browser) -> Iterator[Browser]:
             context.close()
 
 
-def starts_processes(item: pytest.Item) -> bool:
-    """Whether it is in a folder of servers, browsers or ROS nodes, has a browser, or may start a process."""
-    if any(_TESTS / folder in item.path.parents for folder in _FOLDERS_OF_PROCESSES):
-        return True
-    if not isinstance(item, pytest.Function):
-        return False
-    return "browser" in item.fixturenames or subprocess in vars(item.module).values()
-
-
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Multiply the examples of every law, also of those that say how many they want."""
+    """Keep the tiers that were asked for, and multiply the examples of every law, however many it wants."""
     factor: float = config.getoption("--examples-factor")
-    for item in items:
-        if starts_processes(item):
-            item.add_marker(pytest.mark.process)
+    if config.getoption("--tiers"):
+        items[:], others = of_tiers(items, config.getoption("--tiers"))
+        config.hook.pytest_deselected(items=others)
     for law in {item.obj for item in items if isinstance(item, pytest.Function)}:
         own = getattr(law, _SETTINGS_OF_LAW, None)
         if own is not None:
@@ -108,7 +129,7 @@ def pytest_runtest_makereport(
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """A user's machine may lack a part and skip; continuous integration may not."""
     report = yield
-    if report.skipped and not hasattr(report, "wasxfail") and os.environ.get("CI") == "true":
+    if report.skipped and not hasattr(report, "wasxfail") and is_on_ci():
         report.outcome = "failed"
         report.longrepr = f"{item.nodeid} was skipped, which is a failure here: {report.longrepr}"
     return report
@@ -120,7 +141,7 @@ def pytest_make_collect_report(
 ) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
     """The same for a whole file that would be skipped."""
     report = yield
-    if report.outcome == "skipped" and os.environ.get("CI") == "true":
+    if report.outcome == "skipped" and is_on_ci():
         report.outcome = "failed"
         report.longrepr = f"{collector.nodeid} was skipped, which is a failure here: {report.longrepr}"
     return report

@@ -10,10 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-import pytest
-
-from smarttestudo.demo.network_namespaces import in_namespace, require_links
-from smarttestudo.domain.errors import NetworkError
+from smarttestudo.demo.network_namespaces import in_namespace
 
 SERVER = "server"
 SERVER_ADDRESS = "10.98.0.1"
@@ -48,10 +45,6 @@ class Fleet:
 @contextmanager
 def fleet_network(machines: Sequence[str]) -> Iterator[Fleet]:
     """A server and ``machines``, each with 2 Mbit/s to it and no way to one another, gone at the end."""
-    try:
-        require_links()
-    except NetworkError as error:
-        pytest.skip(str(error))
     fleet = Fleet(namespaces={name: f"fleet-{name}-{os.getpid()}" for name in (SERVER, *machines)})
     try:
         for namespace in fleet.namespaces.values():

@@ -9,8 +9,6 @@ import re
 import pytest
 
 from smallest_benchmarks import FOLDER, SMALLEST, WITH_NAMESPACES, WITH_NOTHING, ends_well
-from smarttestudo.demo.network_namespaces import require_links
-from smarttestudo.domain.errors import NetworkError
 
 
 def test_each_benchmark_has_a_smallest_case() -> None:
@@ -24,19 +22,14 @@ def test_documents_name_benchmarks_that_are_there() -> None:
     assert named >= {"link_ages", "optimizer_speed"}
 
 
-@pytest.mark.process
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", WITH_NOTHING)
 def test_a_benchmark_ends_well(name: str) -> None:
     ends_well(name)
 
 
-@pytest.mark.process
-@pytest.mark.slow
+@pytest.mark.full
+@pytest.mark.usefixtures("network_namespaces")
 @pytest.mark.parametrize("name", WITH_NAMESPACES)
 def test_a_benchmark_of_the_link_ends_well(name: str) -> None:
-    try:
-        require_links()
-    except NetworkError as error:
-        pytest.skip(str(error))
     ends_well(name)

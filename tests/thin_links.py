@@ -10,21 +10,13 @@ from collections.abc import Iterator
 import pytest
 
 from smarttestudo.demo.network_namespaces import ThinLink, thin_link
-from smarttestudo.domain.errors import NetworkError
 
 
 @pytest.fixture
-def link() -> Iterator[ThinLink]:
+def link(network_namespaces: None) -> Iterator[ThinLink]:
     """One of this process, gone at the end."""
-    try:
-        opened = thin_link()
-        made = opened.__enter__()
-    except NetworkError as error:
-        pytest.skip(str(error))
-    try:
+    with thin_link() as made:
         yield made
-    finally:
-        opened.__exit__(None, None, None)
 
 
 def namespaces() -> set[str]:

@@ -137,6 +137,7 @@ def test_the_joints_of_a_walking_arm_are_within_the_bound(
     assert fixed["properties"]["positions"]["worst"] > 1.5 * said["worst"]
 
 
+@pytest.mark.full
 def test_a_button_that_is_pressed_twice_in_hours_is_never_shown_wrong(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

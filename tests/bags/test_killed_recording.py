@@ -19,7 +19,7 @@ from link.zenoh.ends import ODOM, free_endpoint, robot_end, until
 from smarttestudo.cli.main import main
 from smarttestudo.domain.errors import RecordingError
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.full
 MESSAGES = 10
 WITHIN_S = 120.0
 

@@ -46,6 +46,7 @@ def descriptors_left(count: int) -> Iterator[None]:
 
 
 @pytest.mark.parametrize("storage", StoragePlugin)
+@pytest.mark.full
 def test_of_a_recording_only_files_that_are_being_read_are_open(
     tmp_path: Path, storage: StoragePlugin
 ) -> None:
@@ -58,6 +59,7 @@ def test_of_a_recording_only_files_that_are_being_read_are_open(
     assert open_files() == before
 
 
+@pytest.mark.full
 def test_files_that_cannot_be_opened_at_once_are_an_error_and_not_left_out(tmp_path: Path) -> None:
     folder = of_many_files(tmp_path / "mission", StoragePlugin.SQLITE3)
     for path in folder.glob("*.db3"):

@@ -89,6 +89,7 @@ def test_each_message_can_be_read_as_soon_as_it_was_taken(tmp_path: Path) -> Non
     assert read_bag(tmp_path / "drive" / "ada").notices == []
 
 
+@pytest.mark.full
 def test_memory_does_not_grow_with_the_length_of_a_recording(tmp_path: Path) -> None:
     sink = sink_into(tmp_path / "drive")
     sink.open("ada", ODD)

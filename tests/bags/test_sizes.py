@@ -93,7 +93,7 @@ def cuts(path: Path) -> Iterator[bytes]:
     return (data[: len(data) * percent // 100] for percent in range(5, 100, 5))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_bag_cut_at_every_twentieth_gives_the_sizes_of_a_full_read(
     whole_file: Path, tmp_path: Path
 ) -> None:

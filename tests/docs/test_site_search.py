@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import urlencode
@@ -15,8 +14,7 @@ from playwright.sync_api import Browser, Page, expect
 from docs.test_site import site
 
 __all__ = ["site"]
-# Marks this module as one that starts processes.
-assert subprocess
+pytestmark = pytest.mark.full
 
 
 @pytest.fixture(scope="module")

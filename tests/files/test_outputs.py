@@ -96,7 +96,7 @@ def test_an_output_that_would_cost_something_is_refused_in_one_line(
     assert content_of(desk) == before
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_outputs_beside_the_inputs_are_written(desk: Path) -> None:
     assert main((*REPLAY, "--decisions", "rules/d.jsonl", "--report", "r.html")) == 0
     assert main(("bag", "report", "sq", "new", "-o", "f.html", "--figures", "figures")) == 0

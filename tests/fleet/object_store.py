@@ -11,11 +11,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import boto3
-from moto.moto_server.werkzeug_app import DomainDispatcherApplication, create_backend_app
-from s3fs import S3FileSystem
-from werkzeug.serving import make_server
-
 BUCKET = "fleet"
 
 
@@ -48,6 +43,9 @@ class ObjectStore:
 
     def put(self, path: Path, key: str) -> None:
         """Store the file, or all files of the folder, at ``path`` as ``key``."""
+        import boto3  # noqa: PLC0415  only full tests need it
+        from s3fs import S3FileSystem  # noqa: PLC0415  only full tests need it
+
         # What this process was told of the store before is no longer true.
         S3FileSystem.clear_instance_cache()
         client = boto3.client("s3", endpoint_url=self.url)
@@ -58,6 +56,13 @@ class ObjectStore:
 
 @contextmanager
 def object_store() -> Iterator[ObjectStore]:
+    import boto3  # noqa: PLC0415  only full tests need it
+    from moto.moto_server.werkzeug_app import (  # noqa: PLC0415  only full tests need it
+        DomainDispatcherApplication,
+        create_backend_app,
+    )
+    from werkzeug.serving import make_server  # noqa: PLC0415  only full tests need it
+
     store = ObjectStore()
     application = DomainDispatcherApplication(create_backend_app)
     server = make_server("127.0.0.1", 0, store.counted(application), threaded=True)

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import re
 import signal
-import subprocess
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
@@ -14,7 +13,6 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from distributed import Client
 
 from fleet import tasks
 from fleet.dask_processes import DaskProcesses, dask_processes
@@ -23,14 +21,15 @@ from smarttestudo.fleet.dask_cluster import ClusterError, DaskCluster, open_clus
 from smarttestudo.fleet.executor import Executor, InProcess
 from smarttestudo.fleet.processes import Processes
 
-# Marks this module as one that starts processes.
-assert subprocess
+pytestmark = pytest.mark.full
 TIMEOUT_S = 60
 
 
 @contextmanager
 def on_dask(cluster: DaskProcesses) -> Iterator[DaskCluster]:
     """The cluster once all its workers are there, so that another is when one is lost."""
+    from distributed import Client  # noqa: PLC0415  only full tests need it
+
     with Client(cluster.address, timeout=TIMEOUT_S, set_as_default=False) as client:
         client.wait_for_workers(len(cluster.workers), timeout=TIMEOUT_S)
     with open_cluster(cluster.address, timeout_s=TIMEOUT_S, otherwise=InProcess()) as executor:

@@ -13,7 +13,6 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-import duckdb
 import pytest
 
 from bags.bag_factory import START_NS, BagContent, BagTopic, small_mission, write_bag, write_mcap_file
@@ -348,6 +347,8 @@ def test_what_does_not_fit_is_refused(options: list[str], cause: str, testudo: C
 
 @pytest.mark.full
 def test_the_commands_of_the_page_do_what_it_says(testudo: Command, robots: Path) -> None:
+    import duckdb  # noqa: PLC0415  only full tests need it
+
     (commands,) = [block.commands for block in blocks_of(PAGE) if "bag report" in block.text]
     for command in commands:
         assert testudo(*shlex.split(command)[1:], *ALONE).code == 0

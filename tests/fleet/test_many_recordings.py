@@ -7,7 +7,6 @@ from __future__ import annotations
 import json
 import shlex
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -18,8 +17,7 @@ from fleet.commands import COMMANDS, Command
 from fleet.dask_processes import DaskProcesses
 from report.bag_desk import Ran
 
-# Marks this module as one that starts processes.
-assert subprocess
+pytestmark = pytest.mark.full
 
 PAGE = "docs/how-to/many-recordings.md"
 WITHOUT_TIMES = {"wall_seconds"}

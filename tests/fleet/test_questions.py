@@ -16,7 +16,6 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any
 
-import duckdb
 import pytest
 
 from docs.code_blocks import blocks_of
@@ -108,9 +107,12 @@ QUESTIONS: Sequence[Callable[[Path], Rows]] = (costs, losses, savings, weeks, ne
 
 
 def ask(sql: str, folder: Path) -> Rows:
+    import duckdb  # noqa: PLC0415  only full tests need it
+
     with duckdb.connect() as database:
         database.execute("SET TimeZone = 'UTC'")
-        return database.execute(sql.replace("'numbers/", f"'{folder}/numbers/")).fetchall()
+        rows: Rows = database.execute(sql.replace("'numbers/", f"'{folder}/numbers/")).fetchall()
+        return rows
 
 
 @pytest.mark.full

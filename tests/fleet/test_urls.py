@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 import socket
-import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,8 +19,7 @@ from fleet.object_store import BUCKET, ObjectStore, object_store
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.recording import Channel, Storage
 
-# Marks this module as one that starts processes.
-assert subprocess
+pytestmark = pytest.mark.full
 
 
 @pytest.fixture(scope="session")

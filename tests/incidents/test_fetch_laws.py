@@ -39,6 +39,7 @@ def ages_s(ends: Ends, from_s: float, to_s: float) -> list[float]:
 
 
 @pytest.mark.parametrize("delay_s", [0.002, 0.02, 0.1])
+@pytest.mark.full
 def test_a_gap_of_a_minute_comes_whole_and_live_ages_hardly_grow(delay_s: float) -> None:
     contents = Contents.of(GAP, GAP_S)
     before = Ends(spare_link(delay_s), LIVE)

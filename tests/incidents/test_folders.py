@@ -343,6 +343,7 @@ def test_no_name_leads_out_of_the_folder(tmp_path: Path, name: str) -> None:
     assert all(len(payloads(path)) == 1 for path in folders)
 
 
+@pytest.mark.full
 def test_without_hard_links_each_incident_has_its_own_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -93,7 +93,7 @@ print(taken, sum(len(one.payload) for one in sink.kept[0].messages))
 """
 
 
-@pytest.mark.process
+@pytest.mark.full
 @pytest.mark.parametrize("memory_bytes", [26_000_000, 160_000_000])
 def test_what_is_resident_is_at_most_a_twentieth_more_than_the_memory(memory_bytes: int) -> None:
     command = [sys.executable, "-c", MEASURED, str(memory_bytes)]

@@ -175,7 +175,7 @@ def test_an_empty_collection_is_no_error() -> None:
     assert valid("begin end begin end") == ()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_full_file_of_1_mb_reads() -> None:
     rule = (
         "If(CheckValue /odom pose_y > 1 AND CheckValue /odom pose_y < 5.4)Then\nSetFrequency /odom 4\n// c\n"

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -72,11 +73,63 @@ def test_a_tenth_of_few_examples_is_one(laws: Path) -> None:
     assert len(tried(laws, "--examples-factor", "0.1")) == 1
 
 
-def test_a_quick_run_leaves_out_what_starts_processes(laws: Path) -> None:
-    (laws / "test_process.py").write_text(
-        "import subprocess\n\n\ndef test_it():\n    pass\n", encoding="utf-8"
-    )
-    assert "1 passed, 1 deselected" in run(laws, "-m", "not process")
+PROCESSES = """\
+import subprocess
+import pytest
+
+
+def start():
+    return subprocess.run(["true"], check=True)
+
+
+@pytest.fixture
+def started():
+    return start()
+
+
+def test_plain():
+    pass
+
+
+def test_of_a_helper():
+    start()
+
+
+def test_of_a_fixture(started):
+    pass
+
+
+@pytest.mark.contract
+def test_promise():
+    start()
+
+
+@pytest.mark.contract
+@pytest.mark.calm
+def test_rates():
+    pass
+
+
+@pytest.mark.full
+def test_long():
+    pass
+"""
+
+
+@pytest.mark.parametrize(
+    ("tiers", "names"),
+    [
+        ("plain", ["plain"]),
+        ("contract,plain", ["plain", "promise"]),
+        ("full", ["of_a_helper", "of_a_fixture", "rates", "long"]),
+    ],
+)
+def test_what_starts_a_process_or_judges_rates_is_full_unless_it_says_otherwise(
+    laws: Path, tiers: str, names: list[str]
+) -> None:
+    (laws / "test_law.py").write_text(PROCESSES, encoding="utf-8")
+    said = run(laws, "--tiers", tiers, "--collect-only", "--quiet")
+    assert re.findall(r"::test_(\w+)", said) == names
 
 
 def test_a_law_that_fails_says_how_to_see_it_fail_again(laws: Path) -> None:

@@ -86,6 +86,6 @@ def evaluated(rules: int) -> list[int]:
     return counts
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_step_evaluates_as_much_beside_ten_thousand_timed_rules_as_beside_twelve() -> None:
     assert evaluated(10_000) == evaluated(12)

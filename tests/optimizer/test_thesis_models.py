@@ -8,7 +8,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
 
 from optimizer.instances import Instance, random_instances
 from optimizer.naive import rates_of
@@ -40,6 +39,8 @@ def columns(model: Model, instance: Instance) -> list[tuple[float, float, float,
 
 
 def objective_by_scipy(model: Model, instance: Instance) -> float | None:
+    from scipy.optimize import linprog  # noqa: PLC0415  only full tests need it
+
     weights, sizes, lows, highs = (np.array(column) for column in zip(*columns(model, instance), strict=True))
     budget = instance[1]
     # scipy's own tolerance is 1e-7 absolute; a budget of 1 keeps that small in KB/s, too.
@@ -60,7 +61,7 @@ def our_objective(model: Model, instance: Instance) -> float | None:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("model", THESIS_MODELS, ids=lambda model: model.value)
 def test_the_objective_equals_scipy_s_on_1000_instances(model: Model) -> None:
     answered = 0

@@ -100,6 +100,7 @@ def test_nobody_waits_for_them_once_the_run_ends() -> None:
     assert time.monotonic() - start_s < 30
 
 
+@pytest.mark.full
 def test_a_watch_prepares_large_rules_beside_the_loop_and_frees_those_before(tmp_path: Path) -> None:
     path = tmp_path / "a.adirf"
     path.write_text(zones(700), encoding="utf-8")

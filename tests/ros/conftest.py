@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -32,8 +31,6 @@ def other_domain(domain: int) -> Iterator[int]:
 @pytest.fixture
 def in_domain(domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nodes of this process are in the domain."""
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
@@ -47,8 +44,6 @@ def data_path(pytestconfig: pytest.Config) -> str:
 
 @pytest.fixture
 def robot(domain: int, tmp_path: Path, data_path: str) -> Iterator[SmallRobot]:
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
     small_robot = SmallRobot(domain, tmp_path, data_path=data_path)
     yield small_robot
     small_robot.end()

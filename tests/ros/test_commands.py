@@ -11,6 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from link.zenoh.ends import until
 from ros.ros_processes import LINE_TIMEOUT_S, Process, SmallRobot
 
@@ -51,6 +53,7 @@ def delivered(told: dict[str, Any], name: str) -> int:
     return int(told[name]["accepted"]["/joy"]["delivered"])
 
 
+@pytest.mark.contract
 def test_a_goal_arrives_byte_for_byte(robot: SmallRobot, operators: SmallRobot, endpoint: str) -> None:
     goal = {"type": GOAL_TYPE, "topic": "/goal_pose", "raw": True, "messages": 3, "reliable": True}
     operators.receiver(endpoint, *SENDS)
@@ -130,6 +133,7 @@ def test_another_type_at_the_operator_s_costs_that_topic_and_is_said(
     assert arrived["joy"] == []
 
 
+@pytest.mark.contract
 def test_of_two_robots_only_the_one_that_is_named_is_driven(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:

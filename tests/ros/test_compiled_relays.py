@@ -131,6 +131,7 @@ class Echo:
         self.publisher.publish(payload)
 
 
+@pytest.mark.contract
 def test_nothing_is_lost_or_doubled_where_a_topic_comes_and_goes(fast: Robot, qos: Qos) -> None:
     echo, chance = Echo(fast, qos, Pace(0, 0)), random.Random(7)
     before = echo.by_python
@@ -267,6 +268,7 @@ RECORDED = (
 )
 
 
+@pytest.mark.contract
 def test_a_topic_is_relayed_without_python_while_no_rule_reads_it(robot: SmallRobot) -> None:
     path = robot.folder / "rules0.adirf"
     incidents = str(robot.folder / "incidents")

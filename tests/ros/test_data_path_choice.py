@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import ctypes
-import importlib.util
 import os
 import struct
 import sys
@@ -78,6 +77,7 @@ def test_fast_is_an_error_where_nothing_was_compiled() -> None:
         _ = robot.data_path
 
 
+@pytest.mark.contract
 def test_a_run_through_rclpy_relays_too(robot: SmallRobot) -> None:
     operator = robot.operator(imu=IMU)
     runtime = robot.runtime("begin SetFrequency /imu 10 end", "--data-path", "rclpy")
@@ -143,8 +143,6 @@ def test_where_images_can_be_taken_serialized_they_are(robot: SmallRobot) -> Non
     ],
 )
 def test_types_with_a_sequence_of_bytes_are_known_by_their_fields(type_name: str, *, has_bytes: bool) -> None:
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
     from smarttestudo.robot.ros.message_types import has_byte_sequence  # noqa: PLC0415  needs rclpy
 
     assert has_byte_sequence(type_name) is has_bytes

@@ -89,6 +89,7 @@ def wait_until(robot: Robot, condition: Callable[[], bool]) -> None:
         robot.wait(None, 0.1)
 
 
+@pytest.mark.contract
 def test_messages_of_any_size_arrive_as_they_were_sent_and_in_order(robot: Robot) -> None:
     path, heard = robot.data_path, Heard()
     publisher = path.advertise("/words", TEXT, LATCHED)
@@ -139,6 +140,7 @@ def test_what_came_can_be_published_as_it_is(robot: Robot) -> None:
     assert relayed.copies == [text("to the operator")]
 
 
+@pytest.mark.contract
 def test_qos_is_what_was_asked_for_and_late_subscribers_get_what_is_latched(robot: Robot) -> None:
     path, late = robot.data_path, Heard()
     best_effort = Qos(reliable=False, transient_local=False)
@@ -154,6 +156,7 @@ def test_qos_is_what_was_asked_for_and_late_subscribers_get_what_is_latched(robo
     assert (plain.reliable, plain.transient_local) == (False, False)
 
 
+@pytest.mark.contract
 def test_publishers_are_told_apart_where_the_path_says_so(robot: Robot) -> None:
     path, heard = robot.data_path, Heard()
     publishers = [path.advertise("/words", TEXT, LATCHED) for _ in range(2)]

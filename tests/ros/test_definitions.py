@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +14,6 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from smarttestudo.robot.ros.definitions import message_definition
 from smarttestudo.robot.ros.message_types import is_installed
 from smarttestudo.simulation.messages.messages import RobotMessages
-
-if importlib.util.find_spec("rclpy") is None:
-    pytest.skip("ROS 2 (rclpy) is not installed", allow_module_level=True)
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")

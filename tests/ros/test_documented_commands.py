@@ -152,7 +152,6 @@ def desk(tmp_path_factory: pytest.TempPathFactory, tmp_path: Path, monkeypatch: 
 @pytest.fixture(scope="module")
 def source(domain: int, tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """The robot's own node, for all pages."""
-    pytest.importorskip("rclpy")
     robot = SmallRobot(domain, tmp_path_factory.mktemp("source"))
     robot.source(odom=ODOM, clock=CLOCK)
     yield

@@ -7,6 +7,8 @@ from __future__ import annotations
 import json
 import signal
 
+import pytest
+
 from ros.ros_processes import SmallRobot
 
 IMU = "sensor_msgs/msg/Imu"
@@ -14,6 +16,7 @@ ODOMETRY = "nav_msgs/msg/Odometry"
 TEXT = "std_msgs/msg/String"
 
 
+@pytest.mark.contract
 def test_it_is_a_subscriber_so_the_relay_begins_and_its_rate_is_seen(robot: SmallRobot) -> None:
     runtime = robot.runtime("begin SetFrequency /odom 10 end")
     robot.source(odom={"type": ODOMETRY, "hz": 50, "x": 1.5})

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import time
 
 import pytest
@@ -16,10 +15,6 @@ from smarttestudo.domain.link import StreamInfo
 from smarttestudo.domain.link_state import LinkState
 from smarttestudo.domain.robot import GraphChange, Publisher, Qos
 from smarttestudo.robot.ros import open_robot
-
-if importlib.util.find_spec("rclpy") is None:
-    pytest.skip("ROS 2 (rclpy) is not installed", allow_module_level=True)
-
 from smarttestudo.robot.ros.linked_node import LinkedPath
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.

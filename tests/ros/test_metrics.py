@@ -10,6 +10,8 @@ import signal
 import time
 from collections.abc import Callable
 
+import pytest
+
 from link.openmetrics.scraping import Samples, require_only_growth, samples, value
 from link.zenoh.ends import free_endpoint
 from ros.ros_processes import LINE_TIMEOUT_S, Process, SmallRobot
@@ -38,6 +40,7 @@ def scraped_until(port: int, holds: Callable[[Samples], object]) -> Samples:
     return before
 
 
+@pytest.mark.contract
 def test_both_ends_of_a_link_tell_rates_ages_and_the_link(robot: SmallRobot, operators: SmallRobot) -> None:
     endpoint = free_endpoint()
     receiving = operators.testudo("receive", "--no-ros", "--listen", endpoint, "--openmetrics", "0")

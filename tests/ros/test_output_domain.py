@@ -12,6 +12,7 @@ IMU = "sensor_msgs/msg/Imu"
 RULES = "begin SetFrequency /imu 10 SetFrequency /camera Off end"
 
 
+@pytest.mark.contract
 def test_operators_in_another_domain_find_the_relays_and_nothing_else(
     robot: SmallRobot, other_domain: int
 ) -> None:

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
 from link.openmetrics.scraping import Samples
 from ros.ros_processes import SmallRobot
 from ros.test_metrics import port_of, scraped_until
@@ -19,6 +21,7 @@ def has_section(found: Samples) -> bool:
     return any(name == "testudo_large_messages_total" for name, _ in found)
 
 
+@pytest.mark.contract
 def test_its_option_counter_and_section_are_there(robot: SmallRobot) -> None:
     shown = robot.runtime_with_own_part("--help")
     assert shown.exit_code() == 0

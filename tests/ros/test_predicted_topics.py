@@ -48,6 +48,7 @@ def driven_s(one: Told) -> float:
     return math.atan2(one.x, forward / around - one.y) / around
 
 
+@pytest.mark.contract
 def test_between_messages_the_robot_goes_on_along_its_arc_and_a_recording_has_what_arrived(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:

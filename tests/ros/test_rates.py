@@ -68,6 +68,7 @@ def test_every_topic_arrives_at_its_rate_within_one_percent(robot: SmallRobot) -
     pytest.fail("machine too slow: in no ten seconds did the messages come promptly")
 
 
+@pytest.mark.contract
 def test_a_robot_that_enters_a_zone_raises_the_rate_of_another_topic(robot: SmallRobot) -> None:
     topics = {"odom": {"type": ODOMETRY, "hz": 20}, "imu": {"type": IMU, "hz": 200}}
     decisions = robot.folder / "decisions.jsonl"
@@ -90,6 +91,7 @@ def test_a_robot_that_enters_a_zone_raises_the_rate_of_another_topic(robot: Smal
     assert last["values"] == {"/odom pose_x": 5.0}
 
 
+@pytest.mark.contract
 def test_a_rate_counts_in_simulated_time_where_the_robot_does(robot: SmallRobot) -> None:
     # At 10 Hz at most 25 messages pass in 2 s of real time, and 45 in the 4 s that it is here.
     operator = robot.operator(imu={"type": IMU, "messages": 32, "within_s": 2.0})

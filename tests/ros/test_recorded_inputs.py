@@ -49,6 +49,7 @@ def drive(
     return runtime, source
 
 
+@pytest.mark.contract
 def test_the_decisions_of_a_live_run_come_out_of_its_recorded_inputs_line_for_line(
     robot: SmallRobot, tmp_path: Path
 ) -> None:

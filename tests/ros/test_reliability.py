@@ -21,6 +21,7 @@ SPAN_S = 3.0
 ATTEMPTS = 30
 
 
+@pytest.mark.contract
 def test_killing_the_runtime_leaves_the_robot_alone_and_a_new_one_takes_over(robot: SmallRobot) -> None:
     on_board = robot.operator(imu={"type": IMU, "topic": "/imu"})
     operator = robot.operator(imu={"type": IMU})
@@ -39,6 +40,7 @@ def test_killing_the_runtime_leaves_the_robot_alone_and_a_new_one_takes_over(rob
     operator.line_with("heard")
 
 
+@pytest.mark.contract
 def test_context_that_is_broken_or_silent_asks_for_more_not_for_less(robot: SmallRobot) -> None:
     runtime = robot.runtime(
         "begin SetFrequency /imu 5 "

@@ -9,6 +9,8 @@ import json
 import os
 from pathlib import Path
 
+import pytest
+
 from ros.ros_processes import SmallRobot
 
 IMU = {"type": "sensor_msgs/msg/Imu", "hz": 50}
@@ -64,6 +66,7 @@ def test_reloads_of_two_thousand_rules_cost_a_full_topic_no_message(robot: Small
     assert "Traceback" not in "".join(runtime.output)
 
 
+@pytest.mark.contract
 def test_a_file_that_changes_is_followed_and_a_bad_one_is_told_once(robot: SmallRobot) -> None:
     folder = robot.folder / "rules"
     folder.mkdir()
@@ -106,6 +109,7 @@ def test_rules_whose_file_name_is_not_utf_8_are_followed_and_told(robot: SmallRo
     assert "Traceback" not in "".join(runtime.output)
 
 
+@pytest.mark.contract
 def test_a_pushed_text_goes_back_unless_its_hash_is_confirmed(robot: SmallRobot) -> None:
     in_file, pushed = "begin SetFrequency /imu 10 end", "begin SetFrequency /imu 30 end"
     runtime, remote = robot.runtime(in_file), robot.remote()
@@ -136,6 +140,7 @@ def test_a_pushed_text_goes_back_unless_its_hash_is_confirmed(robot: SmallRobot)
     assert message.startswith(f"{robot.folder / 'rules0.adirf'}: error: there is no such file")
 
 
+@pytest.mark.contract
 def test_without_rules_everything_is_relayed_until_there_are_some(robot: SmallRobot) -> None:
     path, decisions = robot.folder / "rules.adirf", robot.folder / "decisions.jsonl"
     robot.source(imu=IMU, clock=CLOCK, _hidden=IMU)
@@ -154,6 +159,7 @@ def test_without_rules_everything_is_relayed_until_there_are_some(robot: SmallRo
     assert [one["reason"] for one in told if one["topic"] == "/imu"] == ["fallback", "reload"]
 
 
+@pytest.mark.contract
 def test_rules_with_an_error_are_said_at_the_start_and_none_at_all_are_rules_too(robot: SmallRobot) -> None:
     wrong = robot.runtime("begin SetFrequency /imu fast end")
     assert "rules0.adirf:1:25: error: " in wrong.line_with("relaying everything at Full")

@@ -106,6 +106,7 @@ def test_what_is_set_counts_and_what_is_refused_is_told_in_the_robot_s_words(rob
     wait(robots, lambda: robots.heard[ID].status.budget_kb_per_s == 50)
 
 
+@pytest.mark.contract
 def test_pushed_rules_are_tried_and_confirmed(robots: RemoteRobots) -> None:
     sha256 = hashlib.sha256(FASTER.encode()).hexdigest()
     # There are ten seconds from here to the confirmation.
@@ -150,6 +151,7 @@ def without_ros(robot: SmallRobot, *arguments: str) -> tuple[int, str]:
     return process.exit_code(), "".join(process.output)
 
 
+@pytest.mark.contract
 def test_without_ros_top_shows_the_robots_behind_an_operator_s_end(robot: SmallRobot, endpoint: str) -> None:
     robot.testudo("receive", "--no-ros", "--record", str(robot.folder / "r"), "--listen", endpoint)
     names = ("ada", "bob")

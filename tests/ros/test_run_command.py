@@ -30,6 +30,7 @@ def test_a_signal_ends_it_cleanly(robot: SmallRobot, number: signal.Signals) -> 
     assert not [line for line in runtime.output if "INFO" not in line]
 
 
+@pytest.mark.contract
 def test_a_prefix_goes_before_every_topic(robot: SmallRobot) -> None:
     decisions = robot.folder / "decisions.jsonl"
     runtime = robot.runtime(
@@ -41,6 +42,7 @@ def test_a_prefix_goes_before_every_topic(robot: SmallRobot) -> None:
     assert topics == ["/tb3_0/arm/imu", "/tb3_0/odom"]
 
 
+@pytest.mark.contract
 def test_a_remapped_output_is_told_by_its_own_name_and_may_not_take_that_of_a_source(
     robot: SmallRobot,
 ) -> None:
@@ -73,6 +75,7 @@ def test_an_output_that_is_no_name_of_its_own_is_refused_without_rules_too(
     assert runtime.output[-1].startswith("--output-topic: error: ")
 
 
+@pytest.mark.contract
 def test_parameters_do_what_options_do_and_options_win(robot: SmallRobot) -> None:
     for name, rate in (("one", 5), ("two", 7)):
         path = robot.folder / f"{name}.adirf"

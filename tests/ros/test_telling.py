@@ -8,6 +8,8 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+import pytest
+
 from ros.ros_processes import Process, SmallRobot
 from smarttestudo.cli.main import main
 from smarttestudo.rules.profile_file import load_profile
@@ -46,6 +48,7 @@ def has_settled(statuses: dict[str, Any]) -> bool:
     return is_measured and bool(statuses["smarttestudo"]["level"] == ERROR)
 
 
+@pytest.mark.contract
 def test_diagnostics_and_top_tell_what_is_relayed_and_what_is_not(robot: SmallRobot) -> None:
     listener = robot.diagnostics()
     robot.operator(imu={"type": IMU})

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from ros.ros_processes import SmallRobot, on_every_data_path, told_apart
 
 IMU = "sensor_msgs/msg/Imu"
@@ -14,6 +16,7 @@ TEXT = "std_msgs/msg/String"
 
 
 @on_every_data_path
+@pytest.mark.contract
 def test_a_late_subscriber_gets_the_latched_message_of_each_publisher(robot: SmallRobot) -> None:
     latched: dict[str, Any] = {"map_name": {"type": TEXT, "transient_local": True, "messages": 2}}
     robot.runtime("begin SetFrequency /map_name Full end")
@@ -25,6 +28,7 @@ def test_a_late_subscriber_gets_the_latched_message_of_each_publisher(robot: Sma
 
 
 @on_every_data_path
+@pytest.mark.contract
 def test_a_source_that_comes_back_with_another_qos_is_relayed_again(robot: SmallRobot) -> None:
     operator = robot.operator(imu={"type": IMU})
     runtime = robot.runtime("begin SetFrequency /imu Full end")
@@ -37,6 +41,7 @@ def test_a_source_that_comes_back_with_another_qos_is_relayed_again(robot: Small
     again.line_with("heard")
 
 
+@pytest.mark.contract
 def test_what_another_smarttestudo_relays_is_not_relayed_again(robot: SmallRobot) -> None:
     operator = robot.operator(imu={"type": IMU})
     robot.runtime("begin SetFrequency /imu 10 end")
@@ -46,6 +51,7 @@ def test_what_another_smarttestudo_relays_is_not_relayed_again(robot: SmallRobot
     second.line_with("/testudo/imu: only SmartTestudo nodes publish it, so it is not relayed")
 
 
+@pytest.mark.contract
 def test_the_last_decisions_are_there_for_a_late_subscriber(robot: SmallRobot) -> None:
     robot.runtime("begin SetFrequency /imu 10 end").line_with("/imu: 10 Hz (default)")
     operator = robot.operator(decisions={"type": TEXT, "transient_local": True})
@@ -54,6 +60,7 @@ def test_the_last_decisions_are_there_for_a_late_subscriber(robot: SmallRobot) -
     assert '"topic": "/imu"' in line
 
 
+@pytest.mark.contract
 def test_a_topic_is_heard_only_while_an_operator_listens(robot: SmallRobot) -> None:
     runtime = robot.runtime("begin SetFrequency /imu Full SetFrequency /map_name Full end")
     robot.source(imu={"type": IMU, "hz": 50}, map_name={"type": TEXT, "texts": ["ground floor"]})
@@ -81,6 +88,7 @@ def test_a_topic_that_comes_back_with_another_type_is_relayed_again(robot: Small
     robot.operator(pose={"type": ODOMETRY}).line_with("heard")
 
 
+@pytest.mark.contract
 def test_an_operator_who_asks_for_too_much_is_named(robot: SmallRobot) -> None:
     runtime = robot.runtime("begin SetFrequency /imu Full end")
     robot.source(imu={"type": IMU, "hz": 50, "reliable": False})

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from ros.ros_processes import Process, SmallRobot
 
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -27,6 +29,7 @@ def source_of(robot: SmallRobot, name: str) -> Process:
     )
 
 
+@pytest.mark.contract
 def test_each_runtime_relays_its_own_robot_only(robot: SmallRobot) -> None:
     topics: dict[str, Any] = {f"{name}/imu": {"type": IMU} for name in ROBOTS}
     operator = robot.operator(**topics)

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -31,10 +30,8 @@ def examples_page(ruler_domain: int) -> Iterator[Page]:
 
 
 @pytest.fixture
-def robot(ruler_domain: int, tmp_path: Path) -> Iterator[SmallRobot]:
+def robot(ros: None, ruler_domain: int, tmp_path: Path) -> Iterator[SmallRobot]:
     """Processes that the server of the test hears."""
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
     small_robot = SmallRobot(ruler_domain, tmp_path)
     yield small_robot
     small_robot.end()

@@ -23,7 +23,7 @@ from smarttestudo.domain.remote_incidents import RemoteIncidents
 from smarttestudo.link.zenoh import open_link_incidents, open_robot_end
 from smarttestudo.link.zenoh.security import LinkOptions
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.full
 NAME = NEAR_MISS.rpartition("/")[2]
 KEPT = f"incidents/ada/{NAME}"
 ONE = {"robot": "ada", "name": NAME}

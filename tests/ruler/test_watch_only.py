@@ -110,7 +110,7 @@ def test_the_token_says_what_somebody_may_do(project: Path, token: str, status: 
     assert (project / "a.adirf").exists()
 
 
-@pytest.mark.process
+@pytest.mark.full
 def test_the_command_prints_a_second_address_for_who_may_only_watch(project: Path) -> None:
     command = [sys.executable, "-m", "smarttestudo", "ruler", str(project), "--port=0", "--no-browser"]
     with subprocess.Popen([*command, "--host=0.0.0.0"], stdout=subprocess.PIPE, text=True) as process:

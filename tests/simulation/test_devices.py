@@ -28,7 +28,7 @@ from smarttestudo.simulation.robot import OPTICAL_FRAME, DifferentialDrive, Driv
 from smarttestudo.simulation.warehouse import warehouse
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_scan_is_360_rays_within_the_range_or_infinite(patrol_readings: list[TimedReading]) -> None:
     scans = [r for r in of_topic(patrol_readings, Topic.SCAN) if isinstance(r, Scan)]
     ranges_m = np.array([scan.ranges_m for scan in scans])
@@ -41,7 +41,7 @@ def test_a_scan_is_360_rays_within_the_range_or_infinite(patrol_readings: list[T
     assert 0.05 < np.isinf(ranges_m).mean() < 0.95
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_scan_measures_the_walls_from_where_the_odometry_says_the_lidar_is(
     patrol_readings: list[TimedReading],
 ) -> None:

@@ -75,7 +75,7 @@ def test_images_their_calibration_and_their_compressed_copies_share_stamps(
     assert set(jpegs) < set(images)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_same_seed_gives_the_same_mission_and_another_seed_other_noise() -> None:
     first, again, other = (repr(readings(3, seed=seed)) for seed in (5, 5, 6))
 

@@ -23,7 +23,7 @@ def _zone(place: Point) -> str | None:
     return next((zone.name for zone in warehouse().zones if zone.area.contains(place)), None)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_patrol_goes_through_hall_corridor_and_scaffolding_and_back(
     patrol_readings: list[TimedReading],
 ) -> None:

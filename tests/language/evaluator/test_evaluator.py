@@ -127,7 +127,7 @@ def touched_by_crossing(evaluator: Evaluator, border: float, row: float) -> int:
     return evaluator.touched - before
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("otherwise", [False, True])
 def test_crossing_a_border_looks_at_as_much_among_2500_zones_as_among_4(otherwise: bool) -> None:
     few = touched_by_crossing(zones(2, 2, otherwise=otherwise), border=1, row=1)
@@ -198,6 +198,7 @@ def test_a_written_off_stays_off_and_a_plain_zero_yields_to_the_floor() -> None:
     assert evaluator.request("/zero").reason.value == "floor"
 
 
+@pytest.mark.full
 def test_a_condition_with_thousands_of_checks_of_one_signal_compiles() -> None:
     signal = Signal("/p", "x")
     apart = [check(signal, Operator.NOT_EQUAL, float(number)) for number in range(3000)]

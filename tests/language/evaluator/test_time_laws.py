@@ -179,7 +179,7 @@ def held(border: float, seconds: float) -> Timed:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_crossing_costs_the_same_beside_ten_and_ten_thousand_timed_rules() -> None:
     def cost(rules: int) -> int:
         evaluator = evaluator_of(*(held(float(border), 5.0) for border in range(rules)))

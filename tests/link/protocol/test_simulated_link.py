@@ -143,7 +143,7 @@ def test_a_burst_after_a_pause_is_sent_at_what_the_link_showed_it_carries() -> N
     assert max(both.ages_s("/image", 5)) <= 0.08
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_topics_with_floors_keep_them_under_tenfold_overload() -> None:
     sources = (
         Source(topic="/battery", size_bytes=200, rate_hz=1),

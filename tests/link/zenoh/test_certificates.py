@@ -17,7 +17,7 @@ from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.zenoh import open_link_robots, open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.security import LinkOptions
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.full
 
 
 def make_certificates(folder: Path) -> None:

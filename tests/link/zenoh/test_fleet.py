@@ -22,7 +22,7 @@ from fleet_network import SERVER, SERVER_ADDRESS, fleet_network
 from link.zenoh.ends import free_endpoint, until
 from ros.ros_processes import Process
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.full
 ROOT = Path(__file__).parents[3]
 ROBOTS = ("ada", "bob")
 ENDPOINT = f"tls/{SERVER_ADDRESS}:7447"

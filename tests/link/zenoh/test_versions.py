@@ -14,7 +14,7 @@ from smarttestudo.link.protocol.wire import WIRE_VERSION, other_version
 from smarttestudo.link.zenoh import open_link_incidents, open_link_robots
 from smarttestudo.link.zenoh.security import LinkOptions
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.full
 
 
 @pytest.mark.parametrize("version", [WIRE_VERSION + 1])

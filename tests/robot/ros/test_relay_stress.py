@@ -16,7 +16,7 @@ SECONDS = 5
 AT_MOST_S = 120
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("sanitizer", ["address,undefined", "thread"])
 def test_nothing_is_lost_doubled_or_held_up_and_no_memory_is_misused(tmp_path: Path, sanitizer: str) -> None:
     flags = ("-g", f"-fsanitize={sanitizer}", "-fno-sanitize-recover=all", "-I", str(SOURCE.parent))

@@ -71,6 +71,7 @@ def test_whoever_listens_is_told_the_first_thousand_blocks_and_how_many_there_ar
     assert replace(status, blocks=(), blocks_left_out=0) == BARE
 
 
+@pytest.mark.full
 def test_while_nobody_listens_the_latched_status_costs_the_same_whatever_the_rules() -> None:
     run = Telling(2500, listeners=0)
     status = run.told()
@@ -95,6 +96,7 @@ def test_messages_are_relayed_between_two_slices_and_the_status_is_of_the_moment
     assert len(run.told().blocks) == 3
 
 
+@pytest.mark.full
 def test_long_conditions_do_not_make_a_status_large() -> None:
     condition = " AND ".join(f"CheckValue /odom pose_x > {place}" for place in range(90))
     blocks = [f"If ({condition}) Then SetFrequency /scan {rate} EndIf" for rate in range(1, 201)]

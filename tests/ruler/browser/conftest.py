@@ -12,7 +12,6 @@ import pytest
 from first_free import first_free
 from ruler.browser.ruler_page import EXAMPLES, RulerPage, copied, served
 from ruler.browser.tabs import Tabs
-from smarttestudo.ruler.server.page import is_page_built
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -22,9 +21,8 @@ PORTS = range(20_000, 20_200)
 
 
 @pytest.fixture(autouse=True)
-def built_page() -> None:
-    if not is_page_built():
-        pytest.skip("the Ruler's page is not built ('make gui'): it is not tested")
+def page_of_browser(chromium: None, built_page: None) -> None:
+    """All tests of this folder open the Ruler's page."""
 
 
 @pytest.fixture

@@ -6,12 +6,10 @@ from __future__ import annotations
 
 import pytest
 
-from real_browser import chromium_path
 from smallest_benchmarks import WITH_CHROMIUM, ends_well
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", WITH_CHROMIUM)
+@pytest.mark.usefixtures("chromium", "built_page")
 def test_a_benchmark_ends_well(name: str) -> None:
-    chromium_path()
     ends_well(name)

@@ -43,19 +43,19 @@ def patrol_drive() -> Driven:
         return driven(robot, ROUND_S)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_round_of_the_patrol_touches_nothing(patrol_drive: Driven) -> None:
     assert patrol_drive.touched == set()
     assert patrol_drive.hardest_m_per_s2 < 11
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_odometry_drifts_and_finds_no_way_back(patrol_drive: Driven) -> None:
     assert patrol_drive.off_m[0] < 0.01
     assert 0.05 < patrol_drive.off_m[-1] < 1.5
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_every_device_has_the_rate_of_the_thesis(patrol_drive: Driven) -> None:
     rates = {topic.value: hz for topic, hz in rates_hz(patrol_drive.counts, ROUND_S).items()}
     expected = {"/cmd_vel": 10, "/odom": 25.5, "/imu": 195, "/scan": 5, "/joint_states": 5}

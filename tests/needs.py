@@ -1,0 +1,142 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What some tests need of a machine: where it is missing they are left out, and one line says so.
+
+A test needs what a fixture of its says, by name. In continuous integration nothing is left out, and what is
+missing fails each test that needs it.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.util
+import os
+import shutil
+import subprocess
+from collections import Counter
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from smarttestudo.demo.network_namespaces import require_links
+from smarttestudo.domain.errors import NetworkError
+from smarttestudo.ruler.server.page import is_page_built
+
+_ROS_FOLDER = Path(__file__).parent / "ros"
+_CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
+_AXE = Path(__file__).parents[1] / "gui" / "node_modules" / "axe-core" / "axe.min.js"
+_LEFT_OUT = "testudo_left_out"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Need:
+    """One thing that a machine may lack; ``have_it`` says how to get it."""
+
+    name: str
+    have_it: str
+    is_there: Callable[[], bool]
+
+
+def chromium_path() -> str | None:
+    """The Chromium that is installed."""
+    return next((path for name in _CHROMIUM_NAMES if (path := shutil.which(name))), None)
+
+
+def _can_make_namespaces() -> bool:
+    try:
+        require_links()
+    except NetworkError:
+        return False
+    name = f"testudo-needs-{os.getpid()}"
+    # A container may be root's and not allow it.
+    made = subprocess.run(["ip", "netns", "add", name], capture_output=True, check=False)
+    subprocess.run(["ip", "netns", "del", name], capture_output=True, check=False)
+    return made.returncode == 0
+
+
+NEEDS: Mapping[str, Need] = {
+    "chromium": Need(
+        name="Chromium",
+        have_it="on Debian: sudo apt install chromium",
+        is_there=functools.cache(lambda: chromium_path() is not None),
+    ),
+    "built_page": Need(
+        name="the Ruler's page, which Node builds",
+        have_it="make gui",
+        is_there=functools.cache(lambda: is_page_built() and _AXE.exists()),
+    ),
+    "ros": Need(
+        name="ROS 2 (rclpy)",
+        have_it="on x86-64 with Python 3.10 to 3.13: pip install '.[ros]'",
+        is_there=functools.cache(lambda: importlib.util.find_spec("rclpy") is not None),
+    ),
+    "network_namespaces": Need(
+        name="the right to make network namespaces",
+        have_it="as root on Linux: apt install iproute2",
+        is_there=functools.cache(_can_make_namespaces),
+    ),
+}
+"""By the name of the fixture that says so."""
+
+
+def is_on_ci() -> bool:
+    return os.environ.get("CI") == "true"
+
+
+def require(name: str) -> None:
+    """Fail a test where what it needs is missing."""
+    need = NEEDS[name]
+    if not need.is_there():
+        pytest.fail(f"This test needs {need.name} ({need.have_it})", pytrace=False)
+
+
+class LeavingOut:
+    """Leaves out the tests that this machine cannot run, and says at the end which."""
+
+    def __init__(self) -> None:
+        self._left_out: Counter[str] = Counter()
+
+    def pytest_ignore_collect(self, collection_path: Path) -> bool | None:
+        """Leave out the files of live tests, which import rclpy."""
+        if collection_path.parent != _ROS_FOLDER or not collection_path.name.startswith("test_"):
+            return None
+        if is_on_ci() or NEEDS["ros"].is_there():
+            return None
+        self._left_out["ros"] += 1
+        return True
+
+    def pytest_collection_modifyitems(self, config: pytest.Config, items: list[pytest.Item]) -> None:
+        """Leave out the others."""
+        if is_on_ci():
+            return
+        left_out = [item for item in items if self._lacks(item)]
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if item not in set(left_out)]
+
+    def _lacks(self, item: pytest.Item) -> bool:
+        fixtures = getattr(item, "fixturenames", ())
+        missing = [name for name in NEEDS if name in fixtures and not NEEDS[name].is_there()]
+        self._left_out.update(missing[:1])
+        return bool(missing)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_sessionfinish(self, session: pytest.Session) -> Generator[None, None, None]:
+        """Tell the process that started this worker."""
+        output = getattr(session.config, "workeroutput", None)
+        if output is not None:
+            output[_LEFT_OUT] = dict(self._left_out)
+        yield
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_testnodedown(self, node: object) -> None:
+        """All workers collect the same tests."""
+        told = getattr(node, "workeroutput", {}).get(_LEFT_OUT, {})
+        self._left_out |= Counter(told)
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        for name, count in self._left_out.items():
+            what = "files of live tests" if name == "ros" else "tests"
+            need = NEEDS[name]
+            terminalreporter.line(f"Not tested: {count} {what} need {need.name} ({need.have_it})")
