@@ -32,9 +32,6 @@ export const commands = {
   /** Gives the whole page a size: vitest gives it to the test's frame only. */
   resize: ({ page }, width, height) => page.setViewportSize({ width, height }),
 
-  /** Has the browser prefer what `media` names, as `{ colorScheme: "dark" }`; null as usual. */
-  emulate: ({ page }, media) => page.emulateMedia(media),
-
   /** Whether the browser's user wants no motion: `reduce`, as each test begins, or `no-preference`. */
   emulateMotion: ({ page }, reducedMotion) => page.emulateMedia({ reducedMotion }),
 

@@ -14,10 +14,6 @@ declare module "vitest/browser" {
     isRecording: () => Promise<boolean>;
     recorder: (act: string, said: object) => Promise<unknown>;
     resize: (width: number, height: number) => Promise<void>;
-    emulate: (media: {
-      colorScheme?: "light" | "dark" | null;
-      reducedMotion?: "reduce" | "no-preference" | null;
-    }) => Promise<void>;
     emulateMotion: (motion: "reduce" | "no-preference") => Promise<void>;
     colorScheme: (scheme: "light" | "dark") => Promise<void>;
     isBrief: () => Promise<boolean>;
