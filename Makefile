@@ -108,7 +108,7 @@ format: $(VENV)/dev.stamp
 	$(GUI_NPM) run format
 
 page-answers: $(VENV)/dev.stamp $(GUI_PACKAGES)
-	$(BIN)/python scripts/make_page_answers.py $(TESTS)
+	PYTHONPATH=tests $(BIN)/python scripts/make_page_answers.py $(TESTS)
 
 docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_reference.py
