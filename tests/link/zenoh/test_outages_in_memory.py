@@ -49,6 +49,8 @@ def test_an_operator_that_leaves_makes_room_at_once() -> None:
             with operator_end(endpoint) as operator:
                 reader = Reader(operator)
                 until(lambda: bool(reader.payloads("/map")))  # noqa: B023
+                until(lambda: robot.state.is_connected)
+            until(lambda: not robot.state.is_connected)
 
 
 def test_a_robot_that_was_away_is_said_to_be_gone_and_back() -> None:
