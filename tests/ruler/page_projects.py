@@ -69,12 +69,7 @@ def _runs(folder: Path) -> None:
 def _incidents(folder: Path) -> None:
     """A robot that drove 10 m, and two incidents at 5 m."""
     write_incidents(folder)
-
-
-def _no_incidents(folder: Path) -> None:
-    """A robot that drove 10 m, and rules that would record something at 5 m."""
-    write_incidents(folder)
-    shutil.rmtree(folder / "incidents")
+    shutil.rmtree(folder.parent / "received")
 
 
 def _localized(folder: Path) -> None:
@@ -102,7 +97,6 @@ PROJECTS: Mapping[str, Callable[[Path], None]] = MappingProxyType(
         "inspection": _inspection,
         "localized": _localized,
         "monday": _monday,
-        "no_incidents": _no_incidents,
         "plan": _plan,
         "radio": _radio,
         "runs": _runs,
