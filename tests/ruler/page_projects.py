@@ -89,6 +89,17 @@ def _inspection(folder: Path) -> None:
         shutil.copy(EXAMPLES / "quality" / name, folder / "quality")
 
 
+def _sixty(folder: Path) -> None:
+    """Rules about sixty topics with long names, and topic parameters that do not fit the link."""
+    topics = [f"/warehouse_robot_{n:02}/camera_front_left/depth_registered/image_rect_raw" for n in range(60)]
+    defaults = "".join(f"    SetFrequency {topic} Desirable\n" for topic in topics)
+    busy = "".join(f"        SetFrequency {topic} Excessive\n" for topic in topics)
+    rule = f'    Rule "All"\n    If CheckValue {topics[0]} rate > 1\n    Then\n{busy}    EndIf\n'
+    (folder / "sixty.adirf").write_text(f"begin\n{defaults}\n{rule}end\n")
+    entry = '[topics."{}"]\nmessage_kb = 900.5\nsource_hz = 30\ntiers_hz = [2, 5, 10, 15, 20, 25]\n'
+    (folder / "sixty.toml").write_text("budget_kb_per_s = 1000.0\n" + "".join(map(entry.format, topics)))
+
+
 PROJECTS: Mapping[str, Callable[[Path], None]] = MappingProxyType(
     {
         "empty": _empty,
@@ -100,6 +111,7 @@ PROJECTS: Mapping[str, Callable[[Path], None]] = MappingProxyType(
         "plan": _plan,
         "radio": _radio,
         "runs": _runs,
+        "sixty": _sixty,
         "thesis": _thesis,
         "two_drives": _two_drives,
     }
