@@ -21,17 +21,24 @@ export interface Opening {
   hash?: string;
   /** Whether somebody opens it for the first time, and is offered a tour. */
   isNew?: boolean;
+  /** Whether they may change neither files nor robots. */
+  onlyWatches?: boolean;
 }
 
 let opened: RulerPage | null = null;
 
 /** Opens the page in a project of tests/ruler/page_projects.py. */
-export async function openPage(project: string, { files = {}, hash = "", isNew = false }: Opening = {}) {
+export async function openPage(project: string, opening: Opening = {}) {
+  const { files = {}, hash = "", isNew = false, onlyWatches = false } = opening;
   const { currentTestName: test = "", testPath = "" } = expect.getState();
   const file = testPath.replace(/^.*\/|\.test\.tsx$/g, "");
   if (!isNew) localStorage.setItem("tour", "seen");
   const server = await serverOf({ file, test, project, files });
-  opened = new RulerPage(new Network(server), server);
+  const network = new Network(server);
+  network.greeting = network.greeting.map((push) =>
+    push.kind === "hello" ? { ...push, only_watches: onlyWatches } : push,
+  );
+  opened = new RulerPage(network, server);
   await opened.mount(hash);
   return opened;
 }
