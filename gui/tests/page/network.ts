@@ -31,7 +31,7 @@ export class Network {
   private readonly sockets = new Set<PlayedSocket>();
   private waiting: { route: string; done: () => void }[] = [];
   private readonly held = new Map<string, { words: string; until: Promise<void> }>();
-  private readonly replaced = new Map<string, { answer: Answered; isFor: (body: unknown) => boolean }>();
+  private readonly replaced = new Map<string, { answer: Answered | "lost"; isFor: (body: unknown) => boolean }>();
   private readonly asking = new Set<Promise<Answered>>();
   private isCut = false;
   private isClosed = false;
@@ -121,8 +121,8 @@ export class Network {
     return () => release();
   }
 
-  /** Answers a route otherwise from now on, where `isFor` takes what was sent; null as recorded. */
-  replace(route: string, answer: Answered | null, isFor: (body: unknown) => boolean = () => true): void {
+  /** Answers a route otherwise from now on, or loses it, where `isFor` takes what was sent; null as recorded. */
+  replace(route: string, answer: Answered | "lost" | null, isFor: (body: unknown) => boolean = () => true): void {
     if (answer === null) this.replaced.delete(route);
     else this.replaced.set(route, { answer, isFor });
   }
@@ -168,11 +168,12 @@ export class Network {
     const held = this.held.get(route);
     if (held !== undefined && JSON.stringify(asked).includes(held.words)) await held.until;
     if (this.isClosed) return new Promise(() => {});
-    if (this.isCut) throw new TypeError("Failed to fetch");
+    const replaced = this.replaced.get(route);
+    const otherwise = replaced?.isFor(asked.body) ? replaced.answer : null;
+    if (this.isCut || otherwise === "lost") throw new TypeError("Failed to fetch");
     if (!route.includes(" /api/")) return new Response();
     try {
-      const replaced = this.replaced.get(route);
-      const answer = replaced?.isFor(asked.body) ? replaced.answer : await this.ask(asked);
+      const answer = otherwise ?? (await this.ask(asked));
       for (const one of this.waiting) if (one.route === route) one.done();
       this.waiting = this.waiting.filter((one) => one.route !== route);
       return responseOf(answer);
