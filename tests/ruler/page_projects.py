@@ -10,7 +10,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from bags.bag_factory import localized_mission, small_mission, write_bag
+from bags.bag_factory import (
+    START_NS,
+    BagContent,
+    BagMessage,
+    BagTopic,
+    cdr,
+    localized_mission,
+    message_of,
+    small_mission,
+    write_bag,
+)
 from optimizer import golden
 from ruler.incident_projects import write_incidents
 from ruler.ruler_server import EXAMPLES
@@ -35,6 +45,22 @@ def _radio(folder: Path) -> None:
     """Topic parameters of one topic, and a recording that has it."""
     (folder / "radio.toml").write_text(RADIO)
     write_bag(folder / "monday", small_mission(8))
+
+
+def _battery(folder: Path) -> None:
+    """A recording of a robot that drives 40 m in 40 s while its battery falls from 30 to 10 %."""
+    seconds, topic = 40, BagTopic("/battery_state", "sensor_msgs/msg/BatteryState")
+    mission = small_mission(seconds)
+    battery = (
+        BagMessage(
+            topic.name,
+            START_NS + second * 1_000_000_000 + 3,
+            cdr(topic.type_name, message_of(topic.type_name, percentage=0.3 - 0.2 * second / seconds)),
+        )
+        for second in range(seconds)
+    )
+    messages = sorted((*mission.messages, *battery), key=lambda message: message.stamp_ns)
+    write_bag(folder / "monday", BagContent((*mission.topics, topic), tuple(messages)))
 
 
 def _thesis(folder: Path) -> None:
@@ -102,6 +128,7 @@ def _sixty(folder: Path) -> None:
 
 PROJECTS: Mapping[str, Callable[[Path], None]] = MappingProxyType(
     {
+        "battery": _battery,
         "empty": _empty,
         "examples": _examples,
         "incidents": _incidents,
