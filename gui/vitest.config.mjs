@@ -50,7 +50,7 @@ const page = {
     isolate: false,
     include: ["tests/page/**/*.test.tsx"],
     setupFiles: ["tests/page/setup.ts"],
-    testTimeout: 2 * PATIENCE_MS,
+    testTimeout: (isRecording ? 10 : 2) * PATIENCE_MS,
     hookTimeout: PATIENCE_MS,
     expect: { poll: { timeout: PATIENCE_MS, interval: 20 } },
     // The recorder serves one test at a time.
