@@ -39,7 +39,8 @@ if (executablePath === undefined) {
 
 const modules = {
   extends: true,
-  test: { name: "modules", include: ["tests/**/*.test.ts"], exclude: ["tests/page/**"] },
+  // A process for each file takes three times as long as all tests.
+  test: { name: "modules", include: ["tests/**/*.test.ts"], exclude: ["tests/page/**"], isolate: false },
 };
 const page = {
   extends: true,

@@ -24,6 +24,19 @@ LIVE = ("tests/ros", "tests/ruler/browser/test_robot.py")
 """They are on a ROS graph, and wait more than they work."""
 PROCESSES = ("tests/ros", "tests/ruler/browser")
 """Nothing in these folders is plain."""
+NPM_TEST = (
+    "sh",
+    "scripts/gui_npm.sh",
+    "test",
+    "--",
+    "--reporter",
+    "./tests/progress.mjs",
+    "--reporter",
+    "junit",
+)
+"""With ``default`` for a person; in a part, how far it is and a report are enough."""
+QUICK_LEAVES = ("accuracy", "demo", "fleet", "report", "ruler", "simulation")
+"""Folders of tests that make recordings, reports or a server."""
 BACKGROUND = 10
 """How much less than live tests, which wait for real time, what only computes gets of the processors."""
 
@@ -74,9 +87,9 @@ def reported(name: str) -> Sequence[str]:
     return ("--quiet", "--part", name, "--junitxml", str(RESULTS / f"{name}.xml"))
 
 
-def plain_part(processors: int, factor: str) -> Part:
+def plain_part(processors: int, factor: str, *left_out: str) -> Part:
     """The tests that start no process, with a share of each law's examples."""
-    others = [option for path in PROCESSES for option in ("--ignore", path)]
+    others = [option for path in (*PROCESSES, *left_out) for option in ("--ignore", path)]
     options = ("--tiers", "plain", "--examples-factor", factor, *others, "tests")
     return pytest_part("plain", processors, *options, niceness=BACKGROUND)
 
@@ -86,9 +99,9 @@ def groups_of(tier: Tier) -> Iterator[Sequence[Part]]:
     processors = os.cpu_count() or 1
     make = ("make", "--no-print-directory", "--jobs", "2", "--output-sync=target")
     style = Part(name="style", command=(*make, "lint"), niceness=BACKGROUND)
-    page = Part(name="page", command=(*make, "test-gui"))
+    page = Part(name="page", command=(*NPM_TEST, "--outputFile.junit", str(Path("..", RESULTS, "page.xml"))))
     if tier is Tier.QUICK:
-        yield (style, plain_part(processors, "0.02"))
+        yield (style, plain_part(processors, "0.02", *(f"tests/{name}" for name in QUICK_LEAVES)))
     elif tier is Tier.TEST:
         promises = pytest_part("live", processors + 1, "--tiers", "journey,contract", "tests")
         yield (style, page, plain_part(processors, "0.1"), promises)
@@ -139,8 +152,9 @@ def show(ended: Ended) -> None:
 
 
 def name_of(case: ElementTree.Element) -> str:
-    """The test as ``pytest`` would be asked for it, but for a class."""
-    return f"{case.get('classname', '').replace('.', '/')}.py::{case.get('name')}"
+    """The test as ``pytest`` would be asked for it, but for a class; of the page, its file and name."""
+    place = case.get("classname", "")
+    return f"{place if '/' in place else place.replace('.', '/') + '.py'}::{case.get('name')}"
 
 
 def seconds_of(case: ElementTree.Element) -> float:

@@ -93,6 +93,7 @@ def compared(
     return {f"{arm['name']}, {arm['shows']}": arm for arm in said["arms"]}
 
 
+@pytest.mark.full
 def test_frames_of_different_motion_are_each_within_the_bound(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -119,6 +120,7 @@ def test_frames_of_different_motion_are_each_within_the_bound(
     assert fixed["properties"]["orientation"]["worst"] > 4 * held["properties"]["orientation"]["worst"]
 
 
+@pytest.mark.full
 def test_the_joints_of_a_walking_arm_are_within_the_bound(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

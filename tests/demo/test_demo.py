@@ -89,6 +89,7 @@ def test_no_topic_comes_more_often_than_its_source(baseline: Messages, adaptive:
     assert _change_percent(baseline, adaptive, "/scan") < 0
 
 
+@pytest.mark.full
 def test_a_demo_that_repeats_is_a_replay_that_repeats(tmp_path: Path) -> None:
     out = tmp_path / "out"
     run_testudo("demo", "--out", out, "--seconds", 3, "--when-slow", "repeat")
@@ -100,12 +101,14 @@ def test_a_demo_that_repeats_is_a_replay_that_repeats(tmp_path: Path) -> None:
     assert received != messages_of(tmp_path / "passed")
 
 
+@pytest.mark.contract
 def test_what_is_received_was_published_byte_for_byte(baseline: Messages, adaptive: Messages) -> None:
     for topic, received in adaptive.items():
         published = Counter(payload for _, payload in baseline[topic])
         assert not Counter(payload for _, payload in received) - published
 
 
+@pytest.mark.contract
 def test_the_blocks_decide_in_the_order_of_the_zones(whole_demo: Ran, demo_out: Path) -> None:
     decisions = [json.loads(line) for line in (demo_out / "decisions.jsonl").read_text().splitlines()]
     compressed_or_scan = [d for d in decisions if d["topic"] == "/scan"]
@@ -117,6 +120,7 @@ def test_the_blocks_decide_in_the_order_of_the_zones(whole_demo: Ran, demo_out: 
     assert f"{len(decisions)} decisions" in whole_demo.stdout
 
 
+@pytest.mark.contract
 def test_the_screen_reads_as_in_the_golden_file(whole_demo: Ran) -> None:
     assert (whole_demo.code, whole_demo.stderr) == (0, "")
     assert_reads_as(GOLDEN / "demo.txt", without_replay(whole_demo))
@@ -150,6 +154,7 @@ def test_the_rules_left_in_the_folder_replay_to_the_same_recording(
     assert messages_of(tmp_path / "own") == adaptive
 
 
+@pytest.mark.full
 def test_the_same_seed_gives_the_same_files_and_another_one_other_noise(
     short_demo: Path, tmp_path: Path
 ) -> None:
@@ -222,6 +227,7 @@ def test_the_last_line_names_the_command_alone_where_the_shell_finds_it(
     assert ran.stdout.splitlines()[-1].startswith("  testudo replay out/baseline ")
 
 
+@pytest.mark.full
 def test_full_images_are_recorded_whole_and_declare_nothing(tmp_path: Path) -> None:
     ran = run_testudo("demo", "--out", tmp_path / "out", "--seconds", 1, "--full-images")
     images = messages_of(tmp_path / "out" / "baseline")["/camera/image_raw"]

@@ -57,6 +57,7 @@ def python(namespace: str, code: str) -> subprocess.Popen[str]:
     return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
 
 
+@pytest.mark.contract
 def test_a_flow_takes_the_link_s_time_and_shows_on_its_counter(link: ThinLink) -> None:
     link.set_rate(BITS_PER_S)
     before_bytes = link.carried_bytes()
@@ -77,6 +78,7 @@ def test_what_did_not_cross_the_link_is_an_error(link: ThinLink) -> None:
         link.require_carried(1_000_000, link.carried_bytes())
 
 
+@pytest.mark.contract
 def test_its_namespaces_go_with_it_also_after_an_error(link: ThinLink) -> None:
     assert namespaces() >= {link.robot, link.operator}
     for namespace in (link.robot, link.operator):

@@ -128,6 +128,7 @@ def test_a_question_of_the_page_has_the_answer_of_the_json(number: int, answered
         )
 
 
+@pytest.mark.full
 def test_every_row_is_there_to_the_last_digit(answered: Path) -> None:
     rows = ask("SELECT bag, topic, kb_per_s, jitter_s FROM 'numbers/topics/*.parquet'", answered)
     assert sorted(rows) == sorted(

@@ -69,6 +69,7 @@ def test_without_live_topics_a_fetch_takes_nearly_all_of_the_link() -> None:
 
 @pytest.mark.parametrize("live", [(), LIVE], ids=["alone", "beside live topics"])
 @pytest.mark.parametrize("budget_bytes_per_s", [4_000.0, 20_000.0])
+@pytest.mark.full
 def test_a_fetch_keeps_to_its_budget_and_uses_it(live: Sequence[Source], budget_bytes_per_s: float) -> None:
     contents = Contents.of(GAP, 20.0)
     sender: LinkSender[tuple[Operator, RangeAsk]] = LinkSender(fetch_budget_bytes_per_s=budget_bytes_per_s)

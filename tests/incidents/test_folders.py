@@ -170,6 +170,7 @@ def test_a_chain_of_incidents_that_overlap_keeps_no_more_in_memory_than_a_few(tm
     assert max(kept) == max(kept[:10])
 
 
+@pytest.mark.full
 def test_the_same_run_gives_the_same_bytes(tmp_path: Path) -> None:
     first, second = (
         {

@@ -69,6 +69,7 @@ def has_message(bag: Path) -> bool:
 
 
 @pytest.mark.parametrize("seed", range(2))
+@pytest.mark.contract
 def test_a_killed_process_loses_the_last_half_second_at_most(tmp_path: Path, seed: int) -> None:
     folder, killed_ns, given = killed_at_pace(tmp_path, Random(seed).uniform(0.4, 1.6))
     sure = [(number, stamp_ns) for number, stamp_ns, at_ns in given if at_ns < killed_ns - LOST_NS]

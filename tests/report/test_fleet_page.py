@@ -189,6 +189,7 @@ class Opened:
         self.page.goto(path.as_uri())
 
 
+@pytest.mark.journey
 def test_a_command_is_copied_and_tables_sort(browser: Browser, tmp_path: Path) -> None:
     opened = Opened(browser, tmp_path)
     table = opened.page.get_by_role("table", name="Robots")

@@ -86,6 +86,7 @@ def opened(browser: Browser, tmp_path: Path) -> Opened:
     return Opened(browser, tmp_path)
 
 
+@pytest.mark.journey
 def test_a_report_opens_without_a_complaint_and_asks_for_nothing(opened: Opened) -> None:
     expect(opened.page.locator(".time-bar")).to_be_visible()
     assert opened.page.locator("svg.over-time:visible").count() == 12
@@ -100,6 +101,7 @@ def test_strangers_texts_do_nothing_in_a_browser(browser: Browser, tmp_path: Pat
     assert len(opened.requests) == 1
 
 
+@pytest.mark.journey
 def test_the_cursor_is_at_one_time_in_all_charts_on_the_map_and_in_words(opened: Opened) -> None:
     opened.point_at("rate 0", 0.5)
     expect(opened.words).to_contain_text("Scaffolding")

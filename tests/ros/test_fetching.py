@@ -12,6 +12,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from bags.bag_reading import read_bag, read_with_rosbags
 from ros.live_incidents import COUNT, ODOM, numbers, recorded
 from ros.ros_processes import LINE_TIMEOUT_S, Process, SmallRobot
@@ -92,6 +94,7 @@ def test_an_incident_is_listed_fetched_and_after_a_kill_fetched_to_its_end(
     assert contents(mirrored / "tb3" / name) == contents(there / name)
 
 
+@pytest.mark.contract
 def test_what_could_not_be_sent_in_an_outage_is_caught_up_with(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:

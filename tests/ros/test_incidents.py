@@ -38,6 +38,7 @@ def trigger(source: Process) -> None:
 
 
 @pytest.mark.parametrize("data_path", ["auto", "rclpy"])
+@pytest.mark.contract
 def test_an_incident_of_a_running_robot_is_whole(robot: SmallRobot, data_path: str) -> None:
     folder = robot.folder / "incidents"
     source = robot.source(odom=ODOM, count=COUNT, tf_static=FRAMES)
@@ -62,6 +63,7 @@ def test_an_incident_of_a_running_robot_is_whole(robot: SmallRobot, data_path: s
     assert max(one.stamp_ns for one in messages) <= record["to_ns"]
 
 
+@pytest.mark.contract
 def test_a_killed_run_is_completed_by_the_next_which_goes_on(robot: SmallRobot) -> None:
     folder = robot.folder / "incidents"
     source = robot.source(odom=ODOM, count=COUNT)
@@ -93,6 +95,7 @@ def _holds_messages(file: Path) -> bool:
         return False
 
 
+@pytest.mark.contract
 def test_a_full_disk_ends_incidents_which_are_named_and_relays_go_on(robot: SmallRobot) -> None:
     folder = robot.folder / "incidents"
     folder.mkdir()

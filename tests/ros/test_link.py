@@ -80,6 +80,7 @@ def values(station: Process, name: str) -> list[str]:
     return [value for _, value, _ in station.result("go on")[name]]
 
 
+@pytest.mark.contract
 def test_what_arrives_is_byte_for_byte_what_the_robot_published(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:
@@ -166,6 +167,7 @@ def test_the_rates_at_the_operator_are_those_of_the_rules(
     pytest.fail(f"in no five seconds were these the rates: {seen}")
 
 
+@pytest.mark.contract
 def test_an_operator_s_top_shows_the_status_of_the_robot(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:
@@ -223,6 +225,7 @@ def test_an_operator_s_end_that_was_killed_gets_everything_again_when_it_is_back
     assert runtime.exit_code() == 0
 
 
+@pytest.mark.contract
 def test_without_ros_a_laptop_records_and_shows_what_arrives_until_ctrl_c(
     robot: SmallRobot, operators: SmallRobot, endpoint: str
 ) -> None:

@@ -112,6 +112,7 @@ def test_every_check_and_topic_is_shown_live_as_often_as_asked(
         assert {one["topic"] for one in topics if one["source"] == "robot"} == {"/imu", "/odom"}
 
 
+@pytest.mark.contract
 def test_rules_are_previewed_pushed_and_confirmed(page: Page, runtime: Process) -> None:
     with open_socket(page) as socket:
         until_heard(socket)

@@ -17,6 +17,7 @@ from ruler.ruler_server import TIMEOUT_S, Page
 from smarttestudo.cli.main import main
 
 
+@pytest.mark.contract
 def test_the_command_prints_where_the_page_is_serves_it_and_ends_at_ctrl_c(tmp_path: Path) -> None:
     (tmp_path / "a.adirf").write_text("begin end")
     command = [sys.executable, "-m", "smarttestudo", "ruler", str(tmp_path / "a.adirf"), "--port", "0"]

@@ -70,6 +70,7 @@ def test_an_obstacle_too_near_reads_minus_infinite() -> None:
     assert scan.ranges_m[0] == -np.inf
 
 
+@pytest.mark.full
 def test_the_imu_feels_gravity_and_the_turns_that_the_odometry_shows(
     patrol_readings: list[TimedReading],
 ) -> None:

@@ -135,6 +135,7 @@ def test_what_has_no_stamp_is_held_at_both_ends_within_the_bound_and_said_once(t
     assert bench.moving == 0
 
 
+@pytest.mark.full
 def test_a_frame_is_predicted_after_any_number_of_other_sets_of_frames() -> None:
     bench = Bench("/tf")
     bench.source.names, bench.source.crowd = ["base"], 0

@@ -77,6 +77,7 @@ def written(folder: Path, name: str, tls: dict[str, object]) -> Path:
 
 
 @pytest.mark.parametrize("protocol", ["tls", "quic"])
+@pytest.mark.contract
 def test_an_end_with_our_certificate_is_let_in(certificates: Path, protocol: str) -> None:
     endpoint = free_endpoint(protocol)
     tls = settings(certificates, "connect", "robot", "ours")

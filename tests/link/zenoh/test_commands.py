@@ -73,6 +73,7 @@ def heard(outbox: CommandOutbox, name: str = "ada") -> CommandedRobot:
     return found()[0]
 
 
+@pytest.mark.contract
 def test_a_message_arrives_byte_for_byte_and_both_ends_count_it() -> None:
     endpoint = free_endpoint()
     with sending(endpoint, JOY) as outbox, accepting(endpoint, warn=print) as (inbox, published):
@@ -94,6 +95,7 @@ def test_a_message_arrives_byte_for_byte_and_both_ends_count_it() -> None:
         assert not outbox.send(boot, JOY, b"", bytes(64_001))
 
 
+@pytest.mark.contract
 def test_what_waits_while_the_robot_is_away_is_never_delivered() -> None:
     endpoint = free_endpoint()
     with sending(endpoint) as outbox:

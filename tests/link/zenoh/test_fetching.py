@@ -39,6 +39,7 @@ from smarttestudo.link.zenoh.link_incidents import LinkIncidents
 pytestmark = pytest.mark.full
 
 
+@pytest.mark.contract
 def test_an_incident_is_listed_and_fetched_byte_for_byte(tmp_path: Path) -> None:
     endpoint = free_endpoint()
     path = write_incident(tmp_path / "robot")
@@ -58,6 +59,7 @@ def test_an_incident_is_listed_and_fetched_byte_for_byte(tmp_path: Path) -> None
         assert incidents.fetch("r1", NAME, tmp_path / "here", progress, never) == fetched
 
 
+@pytest.mark.contract
 def test_a_fetch_takes_no_more_than_its_budget(tmp_path: Path) -> None:
     endpoint = free_endpoint()
     path = write_incident(tmp_path / "robot")
@@ -76,6 +78,7 @@ def test_a_fetch_takes_no_more_than_its_budget(tmp_path: Path) -> None:
     assert took_s > (total_bytes - 200_000) / 300_000 - 1.5
 
 
+@pytest.mark.contract
 def test_a_fetch_goes_on_where_it_was_with_another_run_of_the_robot(tmp_path: Path) -> None:
     endpoint = free_endpoint()
     path = write_incident(tmp_path / "robot", seconds=30)

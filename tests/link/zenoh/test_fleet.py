@@ -41,6 +41,8 @@ def processes() -> Iterator[ExitStack]:
         yield started
 
 
+@pytest.mark.usefixtures("network_namespaces")
+@pytest.mark.contract
 def test_two_robots_and_an_operator_meet_at_a_router_over_radios_that_fail(
     tmp_path: Path, processes: ExitStack
 ) -> None:

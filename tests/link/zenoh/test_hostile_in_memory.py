@@ -55,6 +55,7 @@ def test_a_report_of_what_was_never_sent_changes_nothing() -> None:
         assert robot.malformed == 0
 
 
+@pytest.mark.full
 def test_a_robot_that_names_a_million_topics_has_as_many_as_a_robot_may() -> None:
     endpoint = free_endpoint()
     with operator_end(endpoint) as operator, robot_end(endpoint) as robot, stranger_at(endpoint) as other:

@@ -43,10 +43,12 @@ def arrives_whole(payload: bytes) -> None:
         assert {(one.payload, one.stream) for one in messages(reader.events)} == {(payload, MAP)}
 
 
+@pytest.mark.contract
 def test_a_message_arrives_byte_for_byte_with_its_type_and_qos() -> None:
     arrives_whole(random.Random(1).randbytes(100_000))
 
 
+@pytest.mark.contract
 def test_each_side_may_be_the_one_that_listens_and_both_may_meet_elsewhere() -> None:
     endpoint, other = free_endpoint(), free_endpoint()
     listens, connects = LinkOptions(listen=(endpoint,)), LinkOptions(connect=(endpoint,))
@@ -80,6 +82,7 @@ def test_one_operator_is_served_and_the_next_when_that_is_gone() -> None:
         until(lambda: b"two" in reader.payloads(), lambda: publisher.publish(b"two"))
 
 
+@pytest.mark.contract
 def test_what_arrives_and_what_was_replaced_is_all_that_was_published() -> None:
     endpoint, count = free_endpoint(), 400
     image = replace(ODOM, topic="/image", type_name="sensor_msgs/msg/Image")

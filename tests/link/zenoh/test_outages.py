@@ -32,6 +32,7 @@ def operator_process(endpoint: str) -> Iterator[OperatorProcess]:
         process.kill()
 
 
+@pytest.mark.contract
 def test_a_killed_operator_that_starts_again_gets_what_is_sent_from_then_on() -> None:
     endpoint = free_endpoint()
     with robot_end(endpoint, warn=print) as robot:

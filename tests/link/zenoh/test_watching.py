@@ -104,6 +104,7 @@ def all_heard_by(robots: LinkRobots, robot: Robot) -> None:
     until(lambda: robots.has_heard_all, lambda: step(robots, robot))
 
 
+@pytest.mark.contract
 def test_several_watchers_hear_a_robot_through_an_operator_who_hears_it_too() -> None:
     endpoint = free_endpoint()
     with (
@@ -128,6 +129,7 @@ def test_several_watchers_hear_a_robot_through_an_operator_who_hears_it_too() ->
         assert first.heard[ID].size_bytes < 500
 
 
+@pytest.mark.contract
 def test_a_robot_answers_what_it_is_asked() -> None:
     endpoint = free_endpoint()
     with listening_robot(endpoint) as robot, watching(endpoint) as robots:
