@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Locator, expect
 
 from ruler.browser.ruler_page import RulerPage
@@ -34,6 +35,7 @@ message_kb = 0.38
 """
 
 
+@pytest.mark.journey
 def test_hints_are_pressed_in_the_rules_and_in_the_topic_parameters(ruler: RulerPage, project: Path) -> None:
     _open(ruler, project)
     _finding(ruler, "/tf is relayed without").get_by_role("button", name="add SetFrequency").click()
@@ -56,28 +58,8 @@ def test_hints_are_pressed_in_the_rules_and_in_the_topic_parameters(ruler: Ruler
     assert (project / "patrol.toml").read_text() == PROFILE
 
 
-def test_every_finding_has_a_way_to_go(ruler: RulerPage, project: Path) -> None:
-    clash = CAMERA.replace("EndIf", "EndIf\n    If CheckValue /odom pose_x > 9 Then SetFrequency /odom 2")
-    never = "If (CheckValue /odom pose_x > 5 AND CheckValue /odom speed < -1)"
-    _open(ruler, project, clash.replace("If CheckValue /odom pose_x > 5", never))
-    rows = ruler.page.get_by_role("list", name="Findings").get_by_role("listitem")
-    expect(rows.filter(has_text="never below 0").first).to_be_visible()
-    ways = ruler.page.locator("button:not(.link), a:not(.why)")
-    expect(rows.filter(has_not=ways)).to_have_count(0)
-
-
-def test_what_the_optimizer_lacks_is_measured_or_entered(ruler: RulerPage, project: Path) -> None:
-    _open(ruler, project)
-    ruler.page.get_by_role("tab", name="Optimize").click()
-    expect(ruler.page.get_by_text("do not say all that is needed of")).to_be_visible()
-    ruler.page.get_by_role("link", name="Enter it in patrol.toml").click()
-    expect(ruler.page.get_by_label("Total bandwidth (KB/s)")).to_have_value("8000")
-    # The rates could not be computed, which the page may have asked for twice.
-    ruler.forgive("422")
-
-
-def _open(ruler: RulerPage, project: Path, text: str = CAMERA) -> None:
-    (project / "patrol.adirf").write_text(text)
+def _open(ruler: RulerPage, project: Path) -> None:
+    (project / "patrol.adirf").write_text(CAMERA)
     (project / "patrol.toml").write_text(PROFILE)
     ruler.home()
     ruler.open("patrol.adirf")
