@@ -14,6 +14,9 @@ import { Network } from "./network";
 /** From the corner of a block to where it is taken: beside its fields. */
 export const GRIP_PX = 9;
 
+/** The page asks nothing more so long after what was done. */
+const QUIET_MS = 2000;
+
 export interface Opening {
   /** Files beside those of the project, or null for one that is not there. */
   files?: Files;
@@ -100,6 +103,8 @@ export class RulerPage {
   }
 
   async close(): Promise<string[]> {
+    // What a fast page asks before the test ends, a slow one asks a moment later.
+    if (await commands.isRecording()) await new Promise((done) => setTimeout(done, QUIET_MS));
     this.unmount();
     await this.network.close();
     await this.server.end();
@@ -123,6 +128,16 @@ export class RulerPage {
   /** Somebody else writes files, or removes those that are null. */
   write(files: Files): Promise<void> {
     return this.server.write(files);
+  }
+
+  /** Somebody else writes files, which the page sees when it saves and not before, however slow the test is. */
+  async saveOver(files: Files, save = () => this.use("Save")): Promise<void> {
+    const release = this.network.hold("GET /api/file/state");
+    await this.write(files);
+    const answered = this.network.answered("PUT /api/file");
+    await save();
+    await answered;
+    release();
   }
 
   /** The text that the page saves next, or saved last, into a file. */
