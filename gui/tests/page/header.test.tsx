@@ -104,7 +104,7 @@ test.each([
   const ruler = await openPage("empty", { files: FILES });
   await ruler.open(INSPECTION);
   document.documentElement.style.fontSize = `${100 * factor}%`;
-  onTestFinished(() => document.documentElement.style.removeProperty("font-size"));
+  onTestFinished(() => void document.documentElement.style.removeProperty("font-size"));
   await ruler.shown(ruler.button("Menu"));
   const seen = inTheBar();
   const named = seen.filter(({ name }) => name === INSPECTION);
