@@ -21,8 +21,6 @@ message_kb = 0.7
 [topics."/scan"]
 type = "sensor_msgs/msg/LaserScan"
 """
-TIERS = "tiers_m = [0.5, 0.2, 0.1, 0.05, 0.02, 0.01]  # our arm's reach\n"
-NEEDS = "tiers_m_need_hz = [0.6, 1, 2, 4, 8, 12]\n"
 
 
 @pytest.fixture
@@ -34,6 +32,7 @@ def project(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.journey
 def test_levels_are_placed_on_the_measured_curve_dragged_and_saved(ruler: RulerPage, project: Path) -> None:
     _open(ruler)
     ruler.page.get_by_role("combobox", name="Recording").select_option("monday")
@@ -64,40 +63,6 @@ def test_levels_are_placed_on_the_measured_curve_dragged_and_saved(ruler: RulerP
     assert saved.bounds[2:] == (0.1, 0.05, 0.02, 0.01)
     assert saved.needs_hz[0] <= saved.needs_hz[1] <= saved.needs_hz[2]
     assert float(line.get_attribute("aria-valuenow") or 0) == saved.bounds[1]
-
-
-def test_keys_keep_the_order_and_without_a_recording_the_needs_go_with_a_word(
-    ruler: RulerPage, project: Path
-) -> None:
-    (project / "radio.toml").write_text(PROFILE.replace("0.7\n", f"0.7\n{TIERS}{NEEDS}"))
-    _open(ruler)
-    line = _line(ruler, "Marginal")
-    expect(_need(ruler, "Marginal")).to_contain_text("the profile")
-    line.press("ArrowRight")
-    expect(line).to_have_attribute("aria-valuetext", "0.21 m")
-    expect(ruler.page.get_by_text("What the levels needed was removed")).to_be_visible()
-    line.press("End")
-    expect(line).to_have_attribute("aria-valuetext", "0.5 m")
-    line.press("ArrowRight")
-    expect(
-        ruler.page.get_by_text("Marginal stops at Unacceptable (0.5 m): it cannot lie above")
-    ).to_be_visible()
-    for _ in range(3):
-        ruler.tool("Undo").click()
-    expect(line).to_have_attribute("aria-valuetext", "0.2 m")
-    expect(_need(ruler, "Marginal")).to_contain_text("the profile")
-    line.press("ArrowLeft")
-    ruler.tool("Save").click()
-    expect(ruler.page.get_by_text("Saved radio.toml")).to_be_visible()
-    assert _saved(project) == AccuracyTiers(bounds=(0.5, 0.19, 0.1, 0.05, 0.02, 0.01))
-    assert "# our arm's reach" in (project / "radio.toml").read_text()
-
-
-def test_a_topic_without_a_position_has_levels_of_rates_only(ruler: RulerPage) -> None:
-    _open(ruler)
-    ruler.page.get_by_role("combobox", name="Topic").select_option("/scan")
-    expect(ruler.page.get_by_role("combobox", name="Levels of")).to_have_count(0)
-    expect(ruler.page.get_by_text("/scan has no six levels yet.")).to_be_visible()
 
 
 def _open(ruler: RulerPage) -> None:
