@@ -48,8 +48,8 @@ def _radio(folder: Path) -> None:
 
 
 def _battery(folder: Path) -> None:
-    """A recording of a robot that drives 40 m in 40 s while its battery falls from 30 to 10 %."""
-    seconds, topic = 40, BagTopic("/battery_state", "sensor_msgs/msg/BatteryState")
+    """A recording of a robot that drives 24 m in 24 s while its battery falls from 30 to 10 %."""
+    seconds, topic = 24, BagTopic("/battery_state", "sensor_msgs/msg/BatteryState")
     mission = small_mission(seconds)
     battery = (
         BagMessage(
