@@ -64,10 +64,6 @@ class MapPage:
         """The four numbers of the form."""
         return [self.form.get_by_label(label).input_value() for label in _SIDES]
 
-    def type_sides(self, *sides: str) -> None:
-        for label, side in zip(_SIDES, sides, strict=True):
-            self.form.get_by_label(label).fill(side)
-
     def place_at(self, x_px: float, y_px: float) -> tuple[float, float]:
         """What the map says of a point of the screen."""
         page = self.ruler.page
