@@ -56,15 +56,6 @@ TEXT_SAYS = """() => {
         .map(([, default_, check]) => default_ ?? check);
 }"""
 """The first topic of each statement of the text."""
-WATCH_GLIDING = """() => {
-    window.gliding = new Set();
-    const { animate } = Element.prototype;
-    Element.prototype.animate = function (...how) {
-        if (this.matches('.blocks-host .blocklyDraggable')) window.gliding.add(this);
-        return animate.apply(this, how);
-    };
-}"""
-"""Counts blocks as they begin to glide: a busy browser may draw no picture before they have arrived."""
 IS_SETTLED = f"""() => {{
     const stacks = ({STACKS})();
     const gaps = stacks.slice(1).map((stack, index) => stack.top - stacks[index].bottom);

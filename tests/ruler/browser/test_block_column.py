@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 from playwright.sync_api import expect
@@ -17,18 +16,18 @@ from ruler.browser.block_stacks import (
     GROUND,
     STACKS,
     TEXT_SAYS,
-    WATCH_GLIDING,
     expect_order,
     gaps,
     stacks,
 )
-from ruler.browser.ruler_page import AFTER_TWO_FRAMES, GRIP_PX, RulerPage
+from ruler.browser.ruler_page import GRIP_PX, RulerPage
 
 EDITS = 200
 MOST_STATEMENTS = 24
 """Above this many the walk rather removes: from 40 on a part of them is blocks."""
 
 
+@pytest.mark.journey
 def test_new_blocks_stand_below_each_other_in_the_order_of_the_text(ruler: RulerPage) -> None:
     _new_file(ruler)
     for _ in range(5):
@@ -44,77 +43,6 @@ def test_new_blocks_stand_below_each_other_in_the_order_of_the_text(ruler: Ruler
     ruler.expect_lines("SetFrequency /late 10", "CheckValue")
     expect_order(ruler)
     assert [len(stack["says"]) for stack in stacks(ruler)] == [6, 1, 1]
-
-
-def test_a_rule_that_grows_keeps_its_place_and_the_next_gives_way(ruler: RulerPage) -> None:
-    _new_file(ruler)
-    for _ in range(2):
-        ruler.button("New rule").click()
-    ruler.expect_lines(*["CheckValue /odom pose_x > 0"] * 2)
-    ruler.page.keyboard.press("Escape")
-    expect_order(ruler)
-    first, second = stacks(ruler)
-    for _ in range(4):
-        ruler.blocks.get_by_role("button", name="Add check").first.click()
-        ruler.page.keyboard.press("Escape")
-    expect(ruler.blocks.get_by_role("button", name="Remove this check")).to_have_count(6)
-    expect_order(ruler)
-    grown, next_one = stacks(ruler)
-    assert grown["top"] == pytest.approx(first["top"], abs=1)
-    assert next_one["top"] - grown["bottom"] == pytest.approx(second["top"] - first["bottom"], abs=1)
-
-
-def test_what_is_typed_in_stays_where_it_is_when_something_comes_above(
-    ruler: RulerPage,
-) -> None:
-    _new_file(ruler)
-    ruler.button("New rate").click()
-    ruler.button("New rule").click()
-    ruler.expect_lines("SetFrequency /odom 10", "CheckValue /odom pose_x > 0")
-    name = ruler.field("Edit name of the rule")
-    name.click()
-    expect_order(ruler)
-    before = _top_of_open_name(ruler)
-    # Somebody draws a zone, or an edit that was under way is answered: here the text says so.
-    _change_text(ruler, "begin", "begin\n    SetFrequency /scan 3")
-    expect(ruler.blocks.get_by_role("button", name="Edit topic to send: /scan")).to_be_attached()
-    expect_order(ruler)
-    assert _top_of_open_name(ruler) == pytest.approx(before, abs=1)
-    ruler.page.keyboard.press("Escape")
-    expect_order(ruler)
-
-
-def test_a_block_that_is_dragged_above_another_stands_so_in_the_text(ruler: RulerPage, project: Path) -> None:
-    _write_rules(ruler, project, ["a", "b", "c"])
-    _drag_to_top_of(ruler, "c", "a")
-    ruler.expect_lines("CheckValue /c", "CheckValue /a", "CheckValue /b")
-    expect_order(ruler)
-    lefts = {round(stack["left"]) for stack in stacks(ruler)}
-    assert len(lefts) == 1
-    ruler.tool("Undo").click()
-    ruler.expect_lines("CheckValue /a", "CheckValue /b", "CheckValue /c")
-    expect_order(ruler)
-
-
-def test_blocks_glide_to_their_new_place(ruler: RulerPage, project: Path) -> None:
-    ruler.page.emulate_media(reduced_motion="no-preference")
-    _write_rules(ruler, project, ["a", "b"])
-    ruler.page.evaluate(WATCH_GLIDING)
-    ruler.blocks.get_by_role("button", name="Add check").first.click()
-    ruler.page.wait_for_function("() => window.gliding.size > 0")
-    expect_order(ruler)
-    assert ruler.page.evaluate("window.gliding.size") == 1
-
-
-def test_blocks_do_not_glide_for_somebody_who_wants_no_motion(ruler: RulerPage, project: Path) -> None:
-    ruler.page.emulate_media(reduced_motion="reduce")
-    _write_rules(ruler, project, ["a", "b"])
-    ruler.page.evaluate(WATCH_GLIDING)
-    ruler.blocks.get_by_role("button", name="Add check").first.click()
-    expect(ruler.blocks.get_by_role("button", name="Remove this check")).to_have_count(3)
-    expect_order(ruler)
-    ruler.page.evaluate(AFTER_TWO_FRAMES)
-    assert ruler.page.evaluate("window.gliding.size") == 0
 
 
 def test_after_any_edits_no_blocks_meet_and_the_order_is_that_of_the_text(
@@ -268,30 +196,6 @@ def _new_file(ruler: RulerPage) -> None:
     expect(ruler.button("New rate")).to_be_enabled()
 
 
-def _write_rules(ruler: RulerPage, project: Path, topics: list[str]) -> None:
-    rules = "".join(
-        f"    If CheckValue /{topic} pose_x > 0\n    Then\n        SetFrequency /odom 3\n    EndIf\n"
-        for topic in topics
-    )
-    (project / "fresh.adirf").write_text(f"begin\n{rules}end\n")
-    ruler.home()
-    ruler.open("fresh.adirf")
-    expect(ruler.blocks.get_by_role("button", name="Duplicate this rule")).to_have_count(len(topics))
-    expect_order(ruler)
-
-
-def _drag_to_top_of(ruler: RulerPage, topic: str, other: str) -> None:
-    # Marks of findings come with the next picture, and make room for themselves.
-    ruler.page.evaluate(AFTER_TWO_FRAMES)
-    by_topic = {stack["says"][0]: stack for stack in stacks(ruler)}
-    grip, target = by_topic[f"/{topic}"], by_topic[f"/{other}"]
-    mouse = ruler.page.mouse
-    mouse.move(grip["left"] + GRIP_PX, grip["top"] + GRIP_PX)
-    mouse.down()
-    mouse.move(target["left"] + 60, target["top"] + GRIP_PX, steps=12)
-    mouse.up()
-
-
 def _change_text(ruler: RulerPage, line: str, instead: str) -> None:
     """Change the text as another part of the page would, the focus staying where it is."""
     ruler.page.evaluate(
@@ -300,18 +204,6 @@ def _change_text(ruler: RulerPage, line: str, instead: str) -> None:
         " view.dispatch({changes: {from, to: from + line.length, insert: instead}}) }",
         [line, instead],
     )
-
-
-def _top_of_open_name(ruler: RulerPage) -> float:
-    """Where somebody types the name of the rule, once that lies on its block: it follows a picture later."""
-    found = ruler.page.wait_for_function(
-        """() => {
-            const tops = ['.blocks-host [aria-label^="Edit name of the rule"]', "input.blocklyHtmlInput"]
-                .map(each => document.querySelector(each)?.getBoundingClientRect().top);
-            return Math.abs(tops[0] - tops[1]) < 2 ? {top: tops[1]} : null;
-        }"""
-    )
-    return float(found.json_value()["top"])
 
 
 def _expect_reachable(ruler: RulerPage) -> None:
