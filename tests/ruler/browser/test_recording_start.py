@@ -29,6 +29,7 @@ def project(tmp_path: Path) -> Path:
     return tmp_path / "project"
 
 
+@pytest.mark.journey
 def test_a_dropped_recording_becomes_rules_sizes_and_a_path(
     ruler: RulerPage, project: Path, tmp_path: Path
 ) -> None:
@@ -44,19 +45,6 @@ def test_a_dropped_recording_becomes_rules_sizes_and_a_path(
     expect(ruler.page.get_by_label("Path of")).to_have_value("monday.db3")
     expect(ruler.tool("Save")).to_be_disabled()
     assert {each.name for each in project.iterdir()} >= {"monday.db3", "monday.adirf", "monday.toml"}
-
-
-def test_only_what_is_wanted_is_made(ruler: RulerPage, project: Path) -> None:
-    write_bag(project / "monday", small_mission(8))
-    ruler.home()
-    ruler.page.get_by_role("region", name="Recordings").get_by_role("button", name="monday").click()
-    dialog = ruler.page.get_by_role("dialog", name="Start from monday")
-    dialog.get_by_label("Measure sizes").uncheck()
-    dialog.get_by_label("Show the path").uncheck()
-    dialog.get_by_role("textbox", name="Name").fill("tuesday")
-    dialog.get_by_role("button", name="Create").click()
-    ruler.expect_lines("SetFrequency /odom Full")
-    assert sorted(each.name for each in project.iterdir() if each.suffix) == ["tuesday.adirf"]
 
 
 def test_what_is_there_is_not_replaced(ruler: RulerPage, project: Path, tmp_path: Path) -> None:
