@@ -24,7 +24,8 @@ from smarttestudo.demo.network_namespaces import require_links
 from smarttestudo.domain.errors import NetworkError
 from smarttestudo.ruler.server.page import is_page_built
 
-_ROS_FOLDER = Path(__file__).parent / "ros"
+_TESTS = Path(__file__).parent
+_FILES_WITH_EXTRAS = ("docs/test_site.py", "docs/test_site_search.py", "fleet/test_executors.py")
 _CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
 _AXE = Path(__file__).parents[1] / "gui" / "node_modules" / "axe-core" / "axe.min.js"
 _LEFT_OUT = "testudo_left_out"
@@ -72,6 +73,11 @@ NEEDS: Mapping[str, Need] = {
         have_it="on x86-64 with Python 3.10 to 3.13: pip install '.[ros]'",
         is_there=functools.cache(lambda: importlib.util.find_spec("rclpy") is not None),
     ),
+    "full_extra": Need(
+        name="the extra `full`",
+        have_it="make test-all installs it",
+        is_there=functools.cache(lambda: importlib.util.find_spec("distributed") is not None),
+    ),
     "network_namespaces": Need(
         name="the right to make network namespaces",
         have_it="as root on Linux: apt install iproute2",
@@ -92,19 +98,26 @@ def require(name: str) -> None:
         pytest.fail(f"This test needs {need.name} ({need.have_it})", pytrace=False)
 
 
+def _need_of_file(path: Path) -> str | None:
+    if path.parent == _TESTS / "ros" and path.name.startswith("test_"):
+        return "ros"
+    return "full_extra" if path in {_TESTS / name for name in _FILES_WITH_EXTRAS} else None
+
+
 class LeavingOut:
     """Leaves out the tests that this machine cannot run, and says at the end which."""
 
     def __init__(self) -> None:
         self._left_out: Counter[str] = Counter()
 
-    def pytest_ignore_collect(self, collection_path: Path) -> bool | None:
-        """Leave out the files of live tests, which import rclpy."""
-        if collection_path.parent != _ROS_FOLDER or not collection_path.name.startswith("test_"):
+    def pytest_ignore_collect(self, collection_path: Path, config: pytest.Config) -> bool | None:
+        """Leave out the files that could not be imported: live tests, and some full ones."""
+        name = _need_of_file(collection_path)
+        if name is None or is_on_ci() or NEEDS[name].is_there():
             return None
-        if is_on_ci() or NEEDS["ros"].is_there():
-            return None
-        self._left_out["ros"] += 1
+        # Whoever asks for other tiers misses nothing.
+        if name == "ros" or not config.getoption("--tiers"):
+            self._left_out[name] += 1
         return True
 
     def pytest_collection_modifyitems(self, config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -137,6 +150,6 @@ class LeavingOut:
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
         for name, count in self._left_out.items():
-            what = "files of live tests" if name == "ros" else "tests"
+            what = "files of tests" if name in {"ros", "full_extra"} else "tests"
             need = NEEDS[name]
             terminalreporter.line(f"Not tested: {count} {what} need {need.name} ({need.have_it})")
