@@ -113,11 +113,14 @@ class LeavingOut:
     def pytest_ignore_collect(self, collection_path: Path, config: pytest.Config) -> bool | None:
         """Leave out the files that could not be imported: live tests, and some full ones."""
         name = _need_of_file(collection_path)
-        if name is None or is_on_ci() or NEEDS[name].is_there():
+        if name is None or NEEDS[name].is_there():
             return None
-        # Whoever asks for other tiers misses nothing.
-        if name == "ros" or not config.getoption("--tiers"):
-            self._left_out[name] += 1
+        if name == "full_extra" and config.getoption("--tiers"):
+            # Whoever asks for other tiers misses nothing.
+            return True
+        if is_on_ci():
+            return None
+        self._left_out[name] += 1
         return True
 
     def pytest_collection_modifyitems(self, config: pytest.Config, items: list[pytest.Item]) -> None:
