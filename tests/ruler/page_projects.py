@@ -22,7 +22,6 @@ from bags.bag_factory import (
     write_bag,
 )
 from optimizer import golden
-from ruler.incident_projects import write_incidents
 from ruler.ruler_server import EXAMPLES
 
 RADIO = """\
@@ -92,12 +91,6 @@ def _runs(folder: Path) -> None:
     (folder / "runs" / "c_broken" / "metadata.yaml").write_text("no bag")
 
 
-def _incidents(folder: Path) -> None:
-    """A robot that drove 10 m, and two incidents at 5 m."""
-    write_incidents(folder)
-    shutil.rmtree(folder.parent / "received")
-
-
 def _localized(folder: Path) -> None:
     """A robot that says where it is in its map."""
     write_bag(folder / "monday", localized_mission())
@@ -131,7 +124,6 @@ PROJECTS: Mapping[str, Callable[[Path], None]] = MappingProxyType(
         "battery": _battery,
         "empty": _empty,
         "examples": _examples,
-        "incidents": _incidents,
         "inspection": _inspection,
         "localized": _localized,
         "monday": _monday,

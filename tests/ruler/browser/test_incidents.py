@@ -146,13 +146,6 @@ def test_messages_that_cannot_be_read_leave_the_rest(ruler: RulerPage, project: 
     ruler.forgive("422")
 
 
-def test_a_project_without_incidents_says_how_to_get_some(ruler: RulerPage, project: Path) -> None:
-    (project / "incidents").rename(project.parent / "elsewhere")
-    ruler.button("Look at Incidents").click()
-    expect(ruler.page.get_by_text("0 incidents")).to_be_visible()
-    expect(ruler.page.get_by_role("main")).to_contain_text("To get one")
-
-
 def test_a_try_shows_what_would_have_been_recorded_and_keeps_it(ruler: RulerPage, project: Path) -> None:
     shutil.rmtree(project / "incidents")
     ruler.home()

@@ -44,6 +44,7 @@ def project(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.journey
 def test_a_folder_is_tried_worst_first_and_a_row_leads_to_its_try(ruler: RulerPage) -> None:
     page = ruler.page
     ruler.open("far.adirf")
@@ -95,54 +96,6 @@ def test_a_folder_is_tried_worst_first_and_a_row_leads_to_its_try(ruler: RulerPa
     expect(ruler.button("b_long")).to_be_focused()
 
 
-def test_a_run_goes_on_with_its_rules_and_keeps_what_is_done_where_it_is_cancelled(ruler: RulerPage) -> None:
-    page = ruler.page
-    ruler.open("far.adirf")
-    ruler.tool("Try on a recording").click()
-    page.get_by_role("combobox", name="Recording").select_option("runs/")
-    asked: list[str] = []
-    with _held(ruler, "runs/b_long", asked):
-        ruler.button(RUN).click()
-        expect(_rows(ruler)).to_have_count(2)
-        ruler.text.get_by_text("SetFrequency /odom 5").click()
-        page.keyboard.press("End")
-        page.keyboard.type("0")
-        stale = page.get_by_text("Stale: rules changed since.")
-        expect(stale).to_contain_text("This run goes on with the rules and recordings that it began with.")
-    expect(_rows(ruler)).to_have_count(4)
-    expect(stale).to_contain_text("Run the rules again to see what they do now.")
-    assert len(asked) == 4
-    assert all("/odom 5\\n" in text for text in asked)
-
-    with _held(ruler, "runs/b_long"):
-        ruler.button(RUN).click()
-        expect(_progress(page.get_by_role("status"))).to_contain_text("1 of 4")
-        page.get_by_role("link", name="Home").click()
-        ruler.open("far.adirf")
-        ruler.tool("Try on a recording").click()
-        ruler.button("Cancel").click()
-    expect(page.get_by_text("Cancelled.", exact=True)).to_be_visible()
-    expect(_progress(page.get_by_role("status"))).to_have_text(
-        "1 of 4 recordings of runs/ tried. The others were not: it was ended before. What was tried stays."
-    )
-    assert _names(_rows(ruler)) == ["a_short"]
-    expect(page.get_by_text("Stale:")).to_have_count(0)
-
-
-def test_a_telephone_tries_a_folder(ruler: RulerPage) -> None:
-    ruler.page.set_viewport_size({"width": 390, "height": 844})
-    ruler.open("far.adirf")
-    ruler.tool("Try on a recording").click()
-    ruler.page.get_by_role("combobox", name="Recording").select_option("runs/")
-    ruler.button(RUN).click()
-    expect(_rows(ruler)).to_have_count(4)
-    assert ruler.page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
-    assert violations(ruler.page) == []
-    # Anywhere in a row is as good as on its name, which is over all of it.
-    _rows(ruler).filter(has_text="d_middle").get_by_role("cell").nth(1).click(force=True)
-    expect(ruler.page.get_by_text("The rules decided")).to_be_visible()
-
-
 def _rows(ruler: RulerPage) -> Locator:
     """The rows with numbers, the total last."""
     table = ruler.page.get_by_role("table", name="Recordings")
@@ -168,14 +121,12 @@ def _progress(status: Locator) -> Locator:
 
 
 @contextmanager
-def _held(ruler: RulerPage, bag: str, asked: list[str] | None = None) -> Iterator[None]:
-    """Hold the try on ``bag`` back while the block lasts; ``asked`` gets what is asked until all is done."""
+def _held(ruler: RulerPage, bag: str) -> Iterator[None]:
+    """Hold the try on ``bag`` back while the block lasts."""
     waiting: list[Route] = []
 
     def hold(route: Route) -> None:
         body = route.request.post_data or ""
-        if asked is not None:
-            asked.append(body)
         if f'"bag":"{bag}"' in body and not is_over.is_set():
             waiting.append(route)
         else:
