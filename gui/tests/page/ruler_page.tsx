@@ -132,7 +132,7 @@ export class RulerPage {
 
   /** Somebody else writes files, which the page sees when it saves and not before, however slow the test is. */
   async saveOver(files: Files, save = () => this.use("Save")): Promise<void> {
-    const release = this.network.hold("GET /api/file/state");
+    const release = this.network.hold("GET /api/file/state", `name=${Object.keys(files)[0]}`);
     await this.write(files);
     const answered = this.network.answered("PUT /api/file");
     await save();
