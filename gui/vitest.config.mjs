@@ -54,8 +54,8 @@ const page = {
     testTimeout: (isRecording ? 10 : 2) * PATIENCE_MS,
     hookTimeout: PATIENCE_MS,
     expect: { poll: { timeout: PATIENCE_MS, interval: 20 } },
-    // The recorder serves one test at a time.
-    fileParallelism: !isRecording,
+    // Files beside each other in one Chromium take the keys from each other, and other tests run beside these anyway.
+    fileParallelism: false,
     browser: {
       enabled: true,
       headless: true,
