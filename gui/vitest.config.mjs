@@ -48,7 +48,6 @@ const page = {
   optimizeDeps: { entries: ["src/**/*.{ts,tsx}", "tests/page/**/*.{ts,tsx}"] },
   test: {
     name: "page",
-    isolate: false,
     include: ["tests/page/**/*.test.tsx"],
     setupFiles: ["tests/page/setup.ts"],
     testTimeout: (isRecording ? 10 : 2) * PATIENCE_MS,

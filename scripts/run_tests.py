@@ -127,7 +127,10 @@ def run_beside(parts: Sequence[Part]) -> Iterator[Ended]:
         with part.log.open("wb") as log:
             # How far it is goes to the terminal, by its standard error.
             running[part] = subprocess.Popen(
-                ["nice", "-n", str(part.niceness), *part.command], stdin=subprocess.DEVNULL, stdout=log
+                ["nice", "-n", str(part.niceness), *part.command],
+                env={**os.environ, "PYTHON": sys.executable},
+                stdin=subprocess.DEVNULL,
+                stdout=log,
             )
     while running:
         for part, process in list(running.items()):

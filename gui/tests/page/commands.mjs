@@ -1,6 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { existsSync, readFileSync } from "node:fs";
+import { spawn } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
 
 /**
  * While answers are recorded each key and each step of the mouse takes so long: the page then asks about all
@@ -8,6 +12,9 @@ import { existsSync, readFileSync } from "node:fs";
  */
 export const RECORDING_STEP_MS = 500;
 const ANSWERS = new URL("./answers/", import.meta.url);
+
+/** The address of the server that answers what was not recorded, once it was asked. */
+let server;
 
 /** Where this file put the mouse of each page. */
 const mice = new WeakMap();
@@ -27,6 +34,19 @@ export const commands = {
     const answer = await fetch(`${process.env.PAGE_RECORDER}/${act}`, { method: "POST", body: JSON.stringify(said) });
     if (!answer.ok) throw new Error(`the recorder does not ${act}`);
     return answer.json();
+  },
+
+  /**
+   * What a real server of an empty project answers: which edits are sent together, and so which texts are asked
+   * about, depends on the machine.
+   */
+  async askServer(_, ask, body) {
+    server ??= startedServer();
+    const [method, path] = ask.split(" ");
+    const url = await server;
+    const headers = { "Content-Type": "application/json", Origin: url };
+    const answer = await fetch(new URL(path, url), { method, headers, body: JSON.stringify(body) });
+    return { status: answer.status, json: await answer.json() };
   },
 
   /** Gives the whole page a size: vitest gives it to the test's frame only. */
@@ -80,6 +100,26 @@ export const commands = {
     return { name: download.suggestedFilename(), text: readFileSync(await download.path(), "utf-8") };
   },
 };
+
+/** Starts the Ruler; it ends with this process. */
+async function startedServer() {
+  const folder = mkdtempSync(join(tmpdir(), "testudo-page-"));
+  const python = process.env.PYTHON ?? "../.venv/bin/python";
+  const options = ["-m", "smarttestudo", "ruler", folder, "--port", "0", "--no-browser"];
+  const ruler = spawn(python, options, {
+    stdio: ["ignore", "pipe", "inherit"],
+    env: { ...process.env, PYTHONUNBUFFERED: "1" },
+  });
+  process.once("exit", () => {
+    ruler.kill();
+    rmSync(folder, { recursive: true });
+  });
+  for await (const line of createInterface({ input: ruler.stdout })) {
+    const found = line.match(/http:\/\/\S+/);
+    if (found !== null) return new URL(found[0]).origin;
+  }
+  throw new Error("the Ruler did not start");
+}
 
 function isRecording() {
   return process.env.PAGE_RECORDER !== undefined;

@@ -13,6 +13,7 @@ declare module "vitest/browser" {
     recordedAnswers: (file: string) => Promise<string | null>;
     isRecording: () => Promise<boolean>;
     recorder: (act: string, said: object) => Promise<unknown>;
+    askServer: (ask: string, body: unknown) => Promise<{ status: number; json: unknown }>;
     resize: (width: number, height: number) => Promise<void>;
     emulateMotion: (motion: "reduce" | "no-preference") => Promise<void>;
     colorScheme: (scheme: "light" | "dark") => Promise<void>;
