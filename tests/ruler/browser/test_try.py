@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from pathlib import Path
 
 import pytest
@@ -80,122 +79,6 @@ def test_one_scrubber_moves_the_robot_the_rates_the_rules_and_the_mark_in_the_te
     assert words["x"] + words["width"] <= rates["x"]
 
 
-def test_the_loss_stands_beside_and_old_numbers_say_that_they_are_old(ruler: RulerPage) -> None:
-    _try_rules(ruler)
-    loss = ruler.page.get_by_role("region", name="What the operator loses")
-    errors = loss.get_by_role("table", name="Error when the last received value is held")
-    expect(errors.get_by_role("row", name="/odom pose_y")).to_contain_text("m")
-    expect(loss.get_by_role("table", name="Age of the newest message received")).to_contain_text("/scan")
-    expect(loss.get_by_role("table", name="Thresholds of your checks")).to_contain_text("/odom pose_y > 2")
-    loss.get_by_label("Error over time of").select_option("/odom pose_y")
-    expect(loss.get_by_role("figure", name="Error of /odom pose_y")).to_be_visible()
-
-    ruler.text.get_by_text("SetFrequency /odom 5").click()
-    ruler.page.keyboard.press("End")
-    ruler.page.keyboard.type("0")
-    expect(ruler.page.get_by_text("Stale: rules changed since.")).to_be_visible()
-    ruler.button("Run the rules on it").click()
-    expect(ruler.page.get_by_text("Stale: rules changed since.")).to_have_count(0)
-
-
-def test_a_result_stays_with_its_file_and_says_what_changed_since(ruler: RulerPage, project: Path) -> None:
-    write_bag(project / "longer", small_mission(12))
-    (project / "other.adirf").write_text("begin\n    SetFrequency /scan 1\nend\n")
-    shutil.copy(project / "far.adirf", project / "monday.adirf")
-    ruler.home()
-    ruler.open("monday.adirf")
-    ruler.tool("Try on a recording").click()
-    # The one that the rules have their name from, though another is longer.
-    expect(ruler.page.get_by_role("combobox", name="Recording")).to_have_value("monday")
-    _try_rules(ruler)
-    ruler.page.get_by_role("slider", name="Time in the recording (s)").press("End")
-    replays = _asked(ruler, "api/try")
-
-    ruler.page.get_by_role("link", name="Home").click()
-    ruler.open("other.adirf")
-    ruler.tool("Try on a recording").click()
-    expect(ruler.page.get_by_text("% less sent")).to_have_count(0)
-    ruler.page.get_by_role("link", name="Home").click()
-    ruler.open("monday.adirf")
-    ruler.tool("Try on a recording").click()
-    expect(ruler.page.get_by_role("slider", name="Time in the recording (s)")).to_have_value("7.96")
-    expect(ruler.page.get_by_text("Stale:")).to_have_count(0)
-    assert _asked(ruler, "api/try") == replays
-
-    shutil.rmtree(project / "monday")
-    write_bag(project / "monday", small_mission(9))
-    ruler.page.evaluate("dispatchEvent(new Event('focus'))")
-    expect(ruler.page.get_by_text("Stale: recording changed since.")).to_be_visible()
-
-
-def test_a_try_goes_on_while_another_page_is_looked_at(ruler: RulerPage) -> None:
-    ruler.open("far.adirf")
-    ruler.tool("Try on a recording").click()
-    ruler.button("Run the rules on it").click()
-    ruler.page.get_by_role("link", name="Home").click()
-    ruler.open("far.adirf")
-    ruler.tool("Try on a recording").click()
-    expect(ruler.page.get_by_text("% less")).to_be_visible()
-    assert _asked(ruler, "api/try") == 1
-
-
-def test_gain_and_loss_stand_on_one_line_and_messages_are_sentences(ruler: RulerPage, project: Path) -> None:
-    (project / "few.adirf").write_text(
-        "begin\n    SetFrequency /image 1\n    SetFrequency /scan Marginal\nend\n"
-    )
-    ruler.home()
-    ruler.open("few.adirf")
-    expect(ruler.page.get_by_text("1 finding", exact=True)).to_have_count(1)
-    finding = ruler.page.get_by_role("list", name="Findings").locator(".message")
-    expect(finding).to_have_text([re.compile(r"^[A-Z/]")])
-    ruler.text.get_by_text("SetFrequency /scan").click()
-    ruler.page.keyboard.press("End")
-    for _ in "Marginal":
-        ruler.page.keyboard.press("Backspace")
-    ruler.page.keyboard.type("Full")
-    ruler.tool("Try on a recording").click()
-    ruler.button("Run the rules on it").click()
-    gain = re.compile(r"^[\d.]+ % less sent; /image: \d+ of \d+, dark for [\d.]+ s$")
-    expect(ruler.page.get_by_text(gain)).to_be_visible()
-    expect(ruler.page.get_by_text("The rules decided 2 times")).to_be_visible()
-
-
-def test_a_threshold_that_is_dragged_says_when_it_would_have_held(ruler: RulerPage) -> None:
-    _try_rules(ruler)
-    rules = ruler.page.get_by_role("region", name="Rules at this time")
-    expect(rules.get_by_role("img", name=re.compile(r"^Far: Holds for 5\.\d+ s of 7\.96 s"))).to_be_visible()
-
-    why = ruler.page.get_by_role("region", name="Why this threshold")
-    why.get_by_role("combobox").select_option("/odom pose_y > 2 (Far)")
-    expect(why.get_by_role("figure", name="Value of /odom pose_y").locator("canvas")).to_be_visible()
-    expect(why.get_by_role("status")).to_have_text(re.compile(r"^> 2: Holds for 5\.\d+ s of 7\.96 s"))
-    line = why.get_by_role("slider", name="Threshold")
-    line.hover()
-    # The pointer may have scrolled the chart into view.
-    box = why.locator(".u-over").bounding_box()
-    assert box is not None
-    ruler.page.mouse.down()
-    ruler.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    ruler.page.mouse.up()
-    expect(why.get_by_role("status")).to_have_text(
-        re.compile(r"^> (3\.9|4).*: Holds for (3\.9|4).* s of 7\.96 s")
-    )
-    line.press("PageUp")
-    expect(why.get_by_role("status")).to_have_text(
-        re.compile(r"^> [45]\S*: Holds for [23]\.\d+ s of 7\.96 s")
-    )
-
-    # The bar of the condition moves the one time, as the charts do.
-    _press_at(why.get_by_role("img", name=re.compile("^The condition: ")), 0.5)
-    slider = ruler.page.get_by_role("slider", name="Time in the recording (s)")
-    expect(slider).to_have_attribute("aria-valuetext", re.compile(r"^(3\.9|4\.0)"))
-
-    value = line.get_attribute("aria-valuenow")
-    why.get_by_role("button", name=re.compile("^Write .* into the rules$")).click()
-    ruler.expect_lines(f"CheckValue /odom pose_y > {value}")
-    expect(ruler.page.get_by_text("Stale: rules changed since.")).to_be_visible()
-
-
 def test_cancel_ends_the_replay(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
     ruler.tool("Try on a recording").click()
@@ -241,11 +124,6 @@ def _try_rules(ruler: RulerPage) -> None:
     ruler.button("Run the rules on it").click()
     expect(ruler.page.get_by_text(re.compile(r"[\d.]+ % less"))).to_be_visible()
     expect(ruler.page.get_by_text("The rules decided")).to_be_visible()
-
-
-def _asked(ruler: RulerPage, path: str) -> int:
-    """How often the page asked for that."""
-    return ruler.requests.count(f"{ruler.url.rstrip('/')}/{path}")
 
 
 def _press_at(chart: Locator, share: float) -> None:
