@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A page whose server is gone says so, and goes on by itself; a file that changed on disk is noticed."""
+"""A page whose server is gone says so, and goes on by itself."""
 
 from __future__ import annotations
 
@@ -66,6 +66,7 @@ def page(browser: Browser, server: Server, project: Path) -> Iterator[RulerPage]
     assert page.complaints == []
 
 
+@pytest.mark.journey
 def test_a_page_without_its_server_says_so_and_what_still_works(page: RulerPage, server: Server) -> None:
     findings = page.page.get_by_role("list", name="Findings")
     expect(findings.get_by_text("Warning")).to_be_visible()
@@ -85,55 +86,6 @@ def test_a_page_without_its_server_says_so_and_what_still_works(page: RulerPage,
     _type_below(page, "SetFrequency /scan 3")
     expect(page.text).to_contain_text("SetFrequency /scan 3")
     expect(page.tool("Undo")).to_be_enabled()
-
-
-def test_all_is_read_and_checked_again_when_the_server_is_back(
-    page: RulerPage, server: Server, project: Path
-) -> None:
-    errors = page.page.get_by_role("list", name="Findings").get_by_text("Error", exact=True)
-    server.stop()
-    expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_be_visible()
-    _type_below(page, "SetFrequenzy /scan 3")
-    (project / "other.adirf").write_text(RULES)
-    server.start()
-    expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_have_count(0)
-    expect(errors).to_have_count(1)
-    expect(page.page.get_by_text(AS_OF)).to_have_count(0)
-    expect(page.tool("Save")).to_be_enabled()
-    page.page.get_by_role("link", name="Home").click()
-    expect(page.page.get_by_role("link", name="other.adirf", exact=True)).to_be_visible()
-
-
-def test_a_file_that_changed_while_the_server_was_gone_is_read_again(
-    page: RulerPage, server: Server, project: Path
-) -> None:
-    server.stop()
-    expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_be_visible()
-    (project / "rules.adirf").write_text(RULES.replace("/odom 5", "/imu 5"))
-    server.start()
-    page.expect_lines("SetFrequency /odom 10", "SetFrequency /imu 5")
-    expect(page.blocks.get_by_role("button", name="Edit topic to send: /imu")).to_be_attached()
-
-
-@pytest.mark.parametrize("name", ["other.adirf", "quality/weak_radio.toml"])
-def test_what_is_opened_while_the_server_is_gone_opens_when_it_is_back(
-    page: RulerPage, server: Server, project: Path, name: str
-) -> None:
-    (project / "other.adirf").write_text(RULES)
-    page.home()
-    # A page of each kind was seen, so that the browser has the code.
-    page.page.get_by_role("link", name="quality/radio.toml", exact=True).click()
-    page.page.get_by_label("Message size (KB) of /odom").wait_for()
-    page.page.get_by_role("link", name="Home").click()
-    server.stop()
-    expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_be_visible()
-    page.page.get_by_role("link", name=name, exact=True).click()
-    refused = page.page.get_by_text("What you typed is kept on this page, and blocks stay as they are")
-    expect(refused).to_be_visible()
-    server.start()
-    content = {"other.adirf": page.text, "quality/weak_radio.toml": page.page.get_by_role("table")}[name]
-    expect(content).to_be_visible()
-    expect(refused).to_have_count(0)
 
 
 def test_what_was_typed_is_there_again_after_the_server_had_another_folder(
@@ -189,57 +141,6 @@ def test_the_map_and_the_versions_come_when_the_server_is_back(page: RulerPage, 
     expect(versions).to_contain_text("The Ruler's server does not answer.")
     server.start()
     expect(versions).to_contain_text("None yet: each save of this file keeps one.")
-
-
-def test_a_file_that_changes_on_disk_is_noticed_while_it_is_open(page: RulerPage, project: Path) -> None:
-    file = project / "rules.adirf"
-    file.write_text(RULES.replace("/odom 5", "/imu 5"))
-    expect(page.page.get_by_text("rules.adirf was changed on disk and is read again")).to_be_visible()
-    page.expect_lines("SetFrequency /odom 10", "SetFrequency /imu 5")
-    page.tool("Undo").click()
-    page.expect_lines("SetFrequency /odom 10", "SetFrequency /odom 5")
-    file.write_text(RULES.replace("/odom 5", "/scan 5"))
-    notice = page.page.get_by_role("status").filter(has_text="Somebody else changed rules.adirf on disk")
-    notice.get_by_role("button", name="Compare").click()
-    page.button("Save anyway").click()
-    expect(notice).to_have_count(0)
-    expect(page.tool("Save")).to_be_disabled()
-    assert file.read_text() == RULES
-    file.unlink()
-    expect(page.page.get_by_text("rules.adirf is no longer on disk: a save writes it.")).to_be_visible()
-    page.tool("Save").click()
-    page.button("Save anyway").click()
-    expect(page.tool("Save")).to_be_disabled()
-    assert file.read_text() == RULES
-    page.forgive("409 (Conflict)")
-    page.forgive("404 (Not Found)")
-
-
-def test_a_table_that_changes_on_disk_is_noticed_while_it_is_open(page: RulerPage, project: Path) -> None:
-    table = project / "quality" / "radio.toml"
-    page.home()
-    page.page.get_by_role("link", name="quality/radio.toml", exact=True).click()
-    size = page.page.get_by_label("Message size (KB) of /odom")
-    size.wait_for()
-    text = table.read_text()
-    table.write_text(re.sub(r"message_kb = [\d.]+", "message_kb = 77.5", text))
-    expect(size).to_have_value("77.5")
-    size.fill("3")
-    table.write_text(text)
-    expect(page.page.get_by_text("Somebody else changed quality/radio.toml on disk")).to_be_visible()
-    expect(size).to_have_value("3")
-
-
-def test_a_table_that_somebody_saves_counts_in_the_rules_that_are_open(
-    page: RulerPage, project: Path
-) -> None:
-    table = project / "quality" / "radio.toml"
-    page.page.get_by_label("Profile (topic parameters)").select_option("quality/radio.toml")
-    page.page.get_by_role("tab", name="Optimize").click()
-    load = page.page.get_by_role("row").filter(has_text="/odom").first
-    expect(load).to_contain_text("3.6 KB/s")
-    table.write_text(table.read_text().replace("message_kb = 0.72", "message_kb = 1.44"))
-    expect(load).to_contain_text("7.2 KB/s")
 
 
 def _is_grey(page: RulerPage) -> list[bool]:
