@@ -82,17 +82,22 @@ export const commands = {
   keyUp: ({ page }, key) => page.keyboard.up(key),
 
   /** Moves the mouse there in so many steps from where it was put last. */
-  async mouseMove({ page }, x, y, steps = 1) {
-    const from = mice.get(page) ?? { x, y };
-    mice.set(page, { x, y });
-    if (!isRecording()) return page.mouse.move(x, y, { steps });
+  async mouseMove(context, x, y, steps = 1) {
+    const { page } = context;
+    const to = await onPage(context, x, y);
+    const from = mice.get(page) ?? to;
+    mice.set(page, to);
+    if (!isRecording()) return page.mouse.move(to.x, to.y, { steps });
     for (let step = 1; step <= steps; step++)
-      await page.mouse.move(from.x + ((x - from.x) * step) / steps, from.y + ((y - from.y) * step) / steps);
+      await page.mouse.move(from.x + ((to.x - from.x) * step) / steps, from.y + ((to.y - from.y) * step) / steps);
   },
   mouseDown: ({ page }, button = "left") => page.mouse.down({ button }),
   mouseUp: ({ page }, button = "left") => page.mouse.up({ button }),
   mouseWheel: ({ page }, x, y) => page.mouse.wheel(x, y),
-  tap: ({ page }, x, y) => page.touchscreen.tap(x, y),
+  async tap(context, x, y) {
+    const to = await onPage(context, x, y);
+    await context.page.touchscreen.tap(to.x, to.y);
+  },
 
   /** The next file that the page gives to download. */
   async nextDownload({ page }) {
@@ -123,6 +128,13 @@ async function startedServer() {
 
 function isRecording() {
   return process.env.PAGE_RECORDER !== undefined;
+}
+
+/** Where a point of the test's frame is: the page around it may have scrolled while it was small. */
+async function onPage({ frame }, x, y) {
+  const element = await (await frame()).frameElement();
+  const box = await element.boundingBox();
+  return { x: box.x + x, y: box.y + y };
 }
 
 /** Keys go to the test's frame, as where it is the whole page. */
