@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import expect
 
 from ruler.browser.counted_page import CountedPage
@@ -20,6 +21,7 @@ MOST_KEYS_WITHOUT_A_MOUSE = 90
 """The rule itself is some thirty words and numbers; the rest is the way to the page's buttons and back."""
 
 
+@pytest.mark.journey
 def test_the_rule_of_the_thesis_takes_few_clicks_and_keys(ruler: RulerPage, project: Path) -> None:
     somebody = CountedPage(ruler.page)
     somebody.click("button", "New Rule File")

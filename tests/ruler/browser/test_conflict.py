@@ -17,6 +17,7 @@ THEIRS = BEFORE.replace("10", "7")
 TABLE = '[topics."/odom"]\nmessage_kb = 0.7\n'
 
 
+@pytest.mark.journey
 def test_their_text_is_taken_and_undo_brings_ones_own_back(ruler: RulerPage, project: Path) -> None:
     dialog = _meet(ruler, project)
     expect(dialog.get_by_role("figure", name="Theirs")).to_contain_text("SetFrequency /odom 7")

@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pytest
 from playwright.sync_api import Error, Locator, expect
 
 from ruler.browser.ruler_page import RulerPage, served
@@ -22,6 +23,7 @@ THEIRS = RULES.replace("10", "7")
 PROFILE = '# Our radio.\n[topics."/odom"]\nmessage_kb = 0.7\n'
 
 
+@pytest.mark.journey
 def test_every_key_stroke_is_there_after_a_reload(ruler: RulerPage, project: Path) -> None:
     _type(ruler, project)
     ruler.page.reload()

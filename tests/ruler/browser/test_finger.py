@@ -34,6 +34,7 @@ def phone(browser: Browser, ruler: RulerPage, project: Path) -> Iterator[RulerPa
         assert page.complaints == []
 
 
+@pytest.mark.journey
 def test_a_swipe_over_blocks_scrolls_them_and_leaves_the_rules_alone(phone: RulerPage) -> None:
     phone.open("plain.adirf")
     phone.expect_lines("SetFrequency /scan 1")

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 import signal
 from collections.abc import Iterator
@@ -63,9 +62,7 @@ class World:
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
+def world(ros: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
     project = tmp_path_factory.mktemp("project")
     (project / "patrol.adirf").write_text(RULES)
     (project / "timed.adirf").write_text(TIMED_RULES)
@@ -114,6 +111,7 @@ def _running(world: World, page: RulerPage, *arguments: str) -> Iterator[Process
     page.page.get_by_role("button", name=NOT_CONNECTED).wait_for()
 
 
+@pytest.mark.journey
 def test_what_holds_on_the_robot_stands_beside_the_blocks(
     page: RulerPage, world: World, runtime: Process
 ) -> None:
@@ -178,6 +176,7 @@ def test_axe_finds_nothing_beside_a_robot(page: RulerPage, world: World, runtime
     operator.end()
 
 
+@pytest.mark.journey
 def test_sent_rules_are_compared_tried_and_kept_with_the_keyboard_alone(
     page: RulerPage, world: World, runtime: Process
 ) -> None:

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 import signal
 from collections.abc import Iterator
@@ -38,9 +37,7 @@ CHECK = "/odom pose_x > 3 (Far)"
 
 
 @pytest.fixture
-def robot(tmp_path: Path) -> Iterator[SmallRobot]:
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
+def robot(ros: None, tmp_path: Path) -> Iterator[SmallRobot]:
     with free_domain() as domain:
         small_robot = SmallRobot(domain, tmp_path)
         yield small_robot
@@ -79,6 +76,7 @@ def page(
     assert page.complaints == []
 
 
+@pytest.mark.journey
 def test_the_page_of_a_robot_shows_a_value_its_threshold_and_when_each_rule_held(page: RulerPage) -> None:
     checks = section(page)
     bar = checks.get_by_role("img", name=re.compile(r"^Far: Holds for [\d.]+ s of 10 min; unknown for"))

@@ -61,6 +61,7 @@ def project(tmp_path: Path) -> Path:
     return tmp_path / "project"
 
 
+@pytest.mark.journey
 def test_a_robots_incident_is_fetched_and_opened(ruler: RulerPage, project: Path, tmp_path: Path) -> None:
     ruler.button("Look at Incidents").click()
     near_miss = _near_miss(ruler)

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import re
 import sys
@@ -69,9 +68,7 @@ def publish(fleet: Process, statuses: Sequence[RuntimeStatus]) -> None:
 
 
 @pytest.fixture
-def robot(tmp_path: Path) -> Iterator[SmallRobot]:
-    if importlib.util.find_spec("rclpy") is None:
-        pytest.skip("ROS 2 (rclpy) is not installed")
+def robot(ros: None, tmp_path: Path) -> Iterator[SmallRobot]:
     with free_domain() as domain:
         small_robot = SmallRobot(domain, tmp_path)
         yield small_robot
@@ -316,6 +313,7 @@ def test_sixty_topics_with_long_names_stay_on_the_screen(page: RulerPage, fleet:
     assert box["x"] + box["width"] <= DESK[0]
 
 
+@pytest.mark.journey
 def test_a_real_run_is_a_row_and_without_rules_in_the_project_has_a_page_of_its_own(
     browser: Browser, robot: SmallRobot, tmp_path: Path
 ) -> None:

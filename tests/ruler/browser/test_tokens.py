@@ -60,6 +60,7 @@ def test_an_address_without_a_token_says_which_one_to_open(
     assert violations(page) == []
 
 
+@pytest.mark.journey
 def test_a_link_in_a_mail_opens_the_file_with_its_token_and_later_without(
     browser_of_one: BrowserContext, origin: str
 ) -> None:

@@ -45,6 +45,7 @@ def ruler(browser: Browser, project: Path) -> Iterator[RulerPage]:
         assert page.complaints == []
 
 
+@pytest.mark.journey
 def test_the_tour_is_walked_with_one_key_and_touches_no_file(ruler: RulerPage, project: Path) -> None:
     page = ruler.page
     expect(ruler.button("Take the tour")).to_be_focused()

@@ -41,6 +41,7 @@ def bob(browser: Browser, ruler: RulerPage) -> Iterator[RulerPage]:
         assert page.complaints == []
 
 
+@pytest.mark.journey
 def test_of_two_people_who_save_the_second_is_asked_and_both_texts_stay(
     ruler: RulerPage, bob: RulerPage, project: Path
 ) -> None:

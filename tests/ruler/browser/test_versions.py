@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pytest
 from playwright.sync_api import Locator, Route, expect
 
 from axe import violations
@@ -22,6 +23,7 @@ MINE = RULES.replace("10", "9")
 SETTING = "Save by itself, two seconds after the last change without errors"
 
 
+@pytest.mark.journey
 def test_a_version_is_compared_and_brought_back_as_a_new_one(ruler: RulerPage, project: Path) -> None:
     _open(ruler, project)
     ruler.change("Edit rate: 10", "7")

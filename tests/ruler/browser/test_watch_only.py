@@ -34,6 +34,7 @@ def options() -> tuple[str, ...]:
     return ("--watch-only",)
 
 
+@pytest.mark.journey
 def test_every_page_says_it_and_what_changes_something_is_off(ruler: RulerPage, project: Path) -> None:
     page = ruler.page
     _expect_off(ruler.button("New Rule File"))
