@@ -60,6 +60,8 @@ const page = {
       headless: true,
       ui: false,
       screenshotFailures: false,
+      // In a fresh clone what the page needs is bundled first, beside all other tests.
+      connectTimeout: 5 * PATIENCE_MS,
       viewport: SCREEN,
       commands,
       provider: playwright({

@@ -24,6 +24,7 @@ LIVE = ("tests/ros", "tests/ruler/browser/test_robot.py")
 """They are on a ROS graph, and wait more than they work."""
 PROCESSES = ("tests/ros", "tests/ruler/browser")
 """Nothing in these folders is plain."""
+REPORTERS = ("--reporter=default", "--reporter=junit")
 NPM_TEST = (
     "sh",
     "scripts/gui_npm.sh",
@@ -108,9 +109,8 @@ def groups_of(tier: Tier) -> Iterator[Sequence[Part]]:
     else:
         others = [option for path in LIVE for option in ("--ignore", path)]
         kilted = ("sh", "scripts/test_kilted.sh")
+        yield (style, page)
         yield (
-            style,
-            page,
             pytest_part("first", processors * 3 // 2, *others, "tests", niceness=BACKGROUND),
             pytest_part("live", processors, "-m", "not calm", *LIVE),
             Part(name="kilted", command=(*kilted, "live", *reported("kilted"))),
