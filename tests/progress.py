@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Sequence
 
@@ -21,10 +22,6 @@ class Progress:
         self._total = 0
         self._done = 0
         self._failed = 0
-        self._terminal: pytest.TerminalReporter | None = None
-
-    def pytest_sessionstart(self, session: pytest.Session) -> None:
-        self._terminal = session.config.pluginmanager.get_plugin("terminalreporter")
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
         self._begin(self._total or len(session.items))
@@ -58,6 +55,6 @@ class Progress:
         return f"{self._done} of {self._total} tests{failed}, about {left_s / 60:.1f} min left"
 
     def _say(self, words: str) -> None:
-        if self._terminal is not None:
-            self._terminal.ensure_newline()
-            self._terminal.write_line(f"{self._name:8}  {words}", flush=True)
+        # What a part prints goes to a file, how far it is to the terminal.
+        sys.stderr.write(f"{self._name:8}  {words}\n")
+        sys.stderr.flush()
