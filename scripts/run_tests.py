@@ -112,9 +112,9 @@ def groups_of(tier: Tier) -> Iterator[Sequence[Part]]:
         yield (style, page)
         yield (
             pytest_part("first", processors * 3 // 2, *others, "tests", niceness=BACKGROUND),
-            pytest_part("live", processors, "-m", "not calm", *LIVE),
             Part(name="kilted", command=(*kilted, "live", *reported("kilted"))),
         )
+        yield (pytest_part("live", min(2 * processors, 8), "-m", "not calm", *LIVE),)
         yield (pytest_part("calm", 0, "-m", "calm", *LIVE),)
         yield (Part(name="calm-kilted", command=(*kilted, "calm", *reported("calm-kilted"))),)
 
