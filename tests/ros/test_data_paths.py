@@ -156,7 +156,6 @@ def test_qos_is_what_was_asked_for_and_late_subscribers_get_what_is_latched(robo
     assert (plain.reliable, plain.transient_local) == (False, False)
 
 
-@pytest.mark.contract
 def test_publishers_are_told_apart_where_the_path_says_so(robot: Robot) -> None:
     path, heard = robot.data_path, Heard()
     publishers = [path.advertise("/words", TEXT, LATCHED) for _ in range(2)]

@@ -54,7 +54,6 @@ def types_and_qos(node: Robot, topic: str, publishers: int) -> set[tuple[str, bo
     return {(one.type_name, one.reliable, one.transient_local) for one in found}
 
 
-@pytest.mark.contract
 def test_a_late_subscriber_gets_what_each_publisher_of_the_robot_latched(
     node: Robot, robot: SmallRobot
 ) -> None:

@@ -157,7 +157,6 @@ def test_incidents_of_a_topic_that_comes_without_python_hold_what_a_plain_subscr
         assert len(between - set(inside)) <= lost(record, "/count", "lost")
 
 
-@pytest.mark.contract
 def test_a_past_that_memory_cannot_hold_comes_from_disk(robot: SmallRobot) -> None:
     folder, ring = robot.folder / "incidents", robot.folder / "ring"
     source = robot.source(odom=ODOM, count={**COUNT, "size_bytes": 10_000})

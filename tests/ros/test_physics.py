@@ -43,7 +43,6 @@ def physics(robot: SmallRobot, *options: str) -> Process:
     return simulated
 
 
-@pytest.mark.contract
 def test_it_drives_in_the_background_of_a_shell(robot: SmallRobot) -> None:
     command = (sys.executable, "-m", "smarttestudo", "simulate", "--physics", "--seconds", "1")
     job = robot.command(sys.executable, str(FOLDER.parent / "in_background.py"), *command)

@@ -28,7 +28,6 @@ def test_a_late_subscriber_gets_the_latched_message_of_each_publisher(robot: Sma
 
 
 @on_every_data_path
-@pytest.mark.contract
 def test_a_source_that_comes_back_with_another_qos_is_relayed_again(robot: SmallRobot) -> None:
     operator = robot.operator(imu={"type": IMU})
     runtime = robot.runtime("begin SetFrequency /imu Full end")

@@ -47,7 +47,6 @@ def one(ruler: RulerPage, project: Path) -> RulerPage:
 
 
 @pytest.mark.parametrize("block", list(MENUS))
-@pytest.mark.journey
 def test_the_menu_of_a_block_holds_what_can_be_done_with_it(one: RulerPage, block: str) -> None:
     expect(_menu(one, one.page.locator(f".adirf_rule .{block}, .adirf_rule.{block}"))).to_have_text(
         list(MENUS[block])

@@ -7,7 +7,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
 from playwright.sync_api import Locator, expect
 
 from ruler.browser.ruler_page import RulerPage
@@ -26,7 +25,6 @@ def rule(number: int, off: str = "") -> str:
 """
 
 
-@pytest.mark.journey
 def test_a_rule_folds_to_a_line_that_says_what_it_sets(ruler: RulerPage, project: Path) -> None:
     _open(ruler, project, f"begin\n{rule(1)}    // Kept.{rule(2, 'Disabled ')}{rule(3)}end\n")
     ruler.blocks.get_by_role("button", name="Fold this rule").first.click()

@@ -36,7 +36,6 @@ def test_the_menu_is_used_with_the_keyboard(ruler: RulerPage) -> None:
     expect(ruler.page.get_by_role("menu")).to_have_count(0)
 
 
-@pytest.mark.journey
 def test_the_documentation_is_searched_beside_the_rules(ruler: RulerPage) -> None:
     ruler.open("zone.adirf")
     ruler.button("New rate").click()

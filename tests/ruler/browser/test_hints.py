@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
 from playwright.sync_api import Locator, expect
 
 from ruler.browser.ruler_page import RulerPage
@@ -35,7 +34,6 @@ message_kb = 0.38
 """
 
 
-@pytest.mark.journey
 def test_hints_are_pressed_in_the_rules_and_in_the_topic_parameters(ruler: RulerPage, project: Path) -> None:
     _open(ruler, project)
     _finding(ruler, "/tf is relayed without").get_by_role("button", name="add SetFrequency").click()

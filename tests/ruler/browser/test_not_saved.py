@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
 from playwright.sync_api import Locator, expect
 
 from ruler.browser.ruler_page import RulerPage
@@ -40,7 +39,6 @@ def test_a_block_that_the_text_does_not_take_goes_again(ruler: RulerPage, projec
     ruler.forgive("ERR_INTERNET_DISCONNECTED")
 
 
-@pytest.mark.journey
 def test_a_save_holds_what_was_typed_just_before(ruler: RulerPage, project: Path) -> None:
     # On a busy machine the blocks tell long afterwards what changed.
     ruler.page.add_init_script(LATE_TIMERS)

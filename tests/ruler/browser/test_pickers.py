@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
 from playwright.sync_api import Locator, expect
 
 from axe import violations
@@ -30,7 +29,6 @@ tiers_hz = [1, 2, 5, 10, 15, 20]
 """
 
 
-@pytest.mark.journey
 def test_a_topic_says_its_type_its_rate_and_its_users(ruler: RulerPage, project: Path) -> None:
     _open(ruler, project)
     ruler.field("Edit topic to send").click()

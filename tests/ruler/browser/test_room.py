@@ -18,7 +18,6 @@ from ruler.browser.ruler_page import RulerPage
 WIDTH_PX = 1440
 
 
-@pytest.mark.journey
 def test_the_map_has_the_whole_page(ruler: RulerPage) -> None:
     ruler.open("zone.adirf")
     ruler.page.get_by_role("tab", name="Map").click()

@@ -34,7 +34,6 @@ def many(ruler: RulerPage, project: Path) -> RulerPage:
     return ruler
 
 
-@pytest.mark.journey
 def test_a_rule_is_found_in_two_actions(many: RulerPage) -> None:
     keyboard = many.page.keyboard
     many.page.locator("h1").click()
