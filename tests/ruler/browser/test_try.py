@@ -40,6 +40,7 @@ def project(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.journey
 def test_one_scrubber_moves_the_robot_the_rates_the_rules_and_the_mark_in_the_text(ruler: RulerPage) -> None:
     _try_rules(ruler)
     page = ruler.page
@@ -79,6 +80,7 @@ def test_one_scrubber_moves_the_robot_the_rates_the_rules_and_the_mark_in_the_te
     assert words["x"] + words["width"] <= rates["x"]
 
 
+@pytest.mark.journey
 def test_cancel_ends_the_replay(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
     ruler.tool("Try on a recording").click()
