@@ -102,6 +102,12 @@ def test_several_topics_are_lowered_where_one_is_not_enough() -> None:
     assert change.needs_kb_per_s == 30.0
 
 
+def test_three_changes_are_shown_however_many_would_do() -> None:
+    changes = changes_for({f"/{letter}": Tier.DESIRABLE for letter in "abcde"}, 90.0)
+    assert len(changes) == 3
+    assert len({topic for change in changes for topic in shown(change)}) == 3
+
+
 def test_nothing_is_proposed_where_nothing_fits() -> None:
     entry = TopicProfile(message_kb=1.0, tiers_hz=(10, 20, 30, 40, 50, 60), min_hz=5.0)
     subproblem = Subproblem(

@@ -14,6 +14,7 @@ from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.robot import GraphChange, PollGraph
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
+from smarttestudo.robot.clock_jumps import LEAST_NS, ClockJumps
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
@@ -107,3 +108,12 @@ def test_simulated_time_goes_as_fast_as_it_likes() -> None:
     part = driven(graph)
     assert [one.planned.reason for one in part.decisions] == [Reason.DEFAULT, Reason.BLOCK]
     assert graph.warnings == []
+
+
+@pytest.mark.parametrize(("jump_ns", "is_far"), [(LEAST_NS, False), (LEAST_NS + 1, True)])
+def test_half_a_second_more_than_what_passed_is_no_jump(jump_ns: int, *, is_far: bool) -> None:
+    graph = SetClock(0)
+    jumps = ClockJumps(graph)
+    graph.passed_ns += NS_PER_S
+    assert jumps.ahead_ns(graph.now_ns() + jump_ns) == (jump_ns if is_far else 0)
+    assert len(graph.warnings) == is_far
