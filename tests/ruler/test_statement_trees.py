@@ -188,6 +188,16 @@ def test_bounds_and_recordings_change_word_by_word() -> None:
     assert edited(fewer) == TEXT.replace('"near miss" /scan', '"near miss"')
 
 
+def test_an_action_that_goes_takes_its_line_alone() -> None:
+    odd = TEXT.replace("SetFrequency /scan 20", "SetFrequency   /scan 20")
+    rule = rule_in(odd)
+    record, _, bound = rule.then
+    gone = odd.replace("        SetFrequency   /scan 20\n", "")
+    assert edited(replace(rule, then=(record, bound)), odd) == gone
+    alone = edited(replace(rule, then=(record,)), odd)
+    assert alone == gone.replace("        KeepWithin /odom position 0.05 // 5 cm\n", "")
+
+
 def test_actions_in_another_order_keep_their_comments() -> None:
     rule = rule_in(TEXT)
     changed = edited(replace(rule, then=rule.then[::-1]))
