@@ -24,18 +24,8 @@ LIVE = ("tests/ros", "tests/ruler/browser/test_robot.py")
 """They are on a ROS graph, and wait more than they work."""
 PROCESSES = ("tests/ros", "tests/ruler/browser")
 """Nothing in these folders is plain."""
-REPORTERS = ("--reporter=default", "--reporter=junit")
-NPM_TEST = (
-    "sh",
-    "scripts/gui_npm.sh",
-    "test",
-    "--",
-    "--reporter",
-    "./tests/progress.mjs",
-    "--reporter",
-    "junit",
-)
-"""With ``default`` for a person; in a part, how far it is and a report are enough."""
+REPORTERS = ("default", "junit", "./tests/progress.mjs")
+NPM_TEST = ("sh", "scripts/gui_npm.sh", "test", "--", *(f"--reporter={name}" for name in REPORTERS))
 QUICK_LEAVES = ("accuracy", "demo", "fleet", "report", "ruler", "simulation")
 """Folders of tests that make recordings, reports or a server."""
 BACKGROUND = 10
@@ -122,13 +112,17 @@ def groups_of(tier: Tier) -> Iterator[Sequence[Part]]:
 def run_beside(parts: Sequence[Part]) -> Iterator[Ended]:
     """Start all of them; each is told of when it ends."""
     begun_s = time.monotonic()
+    # This Python leaves them, and then the ROS of another environment does not load.
+    own = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")
+    environment = {name: value for name, value in os.environ.items() if name not in own}
+    environment["PYTHON"] = sys.executable
     running: dict[Part, subprocess.Popen[bytes]] = {}
     for part in parts:
         with part.log.open("wb") as log:
             # How far it is goes to the terminal, by its standard error.
             running[part] = subprocess.Popen(
                 ["nice", "-n", str(part.niceness), *part.command],
-                env={**os.environ, "PYTHON": sys.executable},
+                env=environment,
                 stdin=subprocess.DEVNULL,
                 stdout=log,
             )
