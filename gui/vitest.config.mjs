@@ -60,8 +60,6 @@ const page = {
       headless: true,
       ui: false,
       screenshotFailures: false,
-      // In a fresh clone what the page needs is bundled first, beside all other tests.
-      connectTimeout: 5 * PATIENCE_MS,
       viewport: SCREEN,
       commands,
       provider: playwright({
@@ -74,7 +72,10 @@ const page = {
   },
 };
 
+// In a fresh clone what the page needs is bundled first, beside all other tests. Vitest reads this here only.
+const browser = { connectTimeout: 10 * PATIENCE_MS };
+
 export default mergeConfig(
   vite,
-  defineConfig({ test: { projects: executablePath === undefined ? [modules] : [modules, page] } }),
+  defineConfig({ test: { browser, projects: executablePath === undefined ? [modules] : [modules, page] } }),
 );
