@@ -30,7 +30,6 @@ ANSWERS = PAGE_TESTS / "answers"
 START_S = 1_700_000_000
 """When a project was written, in seconds since 1970; each change comes a minute after the last."""
 MINUTE_S = 60
-LINE_WIDTH = 110
 PURE = frozenset(
     f"POST /api/{path}"
     for path in (
@@ -191,15 +190,15 @@ def _request(step: Step) -> str:
 
 
 def written(tests: Mapping[str, RecordedTest]) -> str:
-    """A file of answers: each body and each answer in it once, named by its hash."""
+    """A file of answers: each body and each answer in it once, named by its hash, in a line."""
     bodies: dict[str, Any] = {}
     answers: dict[str, Any] = {}
     entries = {}
     for name, test in sorted(tests.items()):
         steps = [_entry(step, bodies, answers) for step in test.steps]
         entries[name] = {"project": test.project, "files": dict(test.files), "steps": steps}
-    by_name = {"tests": entries, "bodies": _sorted(bodies), "answers": _sorted(answers)}
-    return _broken(by_name, "") + "\n"
+    sections = (("tests", entries), ("bodies", bodies), ("answers", answers))
+    return "{\n" + ",\n".join(_section(*each) for each in sections) + "\n}\n"
 
 
 def _entry(step: Step, bodies: dict[str, Any], answers: dict[str, Any]) -> dict[str, Any]:
@@ -218,23 +217,13 @@ def _kept(value: Any, values: dict[str, Any]) -> str:
     return name
 
 
-def _sorted(values: Mapping[str, Any]) -> dict[str, Any]:
-    return dict(sorted(values.items()))
+def _section(name: str, values: Mapping[str, Any]) -> str:
+    lines = (f"  {_text(key)}: {_text(value)}" for key, value in sorted(values.items()))
+    return f' "{name}": {{\n' + ",\n".join(lines) + "\n }"
 
 
-def _broken(value: Any, indent: str) -> str:
-    """JSON with what fits in one line in one line."""
-    line = json.dumps(value, ensure_ascii=False)
-    if len(indent + line) <= LINE_WIDTH or not value or not isinstance(value, dict | list):
-        return line
-    inner = indent + " "
-    if isinstance(value, dict):
-        names = (f"{json.dumps(name, ensure_ascii=False)}: " for name in value)
-        parts = [name + _broken(each, inner) for name, each in zip(names, value.values(), strict=True)]
-    else:
-        parts = [_broken(each, inner) for each in value]
-    opening, closing = "{}" if isinstance(value, dict) else "[]"
-    return f"{opening}\n{inner}" + f",\n{inner}".join(parts) + f"\n{indent}{closing}"
+def _text(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False)
 
 
 def read(path: Path) -> dict[str, RecordedTest]:
