@@ -148,6 +148,7 @@ def test_one_name_in_place_of_several_is_that_name(tmp_path: Path) -> None:
         assert {row["topic"] for row in smarttestudo.rows(report)} == {"/odom"}
 
 
+@pytest.mark.full
 def test_a_recording_may_be_behind_a_url(tmp_path: Path) -> None:
     bag = write_bag(tmp_path / "bag", small_mission(1))
     assert smarttestudo.measure_bag(f"file://{bag}").total == smarttestudo.measure_bag(bag).total

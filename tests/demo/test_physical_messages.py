@@ -15,6 +15,8 @@ from smarttestudo.simulation.messages.messages import RobotMessages
 from smarttestudo.simulation.physics.drive import RobotKind
 from smarttestudo.simulation.readings import Command, Topic
 
+pytestmark = pytest.mark.full
+
 
 @pytest.mark.parametrize("kind", RobotKind)
 @pytest.mark.parametrize("release", [Stores.ROS2_HUMBLE, Stores.ROS2_JAZZY])

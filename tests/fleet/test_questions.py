@@ -24,6 +24,8 @@ from fleet.fleet_factory import write_fleet
 from smarttestudo.cli.main import main
 from smarttestudo.fleet.row_tables import OF_EACH_TABLE, RowTable
 
+pytestmark = pytest.mark.full
+
 PAGE = "docs/how-to/questions-to-parquet.md"
 ROOT = Path(__file__).parents[2]
 ROBOTS, DAYS = 2, 8

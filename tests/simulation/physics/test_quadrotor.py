@@ -13,6 +13,8 @@ from smarttestudo.simulation.physics.quadrotor import CRUISE_HEIGHT_M, LANDED_HE
 from smarttestudo.simulation.physics.quadrotor_sensors import RANGE_MOUNT_M
 from smarttestudo.simulation.readings import RangeReading, SpatialOdometry, Topic
 
+pytestmark = pytest.mark.full
+
 
 def test_it_climbs_flies_on_and_measures_its_height() -> None:
     result = Driven()

@@ -33,6 +33,8 @@ from smarttestudo.simulation.readings import (
 from smarttestudo.simulation.robot import DriveModel
 from smarttestudo.simulation.warehouse import warehouse
 
+pytestmark = pytest.mark.full
+
 ROUND_S = 200.0
 
 

@@ -40,6 +40,7 @@ def test_a_person_waits_for_a_robot_ahead_and_goes_on_without_it() -> None:
     assert person.pose.x_m == pytest.approx(2.0)
 
 
+@pytest.mark.full
 def test_the_camera_sees_the_warehouse() -> None:
     with robot_of() as robot:
         if robot.camera_problem is not None:
