@@ -32,7 +32,7 @@ help:
 	@echo "make fuzz            random examples for every law, $(FUZZ_FACTOR) times as many (FUZZ_FACTOR=, FUZZ_TESTS=)"
 	@echo "make coverage        what of the code the tests run, without those on a ROS graph"
 	@echo "make gui             the page of 'testudo ruler', from gui/ (needs Node 20, or gets it from PyPI)"
-	@echo "make test-gui        the tests of the page's modules only"
+	@echo "make test-gui        the tests of the page's modules and components only"
 	@echo "make lint            style, types and layers only, those of the page (make lint-gui) included"
 	@echo "make lint-ci         the workflows (actionlint) and the images in docker/ (hadolint)"
 	@echo "make format          format the code"

@@ -109,6 +109,7 @@ def browser(worker_browser: Browser) -> Iterator[Browser]:
             context.close()
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Keep the tiers that were asked for, and multiply the examples of every law, however many it wants."""
     factor: float = config.getoption("--examples-factor")

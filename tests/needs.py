@@ -20,6 +20,7 @@ from pathlib import Path
 
 import pytest
 
+from axe import AXE
 from smarttestudo.demo.network_namespaces import require_links
 from smarttestudo.domain.errors import NetworkError
 from smarttestudo.ruler.server.page import is_page_built
@@ -27,7 +28,6 @@ from smarttestudo.ruler.server.page import is_page_built
 _TESTS = Path(__file__).parent
 _FILES_WITH_EXTRAS = ("docs/test_site.py", "docs/test_site_search.py", "fleet/test_executors.py")
 _CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
-_AXE = Path(__file__).parents[1] / "gui" / "node_modules" / "axe-core" / "axe.min.js"
 _LEFT_OUT = "testudo_left_out"
 
 
@@ -66,7 +66,7 @@ NEEDS: Mapping[str, Need] = {
     "built_page": Need(
         name="the Ruler's page, which Node builds",
         have_it="make gui",
-        is_there=functools.cache(lambda: is_page_built() and _AXE.exists()),
+        is_there=functools.cache(lambda: is_page_built() and AXE.exists()),
     ),
     "ros": Need(
         name="ROS 2 (rclpy)",
@@ -127,9 +127,9 @@ class LeavingOut:
         """Leave out the others."""
         if is_on_ci():
             return
-        left_out = [item for item in items if self._lacks(item)]
-        config.hook.pytest_deselected(items=left_out)
-        items[:] = [item for item in items if item not in set(left_out)]
+        left_out = {item for item in items if self._lacks(item)}
+        config.hook.pytest_deselected(items=[*left_out])
+        items[:] = [item for item in items if item not in left_out]
 
     def _lacks(self, item: pytest.Item) -> bool:
         fixtures = getattr(item, "fixturenames", ())

@@ -62,8 +62,11 @@ def tier_of(item: pytest.Item) -> Tier:
 def of_tiers(items: list[pytest.Item], names: str) -> tuple[list[pytest.Item], list[pytest.Item]]:
     """The tests of these tiers, as in ``plain,contract``, and the others."""
     tiers = {Tier(name) for name in names.split(",")}
-    kept = [item for item in items if tier_of(item) in tiers]
-    return kept, [item for item in items if tier_of(item) not in tiers]
+    kept: list[pytest.Item] = []
+    others: list[pytest.Item] = []
+    for item in items:
+        (kept if tier_of(item) in tiers else others).append(item)
+    return kept, others
 
 
 def starts_processes(item: pytest.Item) -> bool:
