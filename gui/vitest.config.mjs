@@ -52,8 +52,6 @@ const page = {
     setupFiles: ["tests/page/setup.ts"],
     testTimeout: (isRecording ? 10 : 2) * PATIENCE_MS,
     hookTimeout: PATIENCE_MS,
-    // On a machine with a load of 15, about one test of a run loses a key or a drag, and why is not known yet.
-    retry: 2,
     expect: { poll: { timeout: PATIENCE_MS, interval: 20 } },
     // Files beside each other in one Chromium take the keys from each other, and other tests run beside these anyway.
     fileParallelism: false,

@@ -49,8 +49,13 @@ export const commands = {
     return { status: answer.status, json: await answer.json() };
   },
 
-  /** Gives the whole page a size: vitest gives it to the test's frame only. */
-  resize: ({ page }, width, height) => page.setViewportSize({ width, height }),
+  /** Gives the whole page a size, which vitest gives to the test's frame only; whether it had another. */
+  async resize({ page }, width, height) {
+    const before = page.viewportSize();
+    const isOther = before.width !== width || before.height !== height;
+    if (isOther) await page.setViewportSize({ width, height });
+    return isOther;
+  },
 
   /** Whether the browser's user wants no motion: `reduce`, as each test begins, or `no-preference`. */
   emulateMotion: ({ page }, reducedMotion) => page.emulateMedia({ reducedMotion }),
@@ -115,6 +120,9 @@ async function startedServer() {
     stdio: ["ignore", "pipe", "inherit"],
     env: { ...process.env, PYTHONUNBUFFERED: "1" },
   });
+  // Vitest waits for nothing that still runs.
+  ruler.unref();
+  ruler.stdout.unref();
   process.once("exit", () => {
     ruler.kill();
     rmSync(folder, { recursive: true });

@@ -14,7 +14,7 @@ declare module "vitest/browser" {
     isRecording: () => Promise<boolean>;
     recorder: (act: string, said: object) => Promise<unknown>;
     askServer: (ask: string, body: unknown) => Promise<{ status: number; json: unknown }>;
-    resize: (width: number, height: number) => Promise<void>;
+    resize: (width: number, height: number) => Promise<boolean>;
     emulateMotion: (motion: "reduce" | "no-preference") => Promise<void>;
     colorScheme: (scheme: "light" | "dark") => Promise<void>;
     isBrief: () => Promise<boolean>;

@@ -56,7 +56,8 @@ export class Network {
       return timer;
     };
     const timed = {
-      setTimeout: (...of: Parameters<typeof setTimeout>) => noted(setTimeout(...of)),
+      // What is due at once runs: Blockly tells nobody of anything any more where its own timer of 0 ms is lost.
+      setTimeout: (...of: Parameters<typeof setTimeout>) => (of[1] ? noted(setTimeout(...of)) : setTimeout(...of)),
       setInterval: (...of: Parameters<typeof setInterval>) => noted(setInterval(...of)),
     };
     Object.assign(window, timed);

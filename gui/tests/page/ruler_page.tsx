@@ -17,6 +17,9 @@ export const GRIP_PX = 9;
 /** The page asks nothing more so long after what was done. */
 const QUIET_MS = 2000;
 
+/** The browser's word for a size that is told of with the next picture, which is no fault. */
+const LATER_SIZE = "ResizeObserver loop completed with undelivered notifications";
+
 export interface Opening {
   /** Files beside those of the project, or null for one that is not there. */
   files?: Files;
@@ -66,7 +69,8 @@ export class RulerPage {
   ) {
     for (const kind of ["error", "warn"] as const)
       console[kind] = (...said: unknown[]) => {
-        this.complaints.push(said.map(String).join(" "));
+        const words = said.map(String).join(" ");
+        if (!words.includes(LATER_SIZE)) this.complaints.push(words);
       };
     network.open();
   }
@@ -76,6 +80,10 @@ export class RulerPage {
     this.host = document.createElement("div");
     this.host.id = "app";
     document.body.append(this.host);
+    // As in a page that was just loaded, Tab leads to what comes first in it.
+    this.host.tabIndex = -1;
+    this.host.focus();
+    this.host.removeAttribute("tabindex");
     this.link = new RobotLink();
     this.link.open();
     render(
@@ -108,6 +116,8 @@ export class RulerPage {
     this.unmount();
     await this.network.close();
     await this.server.end();
+    // With its next pictures a page that closed a dialog gives the focus to what is there then.
+    await twoPictures();
     Object.assign(console, this.own);
     return [...this.network.complaints, ...this.complaints];
   }
@@ -288,9 +298,9 @@ export function typedIn(found: Locator): string {
 
 /** Gives the screen another size; each test begins with the usual one. */
 export async function resize(width: number, height: number): Promise<void> {
-  if (innerWidth === width && innerHeight === height) return;
-  await commands.resize(width, height);
-  await page.viewport(width, height);
+  // Vitest scales the test's frame into the page around it, which has the size that the last test gave it.
+  const isOther = await commands.resize(width, height);
+  if (isOther || innerWidth !== width || innerHeight !== height) await page.viewport(width, height);
 }
 
 export function twoPictures(): Promise<void> {
