@@ -40,7 +40,13 @@ if (executablePath === undefined) {
 const modules = {
   extends: true,
   // A process for each file takes three times as long as all tests.
-  test: { name: "modules", include: ["tests/**/*.test.ts"], exclude: ["tests/page/**"], isolate: false },
+  test: {
+    name: "modules",
+    include: ["tests/**/*.test.ts"],
+    exclude: ["tests/page/**"],
+    setupFiles: ["tests/timers.ts"],
+    isolate: false,
+  },
 };
 const page = {
   extends: true,
