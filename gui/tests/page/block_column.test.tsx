@@ -3,7 +3,7 @@
 import { expect, onTestFinished, test } from "vitest";
 import { commands, page } from "vitest/browser";
 import { expectOrder, gaps, type Stack, stacks, textView } from "./block_stacks";
-import { openPage, type RulerPage, twoPictures } from "./ruler_page";
+import { GRIP_PX, openPage, type RulerPage, twoPictures } from "./ruler_page";
 
 test("a rule that grows keeps its place and the next gives way", async () => {
   const ruler = await openNew();
@@ -38,6 +38,24 @@ test("what is typed in stays where it is when something comes above", async () =
   await expectOrder();
   expect(Math.abs((await topOfOpenName()) - before)).toBeLessThanOrEqual(1);
   await commands.press("Escape");
+  await expectOrder();
+});
+
+test("a block that is dragged above another stands so in the text", async () => {
+  const ruler = await openRules("a", "b", "c");
+  // Marks of findings come with the next picture, and make room for themselves.
+  await twoPictures();
+  const of = (topic: string) => stacks().find(({ says }) => says[0] === topic) as Stack;
+  const [grip, target] = [of("/c"), of("/a")];
+  await commands.mouseMove(grip.left + GRIP_PX, grip.top + GRIP_PX);
+  await commands.mouseDown();
+  await commands.mouseMove(target.left + 60, target.top + GRIP_PX, 12);
+  await commands.mouseUp();
+  await ruler.expectLines("CheckValue /c", "CheckValue /a", "CheckValue /b");
+  await expectOrder();
+  expect(new Set(stacks().map(({ left }) => Math.round(left))).size).toBe(1);
+  await ruler.use("Undo");
+  await ruler.expectLines("CheckValue /a", "CheckValue /b", "CheckValue /c");
   await expectOrder();
 });
 

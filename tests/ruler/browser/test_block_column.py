@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 from playwright.sync_api import expect
@@ -21,7 +20,7 @@ from ruler.browser.block_stacks import (
     gaps,
     stacks,
 )
-from ruler.browser.ruler_page import AFTER_TWO_FRAMES, GRIP_PX, RulerPage
+from ruler.browser.ruler_page import GRIP_PX, RulerPage
 
 EDITS = 200
 MOST_STATEMENTS = 24
@@ -222,39 +221,3 @@ def _expect_reachable(ruler: RulerPage) -> None:
             }}""",
             arg=[edge, host["y"], host["y"] + host["height"]],
         )
-
-
-def test_a_block_that_is_dragged_above_another_stands_so_in_the_text(ruler: RulerPage, project: Path) -> None:
-    _write_rules(ruler, project, ["a", "b", "c"])
-    _drag_to_top_of(ruler, "c", "a")
-    ruler.expect_lines("CheckValue /c", "CheckValue /a", "CheckValue /b")
-    expect_order(ruler)
-    lefts = {round(stack["left"]) for stack in stacks(ruler)}
-    assert len(lefts) == 1
-    ruler.tool("Undo").click()
-    ruler.expect_lines("CheckValue /a", "CheckValue /b", "CheckValue /c")
-    expect_order(ruler)
-
-
-def _write_rules(ruler: RulerPage, project: Path, topics: list[str]) -> None:
-    rules = "".join(
-        f"    If CheckValue /{topic} pose_x > 0\n    Then\n        SetFrequency /odom 3\n    EndIf\n"
-        for topic in topics
-    )
-    (project / "fresh.adirf").write_text(f"begin\n{rules}end\n")
-    ruler.home()
-    ruler.open("fresh.adirf")
-    expect(ruler.blocks.get_by_role("button", name="Duplicate this rule")).to_have_count(len(topics))
-    expect_order(ruler)
-
-
-def _drag_to_top_of(ruler: RulerPage, topic: str, other: str) -> None:
-    # Marks of findings come with the next picture, and make room for themselves.
-    ruler.page.evaluate(AFTER_TWO_FRAMES)
-    by_topic = {stack["says"][0]: stack for stack in stacks(ruler)}
-    grip, target = by_topic[f"/{topic}"], by_topic[f"/{other}"]
-    mouse = ruler.page.mouse
-    mouse.move(grip["left"] + GRIP_PX, grip["top"] + GRIP_PX)
-    mouse.down()
-    mouse.move(target["left"] + 60, target["top"] + GRIP_PX, steps=12)
-    mouse.up()

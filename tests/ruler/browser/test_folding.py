@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rules fold to one line, and long texts have sections and an outline."""
+"""Rules fold to one line."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ from playwright.sync_api import Locator, expect
 
 from ruler.browser.ruler_page import RulerPage
 
-COUNT = 200
-HALL = 10
 DRAWN = ".blocklyBlockCanvas > .blocklyDraggable"
 
 
@@ -60,41 +58,6 @@ def test_a_rule_folds_to_a_line_that_says_what_it_sets(ruler: RulerPage, project
     expect(_folded(ruler, 3)).to_be_focused()
 
 
-def test_a_long_text_has_an_outline_with_its_sections(ruler: RulerPage, project: Path) -> None:
-    rules = [
-        (f"\n    // ---- Hall {n // HALL} ----\n" if n % HALL == 0 else "") + rule(n) for n in range(COUNT)
-    ]
-    _open(ruler, project, "begin\n    SetFrequency /odom 10\n" + "".join(rules) + "end\n")
-    outline = ruler.page.get_by_role("listbox", name="Rules in the order of the text")
-    expect(outline.get_by_role("option")).to_have_count(COUNT + 1)
-    hall = outline.get_by_role("group", name="Hall 12", exact=True)
-    expect(hall.get_by_role("option")).to_have_count(HALL)
-    expect(hall.get_by_role("option").first).to_contain_text("/sensor_120 4 Hz")
-    assert ruler.blocks.locator(DRAWN).count() < COUNT / 2
-    expect(_folded(ruler, 3)).to_be_in_viewport()
-    hall.get_by_role("option", name="Aisle 123").click()
-    name = ruler.blocks.get_by_role("button", name="Edit name of the rule: Aisle 123")
-    expect(name).to_be_in_viewport()
-    expect(ruler.blocks.locator(".section-heading").get_by_text("Hall 12", exact=True)).to_have_count(1)
-    expect(ruler.text.get_by_text('"Aisle 123"')).to_be_in_viewport()
-    # By the keys of the list, and by the wheel.
-    outline.focus()
-    for key in ("End", "ArrowUp", "Enter"):
-        ruler.page.keyboard.press(key)
-    expect(
-        ruler.blocks.get_by_role("button", name=f"Edit name of the rule: Aisle {COUNT - 2}")
-    ).to_be_in_viewport()
-    _wheel(ruler, -100_000)
-    expect(_folded(ruler, 0)).to_be_in_viewport()
-    _wheel(ruler, 100_000)
-    expect(_folded(ruler, COUNT - 1)).to_be_in_viewport()
-    ruler.button("Unfold all").click()
-    expect(ruler.blocks.locator(".adirf_folded")).to_have_count(0)
-    assert ruler.blocks.locator(DRAWN).count() < COUNT / 2
-    ruler.button("Fold all").click()
-    expect(ruler.blocks.locator(".adirf_rule")).to_have_count(0)
-
-
 def _open(ruler: RulerPage, project: Path, text: str) -> None:
     (project / "folded.adirf").write_text(text)
     ruler.home()
@@ -116,10 +79,3 @@ def _choose(ruler: RulerPage, name: str) -> None:
     assert host is not None
     ruler.page.mouse.click(host["x"] + host["width"] - 60, host["y"] + 8, button="right")
     ruler.page.get_by_role("menuitem", name=name, exact=True).click()
-
-
-def _wheel(ruler: RulerPage, down_px: int) -> None:
-    host = ruler.blocks.locator(".blocks-host").bounding_box()
-    assert host is not None
-    ruler.page.mouse.move(host["x"] + host["width"] - 60, host["y"] + 60)
-    ruler.page.mouse.wheel(0, down_px)
