@@ -10,7 +10,8 @@ import queue
 import subprocess
 import sys
 import threading
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -185,6 +186,20 @@ class SmallRobot:
     def runtime_with_own_part(self, *arguments: str) -> Process:
         """``testudo run`` with a part of a test; see ``own_part.py``."""
         return self._start([str(FOLDER / "own_part.py"), *self._on_path(arguments)])
+
+    def nodes_told(self, holds: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """The statuses that ``top --once`` shows, by node, once this holds.
+
+        Who comes late is told the last one of each node, which may be of before a change.
+        """
+        end_s = time.monotonic() + LINE_TIMEOUT_S
+        while True:
+            top = self.testudo("top", "--once", "--json", "--timeout", "60")
+            assert top.exit_code() == 0
+            nodes: dict[str, Any] = json.loads("".join(top.output))["nodes"]
+            if holds(nodes):
+                return nodes
+            assert time.monotonic() < end_s, nodes
 
     def receiver(self, endpoint: str, *arguments: str) -> Process:
         """``testudo receive`` that listens at ``endpoint``."""

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import time
 from collections.abc import Callable
@@ -37,16 +36,14 @@ def statuses(
     robot: SmallRobot, *names: str, holds: Callable[[dict[str, Any]], bool] = lambda _: True
 ) -> dict[str, Any]:
     """What these robots tell, by their names on the link, once it ``holds``."""
-    end_s = time.monotonic() + LINE_TIMEOUT_S
-    while True:
-        top = robot.testudo("top", "--once", "--json", "--timeout", "60")
-        assert top.exit_code() == 0
-        nodes = json.loads("".join(top.output))["nodes"].values()
-        told = {status["robot"]: status for status in nodes}
-        # A node that joins a graph finds others one after the other.
-        if told.keys() >= set(names) and holds(told):
-            return told
-        assert time.monotonic() < end_s, told
+
+    def by_name(nodes: dict[str, Any]) -> dict[str, Any]:
+        return {status["robot"]: status for status in nodes.values()}
+
+    # A node that joins a graph finds others one after the other.
+    return by_name(
+        robot.nodes_told(lambda nodes: by_name(nodes).keys() >= set(names) and holds(by_name(nodes)))
+    )
 
 
 def delivered(told: dict[str, Any], name: str) -> int:
