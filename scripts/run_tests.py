@@ -30,6 +30,8 @@ QUICK_LEAVES = ("accuracy", "demo", "fleet", "report", "ruler", "simulation")
 """Folders of tests that make recordings, reports or a server."""
 BACKGROUND = 10
 """How much less than live tests, which wait for real time, what only computes gets of the processors."""
+BESIDE_OTHERS = 3
+"""The same where somebody waits for it: beside three busy programs, more would leave it hardly any."""
 
 
 class Tier(enum.Enum):
@@ -82,7 +84,7 @@ def plain_part(processors: int, factor: str, *left_out: str) -> Part:
     """The tests that start no process, with a share of each law's examples."""
     others = [option for path in (*PROCESSES, *left_out) for option in ("--ignore", path)]
     options = ("--tiers", "plain", "--examples-factor", factor, *others, "tests")
-    return pytest_part("plain", processors, *options, niceness=BACKGROUND)
+    return pytest_part("plain", processors, *options, niceness=BESIDE_OTHERS)
 
 
 def groups_of(tier: Tier) -> Iterator[Sequence[Part]]:
