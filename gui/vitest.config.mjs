@@ -30,7 +30,7 @@ function isExecutable(path) {
 const executablePath = chromium();
 const isRecording = process.env.PAGE_RECORDER !== undefined;
 if (executablePath === undefined) {
-  const missing = "Chromium is not installed: the page's components are not tested (Debian: apt install chromium)";
+  const missing = "Not tested: the page's components need Chromium (on Debian: sudo apt install chromium)";
   if (process.env.CI === "true" || isRecording) throw new Error(missing);
   // Each project reads this file again.
   if (process.env.TOLD_OF_CHROMIUM === undefined) console.log(missing);
