@@ -66,6 +66,8 @@ test("times come from the list of blocks and stand inside or outside of a not", 
   await ruler.expectLines("(CheckValue /odom pose_x > 1 AND CheckValue /odom pose_x > 0 For 10 s)");
   await (await ruler.field("Remove this check")).click();
   await ruler.expectLines("If CheckValue /odom pose_x > 1", "Then");
+  // What Blockly removes is shown a moment longer, as it shrinks.
+  await expect.poll(() => check.length).toBe(1);
   await dragBelow(ruler, "Checks", "not", check);
   await (await ruler.field("Add check")).click();
   await addTime(ruler, "for so long…");
