@@ -91,6 +91,13 @@ def test_accuracies_of_a_given_profile_are_measured_in_place_of_proposed_ones(
     assert entry.accuracies[LevelledProperty.ORIENTATION].bounds == (20, 10, 5, 3, 2, 1)
 
 
+def test_numbers_of_a_profile_have_six_decimals(tmp_path: Path) -> None:
+    levels = tmp_path / "levels.toml"
+    levels.write_text('[topics."/odom"]\ntiers_m = [2, 1, 0.5, 0.2, 0.12345678, 0.05]\n')
+    entry = profiled(tmp_path, hurry(), "--accuracies-of", str(levels))["/odom"]
+    assert entry.accuracies[LevelledProperty.POSITION].bounds == (2, 1, 0.5, 0.2, 0.123457, 0.05)
+
+
 def test_frames_and_joints_have_accuracies_and_other_topics_have_none(tmp_path: Path) -> None:
     parts = [
         recorded("/tf", TRANSFORMS, 20, 10, moved_frames),

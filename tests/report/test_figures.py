@@ -22,7 +22,7 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.files.whole_file import OutputFileError
 from smarttestudo.report.figures.draw import draw_figures
 from smarttestudo.report.figures.kinds import FigureKind
-from smarttestudo.report.figures.over_time import rates_figure
+from smarttestudo.report.figures.over_time import rates_figure, total_figure
 from smarttestudo.report.figures.styles import HATCHES, rule_line
 from smarttestudo.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS, RuleStyle
 from smarttestudo.report.run_report import RunReport, TopicHistory, TopicSeries
@@ -69,6 +69,14 @@ def test_a_figure_shows_the_lines_and_labels_of_the_report() -> None:
             assert np.asarray(drawn.get_ydata()).tolist() == pytest.approx(heights, rel=1e-4)
         labels = [one.text for one in drawing.iter("text") if one.get("text-anchor") == "end"]
         assert [label.get_text() for label in axes.get_yticklabels()] == labels[:-1]
+
+
+@pytest.mark.parametrize(("budget", "labels"), [(30.0, {"budget  30.0 KB/s"}), (None, set())])
+def test_a_budget_is_a_line_across_the_load(budget: float | None, labels: set[str]) -> None:
+    figure = total_figure(replace(drawn_report(), budget_kb_per_s=budget))
+    assert figure is not None
+    drawn = [str(line.get_label()) for axes in figure.axes for line in axes.lines]
+    assert {label for label in drawn if label.startswith("budget")} == labels
 
 
 def test_only_what_was_asked_for_and_can_be_drawn_is_written(tmp_path: Path) -> None:

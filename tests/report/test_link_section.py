@@ -86,6 +86,11 @@ def test_ages_are_as_told_and_counts_go_on_through_a_restart() -> None:
     assert odom.counts == StreamCounts(sent=20, replaced=5, overflowed=1)
 
 
+def test_a_topic_of_which_nothing_more_is_sent_is_counted_once() -> None:
+    (odom,) = told((t_s, status({"/odom": 1.0}, sent)) for t_s, sent in ((1, 20), (2, 60), (3, 60))).topics
+    assert odom.counts == StreamCounts(sent=40, replaced=10, overflowed=2)
+
+
 def test_the_page_of_a_link_reads_as_in_the_golden_file() -> None:
     assert_reads_as(GOLDEN / "page-link.html", page_lines(render_report(bare_report(link=restarted()))))
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from pacing.reckoning.ros_messages import planar
 from smarttestudo.pacing.reckoning.motion import (
+    SMALL_ANGLE,
     Rotation,
     SpatialPose,
     Twist,
@@ -50,6 +51,14 @@ def test_in_a_plane_a_twist_is_the_unicycle(
     )
     assert position_distance_m(after, expected) < 1e-9
     assert orientation_distance_degrees(after, expected) < 1e-5
+
+
+@pytest.mark.parametrize("share", [0.999, 1.001])
+def test_a_hair_s_turn_shortens_the_way_as_any_turn_does(share: float) -> None:
+    """On either side of the angle from which on sines are used."""
+    angle, way_m = share * SMALL_ANGLE, 1e9
+    after = moved(planar(0, 0, 0), Twist(Vector3(way_m, 0, 0), Vector3(0, 0, angle)), 1.0)
+    assert way_m - after.position.x == pytest.approx(way_m * angle**2 / 6, rel=0.01)
 
 
 @given(poses(), vectors, vectors, st.floats(0, 1), st.floats(0, 1))
