@@ -17,6 +17,7 @@ from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.observation import Arrival
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.loop.knowledge.knowledge import Knowledge
+from smarttestudo.loop.knowledge.link_use import SourceLoad
 from smarttestudo.loop.monitor import meter
 from smarttestudo.loop.step import step
 
@@ -277,6 +278,16 @@ def test_a_source_that_falls_silent_leaves_its_share_to_the_others() -> None:
     assert (robot.rates()["/scan"] or 0) < 10
     stream(robot, {"/scan": 1000}, 5, 20)
     assert robot.rates()["/scan"] == 10
+
+
+def test_after_three_intervals_a_source_is_silent_after_five_of_their_length() -> None:
+    load = SourceLoad()
+    for seconds in (1, 2, 3):
+        load.record(seconds * SECOND, 100)
+    assert not load.is_silent(9 * SECOND), "two intervals do not say how often it comes"
+    load.record(4 * SECOND, 100)
+    assert not load.is_silent(9 * SECOND)
+    assert load.is_silent(9 * SECOND + 1)
 
 
 @given(

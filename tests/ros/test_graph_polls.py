@@ -96,10 +96,15 @@ def robot(
         yield opened
 
 
+def ends_of_words(robot: Robot) -> tuple[int, int]:
+    """How many publishers and subscribers of /words there are."""
+    return robot.publisher_count("/words"), robot.subscriber_count("/words")
+
+
 def wait_until(robot: Robot, condition: Callable[[], bool]) -> None:
     end_s = time.monotonic() + TIMEOUT_S
     while not condition():
-        assert time.monotonic() < end_s, "nothing came in time"
+        assert time.monotonic() < end_s, f"nothing came in time; now there are {ends_of_words(robot)}"
         robot.wait(None, 0.1)
 
 
@@ -122,7 +127,7 @@ def test_publishers_and_subscribers_that_come_and_go_are_looked_at_and_nothing_e
 
     def look(graph: GraphChange) -> None:
         looks.append(graph)
-        counts.append((robot.publisher_count("/words"), robot.subscriber_count("/words")))
+        counts.append(ends_of_words(robot))
 
     robot.poll_graph(look)
     wait_for_quiet(robot, looks)

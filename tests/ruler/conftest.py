@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""One server of the examples for all tests that change nothing in them, and a ROS domain for all servers."""
+"""One server of the examples for all tests that change nothing in them, and the ROS domains of servers."""
 
 from __future__ import annotations
 
@@ -29,9 +29,19 @@ def examples_page(ruler_domain: int) -> Iterator[Page]:
         yield page
 
 
+@pytest.fixture(scope="session")
+def robot_domain() -> Iterator[int]:
+    """Where robots are: the server of the examples is never told of one that has just ended."""
+    with free_domain() as number:
+        yield number
+
+
 @pytest.fixture
-def robot(ros: None, ruler_domain: int, tmp_path: Path) -> Iterator[SmallRobot]:
+def robot(
+    ros: None, robot_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[SmallRobot]:
     """Processes that the server of the test hears."""
-    small_robot = SmallRobot(ruler_domain, tmp_path)
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(robot_domain))
+    small_robot = SmallRobot(robot_domain, tmp_path)
     yield small_robot
     small_robot.end()

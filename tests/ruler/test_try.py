@@ -268,6 +268,12 @@ def test_many_decisions_are_cut_and_counted(project: Path) -> None:
     assert any("only the first 1 decisions are shown" in notice for notice in tried.notices)
 
 
+def test_of_a_recording_without_messages_nothing_is_saved(tmp_path: Path) -> None:
+    bag = write_bag(tmp_path / "bag", small_mission().between(0, 0))
+    tried = try_rules(Draft(name="rules.adirf", text=RULES), bag, lambda _: None)
+    assert (tried.before_kb, tried.after_kb, tried.percent) == (0, 0, 0)
+
+
 def test_decisions_say_which_bound_decides_and_whether_it_is_in_doubt(project: Path) -> None:
     text = """begin
         SetFrequency /odom Full
