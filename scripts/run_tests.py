@@ -96,7 +96,8 @@ def groups_of(tier: Tier) -> Iterator[Sequence[Part]]:
     if tier is Tier.QUICK:
         yield (style, plain_part(processors, "0.02", *(f"tests/{name}" for name in QUICK_LEAVES)))
     elif tier is Tier.TEST:
-        promises = pytest_part("live", processors + 1, "--tiers", "journey,contract", "tests")
+        few = ("--examples-factor", "0.1")
+        promises = pytest_part("live", processors + 1, "--tiers", "journey,contract", *few, "tests")
         yield (style, page, plain_part(processors, "0.1"), promises)
     else:
         others = [option for path in LIVE for option in ("--ignore", path)]

@@ -86,6 +86,12 @@ def need_ros() -> None:
     require("ros")
 
 
+@pytest.fixture(scope="session", name="compiled_relays")
+def need_compiled_relays() -> None:
+    """For tests of what is compiled, and of what the compiler makes of it with other settings."""
+    require("compiled_relays")
+
+
 @pytest.fixture(scope="session", name="network_namespaces")
 def need_network_namespaces() -> None:
     """For tests of a link between two machines."""

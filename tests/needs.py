@@ -23,6 +23,7 @@ import pytest
 from axe import AXE
 from smarttestudo.demo.network_namespaces import require_links
 from smarttestudo.domain.errors import NetworkError
+from smarttestudo.robot.ros.rcl.relay_library import LIBRARY
 from smarttestudo.ruler.server.page import is_page_built
 
 _TESTS = Path(__file__).parent
@@ -77,6 +78,11 @@ NEEDS: Mapping[str, Need] = {
         name="the extra `full`",
         have_it="make test-all installs it",
         is_there=functools.cache(lambda: importlib.util.find_spec("distributed") is not None),
+    ),
+    "compiled_relays": Need(
+        name="compiled relays",
+        have_it="on Debian: sudo apt install gcc libc6-dev, then install SmartTestudo again",
+        is_there=functools.cache(lambda: shutil.which("cc") is not None and LIBRARY.exists()),
     ),
     "network_namespaces": Need(
         name="the right to make network namespaces",

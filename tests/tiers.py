@@ -7,7 +7,7 @@ tier     what such a test is                                                    
 ======== ============================================================================== =====================
 plain    it starts no process, and takes less than a second                             quick, test, test-all
 journey  it goes through one panel of the page in a real browser                        test, test-all
-contract it keeps one promise of the documents with real processes                      test, test-all
+contract it keeps one promise of a document or a port with real nodes or compiled code  test, test-all
 full     all others: what starts processes, and what is marked so, as it takes seconds  test-all
 ======== ============================================================================== =====================
 
@@ -44,7 +44,7 @@ class Tier(enum.Enum):
 
 MARKERS = (
     "journey: a panel of the page in a real browser; `make test` runs it",
-    "contract: a promise of the documents with real processes; `make test` runs it",
+    "contract: a promise of a document or a port, with real nodes or compiled code; `make test` runs it",
     "full: `make test-all` only; all that starts processes is it unless it says otherwise",
     "calm: judges rates of real messages, so that nothing runs beside it; always full",
 )

@@ -115,6 +115,13 @@ def test_an_error_that_falls_again_at_a_lower_rate_counts_as_it_was() -> None:
     assert lucky == proposed_breakpoints([(1.0, 0.3, "x"), (2.0, 0.3, "x")], 10.0)
 
 
+def test_the_slowest_source_with_six_breakpoints_has_one_for_each_step() -> None:
+    slowest = proposed_breakpoints([(0.001, 0.5, "x")], 0.006)
+    assert slowest is not None
+    assert slowest.tiers_hz == (0.001, 0.002, 0.003, 0.004, 0.005, 0.006)
+    assert proposed_breakpoints([(0.001, 0.5, "x")], 0.005) is None
+
+
 @given(
     losses=st.lists(st.tuples(st.floats(1e-3, 1e4), st.floats(0, 3), st.just("x")), max_size=12),
     source_hz=st.floats(1e-3, 1e4),

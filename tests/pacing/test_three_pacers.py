@@ -27,11 +27,13 @@ from smarttestudo.pacing.sample import Pass, Sample
 from smarttestudo.pacing.topic_pacer import TopicPacer
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary, c_ns
 
+pytestmark = pytest.mark.contract
+
 PUBLISHERS = [bytes([number]) * GID_BYTES for number in range(3)]
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory: pytest.TempPathFactory) -> RelayLibrary:
+def library(compiled_relays: None, tmp_path_factory: pytest.TempPathFactory) -> RelayLibrary:
     return library_in(tmp_path_factory.mktemp("compiled"))
 
 

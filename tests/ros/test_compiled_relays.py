@@ -27,12 +27,11 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import DataPathKind, Qos, Robot
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.robot.ros import open_robot
-from smarttestudo.robot.ros.rcl.relay_library import LIBRARY
 
 # An old lark, which rclpy imports, uses a module of Python that is deprecated.
 pytestmark = [
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.skipif(not LIBRARY.exists(), reason="relay.c was not compiled"),
+    pytest.mark.usefixtures("compiled_relays"),
 ]
 
 TEXT = "std_msgs/msg/String"

@@ -205,6 +205,19 @@ def test_actions_in_another_order_keep_their_comments() -> None:
     assert all(comment in changed for comment in ("// all of it", "// 5 cm", "// close", "// people"))
 
 
+def test_of_actions_in_another_order_only_the_changed_one_is_written_anew() -> None:
+    rule = rule_in(TEXT)
+    record, rate, within = rule.then
+    assert isinstance(rate, SetStatement)
+    assert isinstance(within, WithinStatement)
+    text = TEXT.replace("0.05 //", "5e-2 //")
+    changed = edited(replace(rule, then=(within, replace(rate, rate=Hz(value=5)), record)), text)
+    assert "SetFrequency /scan 5\n" in changed
+    assert "KeepWithin /odom position 5e-2  // 5 cm" in changed
+    changed = edited(replace(rule, then=(replace(within, bound=0.2), rate, record)), text)
+    assert "KeepWithin /odom position 0.2  // 5 cm" in changed
+
+
 def test_a_copied_rule_has_all_that_the_rule_has() -> None:
     rule = rule_in(TEXT)
     (collection,) = EditedTexts().document(Draft(text=TEXT, name="rules.adirf")).collections

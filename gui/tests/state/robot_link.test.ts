@@ -3,7 +3,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { Live } from "../../src/api/types";
 import { RING_LENGTH } from "../../src/state/rate_rings";
-import type { RobotLink } from "../../src/state/robot_link";
+import { RobotLink } from "../../src/state/robot_link";
 import { linkOf, robotOf } from "./told_robots";
 
 beforeEach(() => void vi.useFakeTimers());
@@ -48,6 +48,13 @@ test("a status stands for the time since the one before, also from a robot that 
   hear(2, 0);
   for (let status = 0; status < 4; status++) hear(2);
   expect(counts(link)).toEqual({ NaN: RING_LENGTH - 101, 2: 101 });
+});
+
+test("as many updates a second as somebody asked for are asked for on the next visit", () => {
+  const link = linkOf(robotOf("/ada"));
+  expect(link.updateHz.value).toBe(5);
+  link.updateAt(1);
+  expect(new RobotLink().updateHz.value).toBe(1);
 });
 
 test("a server is not gone because the computer stood still, and is when it says nothing after that", () => {

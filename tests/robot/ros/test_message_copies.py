@@ -23,6 +23,8 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.ros.rcl.message_copies import CopiedSource, MessageCopies
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
 
+pytestmark = pytest.mark.contract
+
 SANITIZED = ("-g", "-fsanitize=undefined", "-fno-sanitize-recover=all")
 HEADER_BYTES = 64
 SIZES_TOPIC = 3
@@ -36,7 +38,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def library(folder: Path) -> RelayLibrary:
+def library(compiled_relays: None, folder: Path) -> RelayLibrary:
     return library_in(folder, *SANITIZED)
 
 

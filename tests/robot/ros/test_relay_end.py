@@ -13,12 +13,14 @@ from compiled_relay import GID_BYTES, ListedRcl, library_in
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
 
+pytestmark = pytest.mark.contract
+
 FIRST, SECOND = b"\x01" * GID_BYTES, b"\x02" * GID_BYTES
 TIMEOUT_S = 60.0
 
 
 @pytest.fixture
-def library(tmp_path: Path) -> RelayLibrary:
+def library(compiled_relays: None, tmp_path: Path) -> RelayLibrary:
     return library_in(tmp_path)
 
 

@@ -20,13 +20,15 @@ from smarttestudo.pacing.grid import NEVER_NS
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
 from smarttestudo.robot.ros.rcl.subscription import MAX_PUBLISHERS, MessageNumbers
 
+pytestmark = pytest.mark.contract
+
 SANITIZED = ("-g", "-fsanitize=undefined", "-fno-sanitize-recover=all")
 LATEST_NS = (1 << 62) - 1
 """In the year 2116."""
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory: pytest.TempPathFactory) -> RelayLibrary:
+def library(compiled_relays: None, tmp_path_factory: pytest.TempPathFactory) -> RelayLibrary:
     return library_in(tmp_path_factory.mktemp("sanitized"), *SANITIZED)
 
 

@@ -17,6 +17,7 @@ AT_MOST_S = 120
 
 
 @pytest.mark.full
+@pytest.mark.usefixtures("compiled_relays")
 @pytest.mark.parametrize("sanitizer", ["address,undefined", "thread"])
 def test_nothing_is_lost_doubled_or_held_up_and_no_memory_is_misused(tmp_path: Path, sanitizer: str) -> None:
     flags = ("-g", f"-fsanitize={sanitizer}", "-fno-sanitize-recover=all", "-I", str(SOURCE.parent))
