@@ -28,11 +28,7 @@ from smarttestudo.domain.robot import DataPathKind, Qos, Robot
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.robot.ros import open_robot
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.usefixtures("compiled_relays"),
-]
+pytestmark = pytest.mark.usefixtures("compiled_relays")
 
 TEXT = "std_msgs/msg/String"
 IMU = {"type": "sensor_msgs/msg/Imu", "hz": 200}

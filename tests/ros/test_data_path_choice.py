@@ -19,9 +19,6 @@ from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.rcl import relay_library
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 GID = bytes(range(1, 17))
 IMU = {"type": "sensor_msgs/msg/Imu"}
 IMAGE = {"type": "sensor_msgs/msg/CompressedImage"}

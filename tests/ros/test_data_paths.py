@@ -23,12 +23,6 @@ from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.rcl.buffers import KEPT_BUFFERS
 from smarttestudo.robot.ros.rcl.wake_ups import MOST_AT_ONCE
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = [
-    pytest.mark.contract,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
-
 only_librcl = pytest.mark.parametrize("robot", [DataPathKind.RCL], ids=["rcl"], indirect=True)
 
 TIMEOUT_S = 120.0
@@ -92,6 +86,7 @@ def wait_until(robot: Robot, condition: Callable[[], bool]) -> None:
         robot.wait(None, 0.1)
 
 
+@pytest.mark.contract
 def test_messages_of_any_size_arrive_as_they_were_sent_and_in_order(robot: Robot) -> None:
     path, heard = robot.data_path, Heard()
     publisher = path.advertise("/words", TEXT, LATCHED)
@@ -142,6 +137,7 @@ def test_what_came_can_be_published_as_it_is(robot: Robot) -> None:
     assert relayed.copies == [text("to the operator")]
 
 
+@pytest.mark.contract
 def test_qos_is_what_was_asked_for_and_late_subscribers_get_what_is_latched(robot: Robot) -> None:
     path, late = robot.data_path, Heard()
     best_effort = Qos(reliable=False, transient_local=False)

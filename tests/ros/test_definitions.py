@@ -15,9 +15,6 @@ from smarttestudo.robot.ros.definitions import message_definition
 from smarttestudo.robot.ros.message_types import is_installed
 from smarttestudo.simulation.messages.messages import RobotMessages
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 PACKAGES = ("diagnostic_msgs", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")
 ODOMETRY = "nav_msgs/msg/Odometry"
 

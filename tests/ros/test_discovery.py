@@ -12,9 +12,6 @@ import pytest
 from smarttestudo.domain.robot import DiscoveryRange
 from smarttestudo.robot.ros.discovery import discovery_variables
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 HUMBLE = SimpleNamespace()
 LATER = SimpleNamespace(rcl_get_automatic_discovery_range=None)
 

@@ -15,9 +15,6 @@ from smarttestudo.robot.ros.graph_polls import GraphPolls
 from smarttestudo.robot.ros.rcl import path
 from smarttestudo.robot.ros.real_timers import RealTimers
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 TIMEOUT_S = 120.0
 QUIET_S = 2.0
 TEXT = "std_msgs/msg/String"

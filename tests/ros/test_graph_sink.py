@@ -17,11 +17,7 @@ from smarttestudo.domain.robot import DataPathKind, Qos, Robot
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.graph_sink import MAX_DEPTH, GraphSink
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = [
-    pytest.mark.contract,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.contract
 
 EMPTY = "std_msgs/msg/Empty"
 BEST_EFFORT = Qos(reliable=False, transient_local=False, depth=5)

@@ -19,9 +19,6 @@ from ros.test_telling import diagnostics_when
 from smarttestudo.domain.robot import DataPathKind
 from smarttestudo.robot.ros import open_robot
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 IMU = "sensor_msgs/msg/Imu"
 ODOMETRY = "nav_msgs/msg/Odometry"
 TEXT = "std_msgs/msg/String"

@@ -17,9 +17,6 @@ from smarttestudo.domain.robot import GraphChange, Publisher, Qos
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.linked_node import LinkedPath
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 UNKNOWN = "new_msgs/msg/New"
 QOS = Qos(reliable=True, transient_local=False)
 TIMEOUT_S = 120.0

@@ -16,9 +16,6 @@ from smarttestudo.domain.robot import Qos, Robot
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.node_log import Utf8Log
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 TIMEOUT_S = 120.0
 LOG = "rcl_interfaces/msg/Log"
 LATCHED = Qos(reliable=True, transient_local=True, depth=100)

@@ -13,9 +13,6 @@ from smarttestudo.domain.parameter import Access, Parameter, ParameterValue
 from smarttestudo.domain.robot import Robot
 from smarttestudo.robot.ros import open_robot
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 
 @pytest.fixture
 def robot(in_domain: None) -> Iterator[Robot]:

@@ -17,8 +17,6 @@ from smarttestudo.domain.robot import DataPathKind, Robot
 from smarttestudo.domain.rule_texts import RuleTexts
 from smarttestudo.robot.ros import open_robot
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 NODE = "/smarttestudo"
 RULES = "begin SetFrequency imu 10 end"
 WAITS = 400

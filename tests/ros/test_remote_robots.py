@@ -24,9 +24,6 @@ from smarttestudo.link.zenoh import open_link_robots
 from smarttestudo.link.zenoh.security import LinkOptions
 from smarttestudo.robot.ros import open_graph_robots
 
-# An old lark, which rclpy imports, uses a module of Python that is deprecated.
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 IMU = "sensor_msgs/msg/Imu"
 ID = "tb3:/smarttestudo"
 RULES = "begin\n  SetFrequency /imu 10\nend\n"
