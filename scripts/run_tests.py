@@ -96,9 +96,10 @@ def groups_of(tier: Tier) -> Iterator[Sequence[Part]]:
     if tier is Tier.QUICK:
         yield (style, plain_part(processors, "0.02", *(f"tests/{name}" for name in QUICK_LEAVES)))
     elif tier is Tier.TEST:
-        few = ("--examples-factor", "0.1")
-        promises = pytest_part("live", processors + 1, "--tiers", "journey,contract", *few, "tests")
-        yield (style, page, plain_part(processors, "0.1"), promises)
+        tenth = "0.1"
+        tiers = ("--tiers", "journey,contract")
+        promises = pytest_part("live", processors + 1, *tiers, "--examples-factor", tenth, "tests")
+        yield (style, page, plain_part(processors, tenth), promises)
     else:
         others = [option for path in LIVE for option in ("--ignore", path)]
         kilted = ("sh", "scripts/test_kilted.sh")

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { LiveSocket } from "../../src/api/live";
+import { serve } from "../state/served";
 
 /** A connection to a server that is away, or back. */
 class Connection {
@@ -20,9 +21,8 @@ class Connection {
 
 beforeEach(() => {
   vi.useFakeTimers({ now: 0 });
-  vi.stubGlobal("window", globalThis);
+  serve({});
   vi.stubGlobal("location", { href: "http://localhost/" });
-  vi.stubGlobal("fetch", async () => ({ status: 200 }));
   vi.stubGlobal("WebSocket", Connection);
   Connection.openings = [];
 });
