@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import field
 from typing import NamedTuple
@@ -18,6 +17,7 @@ from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.parameter import Values
 from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
+from smarttestudo.domain.type_names import TypeName
 from smarttestudo.link.protocol.acknowledgements import MAX_ENDED, MAX_LOST_SPANS, Acknowledgement
 from smarttestudo.link.protocol.chunks import MAX_STREAMS
 from smarttestudo.link.protocol.wire import FrameType, Kind
@@ -38,7 +38,6 @@ _MAX_NAME = 255
 _MAX_VALUES = 1_000
 _MAX_TEXT = 1_000
 _MAX_REVISION = 2**16
-_TYPE_NAME = re.compile(r"[A-Za-z]\w{0,99}/msg/[A-Za-z]\w{0,99}", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,7 +175,7 @@ def _check_control(said: Announcement | LinkTimes) -> None:
     info = said.info
     if info is not None:
         _require_topics([info.topic])
-        _require(_TYPE_NAME.fullmatch(info.type_name), "no type")
+        _require(TypeName.read(info.type_name), "no type")
         _require(0 < info.qos.depth <= _MAX_DEPTH, "no depth of a queue")
         _require(len(info.definition) <= _MAX_DEFINITION, "a definition that is too long")
         if info.prediction is not None:
@@ -204,7 +203,7 @@ def _check_command_report(report: CommandReport) -> None:
     _require_topics(stream.topic.topic for stream in report.streams)
     for stream in report.streams:
         topic = stream.topic
-        _require(topic.type_name is None or _TYPE_NAME.fullmatch(topic.type_name), "no type")
+        _require(topic.type_name is None or TypeName.read(topic.type_name), "no type")
         _require(len(topic.problem or "") <= MAX_PROBLEM, "a problem that is too long")
         _require(topic.age_ms is None or math.isfinite(topic.age_ms), "no age")
         counts = (topic.received, topic.delivered, topic.too_old, topic.refused)

@@ -31,7 +31,7 @@ def message_definition(type_name: str) -> str:
     except RosError:
         return ""
     main = texts.pop(type_name)
-    parts = [f"{_SEPARATOR}\nMSG: {name.replace('/msg/', '/')}\n{text}" for name, text in texts.items()]
+    parts = [f"{_SEPARATOR}\nMSG: {_short(name)}\n{text}" for name, text in texts.items()]
     return "\n".join([main, *parts])
 
 
@@ -43,9 +43,15 @@ def _texts(type_name: str) -> Iterator[tuple[str, str]]:
         name = waiting.pop(0)
         kind = message_type(name, type_name)
         yield name, _file_text(name) or _generated_text(kind)
-        within = [one for field in kind.get_fields_and_field_types().values() for one in nested_types(field)]
-        waiting += [one for one in dict.fromkeys(within) if one not in met]
-        met |= dict.fromkeys(within)
+        within = dict.fromkeys(nested_types(kind))
+        waiting += [one for one in within if one not in met]
+        met |= within
+
+
+def _short(type_name: str) -> str:
+    """``std_srvs/SetBool_Request``, as fields tell it."""
+    package, _, name = type_name.split("/")
+    return f"{package}/{name}"
 
 
 def _file_text(type_name: str) -> str | None:

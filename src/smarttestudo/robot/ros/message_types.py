@@ -5,7 +5,10 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import re
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from rclpy.serialization import deserialize_message
@@ -13,12 +16,8 @@ from rclpy.type_support import check_for_type_support
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.type_names import TypeName
 from smarttestudo.robot.ros.ros_errors import ros_errors
-
-_TYPE_NAME = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)\Z")
-
-# A message within another, a sequence or an array of them.
-_NESTED_TYPE = re.compile(r"(?:sequence<)?([a-z][a-z0-9_]*)/([A-Z][A-Za-z0-9]*)")
 
 
 def message_type(type_name: str, topic: str) -> Any:
@@ -26,28 +25,58 @@ def message_type(type_name: str, topic: str) -> Any:
 
     Raises ``RosError`` where it is not installed, or cannot be used.
     """
-    # Names come from the network: what is imported must be the messages of a package.
-    match = _TYPE_NAME.match(type_name)
-    if match is None:
-        raise RosError(f"{type_name!r} is not the name of a message type", place=topic)
-    package, name = match.groups()
-    try:
-        kind = getattr(importlib.import_module(f"{package}.msg"), name)
-    except (ImportError, AttributeError) as error:
+    name = TypeName.read(type_name)
+    if name is None:
+        raise RosError(f"{type_name[:200]!r} is not the name of a message type", place=topic)
+    kind = _generated_class(name)
+    if kind is None:
         raise RosError(
             f"the message type {type_name} is not installed",
             place=topic,
-            remedy=f"install the ROS package {package}, or source the workspace that holds it",
-        ) from error
+            remedy=f"install the ROS package {name.package}, or source the workspace that holds it",
+        )
     try:
         check_for_type_support(kind)
     except Exception as error:  # rclpy documents none of those that it raises
         raise RosError(
             f"the message type {type_name} cannot be used: {error}",
             place=topic,
-            remedy=f"build the ROS package {package} with the Python that runs SmartTestudo",
+            remedy=f"build the ROS package {name.package} with the Python that runs SmartTestudo",
         ) from error
     return kind
+
+
+def _generated_class(name: TypeName) -> Any | None:
+    # Names come from the network: only what rosidl made may be imported, for that runs the whole package.
+    module = f"_{_in_snake_case(name.defined_in)}"
+    if not _is_generated(name.package, name.kind, module):
+        return None
+    try:
+        kind = getattr(importlib.import_module(f"{name.package}.{name.kind}.{module}"), name.name, None)
+    except ImportError:
+        return None
+    return kind if isinstance(kind, type) and hasattr(kind, "get_fields_and_field_types") else None
+
+
+def _is_generated(package: str, kind: str, module: str) -> bool:
+    """Whether files show that ``package`` is one of messages with this ``module``; nothing is imported."""
+    try:
+        spec = importlib.util.find_spec(package)
+    except (ImportError, ValueError):
+        return False
+    folders = [] if spec is None else [Path(one) for one in spec.submodule_search_locations or ()]
+    if len(folders) != 1:
+        return False
+    files = (Path(kind, "__init__.py"), Path(kind, f"{module}.py"))
+    return all((folders[0] / file).is_file() for file in files) and any(
+        folders[0].glob(f"{package}_s__rosidl_typesupport_*")
+    )
+
+
+def _in_snake_case(name: str) -> str:
+    """As rosidl names modules."""
+    name = re.sub(r"(.)([A-Z][a-z]+)", r"\1_\2", name)
+    return re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", name).lower()
 
 
 def is_installed(type_name: str) -> bool:
@@ -78,17 +107,18 @@ def begins_with_header(type_name: str) -> bool:
 def has_byte_sequence(type_name: str) -> bool:
     """Whether messages of ``type_name`` hold a ``uint8[]``, however deep; not where it is not installed."""
     try:
-        fields = message_type(type_name, "").get_fields_and_field_types()
+        kind = message_type(type_name, "")
     except RosError:
         return False
-    return any(_is_byte_sequence(one) for one in fields.values())
+    fields = kind.get_fields_and_field_types().values()
+    return any(one.startswith("sequence<uint8") for one in fields) or any(
+        map(has_byte_sequence, nested_types(kind))
+    )
 
 
-def nested_types(field_type: str) -> tuple[str, ...]:
-    """The message type in a field of ``field_type``, as rclpy tells it; none for a number or a text."""
-    match = _NESTED_TYPE.match(field_type)
-    return () if match is None else (f"{match[1]}/msg/{match[2]}",)
-
-
-def _is_byte_sequence(field_type: str) -> bool:
-    return field_type.startswith("sequence<uint8") or any(map(has_byte_sequence, nested_types(field_type)))
+def nested_types(kind: Any) -> Iterator[str]:
+    """The message types of the fields of a class, those of sequences and arrays too."""
+    for field in kind.SLOT_TYPES:
+        within = getattr(field, "value_type", field)
+        if hasattr(within, "namespaces"):
+            yield "/".join((*within.namespaces, within.name))
