@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 import resource
+import select
 import sys
 import time
 from collections.abc import Callable, Hashable, Iterator
@@ -20,8 +21,12 @@ from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import DataPath, DataPathKind, Publisher, Qos, Robot
 from smarttestudo.robot.ros import open_robot
+from smarttestudo.robot.ros.rcl.bindings import RclLibrary
 from smarttestudo.robot.ros.rcl.buffers import KEPT_BUFFERS
+from smarttestudo.robot.ros.rcl.source import RclSource
 from smarttestudo.robot.ros.rcl.wake_ups import MOST_AT_ONCE
+
+pytestmark = pytest.mark.contract
 
 only_librcl = pytest.mark.parametrize("robot", [DataPathKind.RCL], ids=["rcl"], indirect=True)
 
@@ -86,7 +91,6 @@ def wait_until(robot: Robot, condition: Callable[[], bool]) -> None:
         robot.wait(None, 0.1)
 
 
-@pytest.mark.contract
 def test_messages_of_any_size_arrive_as_they_were_sent_and_in_order(robot: Robot) -> None:
     path, heard = robot.data_path, Heard()
     publisher = path.advertise("/words", TEXT, LATCHED)
@@ -137,7 +141,6 @@ def test_what_came_can_be_published_as_it_is(robot: Robot) -> None:
     assert relayed.copies == [text("to the operator")]
 
 
-@pytest.mark.contract
 def test_qos_is_what_was_asked_for_and_late_subscribers_get_what_is_latched(robot: Robot) -> None:
     path, late = robot.data_path, Heard()
     best_effort = Qos(reliable=False, transient_local=False)
@@ -210,7 +213,9 @@ def test_a_type_that_was_built_for_another_python_is_named(
     package = tmp_path / "half_msgs" / "msg"
     package.mkdir(parents=True)
     generated = Path(sys.modules["std_msgs.msg._string"].__file__ or "").read_text("utf-8")
-    (package / "__init__.py").write_text(generated.replace("std_msgs", package.parent.name), "utf-8")
+    (package / "_string.py").write_text(generated.replace("std_msgs", package.parent.name), "utf-8")
+    for file in ("__init__.py", "msg/__init__.py", "half_msgs_s__rosidl_typesupport_c.cpython-27-arm.so"):
+        (tmp_path / "half_msgs" / file).touch()
     monkeypatch.syspath_prepend(tmp_path)
     path, kind = robot.data_path, "half_msgs/msg/String"
     assert not path.knows(kind)
@@ -374,3 +379,24 @@ def publish_and_await(robot: Robot, publisher: Publisher, heard: Heard, content:
     payload = text(content)
     publisher.publish(payload)
     wait_until(robot, lambda: payload in heard.copies)
+
+
+@only_librcl
+def test_a_message_that_was_announced_to_somebody_else_wakes_whoever_asks_next(robot: Robot) -> None:
+    path, heard = robot.data_path, Heard()
+    publisher = path.advertise("/words", TEXT, RELIABLE)
+    source = path.subscribe("/words", TEXT, RELIABLE, heard)
+    assert isinstance(source, RclSource)
+    publish_and_await(robot, publisher, heard, "hello")
+    subscription = source.hand_over(source.take_back)
+    assert subscription is not None
+    subscription.wake(wanted=True)
+    os.eventfd_read(subscription.event_fd)
+    publisher.publish(text("map"))
+    assert select.select([subscription.event_fd], [], [], TIMEOUT_S)[0]
+    next_fd = os.eventfd(0, os.EFD_NONBLOCK)
+    RclLibrary().wake_on_message(subscription.pointer, next_fd)
+    try:
+        assert os.eventfd_read(next_fd)
+    finally:
+        os.close(next_fd)

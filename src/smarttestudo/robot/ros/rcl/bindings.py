@@ -97,17 +97,15 @@ class RclLibrary:
 
     def wake_on_message(self, subscription: int, event_fd: int | None) -> None:
         """Have each new message counted up on ``event_fd``, or on nothing any more. Raises ``RosError``."""
-        self._set_callback(self._on_new_message, subscription, event_fd)
+        self._count_up(self._on_new_message, subscription, event_fd)
 
     def call_on_message(self, subscription: int, function: c_void_p, argument: int) -> None:
-        """Have a C function called with ``argument`` for each new message. Raises ``RosError``."""
-        code = self._on_new_message(subscription, function, argument)
-        if code != RCL_RET_OK:
-            raise self.error(code)
+        """Have a C function called now and for each new message, with ``argument``. Raises ``RosError``."""
+        self._set_callback(self._on_new_message, subscription, function, argument)
 
     def wake_on_request(self, service: int, event_fd: int | None) -> None:
         """Have each new request counted up on ``event_fd``, or on nothing any more. Raises ``RosError``."""
-        self._set_callback(self._on_new_request, service, event_fd)
+        self._count_up(self._on_new_request, service, event_fd)
 
     def graph_guard_condition(self, node: int) -> int:
         """Guard condition, triggered when the graph changes as ``node`` sees it. Raises ``RosError``."""
@@ -138,12 +136,23 @@ class RclLibrary:
         """Forget the last failure, which is none."""
         self._reset_error()
 
-    def _set_callback(self, setter: ctypes._NamedFuncPointer, entity: int, event_fd: int | None) -> None:
+    def _count_up(self, setter: ctypes._NamedFuncPointer, entity: int, event_fd: int | None) -> None:
         # The callback gets its user data and a count: the very arguments of eventfd_write.
         callback = None if event_fd is None else self._eventfd_write
-        code = setter(entity, callback, event_fd)
+        self._set_callback(setter, entity, callback, event_fd)
+
+    def _set_callback(
+        self, setter: ctypes._NamedFuncPointer, entity: int, callback: c_void_p | None, argument: int | None
+    ) -> None:
+        code = setter(entity, callback, argument)
         if code != RCL_RET_OK:
             raise self.error(code)
+        if callback is not None:
+            # Fast DDS announces nothing that comes while a callback is set, nor what it announced to another.
+            ctypes.cast(callback, _Callback)(argument, 1)
+
+
+_Callback = ctypes.CFUNCTYPE(None, c_void_p, ctypes.c_size_t)
 
 
 def loaded_librcl() -> ctypes.CDLL:

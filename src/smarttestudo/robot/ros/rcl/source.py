@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -87,7 +86,6 @@ class RclSource:
         """Deliver again what comes, and what was announced to the other and not taken."""
         self._end_relay = None
         self._subscription.wake(wanted=True)
-        os.eventfd_write(self._subscription.event_fd, 1)
 
     def serve(self, most: int) -> bool:
         """Deliver up to ``most`` messages; whether there may be more."""
