@@ -323,15 +323,20 @@ def _counts(topic: str, loop: RelayLoop, lost: Mapping[str, int]) -> TopicCounts
 def _error(meters: _Meters, rates: _Rates, link: TopicLink) -> _Error:
     expected_hz, actual_hz, span_ns = rates.expected_hz, rates.actual_hz, meters.relayed.span_ns
     kind = StreamKind.of(type_name=link.type_name or "", transient_local=link.transient_local)
-    is_paced = kind is not StreamKind.TRANSIENT_LOCAL and not meters.statistics.repeated
-    if expected_hz and is_paced and meters.relayed.is_silent and not meters.arrived.is_silent:
+    is_latched = kind is StreamKind.TRANSIENT_LOCAL
+    if not expected_hz or meters.statistics.repeated:
+        return _Error(None, is_explained=True)
+    if meters.relayed.is_silent and not meters.arrived.is_silent and not is_latched:
         return _Error(-100.0, is_explained=False)
-    if not (expected_hz and actual_hz and is_paced) or span_ns < _ERROR_AFTER_NS:
+    if not actual_hz or span_ns < _ERROR_AFTER_NS:
         return _Error(None, is_explained=True)
     if kind is StreamKind.VOLATILE and link.publishers > 1 and actual_hz > expected_hz:
         # Where publishers are told apart, each has the rate for itself.
         return _Error(None, is_explained=True)
     percent = 100 * (actual_hz / expected_hz - 1)
+    if is_latched and percent > TOLERANCE_PERCENT:
+        # All of it passes at first and while it is slow, and each publisher has the rate for itself.
+        return _Error(None, is_explained=True)
     messages_off = abs(actual_hz - expected_hz) * span_ns / NS_PER_S
     return _Error(percent, abs(percent) <= TOLERANCE_PERCENT or messages_off <= _MESSAGES_EXPLAINED)
 
