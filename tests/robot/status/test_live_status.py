@@ -226,7 +226,7 @@ def test_a_latched_topic_that_passes_whole_is_not_off_its_rate() -> None:
 
 def test_the_error_of_a_latched_topic_that_is_thinned_is_known_once_its_first_seconds_passed() -> None:
     rules = "begin SetFrequency /switch/_service_event 2 end"
-    link = {"/switch/_service_event": {"transient_local": True}}
+    link: dict[str, dict[str, object]] = {"/switch/_service_event": {"transient_local": True}}
     driver = StatusDriver(rules=rules, source_hz={"/switch/_service_event": 20}, links=link)
     driver.driver.source("/switch/_service_event", transient_local=True)
     at_first = driver.status_at(7).topics["/switch/_service_event"]
