@@ -25,6 +25,9 @@ class UnaskedRobot:
 
     is_time_simulated = False
 
+    def told_count(self, topic: str) -> int:
+        raise NotImplementedError
+
     def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
         raise NotImplementedError
 

@@ -189,6 +189,9 @@ class SmallGraph(UnaskedRobot):
     def subscriber_count(self, topic: str) -> int:
         return len(self.operators.get(topic, ()))
 
+    def told_count(self, topic: str) -> int:
+        return self.subscriber_count(topic)
+
     def topics(self) -> Mapping[str, Sequence[str]]:
         return {topic: [one.type_name for one in publishers] for topic, publishers in self.sources.items()}
 

@@ -13,7 +13,7 @@ import pytest
 from loop.loop_driver import SECOND, LoopDriver
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.errors import UsageError
-from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC, resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.visible_topics import is_visible
@@ -147,10 +147,6 @@ def test_outputs_in_a_domain_of_their_own_may_be_named_like_their_sources() -> N
     output_topic = OutputTopic(pattern="{topic}", is_elsewhere=True)
     rules = LiveRuleFiles([], None, resolve=resolve_topic, output_topic=output_topic).check(GOOD)
     assert rules.output_topics == {"/imu": "/imu"}
-    with pytest.raises(UsageError, match="another topic"):
-        LiveRuleFiles([], None, resolve=resolve_topic, output_topic=output_topic).check(
-            "begin SetFrequency /diagnostics 1 end"
-        )
 
 
 def test_a_topic_that_would_be_relayed_to_itself_is_told_so() -> None:
@@ -158,6 +154,39 @@ def test_a_topic_that_would_be_relayed_to_itself_is_told_so() -> None:
     with pytest.raises(UsageError, match="/any would be relayed to its own name; choose another pattern"):
         output_topics(rules, OutputTopic(pattern="{topic}"))
     assert output_topics(rules, OutputTopic(pattern="{topic}", is_elsewhere=True)) == {"/any": "/any"}
+
+
+STANDARD_TOPICS = (
+    "/rosout",
+    "/parameter_events",
+    "/diagnostics",
+    "/diagnostics_agg",
+    "/diagnostics_toplevel_state",
+    "/tf",
+    "/tf_static",
+    "/clock",
+    "/robot_description",
+)
+"""Topics that many nodes of a graph publish or read under this very name."""
+
+
+@pytest.mark.parametrize(
+    ("pattern", "is_elsewhere"), [("/testudo{topic}", False), ("/testudo{topic}", True), ("{topic}", True)]
+)
+def test_a_standard_topic_is_relayed_in_every_mode_of_output(pattern: str, is_elsewhere: bool) -> None:
+    rules = compile_rules(
+        [parse(f"begin {' '.join(f'SetFrequency {one} 1' for one in STANDARD_TOPICS)} end", "a").file],
+        resolve_topic,
+    )
+    named = output_topics(rules, OutputTopic(pattern=pattern, is_elsewhere=is_elsewhere))
+    assert named == {one: pattern.replace("{topic}", one) for one in STANDARD_TOPICS}
+
+
+@pytest.mark.parametrize("topic", [STATUS_TOPIC, DECISIONS_TOPIC])
+def test_what_this_node_alone_publishes_is_no_name_for_a_relayed_topic(topic: str) -> None:
+    rules = compile_rules([parse(f"begin SetFrequency {topic} 1 end", "a").file], resolve_topic)
+    with pytest.raises(UsageError, match="another topic's name"):
+        output_topics(rules, OutputTopic(pattern="{topic}", is_elsewhere=True))
 
 
 def output_names(text: str, remaps: dict[str, str]) -> dict[str, str]:

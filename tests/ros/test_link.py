@@ -9,6 +9,7 @@ import re
 import signal
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -21,6 +22,7 @@ from smarttestudo.robot.ros import open_robot
 
 IMU = "sensor_msgs/msg/Imu"
 ODOMETRY = "nav_msgs/msg/Odometry"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 TEXT = "std_msgs/msg/String"
 RULES = "begin SetFrequency /imu Full SetFrequency /odom 10 SetFrequency /names Full end"
 SOURCES: dict[str, Any] = {
@@ -262,6 +264,18 @@ def test_the_robots_own_diagnostics_say_whether_an_operator_is_connected_and_how
     assert statuses["smarttestudo"]["values"]["link_connected"] == "true"
     assert int(statuses["/imu"]["values"]["link_sent"]) > 0
     assert statuses["/imu"]["values"]["link_overflowed"] == "0"
+
+
+def test_the_robots_diagnostics_are_relayed_while_its_own_graph_gets_those_of_the_relay(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    listener = robot.diagnostics()
+    linked_runtime(robot, endpoint, rules=(EXAMPLES / "failing_sensor.adirf").read_text())
+    robot.source(diagnostics={"type": "diagnostic_msgs/msg/DiagnosticArray", "hz": 10})
+    diagnostics_when(listener, lambda statuses: "smarttestudo" in statuses)
+    operators.receiver(endpoint)
+    there = {"type": "diagnostic_msgs/msg/DiagnosticArray", "topic": "/diagnostics", "messages": 3}
+    operators.operator(diagnostics=there).line_with("heard")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -234,10 +234,13 @@ class Robot(Protocol):
         """How many publishers ``publishers`` would find, for a fraction of its cost."""
 
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
-        """Which operators subscribe to ``topic`` now, as far as discovered."""
+        """Which operators subscribe to ``topic``, an output, now, as far as discovered."""
 
     def subscriber_count(self, topic: str) -> int:
         """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
+
+    def told_count(self, topic: str) -> int:
+        """How many on the graph subscribe to ``topic``, which the node publishes of itself: its status."""
 
     def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
         """Which of the robot's own nodes subscribe to ``topic`` now, as far as discovered."""

@@ -12,11 +12,10 @@ from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC, TOPIC_PLACE
 from smarttestudo.domain.robot import Robot
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.robot.status_topics import DIAGNOSTICS_TOPIC
 
 DEFAULT_OUTPUT_TOPIC = "/testudo{topic}"
-OWN_TOPICS = frozenset({DECISIONS_TOPIC, STATUS_TOPIC, DIAGNOSTICS_TOPIC})
-"""The other topics that a SmartTestudo node publishes."""
+OWN_TOPICS = frozenset({DECISIONS_TOPIC, STATUS_TOPIC})
+"""What a SmartTestudo node alone publishes. ``/diagnostics`` and its like have publishers in many nodes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

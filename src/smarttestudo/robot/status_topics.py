@@ -62,7 +62,7 @@ class StatusPublisher:
         """
         self._text = self._said(self._text, status, blocks)
         self._linked = self._said(self._linked, status, blocks)
-        if diagnostics_too and self._robot.subscriber_count(DIAGNOSTICS_TOPIC):
+        if diagnostics_too and self._robot.told_count(DIAGNOSTICS_TOPIC):
             self._diagnostics = self._said(self._diagnostics, status, blocks)
 
     def _opened(self, way: Callable[[Robot], _Announce]) -> _Announce | None:
@@ -153,12 +153,12 @@ class StatusTimer:
     @property
     def _is_watched(self) -> bool:
         return (self._link is not None and self._link.is_watched) or bool(
-            self._robot.subscriber_count(STATUS_TOPIC)
+            self._robot.told_count(STATUS_TOPIC)
         )
 
     def is_due(self, steady_ns: int, rules: RulesInForce) -> bool:
         """Whether to tell a status now, with those ``rules``; where it is, it counts as told."""
-        if not (self._needs_all or self._is_watched or self._robot.subscriber_count(DIAGNOSTICS_TOPIC)):
+        if not (self._needs_all or self._is_watched or self._robot.told_count(DIAGNOSTICS_TOPIC)):
             told_ns, told_rules = self._told or (-_UNHEARD_AFTER_NS, rules)
             if steady_ns < told_ns + _UNHEARD_AFTER_NS and rules == told_rules:
                 return False

@@ -104,6 +104,9 @@ class VirtualRobot(UnaskedRobot):
     def subscriber_count(self, topic: str) -> int:
         return self.listeners
 
+    def told_count(self, topic: str) -> int:
+        return self.subscriber_count(topic)
+
     def begins_with_header(self, type_name: str) -> bool:
         return False
 

@@ -24,7 +24,6 @@ from smarttestudo.domain.robot import (
     Receive,
     Subscription,
 )
-from smarttestudo.domain.status import Diagnostic
 from smarttestudo.pacing.cdr import string_message
 from smarttestudo.robot.ros.definitions import message_definition
 from smarttestudo.robot.ros.node import RosNode
@@ -53,7 +52,6 @@ class LinkedNode(RosNode):
         self._link = link
         self._is_local = is_local
         self._linked_path: LinkedPath | None = None
-        self._told_here: set[str] = set()
 
     @property
     def data_path(self) -> DataPath:
@@ -72,14 +70,18 @@ class LinkedNode(RosNode):
         return super().resolve_output(topic) if self._is_local else topic
 
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
-        """Which operators subscribe to ``topic`` now."""
-        local = super().subscribers(topic) if self._is_here(topic) else ()
+        """Which operators subscribe to ``topic``, an output, now."""
+        local = super().subscribers(topic) if self._is_local else ()
         return [*local, *self._operator()]
 
     def subscriber_count(self, topic: str) -> int:
         """How many subscribers ``subscribers`` would find."""
-        local = super().subscriber_count(topic) if self._is_here(topic) else 0
+        local = super().subscriber_count(topic) if self._is_local else 0
         return local + self._link.state.is_connected
+
+    def told_count(self, topic: str) -> int:
+        """How many subscribe to ``topic`` on the graph: what goes over the link has its own watchers."""
+        return super().subscriber_count(topic)
 
     def poll_graph(self, poll: PollGraph) -> None:
         """Have ``poll`` called; an operator's end that comes or goes is a change of the graph."""
@@ -95,7 +97,6 @@ class LinkedNode(RosNode):
     def text_publisher(self, topic: str, qos: Qos, *, goes_over_link: bool = True) -> Callable[[str], None]:
         """Sender of a std_msgs/msg/String on ``topic``: on the graph and, where wanted, over the link."""
         publish_here = super().text_publisher(topic, qos)
-        self._told_here.add(topic)
         if not goes_over_link:
             return publish_here
         linked = self._link.advertise(_stream(topic, _TEXT_TYPE, qos, 0))
@@ -105,14 +106,6 @@ class LinkedNode(RosNode):
             linked.publish(string_message(text))
 
         return publish
-
-    def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
-        """Sender of a DiagnosticArray on ``topic`` of the graph: they are for the robot itself."""
-        self._told_here.add(topic)
-        return super().diagnostics_publisher(topic)
-
-    def _is_here(self, topic: str) -> bool:
-        return self._is_local or topic in self._told_here
 
     def _operator(self) -> Iterator[Endpoint]:
         if self._link.state.is_connected:

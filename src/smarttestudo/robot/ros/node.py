@@ -165,6 +165,10 @@ class RosNode:
             count: int = handle.get_count_subscribers(topic)
         return count
 
+    def told_count(self, topic: str) -> int:
+        """How many subscribe to ``topic`` on the graph that the node publishes on."""
+        return self.subscriber_count(topic)
+
     def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
         """Which of the robot's own nodes subscribe to ``topic`` now, as far as discovered."""
         with ros_errors(topic):
