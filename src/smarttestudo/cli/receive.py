@@ -160,9 +160,18 @@ def run(arguments: argparse.Namespace) -> int:
             sinks.append(sending)
         _say_where(options)
         predictor = Predictor(predicts, statuses.source_hz, warn) if predicts else None
-        reception = Reception([*sinks, statuses], predictor)
+        # On a terminal, what arrives is shown; elsewhere who comes, leaves and changes is said.
+        is_shown = sys.stdout.isatty()
+        note = (lambda _: None) if is_shown else ArrivalLog(_say).handle
+        reception = Reception([*sinks, statuses], predictor, warn, note)
         polls = [] if arguments.openmetrics is None else [lambda: metrics.update(reception, end)]
-        _receive(reception, end.wait, stopped, polls, (lambda: sending.routes) if sending else tuple)
+        if is_shown:
+            show = opened.enter_context(open_screen())
+            routes: Callable[[], Sequence[CommandRoute]] = (lambda: sending.routes) if sending else tuple
+            polls.append(
+                lambda: show(reception_lines(reception, shutil.get_terminal_size().columns, routes()))
+            )
+        _receive(reception, end.wait, stopped, polls)
     return 0
 
 
@@ -272,34 +281,32 @@ def _receive(
     reception: Reception,
     wait: Callable[[float], list[LinkEvent]],
     stopped: Callable[[], bool],
-    polls: list[Callable[[], None]],
-    routes: Callable[[], Sequence[CommandRoute]],
+    polls: Sequence[Callable[[], None]],
 ) -> None:
-    """Receive until ``stopped``; once a second, call ``polls``.
+    """Receive until ``stopped``; once a second, call ``polls``, of which none that fails costs another."""
+    poll_s = time.monotonic()
+    wait_s = _WAIT_S
+    failed: set[str] = set()
+    while not stopped():
+        for event in wait(wait_s):
+            reception.handle(event, time.monotonic_ns())
+        due_ns, now_ns = reception.predict(time.monotonic_ns()), time.monotonic_ns()
+        wait_s = _WAIT_S if due_ns is None else min(max(due_ns - now_ns, 0) / NS_PER_S, _WAIT_S)
+        if polls and time.monotonic() >= poll_s:
+            poll_s = time.monotonic() + _POLL_PERIOD_S
+            reception.measure(time.monotonic_ns())
+            for poll in polls:
+                if (line := _failure(poll)) and line not in failed:
+                    failed.add(line)
+                    warn(line)
 
-    What arrives is shown on a terminal; elsewhere who comes, leaves and changes is said.
-    """
-    with ExitStack() as opened:
-        noted = None if sys.stdout.isatty() else ArrivalLog(_say)
-        if sys.stdout.isatty():
-            show = opened.enter_context(open_screen())
-            polls.append(
-                lambda: show(reception_lines(reception, shutil.get_terminal_size().columns, routes()))
-            )
-        poll_s = time.monotonic()
-        wait_s = _WAIT_S
-        while not stopped():
-            for event in wait(wait_s):
-                if noted is not None:
-                    noted.handle(event)
-                reception.handle(event, time.monotonic_ns())
-            due_ns, now_ns = reception.predict(time.monotonic_ns()), time.monotonic_ns()
-            wait_s = _WAIT_S if due_ns is None else min(max(due_ns - now_ns, 0) / NS_PER_S, _WAIT_S)
-            if polls and time.monotonic() >= poll_s:
-                poll_s = time.monotonic() + _POLL_PERIOD_S
-                reception.measure(time.monotonic_ns())
-                for poll in polls:
-                    poll()
+
+def _failure(poll: Callable[[], None]) -> str | None:
+    try:
+        poll()
+    except Exception as error:  # noqa: BLE001 - what is only shown or counted ends nothing
+        return said(error)
+    return None
 
 
 def _port(text: str) -> int:

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from smarttestudo.cli.top_table import Line, Style
-from smarttestudo.link.receive.reception import ReceivedRobot, Reception
+from smarttestudo.link.receive.reception import ReceivedRobot, ReceivedTopic, Reception
 from smarttestudo.link.receive.sending import CommandRoute
 from smarttestudo.report.table import (
     Align,
@@ -29,6 +29,7 @@ _COLUMNS = (
     Column(heading="Type", align=Align.LEFT),
 )
 _PREDICTED = Column(heading="Predicted")
+_STATE = Column(heading="State", align=Align.LEFT)
 
 _SENT_COLUMNS = (
     Column(heading="Sent topic", align=Align.LEFT),
@@ -68,6 +69,7 @@ def _heading(name: str, robot: ReceivedRobot) -> Line:
 def _topics(robot: ReceivedRobot, width: int | None) -> list[Line]:
     topics = sorted(robot.topics.items())
     predicts = any(topic.predicted for _, topic in topics)
+    has_state = any(topic.problem for _, topic in topics)
     rows = tuple(
         Row(
             cells=(
@@ -78,16 +80,23 @@ def _topics(robot: ReceivedRobot, width: int | None) -> list[Line]:
                 Number(topic.flow.messages, decimals=0),
                 *([Number(topic.predicted, decimals=0)] * predicts),
                 Text(topic.type_name),
+                *([Text(topic.problem or "")] * has_state),
             )
         )
         for name, topic in topics
     )
-    columns = (*_COLUMNS[:-1], *([_PREDICTED] * predicts), _COLUMNS[-1])
+    columns = (*_COLUMNS[:-1], *([_PREDICTED] * predicts), _COLUMNS[-1], *([_STATE] * has_state))
     lines = plain_table(Table(title="", columns=columns, rows=rows), width=width).split("\n")
     heading_lines = len(lines) - len(topics)
     styles = [Style.HEADING] * heading_lines
-    styles += [Style.STALE if topic.meter.is_silent else Style.PLAIN for _, topic in topics]
+    styles += [_topic_style(topic) for _, topic in topics]
     return [Line(text, style) for text, style in zip(lines, styles, strict=True)]
+
+
+def _topic_style(topic: ReceivedTopic) -> Style:
+    if topic.problem is not None:
+        return Style.WARN
+    return Style.STALE if topic.meter.is_silent else Style.PLAIN
 
 
 def _sent(routes: Sequence[CommandRoute], width: int | None) -> list[Line]:

@@ -33,6 +33,12 @@ def testudo_error(error: Exception) -> TestudoError:
     return TestudoError(" ".join(f"unexpected {type(error).__name__}: {error}".split()))
 
 
+def error_at(place: str, error: Exception) -> TestudoError:
+    """``error``, at ``place`` where it names none."""
+    known = testudo_error(error)
+    return known if known.place else TestudoError(known.cause, place=place, remedy=known.remedy)
+
+
 def said(error: Exception) -> str:
     """``error`` as one line for a log."""
     return str(testudo_error(error))

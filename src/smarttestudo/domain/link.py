@@ -152,10 +152,13 @@ class OutgoingLink(Protocol):
 
 
 class Sink(Protocol):
-    """Where the operator's end puts what arrives. Raises ``TestudoError`` only from its constructor."""
+    """Where the operator's end puts what arrives. What a call raises costs its topic here, and is said."""
 
-    def open(self, robot: str, stream: StreamInfo) -> None:
-        """A robot has this stream; its messages may follow. Said again where a stream changed."""
+    def open(self, robot: str, stream: StreamInfo) -> str | None:
+        """A robot has this stream; its messages may follow. Said again where a stream changed.
+
+        Returns why they cannot be put here, where that is so.
+        """
 
     def write(self, message: ReceivedMessage) -> None:
         """A message arrived, or ``is_predicted``."""

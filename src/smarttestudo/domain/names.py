@@ -7,11 +7,12 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.errors import RosError, UsageError
 
 _PART = r"[A-Za-z_][A-Za-z0-9_]*"
 _TOPIC = re.compile(rf"(?:~/?|/)?(?:{_PART})(?:/{_PART})*\Z")
-MAX_NAME_LENGTH = 255
+MAX_NAME_LENGTH = 247
+"""ROS 2's own limit: the middleware has 255 letters, of which eight are kept for prefixes such as ``rt/``."""
 STATUS_TOPIC = "/testudo/status"
 DECISIONS_TOPIC = "/testudo/decisions"
 TOPIC_PLACEHOLDER = "{topic}"
@@ -20,7 +21,22 @@ ROBOT_PLACEHOLDER = "{robot}"
 
 def is_topic_name(name: str) -> bool:
     """Whether ``name`` is a valid ROS 2 topic name: absolute, relative or private (``~/x``)."""
-    return len(name) <= MAX_NAME_LENGTH and "__" not in name and _TOPIC.match(name) is not None
+    return len(name) <= MAX_NAME_LENGTH and has_topic_form(name)
+
+
+def has_topic_form(name: str) -> bool:
+    """Whether ``name`` is a topic name of any length."""
+    return "__" not in name and _TOPIC.match(name) is not None
+
+
+def require_publishable(name: str, topic: str) -> None:
+    """Raise ``RosError`` where ``name``, under which ``topic`` is to be published, is too long for ROS 2."""
+    if len(name) > MAX_NAME_LENGTH:
+        raise RosError(
+            f"its name here, {name!r}, would have {len(name)} letters, and ROS 2 takes {MAX_NAME_LENGTH}",
+            place=topic,
+            remedy="give it a shorter name, or choose a shorter --output-topic",
+        )
 
 
 def is_topic_prefix(text: str) -> bool:
@@ -43,7 +59,8 @@ def resolve_topic(name: str, *, namespace: str = "/", node: str = "smarttestudo"
 def output_name(topic: str, pattern: str, robot: str | None = None) -> str:
     """Name of ``topic`` by ``pattern``, in which ``{robot}`` stands for a ``robot`` that is given.
 
-    Raises ``UsageError`` where ``pattern`` does not hold ``{topic}`` or makes no valid name of it.
+    It may be too long (``require_publishable``). Raises ``UsageError`` where ``pattern`` does not hold
+    ``{topic}`` or makes no name of it.
     """
     if TOPIC_PLACEHOLDER not in pattern:
         cause = f"{pattern!r} gives all topics the same name"
@@ -51,7 +68,7 @@ def output_name(topic: str, pattern: str, robot: str | None = None) -> str:
     of_robot = robot is not None and ROBOT_PLACEHOLDER in pattern
     named = pattern.replace(ROBOT_PLACEHOLDER, robot or "") if of_robot else pattern
     name = named.replace(TOPIC_PLACEHOLDER, topic)
-    if not name.startswith("/") or not is_topic_name(name):
+    if not name.startswith("/") or not has_topic_form(name):
         cause = f"{name!r} is not a valid ROS 2 topic name"
         remedy = "write it as in /testudo{topic}"
         if of_robot:

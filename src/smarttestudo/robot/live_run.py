@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from smarttestudo.domain.compiled_relay import MessageCopy
+from smarttestudo.domain.errors import error_at
 from smarttestudo.domain.observation import ClockJumped, LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import GraphChange, Robot
@@ -52,6 +54,7 @@ class LiveRun:
         self._robot = robot
         self._inputs = inputs
         now_ns = robot.now_ns()
+        self._said: set[str] = set()
         self._clock = ClockJumps(robot)
         self.loop = loop = inputs.loop(rules, now_ns)
         self._parts = parts
@@ -194,7 +197,19 @@ class LiveRun:
     def _tell_parts(self, topic: str, payload: Payload, publisher: Hashable, stamp_ns: int) -> None:
         subscription = self._topics.subscription(topic)
         for on_message in self._on_message:
-            on_message(topic, payload, publisher, stamp_ns, subscription)
+            with self._costing_a_part(topic):
+                on_message(topic, payload, publisher, stamp_ns, subscription)
+
+    @contextmanager
+    def _costing_a_part(self, topic: str) -> Iterator[None]:
+        """Whatever a part fails of for ``topic`` is said once, and costs neither its relay nor others."""
+        try:
+            yield
+        except Exception as error:  # noqa: BLE001 - see above
+            line = str(error_at(topic, error))
+            if line not in self._said:
+                self._said.add(line)
+                self._robot.log.warning(line)
 
     def _poll(self, graph: GraphChange) -> None:
         # What is due goes out before a topic is opened anew, perhaps with another type.
@@ -207,7 +222,8 @@ class LiveRun:
         now_ns = self._robot.now_ns()
         for topic, source in self._topics.heard():
             for part in self._parts:
-                part.on_source(topic, source, now_ns)
+                with self._costing_a_part(topic):
+                    part.on_source(topic, source, now_ns)
         if listeners := tuple(self._topics.listeners()):
             self.give(GraphInput(stamp_ns=now_ns, listeners=listeners))
         self._compiled.choose(self._topics, now_ns, is_quiet=graph is GraphChange.NONE)

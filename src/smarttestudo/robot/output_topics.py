@@ -8,7 +8,13 @@ from collections.abc import Collection
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import UsageError
-from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC, TOPIC_PLACEHOLDER, output_name
+from smarttestudo.domain.names import (
+    DECISIONS_TOPIC,
+    MAX_NAME_LENGTH,
+    STATUS_TOPIC,
+    TOPIC_PLACEHOLDER,
+    output_name,
+)
 from smarttestudo.domain.robot import Robot
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
@@ -37,13 +43,17 @@ class OutputTopic:
             pattern=pattern, is_elsewhere=robot.has_output_domain, resolve=robot.resolve_output
         )
 
+    def resolved(self, name: str) -> str:
+        """The name that a publisher of ``name`` has; none has one that is too long, which costs its topic."""
+        return self.resolve(name) if len(name) <= MAX_NAME_LENGTH else name
+
 
 def output_topics(
     rule_set: RuleSet, output_topic: OutputTopic, *, in_use: Collection[str] = ()
 ) -> dict[str, str]:
     """The output topic of each relayed one; ``UsageError`` if a name is invalid, taken or ``in_use``."""
     named = {topic: output_name(topic, output_topic.pattern) for topic in rule_set.relayed}
-    names = {topic: output_topic.resolve(name) for topic, name in named.items()}
+    names = {topic: output_topic.resolved(name) for topic, name in named.items()}
     sources = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
     taken = OWN_TOPICS if output_topic.is_elsewhere else OWN_TOPICS | sources
     used = set(in_use)
@@ -60,7 +70,7 @@ def output_topics(
         used.add(name)
     # ROS remaps what a publisher is given: a name that it would remap once more stays as it was.
     return {
-        topic: name if output_topic.resolve(name) == name else named[topic] for topic, name in names.items()
+        topic: name if output_topic.resolved(name) == name else named[topic] for topic, name in names.items()
     }
 
 

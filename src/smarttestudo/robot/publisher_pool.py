@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Set
+from collections.abc import Callable, Hashable, Iterable, Sequence, Set
+from contextlib import ExitStack
 
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher
@@ -18,7 +19,7 @@ class PublisherPool:
 
     The latter is for latched topics: a publisher keeps the last messages only, so that a source's publisher
     that sends often would push out the single message of another one. Where a link keeps only the newest
-    message, it is so for every topic. ``advertise`` may raise ``RosError``.
+    message, it is so for every topic. All calls may raise what the middleware does.
     """
 
     def __init__(self, advertise: Callable[[], Publisher], *, one_each: bool) -> None:
@@ -30,7 +31,7 @@ class PublisherPool:
         self._spare: Publisher | None = advertise()
 
     def publish(self, payload: Payload, publisher: Hashable) -> None:
-        """Send a message of ``publisher``. Raises ``RosError``."""
+        """Send a message of ``publisher``."""
         key = publisher if self._one_each else None
         open_publisher = self._of.get(key)
         if open_publisher is None:
@@ -47,7 +48,7 @@ class PublisherPool:
     def forget_undiscovered(
         self, known: Set[Hashable], found: Callable[[], Set[Hashable]], now_ns: int
     ) -> None:
-        """Forget those that were heard, and were gone before the graph was polled. Raises ``RosError``.
+        """Forget those that were heard, and were gone before the graph was polled.
 
         ``known`` are forgotten when they go. ``found``, which costs more, are those that are there now; where
         there are none, the one that came last stays.
@@ -59,18 +60,15 @@ class PublisherPool:
         self.forget(self._gone.among(heard, known | there, now_ns, is_somebody_there=bool(there)))
 
     def forget(self, publishers: Iterable[Hashable]) -> None:
-        """These are gone, and what they latched goes with them. Raises ``RosError``."""
+        """These are gone, and what they latched goes with them."""
         gone = [self._of.pop(publisher) for publisher in publishers if publisher in self._of]
         if gone and not self._of and self._spare is None:
             self._spare = self._advertise()
-        for open_publisher in gone:
-            open_publisher.close()
+        _close(gone)
 
     def close(self) -> None:
         """Send nothing more."""
-        for open_publisher in (*self._of.values(), self._spare):
-            if open_publisher is not None:
-                open_publisher.close()
+        _close([one for one in (*self._of.values(), self._spare) if one is not None])
 
     def _open(self, key: Hashable) -> Publisher:
         if len(self._of) >= MAX_PUBLISHERS:
@@ -79,3 +77,10 @@ class PublisherPool:
             self._of[key] = self._spare or self._advertise()
             self._spare = None
         return self._of[key]
+
+
+def _close(publishers: Sequence[Publisher]) -> None:
+    """Close all, though one fails."""
+    with ExitStack() as closing:
+        for one in publishers:
+            closing.callback(one.close)

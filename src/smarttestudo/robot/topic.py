@@ -9,11 +9,14 @@ from contextlib import contextmanager
 from dataclasses import field, replace
 
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.errors import TestudoError, error_at
+from smarttestudo.domain.names import require_publishable
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import DataPath, Endpoint, Publisher, Qos, Receive, Subscription
 from smarttestudo.robot.publisher_pool import PublisherPool
 
+OnProblem = Callable[[TestudoError | None], None]
+"""Takes what failed for a topic, or nothing where it works again."""
 DEPTH = 10
 # The last messages of all publishers come at once, and one may keep more of them than ten others.
 LATCHED_SUBSCRIPTION_DEPTH = 100
@@ -83,13 +86,22 @@ class OpenTopic:
     ``output`` is its output topic, ``None`` if it is only watched. ``has_header`` is whether its messages
     begin with a std_msgs/Header. ``unheard`` are publishers whose
     messages are dropped. Of one that ``is_recorded``, more may wait. Unless it ``is_told``, whoever reads it
-    does not know its source. ``subscriptions`` counts how often it was subscribed to. ``problem`` says why
-    nothing is open: what opens something may raise ``RosError``; it is not tried again until the source
-    changes.
+    does not know its source. ``subscriptions`` counts how often it was subscribed to.
+
+    Nothing here raises: whatever fails in the middleware, or where a message goes, costs this topic only. It
+    is its ``problem``, which ``on_problem`` is told. What could not be opened is tried again when the source
+    or the need for it changes.
     """
 
     def __init__(
-        self, topic: str, output: str | None, path: DataPath, receive: Receive, priority: float = 0.0
+        self,
+        topic: str,
+        output: str | None,
+        path: DataPath,
+        receive: Receive,
+        *,
+        on_problem: OnProblem,
+        priority: float,
     ) -> None:
         self.topic = topic
         self.output = output
@@ -99,6 +111,7 @@ class OpenTopic:
         self.problem: str | None = None
         self._path = path
         self._receive = receive
+        self._on_problem = on_problem
         self._priority = priority
         self.is_wanted = False
         self.is_recorded = False
@@ -109,32 +122,42 @@ class OpenTopic:
         self._publishers: PublisherPool | None = None
 
     def follow(self, source: LiveSource) -> None:
-        """Open what ``source`` needs, anew where what is open does not suit it. Raises ``RosError``."""
+        """Open what ``source`` needs, anew where what is open does not suit it."""
         before, self.source = self.source, source
         if self._opened_for is None or not suits(self._opened_for, source):
             self._open()
         elif before is not None and self._publishers is not None and source.publishers:
-            self._publishers.forget(before.gids - source.gids)
+            with self._costing():
+                self._publishers.forget(before.gids - source.gids)
 
     def forget_undiscovered(self, found: Callable[[], Sequence[Endpoint]], now_ns: int) -> None:
-        """Drop what publishers latched that came and went between two polls. Raises ``RosError``.
+        """Drop what publishers latched that came and went between two polls.
 
         ``found`` gives the publishers that are there now.
         """
         # Before the first session of a link, what waits for it would go with its publisher.
         if self._publishers is not None and self.source is not None and not self._path.keeps_newest:
             known = self.source.gids
-            self._publishers.forget_undiscovered(known, lambda: {one.gid for one in found()}, now_ns)
+            with self._costing():
+                self._publishers.forget_undiscovered(known, lambda: {one.gid for one in found()}, now_ns)
+
+    def note_header(self, begins_with_header: Callable[[str], bool]) -> None:
+        """See whether its messages begin with one."""
+        if self.source is not None:
+            with self._costing():
+                self.has_header = begins_with_header(self.source.type_name)
 
     def want(self, *, is_wanted: bool) -> bool:
-        """Subscribe, or do so no longer; whether that is a change. Raises ``RosError``."""
+        """Subscribe, or do so no longer; whether that is a change."""
         if is_wanted == self.is_wanted:
             return False
         self.is_wanted = is_wanted
         if self._opened_for is None:
-            return False
+            if is_wanted and self.source is not None:
+                self._open()
+            return self._opened_for is not None
         if is_wanted:
-            with self._closed_on_error():
+            with self._costing(closes=True):
                 self._subscribe(self._opened_for)
         elif self.is_latched:
             # What is latched comes anew with the next subscription, and must not be there twice.
@@ -156,19 +179,28 @@ class OpenTopic:
         return self._opened_for is not None and self._opened_for.qos.transient_local
 
     def serve(self, output: str | None) -> None:
-        """Have another output topic, or none, by the same subscription. Raises ``RosError``."""
+        """Have another output topic, or none, by the same subscription."""
         self.output = output
-        if self._publishers is not None:
-            self._publishers.close()
-            self._publishers = None
+        self._close_publishers()
         if output is not None and self._opened_for is not None:
-            with self._closed_on_error():
+            with self._costing(closes=True):
                 self._publishers = self._publishers_to(output, self._opened_for)
 
     def publish(self, payload: Payload, publisher: Hashable) -> None:
-        """Send a message on the output topic. Raises ``RosError``."""
-        if self._publishers is not None:
+        """Send a message on the output topic."""
+        if self._publishers is None:
+            return
+        try:
             self._publishers.publish(payload, publisher)
+        except Exception as error:  # noqa: BLE001 - see the class
+            self.fail(error)
+        else:
+            if self.problem is not None:
+                self._set_problem(None)
+
+    def fail(self, error: Exception) -> None:
+        """Note what failed for this topic."""
+        self._set_problem(error_at(self.topic, error))
 
     def ends(self, *, is_published: bool) -> tuple[Subscription, Publisher | None] | None:
         """Where all messages come in and go out, if there is one place for each, and none is dropped.
@@ -186,31 +218,35 @@ class OpenTopic:
         """Receive and send nothing more."""
         self._opened_for = None
         self._unsubscribe()
-        if self._publishers is not None:
-            self._publishers.close()
-            self._publishers = None
+        self._close_publishers()
 
     def _open(self) -> None:
         self.close()
         source = self.source
         assert source is not None
-        with self._closed_on_error():
+        with self._costing(closes=True):
             if self.output is not None:
                 self._publishers = self._publishers_to(self.output, source)
             if self.is_wanted:
                 self._subscribe(source)
-        self._opened_for, self.problem = source, None
+            self._opened_for, self.problem = source, None
 
     @contextmanager
-    def _closed_on_error(self) -> Iterator[None]:
+    def _costing(self, *, closes: bool = False) -> Iterator[None]:
+        """Have whatever the block raises cost this topic, which then is closed where it ``closes``."""
         try:
             yield
-        except RosError as error:
-            self.close()
-            self.problem = error.cause
-            raise
+        except Exception as error:  # noqa: BLE001 - see the class
+            if closes:
+                self.close()
+            self.fail(error)
+
+    def _set_problem(self, error: TestudoError | None) -> None:
+        self.problem = None if error is None else error.cause
+        self._on_problem(error)
 
     def _publishers_to(self, output: str, source: LiveSource) -> PublisherPool:
+        require_publishable(output, self.topic)
         return PublisherPool(
             lambda: self._path.advertise(output, source.type_name, source.qos),
             one_each=self._path.tells_publishers and (source.qos.transient_local or self._path.keeps_newest),
@@ -226,10 +262,21 @@ class OpenTopic:
         self.subscriptions += 1
 
     def _unsubscribe(self) -> None:
-        if self.subscription is not None:
-            self.subscription.close()
-            self.subscription = None
+        subscription, self.subscription = self.subscription, None
+        if subscription is not None:
+            with self._costing():
+                subscription.close()
+
+    def _close_publishers(self) -> None:
+        publishers, self._publishers = self._publishers, None
+        if publishers is not None:
+            with self._costing():
+                publishers.close()
 
     def _received(self, payload: Payload, publisher: Hashable) -> None:
-        if publisher not in self.unheard:
+        if publisher in self.unheard:
+            return
+        try:
             self._receive(payload, publisher)
+        except Exception as error:  # noqa: BLE001 - see the class
+            self.fail(error)

@@ -6,8 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from functools import partial
+from typing import TypeVar
 
-from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.errors import TestudoError, said
+from smarttestudo.domain.names import MAX_NAME_LENGTH
 from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Undecodable
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Endpoint, GraphChange, Robot, Subscription
@@ -21,6 +23,7 @@ from smarttestudo.robot.topic_link import TopicLink, instead_of, not_offered
 UNKNOWN_NODE = "/_NODE_NAME_UNKNOWN_"
 """How the name ends that an endpoint has until its node is discovered, too."""
 
+_Answer = TypeVar("_Answer")
 Received = Callable[[str, Payload, Hashable], None]
 """Takes a message: its topic, its payload, and its publisher where that is known."""
 
@@ -51,8 +54,12 @@ class LiveTopics:
         self._watched: frozenset[str] = frozenset()
         self.recorded: frozenset[str] = frozenset()
         self._leaders: Mapping[str, str] = {}
-        self._publishers = EndpointCache(robot.publisher_count, robot.publishers)
-        self._subscribers = EndpointCache(robot.subscriber_count, robot.subscribers)
+        self._publishers = EndpointCache(
+            self._asking(robot.publisher_count, 0), self._asking(robot.publishers, ())
+        )
+        self._subscribers = EndpointCache(
+            self._asking(robot.subscriber_count, 0), self._asking(robot.subscribers, ())
+        )
         self._heard: Mapping[str, frozenset[bytes]] = {}
         self._testudos: frozenset[str] = frozenset()
         self._said: set[str] = set()
@@ -98,7 +105,7 @@ class LiveTopics:
     def poll(self, graph: GraphChange) -> list[SourceChanged]:
         """Follow the graph: what changed since the last poll."""
         self._poll_operators(graph)
-        testudos = relaying_nodes(self._robot, self._warn_once)
+        testudos = self._relaying_nodes()
         moved = self._publishers.poll(self._topics, graph)
         unseen = self._settled.unseen
         if testudos != self._testudos:
@@ -162,19 +169,15 @@ class LiveTopics:
         assert source is not None
         try:
             return self._data_path.decode(topic, source.type_name, payload)
-        except RosError:
+        except Exception:  # noqa: BLE001 - whatever it fails of, the message is what is not known
             self._warn_once(f"{topic}: a message could not be decoded; what checks read is unknown then")
             return Undecodable()
 
     def publish(self, relayed: Relayed) -> None:
         """Send a message on its output topic."""
         live = self._topics.get(relayed.topic)
-        if live is None:
-            return
-        try:
+        if live is not None:
             live.publish(relayed.payload, relayed.publisher)
-        except RosError as error:
-            self._warn_once(str(error))
 
     def links(self) -> Mapping[str, TopicLink]:
         """Connections of each relayed topic."""
@@ -190,16 +193,19 @@ class LiveTopics:
         )
 
     def _new(self, topic: str, output: str | None) -> OpenTopic:
-        priority = self._priority_of(topic)
-        return OpenTopic(topic, output, self._data_path, partial(self._receive, topic), priority)
+        return OpenTopic(
+            topic,
+            output,
+            self._data_path,
+            partial(self._receive, topic),
+            on_problem=self._note_problem,
+            priority=self._priority_of(topic),
+        )
 
     def _with_output(self, live: OpenTopic, output: str | None, *, is_recorded: bool) -> OpenTopic:
         if not live.keeps_subscription(is_recorded=is_recorded):
             return self._new(live.topic, output)
-        try:
-            live.serve(output)
-        except RosError as error:
-            self._warn_once(str(error))
+        live.serve(output)
         return live
 
     def _poll_operators(self, graph: GraphChange) -> None:
@@ -235,12 +241,8 @@ class LiveTopics:
 
     def _want(self, live: OpenTopic, *, is_wanted: bool) -> bool:
         """Whether that changes what is open."""
-        try:
-            has_changed = live.want(is_wanted=is_wanted)
-        except RosError as error:
-            self._warn_once(str(error))
-            return True
-        if has_changed:
+        has_changed = live.want(is_wanted=is_wanted)
+        if has_changed and (live.subscription is not None) is is_wanted:
             self._robot.log.info(f"{live.topic}: {self._why(live)}")
         return has_changed
 
@@ -261,12 +263,10 @@ class LiveTopics:
         if source is None:
             return None
         if source != before:
-            live.has_header = self._robot.begins_with_header(source.type_name)
             self._report(live, source)
-        try:
-            live.follow(source)
-        except RosError as error:
-            self._warn_once(str(error))
+        live.follow(source)
+        if source != before:
+            live.note_header(self._robot.begins_with_header)
         self._name_unserved(live)
         is_told, live.is_told = live.is_told, True
         if source == before and is_told:
@@ -279,10 +279,7 @@ class LiveTopics:
         )
 
     def _forget_undiscovered(self, live: OpenTopic, now_ns: int) -> None:
-        try:
-            live.forget_undiscovered(partial(self._robot.publishers, live.topic), now_ns)
-        except RosError as error:
-            self._warn_once(str(error))
+        live.forget_undiscovered(partial(self._robot.publishers, live.topic), now_ns)
 
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
         if any(one.node.endswith(UNKNOWN_NODE) for one in endpoints):
@@ -319,6 +316,35 @@ class LiveTopics:
                     f"{live.output}: {subscriber.node} asks for {' and '.join(asked)}, which this relay does "
                     f"not offer, and receives nothing; have it ask for {instead_of(asked)}"
                 )
+
+    def _asking(self, ask: Callable[[str], _Answer], nothing: _Answer) -> Callable[[str], _Answer]:
+        """``ask`` of the graph, which knows ``nothing`` of a topic for which that fails."""
+
+        def asked(topic: str) -> _Answer:
+            if len(topic) > MAX_NAME_LENGTH:
+                # No publisher of that name can be opened, which is said.
+                return nothing
+            try:
+                return ask(topic)
+            except Exception as error:  # noqa: BLE001 - whatever it fails of costs the topic only
+                live = self._settled.outputs.get(topic) or self._topics.get(topic)
+                if live is not None:
+                    live.fail(error)
+                return nothing
+
+        return asked
+
+    def _relaying_nodes(self) -> frozenset[str]:
+        try:
+            return relaying_nodes(self._robot, self._warn_once)
+        except Exception as error:  # noqa: BLE001 - then those are that were
+            self._warn_once(said(error))
+            return self._testudos | {self._robot.name}
+
+    def _note_problem(self, error: TestudoError | None) -> None:
+        self._settled = self._settled_now()
+        if error is not None:
+            self._warn_once(str(error))
 
     def _warn_once(self, message: str) -> None:
         if message not in self._said:

@@ -14,7 +14,7 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.link import Prediction, StreamInfo
 from smarttestudo.domain.link_state import CommandTopic
-from smarttestudo.domain.names import is_topic_name
+from smarttestudo.domain.names import has_topic_form
 from smarttestudo.domain.parameter import Values
 from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
 from smarttestudo.domain.type_names import TypeName
@@ -148,7 +148,8 @@ def _require(condition: object, what: str) -> None:
 
 
 def _require_topics(names: Iterable[str]) -> None:
-    _require(all(map(is_topic_name, names)), "no name of a topic")
+    # One that ROS 2 takes no more is said where it would be published.
+    _require(all(len(name) <= _MAX_NAME and has_topic_form(name) for name in names), "no name of a topic")
 
 
 def _require_duration(number_ms: float) -> None:

@@ -4,14 +4,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import field
+from functools import partial
 
 from smarttestudo.domain.dataclass import dataclass
+from smarttestudo.domain.errors import error_at, said
 from smarttestudo.domain.link import ReceivedMessage, Sink, StreamInfo
 from smarttestudo.domain.rate_meter import Flow, FlowMeter
 from smarttestudo.domain.units import NS_PER_MS
 from smarttestudo.link.receive.prediction import Predictor
+from smarttestudo.link.receive.topic_streams import CountedStream, StreamKey, TopicStreams
 from smarttestudo.link.zenoh.arrivals import LinkEvent, RobotPresence, StreamSaid
 
 
@@ -19,14 +22,26 @@ from smarttestudo.link.zenoh.arrivals import LinkEvent, RobotPresence, StreamSai
 class ReceivedTopic:
     """How one topic of a robot arrives: ``age_ms`` is that of its last message, as far as it is known.
 
-    ``predicted`` messages were made here; they count as nothing else.
+    ``predicted`` messages were made here; they count as nothing else. ``opened`` are the streams that count,
+    by publisher. ``refused`` says what a second robot of the name has otherwise, ``unopened`` and
+    ``unwritten`` why what arrives is not put where it is wanted.
     """
 
     type_name: str
+    streams: TopicStreams
     flow: Flow
     meter: FlowMeter
     age_ms: float | None = None
     predicted: int = 0
+    opened: dict[int, CountedStream] = field(default_factory=dict)
+    refused: str | None = None
+    unopened: str | None = None
+    unwritten: str | None = None
+
+    @property
+    def problem(self) -> str | None:
+        """Why not all that arrives is put where it is wanted."""
+        return self.unopened or self.unwritten or self.refused
 
 
 @dataclass(slots=True)
@@ -34,24 +49,45 @@ class ReceivedRobot:
     """One robot; ``boots`` are the runs of its end that are connected now.
 
     ``streams`` are those that it has, by run and number; those of a run that left stay while there is no
-    other, as it may come back.
+    other, as it may come back. ``ranks`` tell which run came first.
     """
 
     boots: set[str] = field(default_factory=set)
-    streams: dict[tuple[str, int], StreamInfo] = field(default_factory=dict)
+    streams: dict[StreamKey, StreamInfo] = field(default_factory=dict)
+    ranks: dict[str, int] = field(default_factory=dict)
     topics: dict[str, ReceivedTopic] = field(default_factory=dict)
+
+
+_MOST_RANKS = 1_000
+_MOST_SAID = 1_000
+_MOST_HELD = 1_000
+_MOST_HELD_BYTES = 16_000_000
 
 
 class Reception:
     """Takes the events of the operator's end, in order, and gives what they bring to ``sinks``.
 
-    Where there is a ``predictor``, so is what it makes of them. Times are ns of a clock that never jumps.
+    Where there is a ``predictor``, so is what it makes of them. Whatever one of them fails of for a topic
+    costs that topic there, which ``warn`` is told once, and is tried again. Of robots of one name the one
+    that came first has a topic (``TopicStreams``); what another one latched meanwhile is given out once it
+    has the topic. ``note`` is told of all that counts. Times are ns of a clock that never jumps.
     """
 
-    def __init__(self, sinks: Sequence[Sink], predictor: Predictor | None = None) -> None:
+    def __init__(
+        self,
+        sinks: Sequence[Sink],
+        predictor: Predictor | None = None,
+        warn: Callable[[str], None] = lambda _: None,
+        note: Callable[[LinkEvent], None] = lambda _: None,
+    ) -> None:
         self.robots: dict[str, ReceivedRobot] = {}
         self._sinks = sinks
         self._predictor = predictor
+        self._warn = warn
+        self._note = note
+        self._said: set[str] = set()
+        self._held: dict[tuple[str, str, str, int], ReceivedMessage] = {}
+        self._held_bytes = 0
 
     def handle(self, event: LinkEvent, now_ns: int) -> None:
         """Something arrived."""
@@ -59,49 +95,32 @@ class Reception:
         known = self.robots.setdefault(robot, ReceivedRobot())
         match event:
             case RobotPresence(boot=boot, is_present=is_present):
+                _rank(known, boot)
                 (known.boots.add if is_present else known.boots.discard)(boot)
                 self._forget_earlier(robot)
+                self._tell(event, now_ns)
             case StreamSaid(boot=boot, number=number, info=info):
-                self._follow(robot, (boot, number), info)
-            case ReceivedMessage(stream=stream, age_ns=age_ns):
+                _rank(known, boot)
+                self._follow(robot, StreamKey(boot, number), info, now_ns)
+            case ReceivedMessage(stream=stream, boot=boot):
                 topic = _topic(known, stream)
-                topic.age_ms = None if age_ns is None else age_ns / NS_PER_MS
-                topic.flow.record(now_ns, len(event.payload))
-                for sink in self._sinks:
-                    sink.write(event)
-        if self._predictor is not None:
-            self._predictor.handle(event, now_ns)
+                if topic.streams.counts(boot, stream):
+                    self._receive(topic, event, now_ns)
+                elif stream.qos.transient_local:
+                    self._hold(event)
 
     def predict(self, now_ns: int) -> int | None:
         """Give ``sinks`` what is predicted and due; when there is more."""
         if self._predictor is None:
             return None
-        for message in self._predictor.predicted(now_ns):
-            _topic(self.robots[message.robot], message.stream).predicted += 1
-            for sink in self._sinks:
-                sink.write(message)
+        try:
+            for message in self._predictor.predicted(now_ns):
+                topic = _topic(self.robots[message.robot], message.stream)
+                topic.predicted += 1
+                self._write(topic, message)
+        except Exception as error:  # noqa: BLE001 - that topic waits for its next message
+            self._say(said(error))
         return self._predictor.due_ns
-
-    def _follow(self, robot: str, key: tuple[str, int], info: StreamInfo | None) -> None:
-        """A robot has a stream, or has it no more."""
-        known = self.robots[robot]
-        before = known.streams.pop(key, None)
-        if info is not None:
-            known.streams[key] = info
-        if before is not None and not any(_is_of_publisher(one, before) for one in known.streams.values()):
-            for sink in self._sinks:
-                sink.forget(robot, before)
-        if info is not None:
-            _topic(known, info).type_name = info.type_name
-            for sink in self._sinks:
-                sink.open(robot, info)
-
-    def _forget_earlier(self, robot: str) -> None:
-        """Where a run of a robot's end is there, those that are gone do not come back."""
-        known = self.robots[robot]
-        if known.boots:
-            for key in [key for key in known.streams if key[0] not in known.boots]:
-                self._follow(robot, key, None)
 
     def measure(self, now_ns: int) -> None:
         """Measure the rates anew; to be called about once a second."""
@@ -109,15 +128,133 @@ class Reception:
             for topic in robot.topics.values():
                 topic.meter.measure(now_ns)
 
+    def _receive(self, topic: ReceivedTopic, message: ReceivedMessage, now_ns: int) -> None:
+        topic.age_ms = None if message.age_ns is None else message.age_ns / NS_PER_MS
+        topic.flow.record(now_ns, len(message.payload))
+        self._write(topic, message)
+        self._tell(message, now_ns)
 
-def _is_of_publisher(one: StreamInfo, other: StreamInfo) -> bool:
-    """Whether both are the same publisher of the same topic."""
-    return (one.topic, one.publisher) == (other.topic, other.publisher)
+    def _write(self, topic: ReceivedTopic, message: ReceivedMessage) -> None:
+        topic.unwritten = self._each(message.stream.topic, lambda sink: sink.write(message))
+
+    def _each(self, topic: str, act: Callable[[Sink], str | None]) -> str | None:
+        """Have each sink act; the first reason why one cannot."""
+        problems = [self._attempt(topic, act, sink) for sink in self._sinks]
+        return next(filter(None, problems), None)
+
+    def _attempt(self, topic: str, act: Callable[[Sink], str | None], sink: Sink) -> str | None:
+        try:
+            return act(sink)
+        except Exception as error:  # noqa: BLE001 - whatever it fails of costs this topic there
+            problem = error_at(topic, error)
+            self._say(str(problem))
+            return problem.cause
+
+    def _tell(self, event: LinkEvent, now_ns: int) -> None:
+        """Tell of what counts."""
+        self._note(event)
+        try:
+            if self._predictor is not None:
+                self._predictor.handle(event, now_ns)
+        except Exception as error:  # noqa: BLE001 - as a sink
+            self._say(said(error))
+
+    def _follow(self, robot: str, key: StreamKey, info: StreamInfo | None, now_ns: int) -> None:
+        """A robot has a stream, or has it no more."""
+        known = self.robots[robot]
+        before = known.streams.pop(key, None)
+        if info is not None:
+            known.streams[key] = info
+        if before is not None and before != info:
+            self._drop_held(robot, key.boot, before)
+        for stream in {one.topic: one for one in (before, info) if one is not None}.values():
+            topic = _topic(known, stream)
+            publishers = topic.streams.follow(key, info if stream is info else None)
+            said_again = stream.publisher if stream is info else None
+            self._settle(robot, topic, sorted(publishers), said_again, now_ns)
+            topic.refused = self._refusal(robot, stream.topic, topic)
+
+    def _settle(
+        self,
+        robot: str,
+        topic: ReceivedTopic,
+        publishers: Iterable[int],
+        said_again: int | None,
+        now_ns: int,
+    ) -> None:
+        """Open the streams of ``publishers`` that count now, and forget those that count no more."""
+        for publisher in publishers:
+            before, now = topic.opened.pop(publisher, None), topic.streams.counted(publisher)
+            if before is not None and (now is None or now.is_of_another_kind(before)):
+                self._each(before.info.topic, partial(_forget, robot, before.info))
+                self._tell(before.said_by(robot, has_it=False), now_ns)
+            if now is not None:
+                topic.opened[publisher] = now
+                if now != before or publisher == said_again:
+                    self._open(robot, topic, now, now_ns)
+
+    def _open(self, robot: str, topic: ReceivedTopic, stream: CountedStream, now_ns: int) -> None:
+        info = stream.info
+        topic.type_name = info.type_name
+        topic.unopened = self._each(info.topic, lambda sink: sink.open(robot, info))
+        self._tell(stream.said_by(robot), now_ns)
+        held = self._drop_held(robot, stream.key.boot, info)
+        if held is not None:
+            self._receive(topic, held, now_ns)
+
+    def _hold(self, message: ReceivedMessage) -> None:
+        """Keep the newest latched message of a stream that does not count yet."""
+        stream = message.stream
+        self._drop_held(message.robot, message.boot, stream)
+        self._held[message.robot, message.boot, stream.topic, stream.publisher] = message
+        self._held_bytes += len(message.payload)
+        while len(self._held) > _MOST_HELD or self._held_bytes > _MOST_HELD_BYTES:
+            oldest = next(iter(self._held.values()))
+            self._drop_held(oldest.robot, oldest.boot, oldest.stream)
+
+    def _drop_held(self, robot: str, boot: str, stream: StreamInfo) -> ReceivedMessage | None:
+        held = self._held.pop((robot, boot, stream.topic, stream.publisher), None)
+        if held is not None:
+            self._held_bytes -= len(held.payload)
+        return held
+
+    def _refusal(self, robot: str, name: str, topic: ReceivedTopic) -> str | None:
+        refused = topic.streams.refused()
+        if refused is not None:
+            self._say(
+                f"{robot}: a second robot of this name sends {name} {refused}; that is refused while the "
+                "first one is there: give each a name of its own with --robot"
+            )
+        return refused and f"another {robot} sends it {refused}"
+
+    def _forget_earlier(self, robot: str) -> None:
+        """Where a run of a robot's end is there, those that are gone have nothing until they are back."""
+        known = self.robots[robot]
+        if known.boots:
+            for key in [key for key in known.streams if key.boot not in known.boots]:
+                self._follow(robot, key, None, 0)
+
+    def _say(self, line: str) -> None:
+        if line not in self._said and len(self._said) < _MOST_SAID:
+            self._said.add(line)
+            self._warn(line)
+
+
+def _forget(robot: str, stream: StreamInfo, sink: Sink) -> None:
+    sink.forget(robot, stream)
+
+
+def _rank(robot: ReceivedRobot, boot: str) -> None:
+    if boot not in robot.ranks:
+        robot.ranks[boot] = max(robot.ranks.values(), default=0) + 1
+        while len(robot.ranks) > _MOST_RANKS:
+            del robot.ranks[next(one for one in robot.ranks if one not in robot.boots and one != boot)]
 
 
 def _topic(robot: ReceivedRobot, stream: StreamInfo) -> ReceivedTopic:
     topic = robot.topics.get(stream.topic)
     if topic is None:
         flow = Flow()
-        topic = robot.topics[stream.topic] = ReceivedTopic(stream.type_name, flow, FlowMeter(flow))
+        streams = TopicStreams(robot.ranks)
+        topic = robot.topics[stream.topic] = ReceivedTopic(stream.type_name, streams, flow, FlowMeter(flow))
     return topic

@@ -138,9 +138,8 @@ class Sending:
 
     def close(self) -> None:
         """Receive nothing more."""
-        for source in self._sources.values():
-            source.subscription.close()
-        self._sources.clear()
+        for name in list(self._sources):
+            self._close(name)
 
     def step(self) -> float:
         """Wait for messages for a moment, and send; in how many seconds to go on. Raises ``TestudoError``."""
@@ -166,7 +165,7 @@ class Sending:
         self._open_routes = {route.source: route for route in routes if route.problem is None}
         self.routes = tuple(routes)
         for name in self._sources.keys() - self._open_routes.keys():
-            self._sources.pop(name).subscription.close()
+            self._close(name)
         self._say_problems(robots, now_ns)
 
     def _name(self, robot: CommandedRobot, topic: CommandTopic) -> str | None:
@@ -226,13 +225,19 @@ class Sending:
         if source is not None and source.type_name == type_name:
             return
         if source is not None:
-            self._sources.pop(name).subscription.close()
+            self._close(name)
 
         def receive(payload: Payload, publisher: Hashable) -> None:
             self._receive(name, payload, publisher)
 
         subscription = self._robot.data_path.subscribe(name, type_name, QOS, receive)
         self._sources[name] = _Source(type_name, subscription)
+
+    def _close(self, name: str) -> None:
+        try:
+            self._sources.pop(name).subscription.close()
+        except TestudoError as error:
+            self._say(str(error))
 
     def _receive(self, name: str, payload: Payload, publisher: Hashable) -> None:
         if not self._guard.polled(self._clock()):

@@ -164,12 +164,21 @@ class OperatorEnd:
         if robot is None:
             return
         self._arrivals.put(RobotPresence(robot=boot.robot, boot=boot.number, is_present=is_present))
+        if is_present:
+            self._say_streams(robot)
         (self._statuses.add if is_present else self._statuses.remove)(boot)
         if not is_present:
             self._told_status.discard(boot)
         self._worker.wake()
         if is_present:
             self._warn_of_namesakes(boot.robot)
+
+    def _say_streams(self, robot: _Robot) -> None:
+        """Say what a robot that is back has: whoever reads may have given it up for another of its name."""
+        name, boot = robot.boot
+        with robot.lock:
+            for number, info in robot.receiver.streams.items():
+                self._arrivals.put(StreamSaid(robot=name, boot=boot, number=number, info=info))
 
     def _add(self, boot: Boot) -> _Robot | None:
         if len(self._robots) >= MAX_ROBOTS:

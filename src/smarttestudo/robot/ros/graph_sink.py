@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import replace
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
-from smarttestudo.domain.names import TOPIC_PLACEHOLDER, output_name
+from smarttestudo.domain.names import TOPIC_PLACEHOLDER, output_name, require_publishable
 from smarttestudo.domain.robot import DataPath, Publisher
 
 MAX_DEPTH = 1000
@@ -20,22 +21,30 @@ _StreamKey = tuple[str, str, int]
 
 @dataclass(slots=True, kw_only=True)
 class _OpenStream:
-    """``publisher`` is ``None`` where none can be had, which was said.
+    """``publisher`` is ``None`` where none can be had, which was said, for ``problem``.
 
     Predicted messages have a publisher of their own, so that they can be told from what arrived.
     """
 
     stream: StreamInfo
-    publisher: Publisher | None
+    output: str = ""
+    publisher: Publisher | None = None
+    problem: str | None = None
     predicting: Publisher | None = None
+
+    def publishes(self, stream: StreamInfo) -> bool:
+        """Whether it does for ``stream``."""
+        is_alike = (self.stream.type_name, self.stream.qos) == (stream.type_name, stream.qos)
+        return is_alike and self.publisher is not None
 
 
 class GraphSink:
     """A ``Sink`` with a publisher for each stream, of the type and QoS of the robot's.
 
     So a late subscriber gets what each of the robot's publishers latched. ``pattern`` names topics, with
-    ``{topic}`` and, where there are several robots, ``{robot}``. What goes wrong costs its stream only and is
-    said to ``warn`` once. Raises ``UsageError`` for a pattern that makes no names.
+    ``{topic}`` and, where there are several robots, ``{robot}``. What goes wrong costs its stream only, is
+    said to ``warn`` once, and is tried again when the stream is said again, or another one of its name is
+    gone. Raises ``UsageError`` for a pattern that makes no names.
     """
 
     def __init__(
@@ -49,68 +58,80 @@ class GraphSink:
         self._robot_of: dict[str, str] = {}
         self._said: set[str] = set()
 
-    def open(self, robot: str, stream: StreamInfo) -> None:
+    def open(self, robot: str, stream: StreamInfo) -> str | None:
         """Publish the stream, anew where its type or QoS is another one than before."""
         key = (robot, stream.topic, stream.publisher)
         before = self._streams.get(key)
-        if before is not None:
-            if (before.stream.type_name, before.stream.qos) == (stream.type_name, stream.qos):
-                return
-            _close(before)
-        self._streams[key] = _OpenStream(stream=stream, publisher=self._advertise(robot, stream))
+        if before is not None and before.publishes(stream):
+            return None
+        self._end(key)
+        opened = self._streams[key] = _OpenStream(stream=stream)
+        self._open(robot, opened)
+        return opened.problem
 
     def write(self, message: ReceivedMessage) -> None:
-        """Publish the message of a stream that is open."""
+        """Publish the message of a stream that is open. Raises ``RosError``."""
         stream = self._streams.get((message.robot, message.stream.topic, message.stream.publisher))
         if stream is None or stream.publisher is None:
             return
-        publisher: Publisher | None = stream.publisher
+        publisher = stream.publisher
         if message.is_predicted:
             if stream.predicting is None:
-                stream.predicting = self._advertise(message.robot, stream.stream)
+                stream.predicting = self._advertise(stream)
             publisher = stream.predicting
-        if publisher is None:
-            return
-        try:
-            publisher.publish(message.payload)
-        except TestudoError as error:
-            self._say(str(error))
+        publisher.publish(message.payload)
 
     def forget(self, robot: str, stream: StreamInfo) -> None:
         """Publish nothing more of the stream, latched messages included."""
-        gone = self._streams.pop((robot, stream.topic, stream.publisher), None)
-        if gone is not None:
-            _close(gone)
+        self._end((robot, stream.topic, stream.publisher))
 
     def close(self) -> None:
         """Publish nothing more, latched messages included."""
         for stream in self._streams.values():
-            _close(stream)
+            self._close(stream)
         self._streams.clear()
 
-    def _advertise(self, robot: str, stream: StreamInfo) -> Publisher | None:
+    def _open(self, robot: str, stream: _OpenStream) -> None:
         try:
-            output = output_name(stream.topic, self._pattern, robot)
-            qos = replace(stream.qos, depth=min(max(stream.qos.depth, 1), MAX_DEPTH))
-            publisher = self._path.advertise(output, stream.type_name, qos)
+            stream.output = output_name(stream.stream.topic, self._pattern, robot)
+            require_publishable(stream.output, stream.stream.topic)
+            stream.publisher = self._advertise(stream)
         except TestudoError as error:
+            stream.problem = error.cause
             self._say(str(error))
-            return None
-        other = self._robot_of.setdefault(output, robot)
+            return
+        stream.problem = None
+        other = self._robot_of.setdefault(stream.output, robot)
         if other != robot:
             self._say(
                 f"the topics of {other} and {robot} have the same names here; "
                 "tell them apart with --output-topic '/{robot}{topic}'"
             )
-        return publisher
+
+    def _advertise(self, stream: _OpenStream) -> Publisher:
+        info = stream.stream
+        qos = replace(info.qos, depth=min(max(info.qos.depth, 1), MAX_DEPTH))
+        return self._path.advertise(stream.output, info.type_name, qos)
+
+    def _end(self, key: _StreamKey) -> None:
+        """Publish nothing more of a stream; another one may then have its name here."""
+        gone = self._streams.pop(key, None)
+        if gone is None:
+            return
+        self._close(gone)
+        for (robot, _, _), stream in self._streams.items():
+            if stream.publisher is None and stream.output == gone.output:
+                self._open(robot, stream)
+
+    def _close(self, stream: _OpenStream) -> None:
+        try:
+            with ExitStack() as closing:
+                for publisher in filter(None, (stream.publisher, stream.predicting)):
+                    closing.callback(publisher.close)
+        except TestudoError as error:
+            self._say(str(error))
 
     def _say(self, line: str) -> None:
         if line not in self._said:
             self._said.add(line)
             self._warn(line)
-
-
-def _close(stream: _OpenStream) -> None:
-    for publisher in (stream.publisher, stream.predicting):
-        if publisher is not None:
-            publisher.close()

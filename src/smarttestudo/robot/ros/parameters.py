@@ -231,11 +231,11 @@ class NodeParameterClients:
         self.poll()
 
     def _new_client(self, kind: Any, service: str, now_s: float) -> _Client:
-        try:
-            with ros_errors(service):
+        with ros_errors(service):
+            try:
                 return _Client(self._node.create_client(kind, service), now_s)
-        except NameValidationException as error:
-            raise RosError("this is not the name of a node", place=service) from error
+            except NameValidationException as error:
+                raise RosError("this is not the name of a node", place=service) from error
 
     def _send(self, call: _Call) -> None:
         call.future = call.client.handle.call_async(call.request)

@@ -40,6 +40,7 @@ class RclpyPath:
         self._operators = operators
         self._executor = executor
         self._byte_topics = byte_topics
+        self._said: set[str] = set()
 
     def knows(self, type_name: str) -> bool:
         """Whether the message type is installed."""
@@ -75,7 +76,14 @@ class RclpyPath:
 
     def wait(self, timeout_s: float) -> None:
         """Deliver what comes next; return after it or after ``timeout_s``."""
-        self._executor.spin_once(timeout_sec=SameTimeout(timeout_s))
+        try:
+            self._executor.spin_once(timeout_sec=SameTimeout(timeout_s))
+        except RuntimeError as error:
+            # What rcl cannot take costs its topic, which alone is in its callback group.
+            line = f"a message cannot be taken: {(str(error).splitlines() or [''])[0]}"
+            if line not in self._said:
+                self._said.add(line)
+                self._node.get_logger().warning(line)
 
     def close(self) -> None:
         """Deliver nothing more."""
@@ -96,5 +104,6 @@ class RclpyPublisher:
             self._handle.publish(payload[:])
 
     def close(self) -> None:
-        """Send nothing more."""
-        self._node.destroy_publisher(self._handle)
+        """Send nothing more. Raises ``RosError``."""
+        with ros_errors(self._topic):
+            self._node.destroy_publisher(self._handle)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.serialization import serialize_message
 
 from smarttestudo.domain.robot import Qos, Receive
@@ -30,9 +31,15 @@ class RclpyInlet:
             receive(serialize_message(message) if is_decoded else message, None)
 
         self._node = node
+        self._topic = topic
         with ros_errors(topic):
             self._handle = node.create_subscription(
-                message_type(type_name, topic), topic, received, qos_profile(qos), raw=not is_decoded
+                message_type(type_name, topic),
+                topic,
+                received,
+                qos_profile(qos),
+                callback_group=MutuallyExclusiveCallbackGroup(),
+                raw=not is_decoded,
             )
 
     def pause(self) -> None:
@@ -49,5 +56,6 @@ class RclpyInlet:
         """Go on, since it never rests."""
 
     def close(self) -> None:
-        """Receive nothing more."""
-        self._node.destroy_subscription(self._handle)
+        """Receive nothing more. Raises ``RosError``."""
+        with ros_errors(self._topic):
+            self._node.destroy_subscription(self._handle)

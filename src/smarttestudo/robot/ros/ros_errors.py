@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from types import TracebackType
 
-from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.errors import RosError, TestudoError
 
 
 def ros_errors(place: str | None = None) -> _RosErrors:
@@ -28,7 +28,7 @@ class _RosErrors:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        # All errors of rcl and the middleware are RuntimeErrors; only their first line is for people.
-        if isinstance(error, RuntimeError):
+        # Errors of rcl are RuntimeErrors, names and values have others; only the first line is for people.
+        if isinstance(error, Exception) and not isinstance(error, TestudoError):
             cause = (str(error).splitlines() or [type(error).__name__])[0]
             raise RosError(cause, place=self._place) from error

@@ -75,10 +75,11 @@ class RclPublisher:
         self._publish(ctypes.addressof(foreign))
 
     def close(self) -> None:
-        """Send nothing more."""
+        """Send nothing more. Raises ``RosError``."""
         if self._end_relay is not None:
             self._end_relay()
-        self._node.destroy_publisher(self._handle)
+        with ros_errors(self.topic):
+            self._node.destroy_publisher(self._handle)
 
     def _publish(self, address: int) -> None:
         code = self._library.publish(self.pointer, address, None)

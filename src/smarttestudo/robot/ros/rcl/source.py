@@ -85,7 +85,7 @@ class RclSource:
     def take_back(self) -> None:
         """Deliver again what comes, and what was announced to the other and not taken."""
         self._end_relay = None
-        self._subscription.wake(wanted=True)
+        self._wake(self._subscription, wanted=True)
 
     def serve(self, most: int) -> bool:
         """Deliver up to ``most`` messages; whether there may be more."""
@@ -103,7 +103,7 @@ class RclSource:
             if self._rests:
                 self._kept = None
                 self._is_armed = False
-                subscription.wake(wanted=False)
+                self._wake(subscription, wanted=False)
                 return False
         return True
 
@@ -119,7 +119,7 @@ class RclSource:
         if self._rests:
             self._is_armed = True
             self._kept = self._taker.take_newest(self._subscription) or self._kept
-            self._subscription.wake(wanted=True)
+            self._wake(self._subscription, wanted=True)
 
     def take_pending(self) -> bool:
         """Receive what ``arm`` kept, since nothing newer came; whether there was anything."""
@@ -135,7 +135,7 @@ class RclSource:
             self._taker.numbers.resume()
             self._is_to_rest = self._is_armed = False
             self.take_pending()
-            self._subscription.wake(wanted=True)
+            self._wake(self._subscription, wanted=True)
             self._succeed(self._qos)
 
     @property
@@ -166,7 +166,7 @@ class RclSource:
         self._close(self._successor)
         self._successor = None
         if self._is_to_rest:
-            self._subscription.wake(wanted=False)
+            self._wake(self._subscription, wanted=False)
 
     def _hand_over(self, successor: RclSubscription) -> bool:
         payload = self._taker.take(successor)
@@ -175,8 +175,14 @@ class RclSource:
         if successor.is_heard:
             self._close(self._subscription)
             self._subscription, self._successor = successor, None
-            successor.wake(wanted=not self._is_to_rest)
+            self._wake(successor, wanted=not self._is_to_rest)
         return payload is not None
+
+    def _wake(self, subscription: RclSubscription, *, wanted: bool) -> None:
+        try:
+            subscription.wake(wanted=wanted)
+        except RosError as error:
+            self._taker.failed(error)
 
     def _open(self, qos: Qos) -> RclSubscription:
         subscription = self._subscribe(qos)

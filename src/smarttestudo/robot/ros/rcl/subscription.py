@@ -89,9 +89,10 @@ class RclSubscription:
 
     def close(self) -> None:
         """Receive nothing more."""
-        self.wake(wanted=False)
-        self._node.destroy_subscription(self._handle)
-        os.close(self.event_fd)
+        with ExitStack() as closing, ros_errors(self._topic):
+            closing.callback(os.close, self.event_fd)
+            closing.callback(self._node.destroy_subscription, self._handle)
+            self.wake(wanted=False)
 
 
 def _opened_event(topic: str) -> int:
