@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The files that ARCHITECTURE.md calls the spine can be read in an afternoon, and know no feature."""
+"""The files that ARCHITECTURE.md calls the spine know no feature."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "src" / "smarttestudo"
-MOST_LINES = 6500
 BELOW = {"domain", "files", "pacing", "language", "checks", "optimizer", "loop", "rules", "robot"}
 """Rooms that the loop beside a robot needs."""
 LISTS_THE_PARTS = SOURCES / "cli" / "run.py"
@@ -36,12 +35,7 @@ def imported_rooms(path: Path) -> Iterator[str]:
             yield (node.module or "").split(".")[1]
 
 
-def test_it_is_short_enough_for_an_afternoon() -> None:
-    lines = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in spine()}
-    assert len(lines) > 35
-    assert sum(lines.values()) <= MOST_LINES
-
-
 def test_it_imports_no_part() -> None:
     rooms = {path: set(imported_rooms(path)) for path in spine() if path != LISTS_THE_PARTS}
+    assert len(rooms) > 35
     assert {path.name: found - BELOW for path, found in rooms.items() if found - BELOW} == {}
