@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Images of 6.22 MB through ``testudo run``, with and without profiles/fastdds_large_messages.xml.
+"""Images of 6.22 MB through ``testudo run``, their camera with more shared memory and without.
 
 Run it with ``python benchmarks/large_images.py [--seconds 10] [--domain 77] [--reliable]``. A camera process
 publishes numbered images at 29 Hz, and an operator process notes which of them come out of the relay, until
@@ -24,7 +24,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-PROFILE = Path(__file__).resolve().parent.parent / "profiles" / "fastdds_large_messages.xml"
+PROFILE = (
+    Path(__file__).resolve().parent.parent
+    / "src" / "smarttestudo" / "robot" / "ros" / "fastdds_large_messages.xml"
+)  # fmt: skip
 SOURCE_HZ = 29.0
 THINNED_HZ = 3.0
 # How many times the span of a run an operator waits for it.

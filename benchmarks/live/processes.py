@@ -17,7 +17,9 @@ from typing import Any
 NOT_INHERITED = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "LD_LIBRARY_PATH")
 
 
-LARGE_MESSAGES = Path(__file__).parents[2] / "profiles" / "fastdds_large_messages.xml"
+LARGE_MESSAGES = (
+    Path(__file__).parents[2] / "src" / "smarttestudo" / "robot" / "ros" / "fastdds_large_messages.xml"
+)
 
 
 def environment(domain: int, *, large_messages: bool) -> dict[str, str]:

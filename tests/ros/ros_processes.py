@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -128,9 +128,19 @@ def started(command: list[str], environment: dict[str, str]) -> ForkedPython | s
 
 
 class SmallRobot:
-    """Starts processes on one ROS domain and ends them; ``data_path`` is that of runtimes that name none."""
+    """Starts processes on one ROS domain and ends them; ``data_path`` is that of runtimes that name none.
 
-    def __init__(self, domain: int, folder: Path, *, data_path: str = "auto") -> None:
+    ``variables`` are those of all its processes.
+    """
+
+    def __init__(
+        self,
+        domain: int,
+        folder: Path,
+        *,
+        data_path: str = "auto",
+        variables: Mapping[str, str] | None = None,
+    ) -> None:
         self.folder = folder
         self._data_path = data_path
         self._environment = {
@@ -139,6 +149,7 @@ class SmallRobot:
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
             "ROS_LOG_DIR": str(folder / "log"),
             "PYTHONUNBUFFERED": "1",
+            **(variables or {}),
         }
         self._processes: list[Process] = []
 

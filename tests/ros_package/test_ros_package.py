@@ -99,23 +99,6 @@ def test_package_xml_depends_on_every_ros_package_that_is_used() -> None:
     assert used <= {one.text for one in package.findall("exec_depend")}
 
 
-def test_the_profile_for_one_machine_has_the_shared_memory_of_the_other_and_no_network() -> None:
-    xml = "{http://www.eprosima.com}"
-    large, here = (
-        ElementTree.parse(ROOT / "profiles" / f"{name}.xml").getroot()
-        for name in ("fastdds_large_messages", "fastdds_this_machine")
-    )
-    (transport,) = here.iter(f"{xml}transport_descriptor")
-    fields = {field.tag: field.text for field in transport}
-    assert fields in [
-        {field.tag: field.text for field in one} for one in large.iter(f"{xml}transport_descriptor")
-    ]
-    assert fields[f"{xml}type"] == "SHM"
-    assert here.findtext(f".//{xml}useBuiltinTransports") == "false"
-    used = here.findall(f".//{xml}userTransports/{xml}transport_id")
-    assert [one.text for one in used] == [transport.findtext(f"{xml}transport_id")]
-
-
 def test_package_xml_says_what_pyproject_says() -> None:
     package = ElementTree.parse(ROOT / "package.xml").getroot()
     project = tomli.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]

@@ -250,7 +250,7 @@ def _require_onlookers(arguments: argparse.Namespace) -> None:
 
 def _sinks(arguments: argparse.Namespace, opened: ExitStack) -> Iterator[Sink]:
     if not arguments.no_ros:
-        robot = opened.enter_context(open_robot(name=_receiving_node()))
+        robot = opened.enter_context(open_robot(name=_receiving_node(), sends_large=True))
         yield GraphSink(robot.data_path, warn, pattern=arguments.output_topic)
     if arguments.record is not None:
         from smarttestudo.bags.recording_sink import RecordingSink  # noqa: PLC0415  needs rosbags

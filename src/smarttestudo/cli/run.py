@@ -90,6 +90,7 @@ def run(arguments: argparse.Namespace, kinds: Sequence[PartKind] = PART_KINDS) -
                     output_domain=output_domain(arguments),
                     link=link,
                     is_local=_is_local(arguments),
+                    sends_large=True,
                 )
             )
         parameters = RunParameters(robot, options_of(kinds), _all_given(arguments, kinds))

@@ -46,7 +46,8 @@ def run(arguments: argparse.Namespace) -> int:
     with stop_signals() as stopped:
         if arguments.physics:
             load_physics()
-        with open_robot(["-r", f"__node:={node}", *arguments.ros_args]) as robot:
+        ros_arguments = ["-r", f"__node:={node}", *arguments.ros_args]
+        with open_robot(ros_arguments, sends_large=True) as robot:
             # This needs packages that a robot lacks.
             from smarttestudo.simulation.camera import FrameSize  # noqa: PLC0415
 

@@ -31,11 +31,12 @@ def open_robot(
     output_domain: OutputDomain | None = None,
     link: OutgoingLink | None = None,
     is_local: bool = True,
+    sends_large: bool = False,
 ) -> Iterator[Robot]:
     """A node ``name`` on the graph; ``ros_arguments`` are what follows ``--ros-args``.
 
     With an ``output_domain`` all that it publishes goes there, with a ``link`` over that; on the graph, too,
-    where that ``is_local``.
+    where that ``is_local``. A process that ``sends_large`` messages there has shared memory for them.
 
     Raises:
         RosError: rclpy is missing, the node cannot be made, or the data path does not work here.
@@ -57,7 +58,8 @@ def open_robot(
 
         return LinkedNode(node, executor, operators, data_path, link=link, is_local=is_local)
 
-    with open_node(ros_arguments, name, output_domain, make) as node:
+    sends_large = sends_large and (link is None or is_local)
+    with open_node(ros_arguments, name, output_domain, make, sends_large=sends_large) as node:
         yield node
 
 

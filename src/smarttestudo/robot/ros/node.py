@@ -7,7 +7,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
 from rclpy.executors import SingleThreadedExecutor
@@ -56,6 +56,7 @@ from smarttestudo.robot.ros.qos import (
 from smarttestudo.robot.ros.rclpy_path import RclpyPath, RclpyPublisher
 from smarttestudo.robot.ros.real_timers import RealTimers
 from smarttestudo.robot.ros.ros_errors import ros_errors
+from smarttestudo.robot.ros.shared_memory import room_for_large_messages
 from smarttestudo.robot.ros.trigger_service import offer_trigger
 
 if TYPE_CHECKING:
@@ -72,13 +73,16 @@ def open_node(
     name: str,
     output_domain: OutputDomain | None,
     make: Callable[[Any, Any, Any], RosNode],
+    *,
+    sends_large: bool = False,
 ) -> Iterator[RosNode]:
     """A node ``name`` with a context of its own, both gone at the end; signals are left to the caller.
 
-    ``make`` makes it of the rclpy node, its executor and the node that publishes.
+    ``make`` makes it of the rclpy node, its executor and the node that publishes. The first node of a process
+    says whether it ``sends_large`` messages.
     """
     with own_context(ros_arguments) as context:
-        with ros_errors(name):
+        with ros_errors(name), room_for_large_messages() if sends_large else nullcontext():
             node = Node(name, context=context)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)

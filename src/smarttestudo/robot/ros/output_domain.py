@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -15,8 +14,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from smarttestudo.domain.errors import UsageError
-from smarttestudo.domain.robot import DiscoveryRange, OutputDomain
-from smarttestudo.robot.ros.discovery import discovery_variables
+from smarttestudo.domain.robot import OutputDomain
+from smarttestudo.robot.ros.discovery import discovery_variables, environment
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 
@@ -36,7 +35,8 @@ def operators_node(node: Any, domain: OutputDomain | None) -> Iterator[Any]:
             remedy="give the operators another one, or leave this out",
         )
     context = Context()
-    with _discovery(domain.discovery), ros_errors("--output-domain"):
+    discovery = {} if domain.discovery is None else discovery_variables(domain.discovery)
+    with environment(discovery), ros_errors("--output-domain"):
         rclpy.init(
             args=[],
             context=context,
@@ -59,22 +59,3 @@ def operators_node(node: Any, domain: OutputDomain | None) -> Iterator[Any]:
             operators.destroy_node()
     finally:
         rclpy.try_shutdown(context=context)
-
-
-@contextmanager
-def _discovery(discovery: DiscoveryRange | None) -> Iterator[None]:
-    """Have ROS read ``discovery`` for what is made in the block: only the environment sets it."""
-    if discovery is None:
-        yield
-        return
-    variables = discovery_variables(discovery)
-    before = {name: os.environ.get(name) for name in variables}
-    os.environ.update(variables)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
