@@ -8,6 +8,7 @@ import os
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -102,3 +103,37 @@ def test_a_profile_of_the_user_s_own_is_what_a_run_has(robot: SmallRobot, domain
         assert not has_mapped(runtime, SEGMENT_BYTES)
     finally:
         nodes.end()
+
+
+def test_a_camera_without_room_is_named_with_what_to_set_and_loses_nothing_with_that(
+    robot: SmallRobot, domain: int
+) -> None:
+    image = {"type": TEXT, "hz": 15, "reliable": False, "size_bytes": 921_600}
+    runtime = robot.runtime(RULES)
+    robot.operator(text={"type": TEXT})
+    camera = robot.source(text=image)
+    said = runtime.line_with("lost ")
+    setting = re.search(r"start /source with (\w+)=(\S+)", said)
+    assert setting is not None, said
+    losing = robot.nodes_told(lambda nodes: any("loss" in topic_of(node) for node in nodes.values()))
+    ((_, told),) = losing.items()
+    topic = topic_of(told)
+    assert setting[0] in topic["loss"]["remedy"]
+    assert topic["source_hz"] is None or topic["source_hz"] > 12
+    camera.end()
+    nodes = SmallRobot(domain, robot.folder, variables={setting[1]: setting[2].strip("'")})
+    try:
+        nodes.source(text=image)
+        robot.nodes_told(lambda nodes: all(is_whole(topic_of(node)) for node in nodes.values()))
+    finally:
+        nodes.end()
+
+
+def topic_of(node: dict[str, Any]) -> dict[str, Any]:
+    topic: dict[str, Any] = node["topics"]["/text"]
+    return topic
+
+
+def is_whole(topic: dict[str, Any]) -> bool:
+    """Whether nothing of it is lost any more, for ten seconds."""
+    return "loss" not in topic and topic["actual_hz"] is not None and topic["actual_hz"] > 14

@@ -798,6 +798,12 @@ export interface Live {
   full_names: Record<string, string>;
 }
 
+/** The share of a topic's messages that was lost in the last seconds, and what to do about it. */
+export interface LossBeforeRelay {
+  percent: number;
+  remedy: string;
+}
+
 /**
  * The topic at one rate: what it carries, and the RMSE of its worst field in percent of that's range.
  *
@@ -1723,7 +1729,8 @@ export type TopicSource = "profile" | "robot" | "rules" | "example";
  * One relayed topic.
  *
  * `reason`, `rule` and `line` are those of its planned rate. Rates are (n − 1) / (last − first) over
- * about ten seconds, those of the output since its target last changed. `target_hz` is infinite for Full
+ * about ten seconds, those of the output since its target last changed, that of the source with what was
+ * lost of it before it came here; `loss` is there while that is much. `target_hz` is infinite for Full
  * and 0 for Off, `expected_hz` the lesser of target and source, `error_percent` how far `actual_hz`
  * lies above it, and not `keeps_rate` that it is off by more than pacing explains. `stamped_hz` is the
  * rate by the messages' own header stamps and `delay_ms` how old the last one was when it was relayed.
@@ -1761,6 +1768,7 @@ export interface TopicStatus {
   undecodable: number;
   dropped: number;
   frames?: number;
+  loss?: LossBeforeRelay;
   link?: TopicOnLink;
   within?: Record<string, number>;
   bound_reasons?: Record<string, BoundReason>;

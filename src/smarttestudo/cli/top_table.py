@@ -12,6 +12,7 @@ from dataclasses import replace
 from datetime import timedelta
 from enum import Enum
 from pathlib import Path
+from textwrap import wrap
 
 from smarttestudo.cli.tables import write_text
 from smarttestudo.cli.terminal import is_unicode
@@ -34,7 +35,13 @@ from smarttestudo.report.table import (
     plain_table,
     printable,
 )
-from smarttestudo.robot.diagnostics import accepted_text, node_problems, recording_text, topic_health
+from smarttestudo.robot.diagnostics import (
+    LOST_BEFORE_RELAY,
+    accepted_text,
+    node_problems,
+    recording_text,
+    topic_health,
+)
 
 WIDE = 110
 _QUIET = frozenset({Silence.OFF, Silence.NO_SUBSCRIBER})
@@ -129,6 +136,7 @@ def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) 
         *(Line(text, Style.HEADING) for text in lines[:heading_lines]),
         *(Line(text, _style(topic)) for text, (_, topic) in zip(lines[heading_lines:], topics, strict=True)),
         *_how_to_subscribe(status, topics),
+        *_how_to_lose_nothing(topics, width),
     ]
 
 
@@ -140,6 +148,18 @@ def _how_to_subscribe(status: RuntimeStatus, topics: Sequence[tuple[str, TopicSt
     return [
         Line(printable(f"A relay runs while somebody subscribes to it, as testudo echo {ready[0]} does."))
     ]
+
+
+def _how_to_lose_nothing(topics: Sequence[tuple[str, TopicStatus]], width: int | None) -> Iterator[Line]:
+    """The remedies for what is lost before relay, each with its topics."""
+    by_remedy: dict[str, list[str]] = {}
+    for source, topic in topics:
+        if topic.loss is not None:
+            by_remedy.setdefault(topic.loss.remedy, []).append(source)
+    for remedy, sources in by_remedy.items():
+        text = printable(f"{', '.join(sources)}: {LOST_BEFORE_RELAY}; {remedy}")
+        lines = [text] if width is None else wrap(text, width, subsequent_indent="  ", break_on_hyphens=False)
+        yield from (Line(line, Style.WARN) for line in lines)
 
 
 def _runtime(status: RuntimeStatus) -> str:
@@ -217,7 +237,11 @@ def _cells(source: str, topic: TopicStatus, *, is_wide: bool, has_link: bool) ->
     health, rule = topic_health(topic), _rule(topic)
     is_well = topic.silence is None and health.level is DiagnosticLevel.OK
     summary = "" if is_well else health.summary
-    why = (Text(rule), Text(summary and health.message)) if is_wide else (Text(summary or rule),)
+    state = health.message
+    if topic.loss is not None and summary == LOST_BEFORE_RELAY:
+        # What to do about it takes a line of its own.
+        state = f"{summary}: {topic.loss.percent:.0f} %"
+    why = (Text(rule), Text(summary and state)) if is_wide else (Text(summary or rule),)
     name = source if topic.frames is None or topic.frames == 1 else f"{source} ({topic.frames} frames)"
     return (
         Text(name),

@@ -44,7 +44,8 @@ class Endpoint:
 
     ``gid`` is unique to it, and what ``Receive`` is told of a publisher where the data path tells publishers
     apart. ``asks`` are further policies by which a subscriber asks for more than a publisher of ours offers.
-    It has no depth: that cannot be discovered of a remote one.
+    It ``is_local`` where its process is known to be one of this machine. It has no depth: that cannot be
+    discovered of a remote one.
     """
 
     node: str
@@ -53,6 +54,7 @@ class Endpoint:
     transient_local: bool
     gid: bytes = b""
     asks: tuple[str, ...] = ()
+    is_local: bool = False
 
 
 class DiscoveryRange(Enum):
@@ -213,6 +215,13 @@ class Robot(Protocol):
     @property
     def has_output_domain(self) -> bool:
         """Whether the operators are in another domain than the robot."""
+
+    @property
+    def senders_remedy(self) -> str | None:
+        """What to set for a process of this machine whose large messages are lost on the way.
+
+        ``None`` where the middleware is not known to need any of that.
+        """
 
     @property
     def is_time_simulated(self) -> bool:

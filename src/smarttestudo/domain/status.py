@@ -203,11 +203,20 @@ class TopicCounts:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LossBeforeRelay:
+    """The share of a topic's messages that was lost in the last seconds, and what to do about it."""
+
+    percent: Measured
+    remedy: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class TopicStatus:
     """One relayed topic.
 
     ``reason``, ``rule`` and ``line`` are those of its planned rate. Rates are (n − 1) / (last − first) over
-    about ten seconds, those of the output since its target last changed. ``target_hz`` is infinite for Full
+    about ten seconds, those of the output since its target last changed, that of the source with what was
+    lost of it before it came here; ``loss`` is there while that is much. ``target_hz`` is infinite for Full
     and 0 for Off, ``expected_hz`` the lesser of target and source, ``error_percent`` how far ``actual_hz``
     lies above it, and not ``keeps_rate`` that it is off by more than pacing explains. ``stamped_hz`` is the
     rate by the messages' own header stamps and ``delay_ms`` how old the last one was when it was relayed.
@@ -228,7 +237,7 @@ class TopicStatus:
         Metered("topic_target", "hertz", "The planned rate of the topic; +Inf for Full, 0 for Off."),
     ]
     source_hz: Annotated[
-        Measured | None, Metered("topic_source", "hertz", "Messages a second that come of the topic.")
+        Measured | None, Metered("topic_source", "hertz", "Messages a second that are sent of the topic.")
     ]
     expected_hz: Annotated[
         Measured | None, Metered("topic_expected", "hertz", "The lesser of target and source.")
@@ -257,6 +266,7 @@ class TopicStatus:
     silence: Annotated[Silence | None, JsonEntry(name="silent")]
     counts: Annotated[TopicCounts, JsonEntry(is_merged=True)]
     frames: Annotated[int | None, JsonEntry(omits_default=True)] = None
+    loss: Annotated[LossBeforeRelay | None, JsonEntry(omits_default=True)] = None
     on_link: Annotated[TopicOnLink | None, JsonEntry(name="link", omits_default=True)] = None
     within: Annotated[Mapping[str, float], JsonEntry(omits_default=True)] = field(default_factory=dict)
     bound_reasons: Annotated[Mapping[str, BoundReason], JsonEntry(omits_default=True)] = field(

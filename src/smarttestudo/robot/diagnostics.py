@@ -15,6 +15,7 @@ from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatu
 from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped
 from smarttestudo.robot.status import TOLERANCE_PERCENT
 
+LOST_BEFORE_RELAY = "lost before relay"
 _UNKNOWN = "N/A"
 _LEVELS = {
     Silence.OFF: DiagnosticLevel.OK,
@@ -136,6 +137,10 @@ def topic_health(topic: TopicStatus) -> Health:
         return Health(_LEVELS[topic.silence], topic.silence.value, _details(topic, incompatible))
     if incompatible:
         return Health(DiagnosticLevel.WARN, Silence.INCOMPATIBLE_QOS.value, incompatible)
+    if topic.loss is not None:
+        return Health(
+            DiagnosticLevel.WARN, LOST_BEFORE_RELAY, f"{topic.loss.percent:.0f} %; {topic.loss.remedy}"
+        )
     if not topic.keeps_rate:
         error = "" if topic.error_percent is None else f"{topic.error_percent:+.1f} %"
         return Health(DiagnosticLevel.WARN, "rate off", error)

@@ -71,7 +71,7 @@ class LiveRun:
         self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=is_lazy)
         self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
-        self._losses = LiveLosses(robot.log)
+        self._losses = LiveLosses(robot, self._topics.publishers)
         needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
         compiled = None if needs_all or inputs.is_recording else robot.data_path.compiled
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
@@ -177,6 +177,7 @@ class LiveRun:
 
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
         now_ns = self._robot.now_ns()
+        self._losses.sizes[topic] = len(payload)
         if self._on_message:
             self._check_clock(now_ns)
             self._compiled.deliver(now_ns)

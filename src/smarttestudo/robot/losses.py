@@ -1,34 +1,99 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Counts the messages that topics lose before they can be relayed, and warns of them."""
+"""What topics lose before they can be relayed: counted, measured over the last seconds, and warned of."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field
 
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.robot import RobotLog, Subscription
+from smarttestudo.domain.rate_meter import WINDOW_NS
+from smarttestudo.domain.robot import Endpoint, Robot, Subscription
+from smarttestudo.domain.status import LossBeforeRelay
 from smarttestudo.domain.units import NS_PER_S
 
 PAUSE_NS = 10 * NS_PER_S
 """How long a topic is not reported again."""
+LARGE_BYTES = 1 << 16
+"""What is larger is sent in pieces, all of which need room in the sender's shared memory at once."""
+LEAST_SHARE = 0.05
+LEAST_LOST = 3
+"""Less than this or that share in the last seconds is no state of a topic: one hitch of the machine."""
+TOO_SLOW = "either this machine or its network is too slow for them"
 
 
-@dataclass(slots=True)
-class _Losses:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceLoss:
+    """Loss of one topic: so many ``messages`` since the first that came, a ``share`` of the last seconds.
+
+    ``state`` is what a status says of it, ``None`` while that is as it should be.
+    """
+
+    messages: int
+    share: float = 0.0
+    state: LossBeforeRelay | None = None
+
+
+@dataclass(slots=True, kw_only=True)
+class _Counts:
+    """Counts of one subscription, from the first look on that finds a message of it.
+
+    Until then this process was starting, or opened the topic: what came meanwhile is not missed. ``readings``
+    are time, sent and lost messages in the last seconds.
+    """
+
+    subscription: Subscription
+    not_counted: int | None = None
     said: int = 0
-    silent_until_ns: int = 0
+    readings: deque[tuple[int, int, int]] = field(default_factory=deque)
+
+    @property
+    def is_numbered(self) -> bool:
+        return self.subscription.sent is not None
+
+    @property
+    def lost(self) -> int:
+        return 0 if self.not_counted is None else self.subscription.dropped - self.not_counted
+
+    @property
+    def in_window(self) -> tuple[int, int]:
+        """Messages that were sent and lost in the last seconds."""
+        if not self.readings:
+            return 0, 0
+        (_, first_sent, first_lost), (_, sent, lost) = self.readings[0], self.readings[-1]
+        return sent - first_sent, lost - first_lost
+
+    def read(self, now_ns: int) -> None:
+        sent, readings = self.subscription.sent or 0, self.readings
+        if self.not_counted is None:
+            if not sent:
+                return
+            self.not_counted = self.subscription.dropped
+        if readings and now_ns < readings[-1][0]:
+            readings.clear()
+        readings.append((now_ns, sent, self.lost))
+        while len(readings) > 2 and readings[1][0] <= now_ns - WINDOW_NS:
+            readings.popleft()
 
 
 class LiveLosses:
-    """Counts what each topic lost, and warns of what it lost since it was last reported."""
+    """Counts what each topic lost, and warns of what it lost since it was last reported.
 
-    def __init__(self, log: RobotLog) -> None:
-        self._log = log
+    ``publishers_of`` are those of a topic; ``sizes`` is to have the size of its last message.
+    """
+
+    def __init__(self, robot: Robot, publishers_of: Callable[[str], Sequence[Endpoint]]) -> None:
+        self._robot = robot
+        self._publishers_of = publishers_of
+        self.sizes: dict[str, int] = {}
         self._open: Mapping[str, Subscription] = {}
-        self._losses: dict[str, _Losses] = {}
+        self._counts: dict[str, _Counts] = {}
         self._ended: dict[str, int] = {}
         """What subscriptions lost that are closed."""
+        self._silent_until_ns: dict[str, int] = {}
+        self._said: set[str] = set()
 
     def measure(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
         """Count for the subscriptions that are open; times may jump back."""
@@ -36,42 +101,63 @@ class LiveLosses:
             self._end_all_but(subscriptions)
             self._open = subscriptions
         for topic, subscription in subscriptions.items():
-            if subscription.dropped:
-                self._say_in_time(topic, subscription, now_ns)
+            counts = self._counts.setdefault(topic, _Counts(subscription=subscription))
+            counts.read(now_ns)
+            if counts.lost > counts.said:
+                self._say_in_time(topic, counts, now_ns)
 
-    def lost(self) -> Mapping[str, int]:
-        """Messages that each topic lost so far; none for one whose messages were never numbered."""
-        still_open = {
-            topic: self._ended.get(topic, 0) + subscription.dropped
-            for topic, subscription in self._open.items()
-            if subscription.sent is not None
-        }
-        return {**self._ended, **still_open}
+    def lost(self) -> Mapping[str, SourceLoss]:
+        """What each topic lost; nothing for one whose messages were never numbered."""
+        ended = {topic: SourceLoss(messages=messages) for topic, messages in self._ended.items()}
+        numbered = {topic: counts for topic, counts in self._counts.items() if counts.is_numbered}
+        return {**ended, **{topic: self._loss(topic, counts) for topic, counts in numbered.items()}}
 
     def close(self) -> None:
         """Report what was not reported yet; nothing is received any more."""
         self.measure({}, 0)
 
+    def _loss(self, topic: str, counts: _Counts) -> SourceLoss:
+        sent, lost = counts.in_window
+        share = lost / sent if sent else 0.0
+        state = None
+        if share > LEAST_SHARE and lost >= LEAST_LOST:
+            state = LossBeforeRelay(percent=100 * share, remedy=self._remedy(topic))
+        messages = self._ended.get(topic, 0) + counts.lost
+        return SourceLoss(messages=messages, share=share, state=state)
+
     def _end_all_but(self, still_open: Mapping[str, Subscription]) -> None:
-        for topic, subscription in self._open.items():
-            if still_open.get(topic) is not subscription:
-                self._say(topic, subscription, self._losses.pop(topic, _Losses()))
-                if subscription.sent is not None:
-                    self._ended[topic] = self._ended.get(topic, 0) + subscription.dropped
+        for topic, counts in list(self._counts.items()):
+            if still_open.get(topic) is not counts.subscription:
+                self._say(topic, counts)
+                del self._counts[topic]
+                if counts.is_numbered:
+                    self._ended[topic] = self._ended.get(topic, 0) + counts.lost
 
-    def _say_in_time(self, topic: str, subscription: Subscription, now_ns: int) -> None:
-        losses = self._losses.setdefault(topic, _Losses())
-        is_silent = losses.silent_until_ns - PAUSE_NS <= now_ns < losses.silent_until_ns
-        if not is_silent and self._say(topic, subscription, losses):
-            losses.silent_until_ns = now_ns + PAUSE_NS
+    def _say_in_time(self, topic: str, counts: _Counts, now_ns: int) -> None:
+        silent_until_ns = self._silent_until_ns.get(topic, now_ns)
+        if not silent_until_ns - PAUSE_NS <= now_ns < silent_until_ns:
+            self._say(topic, counts)
+            self._silent_until_ns[topic] = now_ns + PAUSE_NS
 
-    def _say(self, topic: str, subscription: Subscription, losses: _Losses) -> bool:
-        """Whether there was anything to say."""
-        lost = subscription.dropped - losses.said
-        if lost:
-            losses.said += lost
-            self._log.warning(
-                f"{topic}: lost {lost} messages before they could be relayed; "
-                "either this machine or its network is too slow for them"
-            )
-        return lost > 0
+    def _say(self, topic: str, counts: _Counts) -> None:
+        lost = counts.lost - counts.said
+        if lost <= 0:
+            return
+        counts.said += lost
+        remedy = self._remedy(topic)
+        # What there is to do about it is said once.
+        why = "" if f"{topic} {remedy}" in self._said else f"; {remedy}"
+        self._said.add(f"{topic} {remedy}")
+        self._robot.log.warning(f"{topic}: lost {lost} messages before they could be relayed{why}")
+
+    def _remedy(self, topic: str) -> str:
+        setting = self._robot.senders_remedy
+        short_of_room = sorted(
+            {one.node for one in self._publishers_of(topic) if one.is_local and not one.reliable}
+        )
+        if setting is None or not short_of_room or self.sizes.get(topic, 0) < LARGE_BYTES:
+            return TOO_SLOW
+        return (
+            f"Fast DDS has too little shared memory where they are sent: start {' and '.join(short_of_room)} "
+            f"with {setting} (if it has that, this machine is too slow)"
+        )

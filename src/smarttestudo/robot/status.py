@@ -14,6 +14,7 @@ from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate_meter import FlowMeter, RateWindow
 from smarttestudo.domain.status import (
     STATUS_HZ,
+    LossBeforeRelay,
     ProcessReading,
     RulesInForce,
     RuntimeStatus,
@@ -27,6 +28,7 @@ from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.loop.statistics import FrameFlows, RelayStatistics
 from smarttestudo.pacing.cdr import HEADER_BYTES, STAMP_BYTES, header_stamp
 from smarttestudo.pacing.sample import StreamKind
+from smarttestudo.robot.losses import SourceLoss
 from smarttestudo.robot.topic_link import TopicLink
 
 TOLERANCE_PERCENT = 5.0
@@ -34,6 +36,8 @@ _CPU_OVER_NS = NS_PER_S * 9 // 10
 _ERROR_AFTER_NS = 5 * NS_PER_S
 # What a pacer's credit and the edges of a window may add or take.
 _MESSAGES_EXPLAINED = 3
+# Of a source of which nearly all is lost, its rate is no longer told by what comes.
+_LEAST_SHARE = 0.01
 _SOON_NS = 2 * NS_PER_S
 _BEGINNING = slice(HEADER_BYTES + STAMP_BYTES)
 
@@ -136,6 +140,7 @@ class _Meters:
         "arrived",
         "frames",
         "is_heard",
+        "lost_share",
         "relayed",
         "statistics",
         "target_hz",
@@ -149,6 +154,7 @@ class _Meters:
         self.age = MessageAge()
         self.target_hz = statistics.target.rate_hz
         self.is_heard = True
+        self.lost_share = 0.0
         self._changes = statistics.target.changes
         self._subscriptions = 0
         self._measured_ns = 0
@@ -183,7 +189,8 @@ class _Meters:
             return _NO_RATES
         if self.frames:
             return self.frames.rates(self.target_hz)
-        source_hz = self.arrived.rate_hz
+        came_hz = self.arrived.rate_hz
+        source_hz = None if came_hz is None else came_hz / max(1 - self.lost_share, _LEAST_SHARE)
         expected_hz = None if source_hz is None else min(self.target_hz, source_hz)
         return _Rates(source_hz, expected_hz, self.relayed.rate_hz)
 
@@ -222,12 +229,12 @@ class LiveStatus:
         process: ProcessReading,
         now_ns: int,
         *,
-        lost: Mapping[str, int],
+        lost: Mapping[str, SourceLoss],
         status_hz: float = STATUS_HZ,
     ) -> RuntimeStatus:
         """The status at ``now_ns`` on the node's clock, by when what time alone does was done.
 
-        ``links`` are those of all relayed topics, ``lost`` counts what was lost of those where that is known.
+        ``links`` are those of all relayed topics, ``lost`` is what was lost of those where that is known.
         The blocks are left to the caller.
         """
         resident = process.resident_bytes
@@ -253,18 +260,20 @@ class LiveStatus:
         return self._cpu_percent
 
     def _topics(
-        self, loop: RelayLoop, links: Mapping[str, TopicLink], lost: Mapping[str, int], now_ns: int
+        self, loop: RelayLoop, links: Mapping[str, TopicLink], lost: Mapping[str, SourceLoss], now_ns: int
     ) -> dict[str, TopicStatus]:
         knowledge, statistics = loop.knowledge, loop.relays.statistics
         self._meters = {topic: self._metered(topic, statistics[topic]) for topic in links}
         for topic, link in links.items():
+            self._meters[topic].lost_share = lost[topic].share if topic in lost else 0.0
             self._meters[topic].measure(link, knowledge.profile.topic(topic), now_ns)
         return {
             topic: _topic_status(
                 link,
                 knowledge.plan[topic],
                 self._meters[topic],
-                _counts(topic, loop, lost),
+                _counts(topic, loop, lost.get(topic)),
+                None if topic not in lost else lost[topic].state,
             )
             for topic, link in links.items()
         }
@@ -275,7 +284,13 @@ class LiveStatus:
         return meters if meters is not None and meters.statistics is statistics else _Meters(statistics)
 
 
-def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts: TopicCounts) -> TopicStatus:
+def _topic_status(
+    link: TopicLink,
+    planned: PlannedRate,
+    meters: _Meters,
+    counts: TopicCounts,
+    loss: LossBeforeRelay | None,
+) -> TopicStatus:
     rates = meters.rates
     error = _Error(None, is_explained=True) if planned.within else _error(meters, rates, link)
     is_silent = meters.arrived.is_silent and meters.is_heard
@@ -303,16 +318,17 @@ def _topic_status(link: TopicLink, planned: PlannedRate, meters: _Meters, counts
         silence=_silence(link, meters),
         counts=counts,
         frames=len(meters.frames) or None,
+        loss=loss,
         within=planned.within,
         bound_reasons=planned.bound_reasons,
     )
 
 
-def _counts(topic: str, loop: RelayLoop, lost: Mapping[str, int]) -> TopicCounts:
+def _counts(topic: str, loop: RelayLoop, loss: SourceLoss | None) -> TopicCounts:
     statistics = loop.relays.statistics[topic]
     return TopicCounts(
         received=statistics.arrived.messages,
-        lost=lost.get(topic),
+        lost=None if loss is None else loss.messages,
         relayed=statistics.relayed.messages,
         repeated=statistics.repeated,
         discarded=loop.relays.discarded.get(topic, 0),

@@ -139,6 +139,10 @@ class LiveTopics:
             if live.output is not None and any(one.gid for one in self._subscribers.of(live.output))
         )
 
+    def publishers(self, topic: str) -> Sequence[Endpoint]:
+        """The publishers of a topic, as of the last poll."""
+        return self._publishers.of(topic)
+
     def subscription(self, topic: str) -> Subscription | None:
         """The subscription to a topic, if there is one."""
         live = self._topics.get(topic)

@@ -9,12 +9,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from smarttestudo.robot.losses import PAUSE_NS, LiveLosses
 from smarttestudo.robot.ros.rcl.subscription import MAX_PUBLISHERS, MessageNumbers
 from smarttestudo.robot.ros.rcl.wake_ups import MOST_AT_ONCE, RclWakeUps
 from smarttestudo.robot.ros.real_timers import RealTimers
-
-SECOND = 1_000_000_000
 
 
 class Backlog:
@@ -114,80 +111,6 @@ def test_publishers_without_end_do_not_grow_the_memory() -> None:
     for publisher in range(3 * MAX_PUBLISHERS):
         assert numbers.is_new(publisher.to_bytes(16, "big"), 1)
     assert (numbers.sent, numbers.lost) == (3 * MAX_PUBLISHERS, 0)
-
-
-class Subscription:
-    sent: int | None = None
-    dropped = 0
-
-    def pause(self) -> None: ...
-
-    def arm(self) -> None: ...
-
-    def take_pending(self) -> bool:
-        return False
-
-    def resume(self) -> None: ...
-
-    def close(self) -> None: ...
-
-
-class Log:
-    def __init__(self) -> None:
-        self.lines: list[str] = []
-
-    def info(self, message: str) -> None:
-        self.lines.append(message)
-
-    warning = info
-
-
-def test_losses_are_said_at_once_and_then_no_more_than_every_ten_seconds() -> None:
-    log, subscription = Log(), Subscription()
-    losses = LiveLosses(log)
-    for second in range(25):
-        subscription.dropped += 2 if second else 0
-        losses.measure({"/scan": subscription}, second * SECOND)
-    assert [line[: line.index(" messages")] for line in log.lines] == [
-        "/scan: lost 2",
-        "/scan: lost 20",
-        "/scan: lost 20",
-    ]
-    assert PAUSE_NS == 10 * SECOND
-
-
-def test_what_was_lost_last_is_said_when_a_topic_is_no_longer_subscribed_to_and_at_the_end() -> None:
-    log, scan, imu, later = Log(), Subscription(), Subscription(), Subscription()
-    losses = LiveLosses(log)
-    scan.dropped = 5
-    losses.measure({"/scan": scan, "/imu": imu}, 0)
-    scan.dropped, imu.dropped = 7, 3
-    losses.measure({"/scan": later, "/imu": imu}, SECOND)
-    imu.dropped, later.dropped = 4, 1
-    losses.close()
-    assert [line[: line.index(" messages")] for line in log.lines] == [
-        "/scan: lost 5",
-        "/scan: lost 2",
-        "/imu: lost 3",
-        "/scan: lost 1",
-        "/imu: lost 1",
-    ]
-
-
-def test_what_was_lost_is_counted_from_the_start_over_all_subscriptions_of_a_topic() -> None:
-    scan, imu, later, unnumbered = Subscription(), Subscription(), Subscription(), Subscription()
-    for numbered in (scan, imu, later):
-        numbered.sent = 100
-    losses = LiveLosses(Log())
-    scan.dropped = 5
-    losses.measure({"/scan": scan, "/imu": imu, "/tf": unnumbered}, 0)
-    scan.dropped = 7
-    assert losses.lost() == {"/scan": 7, "/imu": 0}, "nobody knows of messages without numbers"
-    losses.measure({"/imu": imu}, SECOND)
-    assert losses.lost() == {"/scan": 7, "/imu": 0}
-    later.dropped = 1
-    losses.measure({"/scan": later, "/imu": imu}, 2 * SECOND)
-    assert losses.lost() == {"/scan": 8, "/imu": 0}
 
 
 def test_timers_do_not_catch_up_on_what_they_missed() -> None:

@@ -11,6 +11,7 @@ from typing import Any
 from loop.loop_driver import SECOND, LoopDriver
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.status import ProcessReading, RulesInForce, RuntimeStatus
+from smarttestudo.robot.losses import SourceLoss
 from smarttestudo.robot.status import LiveStatus
 from smarttestudo.robot.topic_link import TopicLink
 
@@ -43,7 +44,7 @@ class StatusDriver:
     links: dict[str, dict[str, object]] = field(default_factory=dict)
     profile: Profile | None = None
     budget_kb_per_s: float | None = None
-    lost: dict[str, int] = field(default_factory=dict)
+    lost: dict[str, SourceLoss] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.driver = LoopDriver(self.rules, self.profile, budget_kb_per_s=self.budget_kb_per_s)

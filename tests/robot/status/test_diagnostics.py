@@ -14,6 +14,7 @@ from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.status import (
     Diagnostic,
     DiagnosticLevel,
+    LossBeforeRelay,
     RulesInForce,
     RulesOrigin,
     RuntimeStatus,
@@ -168,6 +169,16 @@ def test_a_topic_says_how_it_does_on_the_link() -> None:
         "link_overflowed": "0",
         "link_queued_bytes": "1200",
     }
+
+
+def test_a_topic_of_which_much_is_lost_before_relay_is_a_warning_with_what_to_do() -> None:
+    loss = LossBeforeRelay(percent=61.8, remedy="start /camera with more")
+    image = replace(RELAYED, loss=loss, keeps_rate=False, error_percent=-61.8)
+    found = named("/testudo/imu", replace(STATUS, topics={"/imu": image}))
+    assert (found.level, found.message) == (
+        DiagnosticLevel.WARN,
+        "lost before relay: 62 %; start /camera with more",
+    )
 
 
 def test_lost_messages_of_a_topic_that_must_not_lose_any_are_a_warning_of_the_topic() -> None:

@@ -16,9 +16,10 @@ from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import Endpoint, Qos
-from smarttestudo.domain.status import Silence
+from smarttestudo.domain.status import LossBeforeRelay, Silence
 from smarttestudo.domain.status_json import status_from_text
 from smarttestudo.loop.inputs import MessageInput
+from smarttestudo.robot.losses import SourceLoss
 from smarttestudo.robot.topic_link import not_offered
 
 IMU_10 = "begin SetFrequency /imu 10 end"
@@ -263,9 +264,30 @@ def test_a_relay_that_loses_messages_is_off_its_rate() -> None:
 
 def test_a_topic_has_the_number_of_its_lost_messages_where_that_is_known() -> None:
     rules = "begin SetFrequency /imu 10 SetFrequency /scan 5 end"
-    driver = StatusDriver(rules=rules, source_hz={"/imu": 30, "/scan": 10}, lost={"/imu": 12})
+    driver = StatusDriver(
+        rules=rules, source_hz={"/imu": 30, "/scan": 10}, lost={"/imu": SourceLoss(messages=12)}
+    )
     topics = driver.status_at(5).topics
     assert (topics["/imu"].counts.lost, topics["/scan"].counts.lost) == (12, None)
+
+
+@pytest.mark.parametrize(
+    ("target", "expected_hz", "error_percent"), [("Full", 15, -60), ("10", 10, -40), ("5", 5, 0), ("1", 1, 0)]
+)
+def test_the_error_is_against_what_the_source_sent_lost_messages_included(
+    target: str, expected_hz: float, error_percent: float
+) -> None:
+    """Of 15 images a second six come."""
+    loss = LossBeforeRelay(percent=60, remedy="start /camera with more")
+    driver = StatusDriver(
+        rules=f"begin SetFrequency /image {target} end",
+        source_hz={"/image": 6},
+        lost={"/image": SourceLoss(messages=90, share=0.6, state=loss)},
+    )
+    image = driver.status_at(20).topics["/image"]
+    assert (image.source_hz, image.expected_hz) == pytest.approx((15, expected_hz), rel=0.01)
+    assert image.error_percent == pytest.approx(error_percent, abs=1)
+    assert image.loss == loss
 
 
 def test_an_output_that_stops_while_its_source_goes_on_is_off_its_rate() -> None:

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -19,7 +20,7 @@ from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.record import to_json
-from smarttestudo.domain.status import MOST_UPTIME_S, RulesOrigin, Silence, TopicStatus
+from smarttestudo.domain.status import MOST_UPTIME_S, LossBeforeRelay, RulesOrigin, Silence, TopicStatus
 from smarttestudo.domain.status_json import status_from_json, status_from_text
 
 TEXT = json.dumps(to_json(STATUS))
@@ -116,6 +117,15 @@ def test_messages_lost_have_an_entry_where_they_are_numbered() -> None:
     assert isinstance(topics, dict)
     assert topics["/imu"]["lost"] == 12
     assert "lost" not in RECORD["topics"]["/imu"]
+
+
+def test_what_is_lost_before_relay_has_an_entry_while_it_is_too_much() -> None:
+    loss = LossBeforeRelay(percent=61.8, remedy="start /camera with more")
+    losing = replace(STATUS, topics={"/imu": replace(STATUS.topics["/imu"], loss=loss)})
+    record: Any = to_json(losing)
+    assert status_from_json(record) == losing
+    assert record["topics"]["/imu"]["loss"] == {"percent": 61.8, "remedy": "start /camera with more"}
+    assert "loss" not in RECORD["topics"]["/imu"]
 
 
 def test_topics_are_by_name_and_full_is_null_as_in_decisions() -> None:

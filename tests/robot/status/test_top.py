@@ -23,7 +23,7 @@ from smarttestudo.cli.top_table import Line, SortKey, Style, cropped, print_line
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import CommandTopic, LinkState
-from smarttestudo.domain.status import RulesInForce, RulesOrigin, Silence, TopicStatus
+from smarttestudo.domain.status import LossBeforeRelay, RulesInForce, RulesOrigin, Silence, TopicStatus
 from smarttestudo.robot.diagnostics import node_health
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -45,6 +45,21 @@ def test_it_looks_like_this(width: int) -> None:
     shown = "".join(f"{line.text}\n" for line in lines)
     assert shown == (GOLDEN / f"top-{width}.txt").read_text(encoding="utf-8")
     assert all(len(line.text) <= width for line in lines)
+
+
+@pytest.mark.parametrize("width", [80, 120, None])
+def test_what_is_lost_before_relay_is_a_state_and_lines_below_say_once_what_to_set(width: int | None) -> None:
+    remedy = f"Fast DDS has too little shared memory: start /camera with FILE={'/of/a/package' * 6}"
+    loss = LossBeforeRelay(percent=61.8, remedy=remedy)
+    topics = {topic: replace(RELAYED, loss=loss) for topic in ("/left", "/right")}
+    lines = topic_lines(replace(STATUS, topics=topics), SortKey.TOPIC, width)
+    shown = "lost before relay" if width == 80 else "lost before relay: 62 %"
+    assert [line.text.rstrip().endswith(shown) for line in lines[3:5]] == [True, True]
+    assert {line.style for line in lines[3:]} == {Style.WARN}
+    assert "".join(line.text.replace(" ", "") for line in lines[5:]) == (
+        f"/left, /right: lost before relay; {remedy}".replace(" ", "")
+    )
+    assert width is None or all(len(line.text) <= width for line in lines)
 
 
 def test_the_rule_column_says_which_bound_holds_who_decided_it_and_what_is_in_doubt() -> None:

@@ -56,7 +56,7 @@ from smarttestudo.robot.ros.qos import (
 from smarttestudo.robot.ros.rclpy_path import RclpyPath, RclpyPublisher
 from smarttestudo.robot.ros.real_timers import RealTimers
 from smarttestudo.robot.ros.ros_errors import ros_errors
-from smarttestudo.robot.ros.shared_memory import room_for_large_messages
+from smarttestudo.robot.ros.shared_memory import is_fast_dds, room_for_large_messages, senders_remedy
 from smarttestudo.robot.ros.trigger_service import offer_trigger
 
 if TYPE_CHECKING:
@@ -65,6 +65,8 @@ if TYPE_CHECKING:
 
 CLOCK_PERIOD_S = 1.0
 """How often to look whether time is simulated; a parameter of the node may change that."""
+_HOST_BYTES = 4
+"""Two of the vendor and two of the host, in a GID of Fast DDS."""
 
 
 @contextmanager
@@ -110,6 +112,7 @@ class RosNode:
         self._data_path_kind = data_path_kind
         self._data_path: RclPath | RclpyPath | None = None
         self._timers = RealTimers()
+        self._host = _own_host(node)
         self._poll_clock()
         self.every(CLOCK_PERIOD_S, self._poll_clock)
         self._parameters = NodeParameters(node)
@@ -131,6 +134,11 @@ class RosNode:
         """Whether the operators are in another domain than the robot."""
         return self._operators is not self._node
 
+    @property
+    def senders_remedy(self) -> str | None:
+        """What to set for a process of this machine whose large messages are lost on the way."""
+        return senders_remedy() if is_fast_dds() else None
+
     def now_ns(self) -> int:
         """The node's clock, which is 0 while simulated time has not begun."""
         # Unless simulated, the clock of ROS is the system's, and that is asked for every message.
@@ -148,7 +156,7 @@ class RosNode:
     def publishers(self, topic: str) -> Sequence[Endpoint]:
         """Publishers of ``topic`` now, as far as discovered."""
         with ros_errors(topic):
-            return [_endpoint(one) for one in self._node.get_publishers_info_by_topic(topic)]
+            return [_endpoint(one, self._host) for one in self._node.get_publishers_info_by_topic(topic)]
 
     def publisher_count(self, topic: str) -> int:
         """How many publishers ``publishers`` would find, for a fraction of its cost."""
@@ -160,7 +168,9 @@ class RosNode:
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
         """Subscribers of ``topic`` now, as far as discovered."""
         with ros_errors(topic):
-            return [_endpoint(one) for one in self._operators.get_subscriptions_info_by_topic(topic)]
+            return [
+                _endpoint(one, self._host) for one in self._operators.get_subscriptions_info_by_topic(topic)
+            ]
 
     def subscriber_count(self, topic: str) -> int:
         """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
@@ -176,7 +186,7 @@ class RosNode:
     def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
         """Which of the robot's own nodes subscribe to ``topic`` now, as far as discovered."""
         with ros_errors(topic):
-            return [_endpoint(one) for one in self._node.get_subscriptions_info_by_topic(topic)]
+            return [_endpoint(one, self._host) for one in self._node.get_subscriptions_info_by_topic(topic)]
 
     def own_publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """Publisher of ``topic`` among the robot's own nodes, for any thread. Raises ``RosError``."""
@@ -297,12 +307,28 @@ class RosNode:
         self.is_time_simulated: bool = self._clock.ros_time_is_active
 
 
-def _endpoint(info: Any) -> Endpoint:
+def _endpoint(info: Any, host: bytes) -> Endpoint:
+    gid = bytes(info.endpoint_gid)
     return Endpoint(
-        node=f"{info.node_namespace.rstrip('/')}/{info.node_name}",
+        node=_node_of(info),
         type_name=info.topic_type,
         reliable=is_reliable(info.qos_profile),
         transient_local=is_transient_local(info.qos_profile),
-        gid=bytes(info.endpoint_gid),
+        gid=gid,
         asks=further_policies(info.qos_profile),
+        is_local=bool(host) and gid.startswith(host),
     )
+
+
+def _own_host(node: Any) -> bytes:
+    """How the GIDs of this machine begin, with Fast DDS: by its vendor and the host; empty where unknown."""
+    if not is_fast_dds():
+        return b""
+    # Each node publishes its parameters' events.
+    found = node.get_publishers_info_by_topic("/parameter_events")
+    own = [one for one in found if _node_of(one) == node.get_fully_qualified_name()]
+    return bytes(own[0].endpoint_gid[:_HOST_BYTES]) if own else b""
+
+
+def _node_of(info: Any) -> str:
+    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"

@@ -1,0 +1,220 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What topics lose before they can be relayed: from when on, how much, why, and how often that is said."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from smarttestudo.domain.robot import Endpoint
+from smarttestudo.domain.status import LossBeforeRelay
+from smarttestudo.robot.losses import LARGE_BYTES, PAUSE_NS, TOO_SLOW, LiveLosses
+from unasked_robot import UnaskedRobot
+
+SECOND = 1_000_000_000
+SETTING = "FASTDDS_BUILTIN_TRANSPORTS='DEFAULT?sockets_size=8MB'"
+IMAGE_BYTES = 921_652
+
+
+class Subscription:
+    """Nothing came of it yet; ``sent`` is ``None`` where nothing is numbered."""
+
+    sent: int | None = 0
+    dropped = 0
+
+    def pause(self) -> None: ...
+
+    def arm(self) -> None: ...
+
+    def take_pending(self) -> bool:
+        return False
+
+    def resume(self) -> None: ...
+
+    def close(self) -> None: ...
+
+    def goes_on(self, sent: int, lost: int = 0) -> None:
+        assert self.sent is not None
+        self.sent += sent
+        self.dropped += lost
+
+
+class Log(UnaskedRobot):
+    """A robot with a log."""
+
+    def __init__(self, setting: str | None = SETTING) -> None:
+        self.senders_remedy = setting
+        self.lines: list[str] = []
+        self.log: Any = SimpleNamespace(info=self.lines.append, warning=self.lines.append)
+
+    @property
+    def numbers(self) -> list[str]:
+        return [line[: line.index(" messages")] for line in self.lines]
+
+
+def losses_of(log: Log, *publishers: Endpoint) -> LiveLosses:
+    def publishers_of(topic: str) -> Sequence[Endpoint]:
+        return publishers
+
+    robot: Any = log
+    return LiveLosses(robot, publishers_of)
+
+
+def begun(subscription: Subscription, sent: int = 1) -> Subscription:
+    subscription.goes_on(sent)
+    return subscription
+
+
+def camera(node: str = "/camera", **other: Any) -> Endpoint:
+    usual: dict[str, Any] = {"reliable": False, "transient_local": False, "is_local": True}
+    return Endpoint(node=node, type_name="sensor_msgs/msg/Image", **{**usual, **other})
+
+
+def test_losses_are_said_at_once_and_then_no_more_than_every_ten_seconds() -> None:
+    log, subscription = Log(), begun(Subscription())
+    losses = losses_of(log)
+    for second in range(25):
+        subscription.goes_on(10, 2 if second else 0)
+        losses.measure({"/scan": subscription}, second * SECOND)
+    assert log.numbers == ["/scan: lost 2", "/scan: lost 20", "/scan: lost 20"]
+    assert PAUSE_NS == 10 * SECOND
+
+
+def test_what_was_lost_last_is_said_when_a_topic_is_no_longer_subscribed_to_and_at_the_end() -> None:
+    log, scan, imu, later = Log(), begun(Subscription()), begun(Subscription()), begun(Subscription())
+    losses = losses_of(log)
+    losses.measure({"/scan": scan, "/imu": imu}, 0)
+    scan.goes_on(10, 5)
+    losses.measure({"/scan": scan, "/imu": imu}, SECOND)
+    scan.goes_on(10, 2)
+    imu.goes_on(10, 3)
+    losses.measure({"/scan": later, "/imu": imu}, 2 * SECOND)
+    imu.goes_on(10, 1)
+    later.goes_on(10, 1)
+    losses.close()
+    assert log.numbers == [
+        "/scan: lost 5",
+        "/scan: lost 2",
+        "/imu: lost 3",
+        "/imu: lost 1",
+        "/scan: lost 1",
+    ]
+
+
+def test_what_was_lost_is_counted_from_the_start_over_all_subscriptions_of_a_topic() -> None:
+    scan, imu, later, unnumbered = (begun(Subscription()) for _ in range(4))
+    unnumbered.sent = None
+    losses = losses_of(Log())
+    opened = {"/scan": scan, "/imu": imu, "/tf": unnumbered}
+    losses.measure(opened, 0)
+    scan.goes_on(10, 7)
+
+    def lost() -> dict[str, int]:
+        return {topic: loss.messages for topic, loss in losses.lost().items()}
+
+    assert lost() == {"/scan": 7, "/imu": 0}, "nobody knows of messages without numbers"
+    losses.measure({"/imu": imu}, SECOND)
+    assert lost() == {"/scan": 7, "/imu": 0}
+    losses.measure({"/scan": later, "/imu": imu}, 2 * SECOND)
+    later.goes_on(10, 1)
+    assert lost() == {"/scan": 8, "/imu": 0}
+
+
+Seconds = st.lists(st.tuples(st.integers(1, 50), st.integers(0, 49)), max_size=40)
+"""How many messages are sent in each, and how many of them are lost, at most one less."""
+
+
+@given(silent_s=st.integers(0, 5), start=st.tuples(st.integers(1, 50), st.integers(0, 49)), seconds=Seconds)
+def test_all_that_is_lost_after_a_look_that_found_a_first_message_is_said_and_nothing_before(
+    silent_s: int, start: tuple[int, int], seconds: list[tuple[int, int]]
+) -> None:
+    log, subscription = Log(), Subscription()
+    losses, opened = losses_of(log), {"/scan": subscription}
+    for second in range(silent_s):
+        losses.measure(opened, second * SECOND)
+    subscription.goes_on(start[0], min(start[1], start[0] - 1))
+    losses.measure(opened, silent_s * SECOND)
+    assert log.lines == [], "what is lost while the run starts is none of the robot's"
+    lost = 0
+    for second, (sent, at_most) in enumerate(seconds, start=silent_s + 1):
+        subscription.goes_on(sent, min(at_most, sent - 1))
+        lost += min(at_most, sent - 1)
+        losses.measure(opened, second * SECOND)
+    assert losses.lost()["/scan"].messages == lost
+    losses.close()
+    assert sum(int(line.split()[2]) for line in log.lines) == lost
+
+
+@pytest.mark.parametrize(
+    ("lost_of_15", "is_state"), [(0, False), (0.5, False), (1, True), (3, True), (9, True), (14, True)]
+)
+def test_a_topic_is_lost_before_relay_while_more_than_a_twentieth_of_it_is(
+    lost_of_15: float, is_state: bool
+) -> None:
+    log, subscription = Log(), begun(Subscription())
+    losses, opened = losses_of(log, camera()), {"/image": subscription}
+    losses.sizes["/image"] = IMAGE_BYTES
+    losses.measure(opened, 0)
+    for second in range(1, 31):
+        subscription.goes_on(15, round(lost_of_15 * second) - round(lost_of_15 * (second - 1)))
+        losses.measure(opened, second * SECOND)
+    loss = losses.lost()["/image"]
+    assert loss.share == pytest.approx(lost_of_15 / 15, abs=0.01)
+    assert (loss.state is not None) == is_state
+    for second in range(31, 45):
+        subscription.goes_on(15)
+        losses.measure(opened, second * SECOND)
+    assert losses.lost()["/image"].state is None, "the camera has what it needs now"
+    assert losses.lost()["/image"].share == 0
+
+
+def test_one_hitch_is_no_state() -> None:
+    subscription = begun(Subscription())
+    losses, opened = losses_of(Log()), {"/battery": subscription}
+    for second in range(10):
+        subscription.goes_on(1, 0)
+        losses.measure(opened, second * SECOND)
+    subscription.goes_on(2, 1)
+    losses.measure(opened, 10 * SECOND)
+    assert losses.lost()["/battery"].state is None
+
+
+@pytest.mark.parametrize(
+    ("publishers", "size_bytes", "setting", "named"),
+    [
+        ([camera()], IMAGE_BYTES, SETTING, "/camera"),
+        ([camera()], 200_000, SETTING, "/camera"),
+        ([camera()], LARGE_BYTES, SETTING, "/camera"),
+        ([camera("/left"), camera("/right")], IMAGE_BYTES, SETTING, "/left and /right"),
+        ([camera("/left"), camera("/right", is_local=False)], IMAGE_BYTES, SETTING, "/left"),
+        ([camera("/left"), camera("/right", reliable=True)], IMAGE_BYTES, SETTING, "/left"),
+        ([camera()], LARGE_BYTES - 1, SETTING, None),
+        ([camera()], None, SETTING, None),
+        ([camera(is_local=False)], IMAGE_BYTES, SETTING, None),
+        ([camera(reliable=True)], IMAGE_BYTES, SETTING, None),
+        ([camera()], IMAGE_BYTES, None, None),
+        ([], IMAGE_BYTES, SETTING, None),
+    ],
+)
+def test_who_has_too_little_shared_memory_is_named_with_what_to_set_and_else_the_machine_is_too_slow(
+    publishers: list[Endpoint], size_bytes: int | None, setting: str | None, named: str | None
+) -> None:
+    log, subscription = Log(setting), begun(Subscription())
+    losses, opened = losses_of(log, *publishers), {"/image": subscription}
+    if size_bytes is not None:
+        losses.sizes["/image"] = size_bytes
+    for second in range(25):
+        losses.measure(opened, second * SECOND)
+        subscription.goes_on(15, 9)
+    state = losses.lost()["/image"].state
+    assert isinstance(state, LossBeforeRelay)
+    assert state.percent == pytest.approx(60)
+    assert (state.remedy == TOO_SLOW) == (named is None)
+    assert named is None or f" start {named} with {SETTING}" in state.remedy
+    assert [line.partition("relayed")[2] for line in log.lines] == [f"; {state.remedy}", "", ""], "once"
