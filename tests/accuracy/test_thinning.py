@@ -33,7 +33,7 @@ def test_the_last_word_arrives_late_but_before_the_end() -> None:
 def test_transforms_are_thinned_by_frame() -> None:
     stamps_ns = [n * TENTH for n in range(100)]
     frames = [("wheel",) if n % 2 else ("base",) for n in range(100)]
-    passed = thinned(stamps_ns, 1, end_ns=stamps_ns[-1], kind=StreamKind.TRANSFORMS, frames=frames)
+    passed = thinned(stamps_ns, 1, end_ns=stamps_ns[-1], kind=StreamKind.NAMED, frames=frames)
     by_frame = [sum(frames[index] == (name,) for index in passed.indices) for name in ("base", "wheel")]
     assert by_frame in ([10, 10], [11, 11])
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from pacing.test_frame_reader import tf_message
+from pacing.test_stream_reader import tf_message
 from smarttestudo.incidents.latched import LatchedSamples
 from smarttestudo.incidents.topic_ring import SourceMessage
 

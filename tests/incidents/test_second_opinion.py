@@ -18,7 +18,7 @@ from bags.bag_factory import BagMessage
 from bags.bag_reading import read_with_mcap
 from incidents.folder_runs import record_of
 from incidents.incident_runs import rules_of
-from pacing.test_frame_reader import tf_message
+from pacing.test_stream_reader import tf_message
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel
 from smarttestudo.loop.inputs import MessageInput

@@ -75,7 +75,7 @@ class Bench:
 
     def __init__(self, type_name: str, bound_m: float, *, reckons: bool = False) -> None:
         is_odometry = type_name == ODOMETRY
-        kind = StreamKind.VOLATILE if is_odometry else StreamKind.TRANSFORMS
+        kind = StreamKind.VOLATILE if is_odometry else StreamKind.NAMED
         self.pacer = TopicPacer(kind=kind)
         self.receiver = Receiver(reckons, is_odometry)
         self.picture = Picture(gauges_for(type_name, ["position"]), reckons=reckons)

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
 from smarttestudo.pacing.cdr import (
-    MAX_TRANSFORMS,
-    child_frames,
+    FrameReader,
     header_stamp,
     string_message,
     string_text,
 )
+from smarttestudo.pacing.cdr_walk import MAX_ITEMS
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 names = st.text(st.characters(exclude_characters="\x00", exclude_categories=["Cs"]), max_size=20)
@@ -54,7 +54,7 @@ def test_the_child_frames_are_those_that_were_serialized(
 ) -> None:
     payload = serialized(transforms(frames), "tf2_msgs/msg/TFMessage", little_endian=little_endian)
     expected = tuple(dict.fromkeys(child for _, child in frames))
-    assert child_frames(payload) == child_frames(memoryview(payload)) == expected
+    assert FrameReader().streams(payload) == FrameReader().streams(memoryview(payload)) == expected
 
 
 @given(names, endings)
@@ -86,7 +86,7 @@ def test_equal_stamps_are_equal_bytes_in_either_byte_order(
 
 @given(st.binary(max_size=300))
 def test_random_bytes_give_an_answer(payload: bytes) -> None:
-    assert isinstance(child_frames(payload), tuple)
+    assert isinstance(FrameReader().streams(payload), tuple)
     assert header_stamp(payload) is None or len(header_stamp(payload) or b"") == 8
 
 
@@ -95,10 +95,10 @@ def test_a_cut_or_damaged_message_gives_an_answer_and_a_cut_one_has_no_frames(
     frames: list[tuple[str, str]], little_endian: bool, data: st.DataObject
 ) -> None:
     payload = serialized(transforms(frames), "tf2_msgs/msg/TFMessage", little_endian=little_endian)
-    assert child_frames(payload[: data.draw(st.integers(0, len(payload) - 1))]) == ()
+    assert FrameReader().streams(payload[: data.draw(st.integers(0, len(payload) - 1))]) == ()
     at = data.draw(st.integers(0, len(payload) - 1))
     damaged = payload[:at] + data.draw(st.binary(min_size=1, max_size=8)) + payload[at:]
-    assert isinstance(child_frames(damaged), tuple)
+    assert isinstance(FrameReader().streams(damaged), tuple)
 
 
 @pytest.mark.parametrize(
@@ -118,5 +118,7 @@ def test_what_cannot_be_a_stamp_is_none(payload: bytes) -> None:
 
 def test_a_count_beyond_reason_is_not_followed() -> None:
     empty = struct.pack("<iIIII", 0, 0, 0, 0, 0) + bytes(60)
-    assert child_frames(b"\x00\x01\x00\x00" + struct.pack("<I", MAX_TRANSFORMS + 1) + empty * 20_000) == ()
-    assert child_frames(b"\x00\x01\x00\x00" + struct.pack("<I", 2**32 - 1)) == ()
+    assert (
+        FrameReader().streams(b"\x00\x01\x00\x00" + struct.pack("<I", MAX_ITEMS + 1) + empty * 20_000) == ()
+    )
+    assert FrameReader().streams(b"\x00\x01\x00\x00" + struct.pack("<I", 2**32 - 1)) == ()

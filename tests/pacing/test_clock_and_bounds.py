@@ -83,7 +83,7 @@ def test_publishers_and_frames_that_never_return_do_not_pile_up(kind: StreamKind
 
 
 def test_a_last_word_of_the_shared_stream_is_spoken_once_even_if_its_frame_has_its_own_by_then() -> None:
-    pacer = paced(10, StreamKind.TRANSFORMS)
+    pacer = paced(10, StreamKind.NAMED)
     streams = pacer._streams
     count = 0
     while len(streams._streams) <= MAX_STREAMS or streams._opens_to_prune > 1:
@@ -95,7 +95,7 @@ def test_a_last_word_of_the_shared_stream_is_spoken_once_even_if_its_frame_has_i
 
 
 def test_keys_beyond_the_limit_share_one_stream_and_still_have_a_last_word() -> None:
-    pacer = paced(0.001, StreamKind.TRANSFORMS)
+    pacer = paced(0.001, StreamKind.NAMED)
     last = sample(frames=("last",))
     arrivals = [(EPOCH_NS + i, sample(frames=(f"f{i}",))) for i in range(2 * MAX_STREAMS)]
     relayed = relay(pacer, [*arrivals, (EPOCH_NS + S, last)])

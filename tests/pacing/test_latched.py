@@ -102,5 +102,5 @@ def test_a_topic_found_to_be_latched_keeps_what_was_held() -> None:
 def test_tf_static_is_latched_before_it_is_tf() -> None:
     tf = "tf2_msgs/msg/TFMessage"
     assert StreamKind.of(type_name=tf, transient_local=True) is StreamKind.TRANSIENT_LOCAL
-    assert StreamKind.of(type_name=tf, transient_local=False) is StreamKind.TRANSFORMS
+    assert StreamKind.of(type_name=tf, transient_local=False) is StreamKind.NAMED
     assert StreamKind.of(type_name="", transient_local=False) is StreamKind.VOLATILE

@@ -130,7 +130,7 @@ def test_a_change_of_rate_is_followed_at_once() -> None:
 
 
 def test_latched_topics_and_tf_are_never_repeated() -> None:
-    for kind in (StreamKind.TRANSIENT_LOCAL, StreamKind.TRANSFORMS):
+    for kind in (StreamKind.TRANSIENT_LOCAL, StreamKind.NAMED):
         pacer = TopicPacer(kind=kind, when_slow=WhenSlow.REPEAT)
         pacer.set_rate(100, EPOCH_NS)
         relay(pacer, samples_at([EPOCH_NS + i * S for i in range(5)]), drain=False)

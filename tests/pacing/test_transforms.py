@@ -26,7 +26,7 @@ broadcasters = st.lists(
 
 
 def transforms(rate_hz: float) -> TopicPacer:
-    pacer = TopicPacer(kind=StreamKind.TRANSFORMS)
+    pacer = TopicPacer(kind=StreamKind.NAMED)
     pacer.set_rate(rate_hz, EPOCH_NS - S)
     return pacer
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from bags.bag_factory import (
     IMAGE,
+    LATCHED,
     MAP_NAME,
     ODOM,
     SCAN,
@@ -377,3 +379,46 @@ def test_the_rate_of_transforms_is_that_of_each_frame(tmp_path: Path) -> None:
     assert tf.mean_hz == pytest.approx((10 + 10 + 10 + 5) / 4, rel=0.01)
     assert tf.error_percent == pytest.approx(0, abs=1)
     assert to_json(tf)["frames"] == 4
+
+
+def named(type_name: str, part: int) -> bytes:
+    """A message of one of several parts; joints come in another order each time."""
+    if type_name == "diagnostic_msgs/msg/DiagnosticArray":
+        parts = {"status": [message_of("diagnostic_msgs/msg/DiagnosticStatus", name=f"part {part}")]}
+    elif type_name == "sensor_msgs/msg/JointState":
+        parts = {"name": [f"joint {part}", "base"][:: (-1) ** part]}
+    else:
+        parts = {"markers": [message_of("visualization_msgs/msg/Marker", ns=f"ns {part % 2}", id=part // 2)]}
+    return cdr(type_name, message_of(type_name, **parts))
+
+
+@pytest.mark.parametrize("transient_local", [False, True])
+@pytest.mark.parametrize(
+    "type_name",
+    [
+        "diagnostic_msgs/msg/DiagnosticArray",
+        "sensor_msgs/msg/JointState",
+        "visualization_msgs/msg/MarkerArray",
+    ],
+)
+@pytest.mark.parametrize(("parts", "burst_ns", "rate_hz"), [(10, SECOND_NS // 50, 1), (4, SECOND_NS, 1.5)])
+def test_each_part_that_one_publisher_sends_in_turn_has_the_rate_for_itself(
+    tmp_path: Path, type_name: str, parts: int, burst_ns: int, rate_hz: float, *, transient_local: bool
+) -> None:
+    """In bursts once a second, and one after the other at twice the rate for each."""
+    round_ns = SECOND_NS if burst_ns < SECOND_NS else SECOND_NS // 3
+    spread_ns = min(burst_ns, round_ns) // parts
+    messages = tuple(
+        BagMessage("/parts", START_NS + number * round_ns + part * spread_ns, named(type_name, part))
+        for number in range(60)
+        for part in range(parts)
+    )
+    durability = (LATCHED,) if transient_local else ()
+    content = BagContent((BagTopic("/parts", type_name, durability),), messages)
+    run = replay_content(content, f"SetFrequency /parts {rate_hz}", tmp_path)
+    passed = Counter(message.payload for message in run.messages)
+    assert run.outcome.topics["/parts"].frames == parts
+    expected = 60 * round_ns * rate_hz / SECOND_NS
+    for part in range(parts):
+        latched = 2 * SECOND_NS // round_ns if transient_local else 0
+        assert expected - 2 <= passed[named(type_name, part)] <= expected + latched + 2

@@ -1694,11 +1694,11 @@ export interface TopicOnLink {
  * `messages_out` includes `repeated`. `source_hz` and `mean_hz` are (n − 1) / (last − first) of what
  * came in and went out. `target_hz` is weighted by time, with Full as the source's rate; `error_percent`
  * is how far `mean_hz` lies above the lesser of target and `source_hz`, likewise weighted, so it says
- * little where the source's rate varies; it is `None` where bounds decide what passes. Of transforms,
- * whose target is that of each child frame, there are `frames`, and rates are means over them. `bounds`
- * say how each bound of the receiver's picture was kept, `unreadable` how many messages of a topic with
- * bounds lack a value of one. `declared` says that sizes are those that the bag declares. A number that
- * the messages do not determine is `None`.
+ * little where the source's rate varies; it is `None` where bounds decide what passes. Where
+ * messages name streams, such as child frames, `frames` counts them, the target is that of each, and rates
+ * are means over them. `bounds` say how each bound of the receiver's picture was kept, `unreadable` how
+ * many messages of a topic with bounds lack a value of one. `declared` says that sizes are those that the
+ * bag declares. A number that the messages do not determine is `None`.
  */
 export interface TopicOutcome {
   monitored_topic: string;
@@ -1735,9 +1735,9 @@ export type TopicSource = "profile" | "robot" | "rules" | "example";
  * lies above it, and not `keeps_rate` that it is off by more than pacing explains. `stamped_hz` is the
  * rate by the messages' own header stamps and `delay_ms` how old the last one was when it was relayed.
  * `incompatible` are nodes that subscribe to the output with a QoS it cannot serve, `problem` says why
- * the topic cannot be relayed. `frames` counts the child frames of a topic of transforms, whose rates are
- * means over them. `within` are the bounds of the receiver's picture with their `bound_reasons`, as in
- * the plan. A number that the messages do not determine is `None`.
+ * the topic cannot be relayed. `frames` counts the streams that the messages name, such as child frames;
+ * rates are means over them then. `within` are the bounds of the receiver's picture with their
+ * `bound_reasons`, as in the plan. A number that the messages do not determine is `None`.
  */
 export interface TopicStatus {
   output: string;

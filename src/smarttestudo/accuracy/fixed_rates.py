@@ -83,14 +83,14 @@ def _source_hz(source: Source) -> float:
 def rate_of_bytes(samples: TopicSamples, size_bytes: int, end_ns: int) -> float:
     """The fixed rate that carries about so many bytes of a topic, infinite for all.
 
-    Transforms have the rate for each frame. Slow frames pass whole, so that bytes are not in proportion to
-    rates: theirs, which is not above the mean rate of the topic, is found by halving.
+    Named streams, such as transforms, have the rate for each. Slow ones pass whole, so that bytes are not in
+    proportion to rates: theirs, which is not above the mean rate of the topic, is found by halving.
     """
     share = size_bytes / samples.size_bytes if samples.size_bytes else 1.0
     source_hz = samples.mean_hz
     if share >= 1 or not source_hz:
         return math.inf
-    if samples.kind is not StreamKind.TRANSFORMS:
+    if samples.kind is not StreamKind.NAMED:
         return share * source_hz
     low_hz, high_hz = 0.0, source_hz
     for _ in range(_HALVINGS):
@@ -111,7 +111,7 @@ def rate_of_messages(
 ) -> float:
     """The fixed rate at which about so many of the messages at ``stamps_ns`` pass, infinite for all.
 
-    Transforms have the rate for each frame, so that their messages at a rate must be counted.
+    Named streams, such as transforms, have the rate for each: messages at a rate must be counted.
     """
     lasted_s = (end_ns - stamps_ns[0]) / NS_PER_S if stamps_ns else 0.0
     if messages >= len(stamps_ns) or not lasted_s:

@@ -16,8 +16,7 @@ from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.recording import Channel, RecordingReader, left_out_of_second
 from smarttestudo.domain.units import LAST_STAMP_NS, counted
-from smarttestudo.pacing.cdr import FrameReader
-from smarttestudo.pacing.sample import StreamKind
+from smarttestudo.pacing.cdr import STREAM_TYPES, StreamReader
 
 _MESSAGES_PER_REPORT = 4096
 
@@ -75,7 +74,7 @@ class SampleTaker:
         self._start_ns = start_ns
         self._end_ns = end_ns
         self._decoder = RosbagDecoder()
-        self._frames: dict[str, FrameReader] = {}
+        self._readers: dict[str, StreamReader] = {}
         self._undecided: dict[str, Callable[[str, object], Sequence[Field]]] = {}
         self._undefined: list[TopicSamples] = []
         self._left_out: Counter[tuple[str, str]] = Counter()
@@ -89,8 +88,8 @@ class SampleTaker:
         if reading is None or topic in self.samples:
             return
         samples = self.samples[topic] = TopicSamples(channel, reading.properties, reading.level_unit)
-        if samples.kind is StreamKind.TRANSFORMS:
-            self._frames[topic] = FrameReader()
+        if channel.type_name in STREAM_TYPES:
+            self._readers[topic] = StreamReader(channel.type_name)
         if reading.choose_fields is not None and channel.type_name not in reading.undecoded_types:
             if self._decoder.can_decode(channel):
                 self._undecided[topic] = reading.choose_fields
@@ -114,7 +113,7 @@ class SampleTaker:
         track = samples.track
         if not counts and not track.is_used:
             return False
-        frames = self._frames[topic].child_frames(payload) if topic in self._frames else ()
+        frames = self._readers[topic].streams(payload) if topic in self._readers else ()
         has_fields = topic in self._undecided or bool(samples.fields)
         message = self._decoded(channel, payload) if has_fields or track.needs_decoded else None
         if track.is_used:

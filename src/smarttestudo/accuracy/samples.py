@@ -19,6 +19,7 @@ from smarttestudo.domain.rate_meter import mean_hz
 from smarttestudo.domain.recording import Channel
 from smarttestudo.language.properties import Reader, properties_of, value_reader, wraps
 from smarttestudo.language.properties.field_path import PropertySpec
+from smarttestudo.pacing.cdr import STREAM_TYPES
 from smarttestudo.pacing.sample import StreamKind
 
 FULL_TURN = 360.0
@@ -166,7 +167,7 @@ class TopicSamples:
         self.undecodable = 0
         self.columns: list[array[float]] = []
         self._readers: list[Reader] = []
-        self._has_frames = self.kind is StreamKind.TRANSFORMS
+        self._has_frames = channel.type_name in STREAM_TYPES
 
     @property
     def size_bytes(self) -> int:

@@ -23,7 +23,7 @@ Readings = tuple[Reading | None, ...]
 class Message(NamedTuple):
     """A message for a picture: when it came, and what was read of it, for each gauge of the picture.
 
-    ``digest`` is the same for the same serialized message; ``frames`` are those of a TFMessage.
+    ``digest`` is the same for the same serialized message; ``frames`` are the streams that it names.
     """
 
     stamp_ns: int
@@ -103,7 +103,7 @@ def thinned(
 ) -> Thinned:
     """Thin the messages at ``stamps_ns`` until ``end_ns`` to ``rate_hz``, infinite for all.
 
-    ``frames`` are those of each message of a TFMessage topic.
+    ``frames`` are the streams that each message names, if it names any.
     """
     passed = Thinned(stamps_ns=array("q"), indices=array("q"))
     if math.isinf(rate_hz):

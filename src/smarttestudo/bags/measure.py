@@ -29,7 +29,7 @@ from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.intervals import Intervals
 from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader
 from smarttestudo.domain.units import grouped
-from smarttestudo.pacing.cdr import HEADER_BYTES, STAMP_BYTES, header_stamp_ns
+from smarttestudo.pacing.cdr import STAMPED_BYTES, header_stamp_ns
 
 if TYPE_CHECKING:
     from smarttestudo.bags.floor import PathPoint
@@ -184,7 +184,7 @@ def _sizes_noting_latency(
     stamped = {
         (channel.topic, channel.type_name) for channel in recording.channels if types.has_header(channel)
     }
-    for channel, stamp_ns, (size_bytes, head) in recording.heads(HEADER_BYTES + STAMP_BYTES):
+    for channel, stamp_ns, (size_bytes, head) in recording.heads(STAMPED_BYTES):
         if (channel.topic, channel.type_name) in stamped:
             counters[channel.topic].add_stamp(stamp_ns, head)
         yield channel, stamp_ns, size_bytes

@@ -242,7 +242,7 @@ def _cells(source: str, topic: TopicStatus, *, is_wide: bool, has_link: bool) ->
         # What to do about it takes a line of its own.
         state = f"{summary}: {topic.loss.percent:.0f} %"
     why = (Text(rule), Text(summary and state)) if is_wide else (Text(summary or rule),)
-    name = source if topic.frames is None or topic.frames == 1 else f"{source} ({topic.frames} frames)"
+    name = source if topic.frames is None or topic.frames == 1 else f"{source} ({topic.frames} streams)"
     return (
         Text(name),
         Number(topic.source_hz),

@@ -221,9 +221,9 @@ class TopicStatus:
     lies above it, and not ``keeps_rate`` that it is off by more than pacing explains. ``stamped_hz`` is the
     rate by the messages' own header stamps and ``delay_ms`` how old the last one was when it was relayed.
     ``incompatible`` are nodes that subscribe to the output with a QoS it cannot serve, ``problem`` says why
-    the topic cannot be relayed. ``frames`` counts the child frames of a topic of transforms, whose rates are
-    means over them. ``within`` are the bounds of the receiver's picture with their ``bound_reasons``, as in
-    the plan. A number that the messages do not determine is ``None``.
+    the topic cannot be relayed. ``frames`` counts the streams that the messages name, such as child frames;
+    rates are means over them then. ``within`` are the bounds of the receiver's picture with their
+    ``bound_reasons``, as in the plan. A number that the messages do not determine is ``None``.
     """
 
     output: str

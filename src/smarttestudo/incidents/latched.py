@@ -78,7 +78,7 @@ class LatchedSamples:
         """Keep a message that came now, in the place of those before it."""
         keys: tuple[Hashable, ...] = (publisher,)
         if self._frames is not None:
-            keys = self._frames.child_frames(message.payload) or keys
+            keys = self._frames.streams(message.payload) or keys
         sample = _Sample(message=message, at_ns=now_ns)
         self._counting_bytes += message.held_bytes
         for key in dict.fromkeys(keys):

@@ -17,7 +17,7 @@ from smarttestudo.language.properties import gauges_for, needs_decoded
 from smarttestudo.loop.inputs import MessageInput
 from smarttestudo.loop.statistics import RelayStatistics
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
-from smarttestudo.pacing.cdr import STAMPED_BYTES, FrameReader, header_stamp
+from smarttestudo.pacing.cdr import STAMPED_BYTES, STREAM_TYPES, StreamReader, header_stamp
 from smarttestudo.pacing.follower import Follower
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
@@ -62,12 +62,11 @@ class Relay:
     __slots__ = (
         "_accuracy",
         "_floor_hz",
-        "_frames",
-        "_has_frames",
         "_is_reckoned",
         "_level_unit",
         "_picture_number",
         "_rate_hz",
+        "_reader",
         "_stale_after_ns",
         "_type_name",
         "_when_slow",
@@ -105,10 +104,8 @@ class Relay:
         self.leader: Relay | None = None
         self.followers: list[Relay] = []
         self.statistics = RelayStatistics(now_ns)
-        self._frames = FrameReader()
+        self._reader = self._stream_reader()
         self._rate_hz = math.inf
-        kind = StreamKind.of(type_name=self._type_name, transient_local=False)
-        self._has_frames = kind is StreamKind.TRANSFORMS
 
     @property
     def target_hz(self) -> float:
@@ -228,8 +225,8 @@ class Relay:
         now_ns, payload, size_bytes = given.stamp_ns, given.payload, given.size_bytes
         self.statistics.arrived.record(now_ns, size_bytes)
         sample = Sample(payload, size_bytes, given.publisher)
-        if self._has_frames:
-            sample.frames = self._frames.child_frames(payload[:])
+        if self._reader is not None:
+            sample.frames = self._reader.streams(payload[:])
             frames = self.statistics.frames
             frames.record(frames.arrived, sample.frames, now_ns)
         if self._accuracy is not None:
@@ -254,10 +251,14 @@ class Relay:
             self._accuracy = replace(self._accuracy, picture=self._picture(self._accuracy.bounds))
             self._apply_accuracy(now_ns)
         kind = StreamKind.of(type_name=self._type_name, transient_local=change.transient_local)
-        self._has_frames = kind is StreamKind.TRANSFORMS
+        if has_other_type:
+            self._reader = self._stream_reader()
         if isinstance(self.pacer, Follower):
             return ()
         return self.relayed(self.pacer.set_kind(kind, now_ns), now_ns)
+
+    def _stream_reader(self) -> StreamReader | None:
+        return StreamReader(self._type_name) if self._type_name in STREAM_TYPES else None
 
     def _own_pacer(self) -> TopicPacer:
         kind = StreamKind.of(type_name=self._type_name, transient_local=False)

@@ -58,7 +58,7 @@ class TargetRate:
 
 
 class FrameFlows:
-    """Flows of each child frame of a topic of transforms, in and out, of the first 4096."""
+    """Flows of each stream that messages name, such as a child frame, in and out, of the first 4096."""
 
     __slots__ = ("arrived", "relayed")
 
@@ -67,7 +67,7 @@ class FrameFlows:
         self.relayed: dict[str, Flow] = {}
 
     def __len__(self) -> int:
-        """How many frames came."""
+        """How many streams came."""
         return len(self.arrived)
 
     def record(self, flows: dict[str, Flow], frames: Iterable[str], now_ns: int) -> None:
@@ -89,7 +89,7 @@ class FrameFlows:
 class RelayStatistics:
     """The flows into and out of one relay, how many of the latter were repeated, and the target.
 
-    ``frames`` are those of each child frame, which the target is about on a topic of transforms. ``bounds``
+    ``frames`` are those of each stream that messages name, which the target is about then. ``bounds``
     say how each bound of the receiver's picture was kept, ``unreadable`` how many messages of a topic with
     bounds lack a value of one, which is not judged by them.
     """

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
 from smarttestudo.language.properties import gauges_for, properties_for_bounds
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
-from smarttestudo.pacing.cdr import FrameReader
+from smarttestudo.pacing.cdr import StreamReader
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Sample, StreamKind
 from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
@@ -48,13 +48,12 @@ class AccuracyMeasure:
     Memory does not depend on how many messages there are.
     """
 
-    __slots__ = ("_frames", "_gauged", "_is_transforms", "messages")
+    __slots__ = ("_gauged", "_reader", "messages")
 
     def __init__(self, type_name: str, known: Mapping[LevelledProperty, AccuracyTiers]) -> None:
         """``known`` are accuracies that the engineer chose; others are proposed."""
         self.messages = 0
-        self._frames = FrameReader()
-        self._is_transforms = _kind(type_name) is StreamKind.TRANSFORMS
+        self._reader = StreamReader(type_name)
         self._gauged = [
             _Gauged(type_name, one, known[one].bounds if one in known else PROPOSED_BOUNDS[one])
             for one in levelled_properties(type_name)
@@ -63,7 +62,7 @@ class AccuracyMeasure:
     def record(self, stamp_ns: int, payload: bytes) -> None:
         """Pace a serialized message; stamps never fall, but for a clock that jumps back."""
         self.messages += 1
-        frames = self._frames.child_frames(payload) if self._is_transforms else ()
+        frames = self._reader.streams(payload)
         for one in self._gauged:
             one.offer(payload, frames, stamp_ns)
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated
 
 from smarttestudo.domain.dataclass import dataclass
@@ -14,7 +14,7 @@ from smarttestudo.pacing.grid import NEVER_NS, Grid, Pace
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample
 from smarttestudo.pacing.stream import VolatileStream
-from smarttestudo.pacing.streams import NO_FRAMES, Streams
+from smarttestudo.pacing.streams import Streams
 
 HEARTBEAT_HZ = 0.5
 """Without a floor, one message in 2 s passes all the same, so that silence is a failure."""
@@ -101,7 +101,7 @@ class BoundStream(VolatileStream):
 
 
 class BoundStreams(Streams[BoundStream]):
-    """A stream for each child frame of transforms, or for each publisher.
+    """A stream for each name in the messages, such as a child frame, or for each publisher.
 
     A message passes if the picture without it is more than a bound off, or if the heartbeat of any of its
     streams is due; in both cases only where the ceiling of any of them lets it. So after every message of the
@@ -220,8 +220,3 @@ class BoundStreams(Streams[BoundStream]):
                 other.held, other.overdue = None, False
         self._picture.show(sample.readings, sample.publisher)
         return (Pass(sample),)
-
-    def _streams_of(self, sample: Sample, now_ns: int) -> list[BoundStream]:
-        keys: Sequence[Hashable] = sample.frames or ((sample.publisher,) if sample.publisher else NO_FRAMES)
-        known = self._streams
-        return [known.get(key) or self._open_stream(key, now_ns) for key in keys]

@@ -8,33 +8,42 @@ counted from the end of that header (OMG DDS-XTYPES 1.3, 7.4.1 and 7.6.2). Nothi
 
 from __future__ import annotations
 
+import hashlib
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple
 
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.pacing.cdr_walk import (
+    HEADER_BYTES,
+    MAX_ITEMS,
+    STAMP_BYTES,
+    Payload,
+    Walk,
+    aligned,
+    byte_order,
+    text_at,
+)
 
-HEADER_BYTES = 4
-STAMP_BYTES = 8
 STAMPED_BYTES = HEADER_BYTES + STAMP_BYTES
-MAX_TRANSFORMS = 10_000
 MAX_KNOWN_LAYOUTS = 64
 
 _LENGTH_END = HEADER_BYTES + 4
-_BIG_ENDIAN = b"\x00\x00"
 _LITTLE_ENDIAN = b"\x00\x01"
 _TRANSFORM_BYTES = 7 * 8
 _STAMP = MappingProxyType({order: struct.Struct(f"{order}iI") for order in "<>"})
 _TRANSFORM = MappingProxyType({order: struct.Struct(f"{order}7d") for order in "<>"})
 _POSE_BYTES = 7 * 8
+_LEVEL_BYTES = 1
+_MOST_PADDING = 8
+_MOST_LETTERS = 255
 _SECONDS = 2**31
 """What the seconds of a stamp, an int32, stay below."""
 _COVARIANCE = MappingProxyType({order: struct.Struct(f"{order}36d") for order in "<>"})
 _POSE_AND_TWIST = MappingProxyType({order: struct.Struct(f"{order}7d288x6d") for order in "<>"})
-
-Payload = bytes | bytearray | memoryview
 
 
 def header_stamp(payload: Payload) -> bytes | None:
@@ -61,7 +70,7 @@ def string_message(text: str) -> bytes:
 
 def string_text(payload: Payload) -> str | None:
     """The text of a serialized std_msgs/msg/String; ``None`` if it cannot be one."""
-    order = _byte_order(payload)
+    order = byte_order(payload)
     if order is None or len(payload) <= _LENGTH_END:
         return None
     (length,) = struct.unpack_from(f"{order}I", payload, HEADER_BYTES)
@@ -74,11 +83,6 @@ def string_text(payload: Payload) -> str | None:
         return None
 
 
-def child_frames(payload: Payload) -> tuple[str, ...]:
-    """The child frames of a tf2_msgs/msg/TFMessage, each once, in their order; none if it cannot be one."""
-    return _read_transforms(payload).frames
-
-
 class Transform(NamedTuple):
     """One transform of a TFMessage: ``numbers`` are its translation x y z and its rotation x y z w."""
 
@@ -88,30 +92,51 @@ class Transform(NamedTuple):
     numbers: tuple[float, ...]
 
 
-class FrameReader:
-    """``child_frames`` for one message of a topic after the other, at once where the frames stay the same.
+class StreamReader:
+    """The streams that the messages of a topic belong to, by ``STREAM_TYPES``, one message after the other.
 
-    The messages of a broadcaster differ in stamps and transforms only: what lies between those is compared
-    with the last message of the same length in one go.
+    Messages of one sender mostly differ in stamps and numbers only: what decides the streams is compared with
+    the last message of the same length in one go.
     """
 
-    __slots__ = ("_known",)
+    __slots__ = ("_known", "_ways")
+
+    def __init__(self, type_name: str) -> None:
+        self._ways = STREAM_TYPES.get(type_name, ())
+        self._known: dict[int, _Streams] = {}
+
+    def streams(self, payload: Payload) -> tuple[str, ...]:
+        """The names of its streams, each once, in their order; none where it cannot be of the type."""
+        return self._read(payload).names
+
+    def _read(self, payload: Payload) -> _Streams:
+        known = self._known.get(len(payload))
+        if known is not None and known.layout.unpack(payload) == known.constant:
+            return known
+        streams = _read_streams(payload, self._ways)
+        if streams.names:
+            if len(self._known) >= MAX_KNOWN_LAYOUTS:
+                self._known.clear()
+            self._known[len(payload)] = streams
+        return streams
+
+
+class FrameReader(StreamReader):
+    """The child frames and transforms of a TFMessage, one message after the other."""
+
+    __slots__ = ()
 
     def __init__(self) -> None:
-        self._known: dict[int, _Transforms] = {}
-
-    def child_frames(self, payload: Payload) -> tuple[str, ...]:
-        """Result of the function ``child_frames`` for ``payload``."""
-        return self._read(payload).frames
+        super().__init__(_TRANSFORMS)
 
     def transforms(self, payload: Payload) -> list[Transform]:
         """The transforms of ``payload``, in their order; none if it cannot be a TFMessage."""
-        order = _byte_order(payload)
+        order = byte_order(payload)
         if order is None:
             return []
         stamp, numbers = _STAMP[order], _TRANSFORM[order]
         transforms = []
-        for frame, child_frame, stamp_at, _, numbers_at in self._read(payload).places:
+        for child_frame, frame, stamp_at, _, numbers_at in self._read(payload).places:
             sec, nanosec = stamp.unpack_from(payload, stamp_at)
             at_ns = sec * NS_PER_S + nanosec
             transforms.append(Transform(frame, child_frame, at_ns, numbers.unpack_from(payload, numbers_at)))
@@ -119,12 +144,12 @@ class FrameReader:
 
     def moved(self, payload: bytes, transforms: Mapping[str, tuple[int, Sequence[float]]]) -> bytes | None:
         """The transforms of ``payload`` to these child frames, each with another time and other numbers."""
-        order = _byte_order(payload)
-        places = [place for place in self._read(payload).places if place[1] in transforms]
+        order = byte_order(payload)
+        places = [place for place in self._read(payload).places if place.stream in transforms]
         if order is None or not all(_can_be_stamp(at_ns) for at_ns, _ in transforms.values()):
             return None
         data = bytearray(payload[:HEADER_BYTES]) + struct.pack(f"{order}I", len(places))
-        for _, child_frame, stamp_at, names_end, _ in places:
+        for child_frame, _, stamp_at, names_end, _ in places:
             at_ns, numbers = transforms[child_frame]
             _pad(data, 4)
             data += _STAMP[order].pack(*divmod(at_ns, NS_PER_S))
@@ -134,29 +159,27 @@ class FrameReader:
             data += _TRANSFORM[order].pack(*numbers)
         return bytes(data)
 
-    def _read(self, payload: Payload) -> _Transforms:
-        known = self._known.get(len(payload))
-        if known is not None and known.layout.unpack(payload) == known.constant:
-            return known
-        transforms = _read_transforms(payload)
-        if transforms.frames:
-            if len(self._known) >= MAX_KNOWN_LAYOUTS:
-                self._known.clear()
-            self._known[len(payload)] = transforms
-        return transforms
 
+class _Place(NamedTuple):
+    """The name of a stream; of a transform also its frame and three offsets.
 
-class _Transforms(NamedTuple):
-    """The frames of a TFMessage, and the bytes that decide them: ``constant``, as ``layout`` unpacks them.
-
-    ``places`` are, by transform, its frames and the offsets of its stamp, of what follows the frames' names,
-    and of its numbers.
+    They are those of its stamp, of what follows the frames' names, and of its numbers.
     """
 
-    frames: tuple[str, ...]
+    stream: str
+    frame: str = ""
+    stamp_at: int = 0
+    names_end: int = 0
+    numbers_at: int = 0
+
+
+class _Streams(NamedTuple):
+    """The streams of a message, and the bytes that decide them: ``constant``, as ``layout`` unpacks them."""
+
+    names: tuple[str, ...]
     layout: struct.Struct
     constant: tuple[bytes, ...]
-    places: tuple[tuple[str, str, int, int, int], ...] = ()
+    places: tuple[_Place, ...] = ()
 
 
 class PoseReader:
@@ -176,17 +199,17 @@ class PoseReader:
 
     def read(self, payload: bytes) -> tuple[bytes, tuple[float, ...]] | None:
         """The frames as they are written, and position, orientation and twist: 7 or 13 numbers."""
-        order = _byte_order(payload)
+        order = byte_order(payload)
         if order is None:
             return None
         with suppress(struct.error):
             if self._end < 0 or payload[STAMPED_BYTES : self._end] != self._frames:
                 uint32, end = struct.Struct(f"{order}I"), STAMPED_BYTES
                 for _ in range(self._frame_count):
-                    end = _string_end(payload, _aligned(end, 4), uint32)
+                    end = _string_end(payload, aligned(end, 4), uint32)
                 self._end, self._frames = end, payload[STAMPED_BYTES:end]
             numbers = (_POSE_AND_TWIST if self._has_twist else _TRANSFORM)[order]
-            return self._frames, numbers.unpack_from(payload, _aligned(self._end, 8))
+            return self._frames, numbers.unpack_from(payload, aligned(self._end, 8))
         return None
 
     def moved(
@@ -196,10 +219,10 @@ class PoseReader:
 
         The ``variances`` of x, y, z and of the rotations about them, in m² and rad², come on top of its own.
         """
-        order = _byte_order(payload)
+        order = byte_order(payload)
         if order is None or self.read(payload) is None or not _can_be_stamp(at_ns):
             return None
-        data, pose_at = bytearray(payload), _aligned(self._end, 8)
+        data, pose_at = bytearray(payload), aligned(self._end, 8)
         _STAMP[order].pack_into(data, HEADER_BYTES, *divmod(at_ns, NS_PER_S))
         _TRANSFORM[order].pack_into(data, pose_at, *numbers)
         covariance = list(_COVARIANCE[order].unpack_from(data, pose_at + _POSE_BYTES))
@@ -221,7 +244,7 @@ class JointReader:
 
     def read(self, payload: bytes) -> tuple[tuple[str, ...], tuple[float, ...], tuple[float, ...]] | None:
         """``None`` where ``payload`` cannot be one."""
-        order = _byte_order(payload)
+        order = byte_order(payload)
         if order is None:
             return None
         with suppress(struct.error):
@@ -235,7 +258,7 @@ class JointReader:
 
     def moved(self, payload: bytes, at_ns: int, positions: Mapping[str, float]) -> bytes | None:
         """The joints of ``payload`` that ``positions`` has, at another time and there."""
-        order, found = _byte_order(payload), self.read(payload)
+        order, found = byte_order(payload), self.read(payload)
         if order is None or found is None or not _can_be_stamp(at_ns):
             return None
         names, uint32 = found[0], struct.Struct(f"{order}I")
@@ -262,22 +285,22 @@ class JointReader:
 
     def _read_names(self, payload: bytes, uint32: struct.Struct) -> None:
         self._end = -1
-        at = _aligned(_string_end(payload, STAMPED_BYTES, uint32), 4)
+        at = aligned(_string_end(payload, STAMPED_BYTES, uint32), 4)
         (count,) = uint32.unpack_from(payload, at)
         end, names = at + uint32.size, []
-        for _ in range(min(count, MAX_TRANSFORMS)):
-            start = _aligned(end, 4)
+        for _ in range(min(count, MAX_ITEMS)):
+            start = aligned(end, 4)
             end = _string_end(payload, start, uint32)
-            names.append(_text(payload, start + uint32.size, end))
+            names.append(text_at(payload, start + uint32.size, end))
         self._end, self._raw, self._names = end, payload[STAMPED_BYTES:end], tuple(names)
 
 
 def _doubles(payload: bytes, end: int, uint32: struct.Struct, order: str) -> tuple[tuple[float, ...], int]:
     """A sequence of float64 after ``end``, and where it ends."""
-    at = _aligned(end, 4)
+    at = aligned(end, 4)
     (count,) = uint32.unpack_from(payload, at)
-    start = _aligned(at + uint32.size, 8) if count else at + uint32.size
-    return struct.unpack_from(f"{order}{min(count, MAX_TRANSFORMS)}d", payload, start), start + 8 * count
+    start = aligned(at + uint32.size, 8) if count else at + uint32.size
+    return struct.unpack_from(f"{order}{min(count, MAX_ITEMS)}d", payload, start), start + 8 * count
 
 
 def _put_count(data: bytearray, count: int, uint32: struct.Struct) -> None:
@@ -287,7 +310,7 @@ def _put_count(data: bytearray, count: int, uint32: struct.Struct) -> None:
 
 def _pad(data: bytearray, size: int) -> None:
     """Have what follows begin at a multiple of ``size``."""
-    data += bytes(_aligned(len(data), size) - len(data))
+    data += bytes(aligned(len(data), size) - len(data))
 
 
 def _can_be_stamp(at_ns: int) -> bool:
@@ -295,65 +318,108 @@ def _can_be_stamp(at_ns: int) -> bool:
 
 
 def _header_stamp(payload: Payload) -> tuple[int, int] | None:
-    order = _byte_order(payload)
+    order = byte_order(payload)
     if order is None or len(payload) < STAMPED_BYTES:
         return None
     sec, nanosec = struct.unpack_from(f"{order}iI", payload, HEADER_BYTES)
     return (sec, nanosec) if nanosec < NS_PER_S else None
 
 
-def _byte_order(payload: Payload) -> str | None:
-    encapsulation = bytes(payload[:2])
-    if encapsulation == _LITTLE_ENDIAN:
-        return "<"
-    return ">" if encapsulation == _BIG_ENDIAN else None
+def _transforms(walk: Walk) -> Iterator[_Place]:
+    """By child frame."""
+    for _ in walk.items():
+        stamp_at = walk.skip(STAMP_BYTES, 4)
+        frame, child_frame = walk.text(), walk.text()
+        names_end = walk.at
+        yield _Place(child_frame, frame, stamp_at, names_end, walk.skip(_TRANSFORM_BYTES, 8))
 
 
-_NO_TRANSFORMS = _Transforms((), struct.Struct(""), ())
+def _statuses(walk: Walk) -> Iterator[_Place]:
+    """By name."""
+    walk.header()
+    for _ in walk.items():
+        walk.skip(_LEVEL_BYTES, 1)
+        yield _Place(walk.text())
+        walk.skip_texts(2)
+        walk.skip_texts(2 * len(walk.items()))
 
 
-def _read_transforms(payload: Payload) -> _Transforms:
-    order = _byte_order(payload)
-    if order is not None:
+def _joints(walk: Walk) -> Iterator[_Place]:
+    """By the set of names: some of a robot's joints are another stream than its others."""
+    walk.header()
+    names = {walk.text() for _ in walk.items()}
+    for _ in range(3):
+        walk.array(8, 8)
+    if names:
+        yield _Place("\0".join(sorted(names)))
+
+
+def _markers(walk: Walk, *, has_files: bool) -> Iterator[_Place]:
+    """By ns and id; from Humble on, markers have textures and files of meshes."""
+    for _ in walk.items():
+        walk.header()
+        yield _Place(f"{walk.text()}/{walk.number()}")
+        walk.skip(2 * 4, 4)  # type and action
+        walk.skip(_POSE_BYTES + 3 * 8, 8)
+        walk.skip(4 * 4 + STAMP_BYTES, 4)  # color and lifetime
+        walk.skip(1, 1)
+        walk.array(3 * 8, 8)
+        walk.array(4 * 4, 4)
+        if has_files:
+            walk.skip_texts()
+            walk.header()
+            walk.skip_texts()
+            walk.array(1, 1)
+            walk.array(2 * 4, 4)
+        walk.skip_texts(2)
+        if has_files:
+            walk.skip_texts()
+            walk.array(1, 1)
+        walk.skip(1, 1)
+    if len(walk.payload) - walk.at >= _MOST_PADDING:
+        raise struct.error("these are markers of another version of ROS")
+
+
+_TRANSFORMS = "tf2_msgs/msg/TFMessage"
+_Read = Callable[[Walk], Iterator[_Place]]
+
+STREAM_TYPES: Mapping[str, Sequence[_Read]] = MappingProxyType(
+    {
+        _TRANSFORMS: (_transforms,),
+        "diagnostic_msgs/msg/DiagnosticArray": (_statuses,),
+        "sensor_msgs/msg/JointState": (_joints,),
+        "visualization_msgs/msg/MarkerArray": (
+            partial(_markers, has_files=True),
+            partial(_markers, has_files=False),
+        ),
+    }
+)
+"""Types whose messages say which streams of their topic they belong to, each with the ways to read one."""
+
+_NO_STREAMS = _Streams((), struct.Struct(""), ())
+
+
+def _read_streams(payload: Payload, ways: Sequence[_Read]) -> _Streams:
+    order = byte_order(payload)
+    if order is None:
+        return _NO_STREAMS
+    for read in ways:
         with suppress(struct.error):
-            return _transforms(payload, struct.Struct(f"{order}I"))
-    return _NO_TRANSFORMS
+            walk = Walk(payload, order)
+            places = tuple(read(walk))
+            layout = walk.layout()
+            names = dict.fromkeys(_short(place.stream) for place in places)
+            return _Streams(tuple(names), layout, layout.unpack(payload), places)
+    return _NO_STREAMS
 
 
-def _transforms(payload: Payload, uint32: struct.Struct) -> _Transforms:
-    (count,) = uint32.unpack_from(payload, HEADER_BYTES)
-    if count > MAX_TRANSFORMS:
-        return _NO_TRANSFORMS
-    frames: dict[str, None] = {}
-    end = HEADER_BYTES + uint32.size
-    fields = [f"{end}s"]
-    places = []
-    for _ in range(count):
-        stamp_at = _aligned(end, 4)
-        frame_id_at = stamp_at + STAMP_BYTES
-        child_at = _aligned(_string_end(payload, frame_id_at, uint32), 4)
-        child_end = _string_end(payload, child_at, uint32)
-        frame = _text(payload, frame_id_at + uint32.size, _string_end(payload, frame_id_at, uint32))
-        child_frame = _text(payload, child_at + uint32.size, child_end)
-        frames[child_frame] = None
-        places.append((frame, child_frame, stamp_at, child_end, _aligned(child_end, 8)))
-        fields.append(f"{frame_id_at - end}x{child_end - frame_id_at}s")
-        end = _aligned(child_end, 8) + _TRANSFORM_BYTES
-        fields.append(f"{end - child_end}x")
-    if end > len(payload):
-        return _NO_TRANSFORMS
-    layout = struct.Struct("".join((*fields, f"{len(payload) - end}x")))
-    return _Transforms(tuple(frames), layout, layout.unpack(payload), tuple(places))
-
-
-def _aligned(offset: int, size: int) -> int:
-    return HEADER_BYTES + -(-(offset - HEADER_BYTES) // size) * size
+def _short(name: str) -> str:
+    """A name that is as unique, but does not fill the memory where thousands are kept."""
+    if len(name) <= _MOST_LETTERS:
+        return name
+    return hashlib.sha256(name.encode("utf-8", "surrogateescape")).hexdigest()
 
 
 def _string_end(payload: Payload, length_at: int, uint32: struct.Struct) -> int:
     (length,) = uint32.unpack_from(payload, length_at)
     return length_at + uint32.size + int(length)
-
-
-def _text(payload: Payload, start: int, end: int) -> str:
-    return bytes(payload[start:end]).rstrip(b"\x00").decode("utf-8", "surrogateescape")

@@ -10,6 +10,7 @@ from typing import NamedTuple, Protocol
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.payload import Payload
+from smarttestudo.pacing.cdr import STREAM_TYPES
 from smarttestudo.pacing.reckoning.gauges import Reading
 
 
@@ -25,25 +26,28 @@ class StreamKind(Enum):
 
     VOLATILE = "volatile"
     TRANSIENT_LOCAL = "transient_local"
-    TRANSFORMS = "transforms"
+    NAMED = "named"
 
     @staticmethod
     def of(*, type_name: str, transient_local: bool) -> StreamKind:
-        """The kind of a topic of this ROS type and durability; /tf_static is latched before it is /tf."""
+        """The kind of a topic of this ROS type and durability; /tf_static is latched before it is /tf.
+
+        The messages of ``NAMED`` say which streams they belong to (``cdr.STREAM_TYPES``).
+        """
         if transient_local:
             return StreamKind.TRANSIENT_LOCAL
-        return StreamKind.TRANSFORMS if type_name == "tf2_msgs/msg/TFMessage" else StreamKind.VOLATILE
+        return StreamKind.NAMED if type_name in STREAM_TYPES else StreamKind.VOLATILE
 
 
 @dataclass(slots=True, eq=False)
 class Sample:
     """One message of a source; two samples are equal only if they are the same one.
 
-    ``publisher`` tells publishers of one topic apart, where that can be told. ``frames`` are the child
-    frames of a TFMessage (``cdr.child_frames``), ``stamp`` is ``cdr.header_stamp`` where topics are paced
-    together, ``readings`` what ``Picture.read`` made of it where the picture of the topic has bounds. Treat
-    it as immutable; frozen or keyword-only it would take two to four times as long to
-    make, and one is made for every message.
+    ``publisher`` tells publishers of one topic apart, where that can be told. ``frames`` are the names of
+    the streams in it, such as the child frames of a TFMessage (``cdr.StreamReader``), ``stamp`` is
+    ``cdr.header_stamp`` where topics are paced together, ``readings`` what ``Picture.read`` made of it where
+    the picture of the topic has bounds. Treat it as immutable; frozen or keyword-only it would take two to
+    four times as long to make, and one is made for every message.
     """
 
     payload: Payload

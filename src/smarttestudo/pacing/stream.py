@@ -13,7 +13,7 @@ from smarttestudo.pacing.sample import Pass, Sample
 
 
 class Stream(ABC):
-    """The messages of one publisher, or those that hold one child frame; opened by its first message."""
+    """The messages of one publisher, or those that hold one name; opened by its first message."""
 
     __slots__ = ("finished", "grid", "held", "held_ns", "source")
 
@@ -24,9 +24,18 @@ class Stream(ABC):
         self.held_ns = now_ns
         self.finished = False
 
-    @abstractmethod
     def offer(self, sample: Sample, now_ns: int) -> bool:
         """Whether ``sample`` passes now; if not, it may be held."""
+        self.source.record(now_ns)
+        if self.is_due(now_ns):
+            self.settle(now_ns)
+            return True
+        self.hold(sample, now_ns)
+        return False
+
+    def is_due(self, now_ns: int) -> bool:
+        """Whether a message that comes now passes."""
+        return now_ns >= self.grid.due_ns
 
     @property
     @abstractmethod
@@ -77,15 +86,6 @@ class VolatileStream(Stream):
 
     __slots__ = ()
 
-    def offer(self, sample: Sample, now_ns: int) -> bool:
-        """Whether ``sample`` passes now; if not, it is held."""
-        self.source.record(now_ns)
-        if now_ns >= self.grid.due_ns:
-            self.settle(now_ns)
-            return True
-        self.hold(sample, now_ns)
-        return False
-
     def hold(self, sample: Sample, now_ns: int) -> None:
         """Keep ``sample`` as the newest that did not pass, unless Off."""
         if self.grid.due_ns < NEVER_NS:
@@ -115,9 +115,9 @@ WHOLE_FROM_PERIOD_NS = NS_PER_S
 
 
 class LatchedStream(Stream):
-    """The samples of one transient_local publisher.
+    """The samples of one transient_local publisher, or of one name in them.
 
-    All pass in the publisher's first 2 s and while its mean rate is at most 1 Hz. Above that they are
+    All pass in its first 2 s and while its mean rate is at most 1 Hz. Above that they are
     thinned, and the newest held sample goes out as soon as it is due. Off lets nothing pass, but the
     newest sample stays held and follows when Off ends, as a late subscriber would get it.
     """
@@ -128,15 +128,10 @@ class LatchedStream(Stream):
         super().__init__(pace, now_ns)
         self._first_ns = now_ns
 
-    def offer(self, sample: Sample, now_ns: int) -> bool:
-        """Whether ``sample`` passes now; if not, it is held."""
-        self.source.record(now_ns)
+    def is_due(self, now_ns: int) -> bool:
+        """Whether a message that comes now passes."""
         grid = self.grid
-        if now_ns >= grid.due_ns or (not grid.pace.is_off and self._passes_whole(now_ns)):
-            self.settle(now_ns)
-            return True
-        self.hold(sample, now_ns)
-        return False
+        return now_ns >= grid.due_ns or (not grid.pace.is_off and self._passes_whole(now_ns))
 
     @property
     def release_ns(self) -> int:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The streams of one topic: by publisher, or by child frame for transforms."""
+"""The streams of one topic: by publisher, or by the names that its messages hold, such as child frames."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.pacing.sample import Pass, Sample
-from smarttestudo.pacing.stream import Stream, VolatileStream
+from smarttestudo.pacing.stream import Stream
 
 AnyStream = TypeVar("AnyStream", bound=Stream)
 
@@ -101,6 +101,11 @@ class Streams(ABC, Generic[AnyStream]):
     def _release(self, stream: AnyStream, now_ns: int) -> Sequence[Pass]:
         return stream.release(now_ns)
 
+    def _streams_of(self, sample: Sample, now_ns: int) -> list[AnyStream]:
+        keys: Sequence[Hashable] = sample.frames or (sample.publisher,)
+        known = self._streams
+        return [known.get(key) or self._open_stream(key, now_ns) for key in keys]
+
     def _open_stream(self, key: Hashable, now_ns: int) -> AnyStream:
         self._opens_to_prune -= 1
         if self._opens_to_prune == 0:
@@ -115,46 +120,41 @@ class Streams(ABC, Generic[AnyStream]):
         self.wake_ns = max(first_ns, now_ns)
 
 
-NO_FRAMES = ("",)
-"""What stands for the frames of a message that has none or could not be read."""
+class NamedStreams(Streams[AnyStream]):
+    """One stream for each name, such as a child frame; a message passes whole if any stream in it is due.
 
-
-class FrameStreams(Streams[VolatileStream]):
-    """One stream for each child frame; a message passes whole if any frame in it is due.
-
-    It counts for all its frames, yet no frame is ever due later than one period after it, so that a
-    frame that passed along with others does not starve once they are gone. The final message is that of
-    each frame; one that is final for several frames passes once.
+    It counts for all its streams, yet none is ever due later than one period after it, so that one that
+    passed along with others does not starve once they are gone. The final message is that of each stream;
+    one that is final for several passes once. Messages that name none are those of their publisher.
     """
 
     __slots__ = ()
 
-    def __init__(self, pace: Pace) -> None:
-        super().__init__(VolatileStream, pace)
-
     def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
         """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
         streams = self._streams_of(sample, now_ns)
-        is_due = False
+        is_due, first_due_ns = False, NEVER_NS
         for stream in streams:
             stream.source.record(now_ns)
-            if now_ns >= stream.grid.due_ns:
+            if stream.is_due(now_ns):
                 is_due = True
+            elif stream.grid.due_ns < first_due_ns:
+                first_due_ns = stream.grid.due_ns
         if is_due:
             for stream in streams:
                 stream.settle(now_ns)
             return (Pass(sample),)
         for stream in streams:
             stream.hold(sample, now_ns)
-        # What is held waits for a period or longer; wake finds out, and need not be early for each frame.
-        self.wake_ns = min(self.wake_ns, now_ns + self._pace.period_ns)
+        # What is held waits until it is due or longer; wake finds out.
+        self.wake_ns = min(self.wake_ns, first_due_ns)
         return ()
 
     def holds(self, sample: Sample) -> bool:
         """Whether ``sample`` did not pass, but still may."""
         return any(stream.held is sample for stream in self._streams.values())
 
-    def _release(self, stream: VolatileStream, now_ns: int) -> Sequence[Pass]:
+    def _release(self, stream: AnyStream, now_ns: int) -> Sequence[Pass]:
         sample = stream.held
         if sample is None:
             return ()
@@ -163,11 +163,6 @@ class FrameStreams(Streams[VolatileStream]):
             if other.held is sample:
                 other.held = None
         return (Pass(sample),)
-
-    def _streams_of(self, sample: Sample, now_ns: int) -> list[VolatileStream]:
-        known = self._streams
-        frames = sample.frames or NO_FRAMES
-        return [known.get(frame) or self._open_stream(frame, now_ns) for frame in frames]
 
 
 class PublisherStreams(Streams[AnyStream]):

@@ -17,7 +17,7 @@ from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.repeat import RepeatStream
 from smarttestudo.pacing.sample import Pacer, Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.stream import LatchedStream, VolatileStream
-from smarttestudo.pacing.streams import FrameStreams, PublisherStreams, Streams
+from smarttestudo.pacing.streams import NamedStreams, PublisherStreams, Streams
 
 AnyStreams = Streams[VolatileStream] | Streams[LatchedStream] | Streams[RepeatStream] | BoundStreams
 
@@ -212,10 +212,10 @@ class TopicPacer(Pacer):
                 ceiling=self._pace,
                 heartbeat_hz=accuracy.heartbeat_hz,
             )
-        if self._kind is StreamKind.TRANSFORMS:
-            return FrameStreams(self._pace)
+        if self._kind is StreamKind.NAMED:
+            return NamedStreams(VolatileStream, self._pace)
         if self._kind is StreamKind.TRANSIENT_LOCAL:
-            return PublisherStreams(LatchedStream, self._pace)
+            return NamedStreams(LatchedStream, self._pace)
         if self._when_slow is WhenSlow.REPEAT:
             return PublisherStreams(partial(RepeatStream, stale_after_ns=self._stale_after_ns), self._pace)
         return PublisherStreams(VolatileStream, self._pace)

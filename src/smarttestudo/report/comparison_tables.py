@@ -21,7 +21,7 @@ _TARGET_NOTE = (
     " Target: planned rate, weighted by time. Mean: (n − 1) / (last − first) of {}. "
     "Error: that mean against the target, or the source's mean where that is less."
 )
-_FRAMES_NOTE = " Of transforms the target is that of each frame, and there is no error."
+_FRAMES_NOTE = " Of transforms and other named streams the target is that of each, and there is no error."
 BANDWIDTH_NOTE = "1 KB is 1000 bytes; 1 KB/s is 8 kbit/s."
 DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
 

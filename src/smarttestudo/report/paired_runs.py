@@ -24,11 +24,11 @@ from smarttestudo.report.series import bandwidth_series, rate_series
 
 
 def with_targets(
-    comparison: Comparison, decisions: Sequence[Decision], *, end_s: float, transforms: Collection[str]
+    comparison: Comparison, decisions: Sequence[Decision], *, end_s: float, named: Collection[str]
 ) -> Comparison:
     """``comparison`` with what ``decisions`` planned for its topics until ``end_s``, by the first's names.
 
-    ``transforms`` are topics whose planned rates are those of each frame in their messages.
+    ``named`` are topics whose planned rates are those of each stream that their messages name.
     """
     planned = by_topic(decisions)
 
@@ -37,15 +37,15 @@ def with_targets(
         if own is None or pair.before is None:
             return pair
         target = mean_target(target_spans(own, end_s), pair.before.mean_hz)
-        if target is not None and pair.topic in transforms:
+        if target is not None and pair.topic in named:
             target = replace(target, attainable_hz=None)
         return replace(pair, target=target)
 
     return Comparison(topics=tuple(map(targeted, comparison.topics)))
 
 
-def _is_transforms(type_name: str) -> bool:
-    return StreamKind.of(type_name=type_name, transient_local=False) is StreamKind.TRANSFORMS
+def _has_streams(type_name: str) -> bool:
+    return StreamKind.of(type_name=type_name, transient_local=False) is StreamKind.NAMED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,8 +83,8 @@ class PairedRuns:
     def comparison(self, decisions: Sequence[Decision]) -> Comparison:
         """The numbers of the topics, against what ``decisions`` planned."""
         end_s = self.a.summary.span.duration_s
-        transforms = [topic.name for topic in self.a.summary.topics if _is_transforms(topic.type_name)]
-        return with_targets(Comparison(topics=self.pairs), decisions, end_s=end_s, transforms=transforms)
+        named = [topic.name for topic in self.a.summary.topics if _has_streams(topic.type_name)]
+        return with_targets(Comparison(topics=self.pairs), decisions, end_s=end_s, named=named)
 
     def series(self) -> tuple[TopicSeries, ...]:
         """The topics over time."""

@@ -19,7 +19,9 @@ _BOUNDS_NOTE = (
     "operator's picture was off after any message of the source while the bound was in force; broken counts "
     "the messages after which it was more than the bound. Messages that cannot be read are not among them."
 )
-_FRAMES_NOTE = "Transforms have the rate for each child frame, and so the means over the frames stand here."
+_FRAMES_NOTE = (
+    "Transforms and other named streams have the rate for each, and so the means over them stand here."
+)
 _DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
 
 

@@ -26,7 +26,7 @@ from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_MS, NS_PER_S, ns_from
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.loop.statistics import FrameFlows, RelayStatistics
-from smarttestudo.pacing.cdr import HEADER_BYTES, STAMP_BYTES, header_stamp
+from smarttestudo.pacing.cdr import STAMPED_BYTES, header_stamp
 from smarttestudo.pacing.sample import StreamKind
 from smarttestudo.robot.losses import SourceLoss
 from smarttestudo.robot.topic_link import TopicLink
@@ -39,7 +39,7 @@ _MESSAGES_EXPLAINED = 3
 # Of a source of which nearly all is lost, its rate is no longer told by what comes.
 _LEAST_SHARE = 0.01
 _SOON_NS = 2 * NS_PER_S
-_BEGINNING = slice(HEADER_BYTES + STAMP_BYTES)
+_BEGINNING = slice(STAMPED_BYTES)
 
 
 class MessageAge:
@@ -118,7 +118,7 @@ class _FrameMeters:
                 meters[frame].measure(now_ns, stale_after_ns=stale_after_ns, transient_local=transient_local)
 
     def rates(self, target_hz: float) -> _Rates:
-        """The means over the frames that come and go."""
+        """The means over the streams that come and go."""
         known = [
             _Rates(arrived.rate_hz, min(arrived.rate_hz, target_hz), relayed.rate_hz)
             for frame, arrived in self._arrived.items()

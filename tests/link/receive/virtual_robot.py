@@ -20,7 +20,7 @@ from smarttestudo.link.parts.live_link import LinkWatch
 from smarttestudo.link.protocol.sender import LinkSender
 from smarttestudo.loop import RelayLoop
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, RulesInput, WakeInput
-from smarttestudo.pacing.cdr import child_frames
+from smarttestudo.pacing.cdr import StreamReader
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.publisher_pool import PublisherPool
@@ -80,10 +80,11 @@ class VirtualPublisher:
         number = end.sender.open(info, end.now_ns)
         assert number is not None
         self._end, self._number = end, number
+        self._reader = StreamReader(info.type_name)
 
     def publish(self, payload: Payload) -> None:
         data = payload[:]
-        self._end.sender.put(self._number, data, self._end.now_ns, child_frames(data) or None)
+        self._end.sender.put(self._number, data, self._end.now_ns, self._reader.streams(data) or None)
 
     def close(self) -> None:
         self._end.sender.close(self._number, self._end.now_ns)

@@ -10,7 +10,7 @@ import math
 import pytest
 
 from loop.loop_driver import SECOND
-from pacing.test_frame_reader import tf_message
+from pacing.test_stream_reader import tf_message
 from robot.status.status_driver import StatusDriver
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.profile import Profile, TopicProfile

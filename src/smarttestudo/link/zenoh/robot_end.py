@@ -32,8 +32,7 @@ from smarttestudo.link.zenoh.incident_server import IncidentServer, WaitingAsk
 from smarttestudo.link.zenoh.query_server import MAX_WAITING, QueryServer, WaitingQuestion
 from smarttestudo.link.zenoh.session import OPERATOR, LinkSession, OtherVersions, is_heard
 from smarttestudo.link.zenoh.status_server import StatusServer
-from smarttestudo.pacing.cdr import FrameReader
-from smarttestudo.pacing.sample import StreamKind
+from smarttestudo.pacing.cdr import STREAM_TYPES, StreamReader
 
 _POLL_AGAIN_S = 0.2
 """After so long it is asked again what is to be sent, though nothing happened."""
@@ -299,7 +298,7 @@ class RobotEnd:
 
 
 class RobotPublisher:
-    """Sends the messages of one stream; of transforms, each set of child frames replaces only itself."""
+    """Sends the messages of one topic; of those that name streams, each set of names replaces only itself."""
 
     def __init__(self, end: RobotEnd, number: int, stream: StreamInfo) -> None:
         self._end = end
@@ -307,8 +306,8 @@ class RobotPublisher:
         self._topic = stream.topic
         self._was_refused = False
         self._is_closed = False
-        kind = StreamKind.of(type_name=stream.type_name, transient_local=False)
-        self._frames = FrameReader() if kind is StreamKind.TRANSFORMS else None
+        is_named = stream.type_name in STREAM_TYPES
+        self._reader = StreamReader(stream.type_name) if is_named else None
 
     def publish(self, payload: Payload) -> None:
         """Send a serialized message, unless it is too large, which is said once."""
@@ -320,7 +319,7 @@ class RobotPublisher:
                 self._end.refuse(self._topic, len(payload))
             return
         data = payload[:]
-        lane = (self._frames.child_frames(data) or None) if self._frames else None
+        lane = (self._reader.streams(data) or None) if self._reader else None
         self._end.send(self._number, data, lane)
 
     def close(self) -> None:
