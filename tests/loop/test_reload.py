@@ -9,6 +9,7 @@ import pytest
 from loop.loop_driver import MS, ODOMETRY, SECOND, LoopDriver
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.rate import Rate
 from smarttestudo.language.rule_set import fallback_rules
 from smarttestudo.loop.inputs import MessageInput, WakeInput
 from smarttestudo.pacing.sample import WhenSlow
@@ -202,7 +203,7 @@ def test_without_rules_every_topic_is_full_and_topics_may_join() -> None:
     driver = LoopDriver("begin SetFrequency /scan 2 end")
     driver.decisions.clear()
     for topics in (["/scan"], ["/scan", "/imu"]):
-        driver.reload_rule_set(fallback_rules(topics))
+        driver.reload_rule_set(fallback_rules(dict.fromkeys(topics, Rate.full())))
     assert driver.log() == [(0.0, "/scan", None, "fallback", None), (0.0, "/imu", None, "fallback", None)]
     driver.reload("begin SetFrequency /scan 2 end")
     assert [(one.topic, one.planned.reason.value, one.is_end) for one in driver.decisions[2:]] == [

@@ -104,6 +104,21 @@ def test_what_arrives_is_byte_for_byte_what_the_robot_published(
     assert len(set(arrived)) == len(arrived), "stamps tell messages apart"
 
 
+def test_rules_that_are_broken_at_the_start_send_what_can_be_read_of_them_until_they_are_mended(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    operators.receiver(endpoint)
+    there = operators.operator(imu={"type": IMU, "topic": "/imu"})
+    robot.source(**SOURCES)
+    path = robot.rule_file("begin SetFrequency /odom 5 SetFrequency /imu Off If CheckValue end")
+    runtime = robot.testudo_run("--rules", path, "--link", endpoint, "--robot", "tb3")
+    for rate in ("/imu: 1 Hz", "/names: 1 Hz", "/odom: 5 Hz"):
+        runtime.line_with(f"{rate} (fallback)")
+    there.line_with("heard")
+    Path(path).write_text("begin SetFrequency /imu 20 end", encoding="utf-8")
+    runtime.line_with("/imu: 1 Hz → 20 Hz (reload)")
+
+
 @told_apart
 def test_publishers_stay_apart_with_type_and_qos_and_a_late_subscriber_gets_what_each_latched(
     robot: SmallRobot,

@@ -143,11 +143,13 @@ def test_a_pushed_text_goes_back_unless_its_hash_is_confirmed(robot: SmallRobot)
 
 @pytest.mark.contract
 def test_without_rules_everything_is_relayed_until_there_are_some(robot: SmallRobot) -> None:
-    path, decisions = robot.folder / "rules.adirf", robot.folder / "decisions.jsonl"
+    path, decisions = robot.folder / "rules" / "rules.adirf", robot.folder / "decisions.jsonl"
+    path.parent.mkdir()
     robot.source(imu=IMU, clock=CLOCK, _hidden=IMU)
     operator = robot.operator(imu=IMU)
-    runtime = robot.testudo_run("--rules", str(path), "--decisions", str(decisions))
-    assert "there is no such file" in runtime.line_with("relaying everything at Full until there are rules")
+    runtime = robot.testudo_run("--rules", str(path.parent), "--decisions", str(decisions))
+    said = runtime.line_with("relaying everything at Full until there are rules")
+    assert "the folder holds no rule files" in said
     runtime.line_with("/imu: Full (fallback)")
     operator.line_with("heard")
     robot.source(late=IMU)

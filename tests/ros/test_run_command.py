@@ -103,6 +103,28 @@ def test_a_parameter_that_makes_no_sense_is_refused(robot: SmallRobot, parameter
     assert line.startswith(f"parameter {parameter.partition(':')[0]}: error: ")
 
 
+@pytest.mark.contract
+def test_a_rule_file_that_is_not_there_and_a_broken_one_end_it_so_that_systemd_tries_again(
+    robot: SmallRobot,
+) -> None:
+    broken = robot.rule_file("begin SetFrequency /imu fast KeepAtLeast /imu x end")
+    missing = broken.replace("rules0", "rule0")
+    absent = robot.testudo_run("--rules", missing)
+    assert (absent.exit_code(), absent.output) == (
+        1,
+        [f"{missing}: error: there is no such file; did you mean {broken}?\n"],
+    )
+    refused = robot.testudo_run("--rules", broken, "--ros-args", "-p", "fallback:=exit")
+    assert refused.exit_code() == 1
+    assert [line.partition(": error")[0] for line in refused.output if "error[" in line] == [
+        f"{broken}:1:25",
+        f"{broken}:1:47",
+    ]
+    # ROS takes the word for a boolean.
+    silent = robot.testudo_run("--rules", broken, "--ros-args", "-p", "fallback:=off")
+    silent.line_with("relaying nothing until there are rules")
+
+
 @pytest.mark.parametrize("pattern", ["{topic}", "/odom", "{topic}_receive"])
 def test_an_output_that_is_taken_is_refused(robot: SmallRobot, pattern: str) -> None:
     rules = "begin SetFrequency /imu 10 SetFrequency /imu_receive 10 end"

@@ -375,6 +375,9 @@ export interface ExportRequest {
   name?: string;
 }
 
+/** Relayed topics while there are no valid rules; the value is its name in JSON. */
+export type Fallback = "full" | "readable" | "off";
+
 /**
  * How far a fetch is: `got_bytes` of `total_bytes`, those of earlier attempts included.
  *
@@ -1501,6 +1504,7 @@ export interface RuleZones {
  *
  * `waits_s` is how long pushed rules still hold unless they are confirmed; `None` where none wait.
  * `problem` says why the rule files cannot be used as they are now; the rules in force are others.
+ * `fallback` is there while there are no valid rules.
  */
 export interface RulesInForce {
   files: string[];
@@ -1508,6 +1512,7 @@ export interface RulesInForce {
   origin: RulesOrigin;
   waits_s: number | null;
   problem?: string;
+  fallback?: Fallback;
 }
 
 /** Where the rules in force come from; the value is its name in JSON. */

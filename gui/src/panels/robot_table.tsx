@@ -126,6 +126,6 @@ function originOf({ rules: { origin, files, waits_s } }: RobotSummary, sinceTold
         ? "waiting to be confirmed"
         : `waiting to be confirmed, ${Math.max(0, Math.floor(waits_s - sinceToldS))} s left`;
     case "fallback":
-      return "none: everything is relayed";
+      return "no valid rules";
   }
 }

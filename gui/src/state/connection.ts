@@ -81,5 +81,5 @@ export const RULES_WORDS: Record<RulesOrigin, string> = {
   files: "It follows the rule files on its disk.",
   pushed: "It follows rules that were sent to it.",
   waiting: "It is trying rules that were sent to it, and reverts them unless they are kept.",
-  fallback: "It has no valid rules and relays everything. Mend its rule files, or send it rules.",
+  fallback: "It has no valid rules. Mend its rule files, or send it rules.",
 };

@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from functools import partial
 
 from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.link_options import add_link, open_link
 from smarttestudo.cli.loop_options import (
     add_option,
@@ -46,7 +48,9 @@ from smarttestudo.robot.run_options import (
 )
 from smarttestudo.robot.unnoticed import lasting
 from smarttestudo.rules.rule_files import rule_files_named
+from smarttestudo.rules.rule_sets import FaultyRulesError
 
+EXIT_ERROR = 1
 PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, COMMANDS_PART)
 """What stands beside the loop of every run."""
 
@@ -103,16 +107,20 @@ def run(arguments: argparse.Namespace, kinds: Sequence[PartKind] = PART_KINDS) -
         note = None
         if (recorded := settings[RECORD_INPUTS]) is not None:
             note = opened.enter_context(input_log(recorded))
-        run_live(
-            parameters,
-            robot,
-            stopped,
-            (*kinds, *metrics),
-            decided,
-            note=note,
-            link=link,
-            commands=None if link is None else link.commands,
-        )
+        try:
+            run_live(
+                parameters,
+                robot,
+                stopped,
+                (*kinds, *metrics),
+                decided,
+                note=note,
+                link=link,
+                commands=None if link is None else link.commands,
+            )
+        except FaultyRulesError as error:
+            print_findings(error.rules.errors, error.rules.texts, sys.stderr)
+            return EXIT_ERROR
     return 0
 
 

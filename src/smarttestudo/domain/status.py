@@ -133,7 +133,18 @@ class RulesOrigin(Enum):
     WAITING = "waiting"
     """Pushed, and not confirmed yet."""
     FALLBACK = "fallback"
-    """There are none: everything is relayed."""
+    """There are no valid ones."""
+
+
+class Fallback(Enum):
+    """Relayed topics while there are no valid rules; the value is its name in JSON."""
+
+    FULL = "full"
+    """Every message."""
+    READABLE = "readable"
+    """Topics at the rates that can be read of rules with errors, at least 1 Hz; all others at 1 Hz."""
+    OFF = "off"
+    """Nothing."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,6 +153,7 @@ class RulesInForce:
 
     ``waits_s`` is how long pushed rules still hold unless they are confirmed; ``None`` where none wait.
     ``problem`` says why the rule files cannot be used as they are now; the rules in force are others.
+    ``fallback`` is there while there are no valid rules.
     """
 
     paths: Annotated[tuple[str, ...], JsonEntry(name="files")] = ()
@@ -149,6 +161,7 @@ class RulesInForce:
     origin: Annotated[RulesOrigin, JsonEntry(is_lenient=True)] = RulesOrigin.FILES
     waits_s: Measured | None = None
     problem: Annotated[str | None, JsonEntry(is_lenient=True, omits_default=True)] = None
+    fallback: Annotated[Fallback | None, JsonEntry(is_lenient=True, omits_default=True)] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -338,8 +351,6 @@ class RuntimeStatus:
     @derived("fallback")
     def is_fallback(
         self,
-    ) -> Annotated[
-        bool, Metered("fallback", "", "1 if everything is relayed because there are no valid rules, else 0.")
-    ]:
-        """Whether everything is relayed because there are no valid rules."""
+    ) -> Annotated[bool, Metered("fallback", "", "1 while there are no valid rules, else 0.")]:
+        """Whether there are no valid rules."""
         return self.rules.origin is RulesOrigin.FALLBACK

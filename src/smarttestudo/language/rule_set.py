@@ -188,12 +188,12 @@ class RuleSet:
         )
 
 
-def fallback_rules(topics: Iterable[str]) -> RuleSet:
-    """The rules in force while there are none: every message of ``topics`` passes."""
+def fallback_rules(rates: Mapping[str, Rate], floors_hz: Mapping[str, float] | None = None) -> RuleSet:
+    """The rules in force while there are no valid ones: topics at these rates."""
     return RuleSet(
-        defaults={topic: Rate.full() for topic in topics},
+        defaults=rates,
         default_lines={},
-        floors_hz={},
+        floors_hz=floors_hz or {},
         blocks=(),
         default_reason=Reason.FALLBACK,
     )

@@ -74,7 +74,8 @@ class RuleTextsInput:
     """How a ``RulesInput`` is recorded, and the rules that a loop started with: by their texts.
 
     ``rule_texts`` are the rule files by path, ``profile_text`` the profile's TOML, ``names`` the full name
-    of each topic in them by the name that they use. For want of rules, every message of ``relay_all`` passes.
+    of each topic in them by the name that they use. For want of valid rules, ``relay_all`` are relayed: at
+    ``fallback_hz`` those that are in it, with ``fallback_floors_hz``, and every message of the others.
     """
 
     stamp_ns: int
@@ -84,6 +85,10 @@ class RuleTextsInput:
     when_slow: WhenSlow = WhenSlow.PASS
     budget_kb_per_s: float | None = None
     relay_all: tuple[str, ...] | None = None
+    fallback_hz: Annotated[Mapping[str, float], JsonEntry(omits_default=True)] = field(default_factory=dict)
+    fallback_floors_hz: Annotated[Mapping[str, float], JsonEntry(omits_default=True)] = field(
+        default_factory=dict
+    )
 
 
 LoopInput = MessageInput | ChangeInput | GraphInput | WakeInput | RulesInput

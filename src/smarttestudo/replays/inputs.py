@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from smarttestudo.domain.errors import RecordingError, RuleFileError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.observation import SourceChanged, Undecodable
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.language.rule_set import RuleSet, fallback_rules
@@ -136,7 +138,8 @@ class _Again:
 def _rules(given: RuleTextsInput) -> tuple[RuleSet, Profile]:
     """Rules and profile that came into force."""
     if given.relay_all is not None:
-        return fallback_rules(given.relay_all), Profile()
+        rates = {topic: Rate(given.fallback_hz.get(topic, math.inf)) for topic in given.relay_all}
+        return fallback_rules(rates, given.fallback_floors_hz), Profile()
 
     def resolve(topic: str) -> str:
         return given.names.get(topic) or resolve_topic(topic)

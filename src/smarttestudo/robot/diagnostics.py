@@ -11,7 +11,14 @@ from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import CommandTopic, TopicOnLink
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import to_json
-from smarttestudo.domain.status import Diagnostic, DiagnosticLevel, RuntimeStatus, Silence, TopicStatus
+from smarttestudo.domain.status import (
+    Diagnostic,
+    DiagnosticLevel,
+    Fallback,
+    RuntimeStatus,
+    Silence,
+    TopicStatus,
+)
 from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped
 from smarttestudo.robot.status import TOLERANCE_PERCENT
 
@@ -26,6 +33,12 @@ _LEVELS = {
     Silence.NO_MESSAGE: DiagnosticLevel.OK,
     Silence.SOURCE_SILENT: DiagnosticLevel.STALE,
 }
+_FALLBACK = {
+    Fallback.FULL: "everything is relayed at full rate",
+    Fallback.READABLE: "topics have the rates that can be read, at least 1 Hz, and all others 1 Hz",
+    Fallback.OFF: "nothing is relayed",
+}
+_MEND = "mend the rule files, or push rules"
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +118,9 @@ def node_problems(status: RuntimeStatus) -> Iterator[Health]:
     if status.floors_break_budget:
         yield Health(DiagnosticLevel.ERROR, "the floors alone are more than the budget")
     if status.is_fallback:
-        yield Health(DiagnosticLevel.ERROR, "no valid rules", "everything is relayed at full rate")
+        # A run of an older version says nothing of it, and relays everything.
+        relayed = _FALLBACK[status.rules.fallback or Fallback.FULL]
+        yield Health(DiagnosticLevel.ERROR, "no valid rules", f"{relayed}; {_MEND}")
     if status.rules.problem is not None:
         yield Health(DiagnosticLevel.WARN, "the rule files cannot be used as they are", status.rules.problem)
     if status.incidents is not None and status.incidents.problem is not None:

@@ -78,7 +78,9 @@ class InputRecorder:
         )
 
     def _recorded_rules(self, rules: LiveRules, now_ns: int) -> RuleTextsInput:
-        is_fallback = rules.rule_set.default_reason is Reason.FALLBACK
+        rule_set = rules.rule_set
+        is_fallback = rule_set.default_reason is Reason.FALLBACK
+        finite = {topic: rate.hz for topic, rate in rule_set.defaults.items() if not rate.is_full}
         return RuleTextsInput(
             stamp_ns=now_ns,
             rule_texts=rules.texts,
@@ -86,7 +88,9 @@ class InputRecorder:
             names=rules.names,
             when_slow=self._settings[WHEN_SLOW],
             budget_kb_per_s=self._settings[BUDGET],
-            relay_all=rules.rule_set.relayed if is_fallback else None,
+            relay_all=rule_set.relayed if is_fallback else None,
+            fallback_hz=finite if is_fallback else {},
+            fallback_floors_hz=rule_set.floors_hz if is_fallback else {},
         )
 
     def _number(self, publisher: Hashable) -> int | None:

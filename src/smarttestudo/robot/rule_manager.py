@@ -17,12 +17,13 @@ from smarttestudo.domain.status import RulesInForce, RulesOrigin
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.loop.prepared_rules import PreparedRules
-from smarttestudo.robot.fallback import Fallback
+from smarttestudo.robot.fallback import FallbackChoice, FallbackTopics
 from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules
 from smarttestudo.robot.live_run import POLL_PERIOD_S, LiveRun
+from smarttestudo.robot.option import Settings
 from smarttestudo.robot.rule_writing import RuleFileWriter
 from smarttestudo.robot.rules import PUSHED, LiveRuleFiles, Reading, RuleWatch
-from smarttestudo.robot.run_options import BUDGET, STATUS_RATE
+from smarttestudo.robot.run_options import BUDGET, FALLBACK, RULES_TEXT, STATUS_RATE
 
 CONFIRM_WITHIN_S = 10
 
@@ -101,23 +102,24 @@ class PushedRules(Generic[_Rules]):
 RELOAD_SERVICE = "~/reload"
 FALLBACK_POLL_PERIOD_S = 1.0
 _STAYS = "the last valid rules stay in force"
-_FALLBACK = "relaying everything at Full until there are rules"
 
 
-def first_rules(robot: Robot, files: LiveRuleFiles, rules_text: str) -> Reading:
-    """The rules at the start; ``rules_text`` counts if no files are named.
+def first_rules(robot: Robot, files: LiveRuleFiles, settings: Settings, fallback: FallbackTopics) -> Reading:
+    """The rules at the start; the parameter ``rules_text`` counts if no files are named.
 
-    Raises ``UsageError`` where names of output topics are invalid or taken by other topics.
+    Raises ``UsageError`` where names of output topics are invalid or taken by other topics, and whatever is
+    wrong with the rules where ``--fallback`` says so.
     """
-    reading = files.read()
+    reading, rules_text = files.read(), settings[RULES_TEXT]
     if files.are_named and rules_text:
         robot.log.warning("rules_text: not used, because rule files are named")
     elif rules_text:
         reading = files.read_text(rules_text)
-    if isinstance(reading.error, UsageError):
-        raise reading.error
     if reading.error is not None:
-        robot.log.warning(f"{reading.error}; {_FALLBACK}")
+        if settings[FALLBACK] is FallbackChoice.EXIT or isinstance(reading.error, UsageError):
+            raise reading.error
+        fallback.follow(reading.readable)
+        robot.log.warning(f"{reading.error}; {fallback}")
     return reading
 
 
@@ -129,7 +131,7 @@ class RuleManager:
         robot: Robot,
         live: LiveRun,
         files: LiveRuleFiles,
-        fallback: Fallback,
+        fallback: FallbackTopics,
         first: Reading,
         *,
         writer: RuleFileWriter,
@@ -202,7 +204,7 @@ class RuleManager:
         if self._in_force.roll_back(self._robot.steady_ns()):
             self._hold()
             rules = self._in_force.rules
-            holds = _FALLBACK if rules is None else f"hash {rules.rules_hash} is in force again"
+            holds = self._fallback if rules is None else f"hash {rules.rules_hash} is in force again"
             self._robot.log.warning(f"pushed rules not confirmed within {CONFIRM_WITHIN_S} s; {holds}")
 
     def _poll_topics(self) -> None:
@@ -223,9 +225,12 @@ class RuleManager:
             self._hold(reading.prepared)
             self._robot.log.info(f"rules reloaded, hash {reading.rules.rules_hash}{pushed}")
             self._warn_of_doubts(reading.rules)
-        elif reading.error is not None and is_new:
-            stays = _FALLBACK if self._in_force.rules is None else _STAYS
-            self._robot.log.warning(f"{reading.error}; {stays}")
+        elif reading.error is not None:
+            if is_new:
+                stays = self._fallback if self._in_force.rules is None else _STAYS
+                self._robot.log.warning(f"{reading.error}; {stays}")
+            if self._fallback.follow(reading.readable) and self._in_force.rules is None:
+                self._hold()
 
     def _push(self, rules: LiveRules) -> None:
         self._in_force.push(rules, rules.rules_hash, self._robot.steady_ns())
@@ -276,7 +281,8 @@ class RuleManager:
         waits_s = None if waits_ns is None else waits_ns / NS_PER_S
         error = self._last.error if self._files.are_named else None
         problem = None if error is None else in_utf_8(str(error))
-        return replace(rules.in_force, origin=origin, waits_s=waits_s, problem=problem)
+        fallback = self._fallback.relays if origin is RulesOrigin.FALLBACK else None
+        return replace(rules.in_force, origin=origin, waits_s=waits_s, problem=problem, fallback=fallback)
 
     def _checked_text(self, text: str) -> LiveRules:
         size_bytes = len(text.encode("utf-8"))

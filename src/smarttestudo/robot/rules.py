@@ -7,8 +7,8 @@ from __future__ import annotations
 import hashlib
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import replace
+from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import field, replace
 from itertools import count
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -19,7 +19,8 @@ from smarttestudo.domain.rests import Rest
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.prepared_rules import PreparedRules
-from smarttestudo.robot.live_rules import LiveRules, UncheckedRules
+from smarttestudo.robot.fallback import ReadableRates, readable_rates
+from smarttestudo.robot.live_rules import LiveRules, UncheckedRules, are_large
 from smarttestudo.robot.output_topics import OutputTopic, output_topics
 from smarttestudo.robot.unnoticed import unnoticed
 from smarttestudo.rules.rule_files import (
@@ -27,6 +28,7 @@ from smarttestudo.rules.rule_files import (
     file_states,
     find_rule_files,
     read_rule_text,
+    readable_texts,
     total_bytes,
 )
 
@@ -38,7 +40,8 @@ class Reading:
     """The result of reading the files: rules, or their first error.
 
     Of two readings the one with the greater ``number`` began later; equal ``content`` was equal text.
-    ``states`` are older than what was read. ``prepared`` may have been made of the rules.
+    ``states`` are older than what was read. ``prepared`` may have been made of the rules; where there is an
+    error, ``readable`` is what can be read of them all the same, if that is asked for.
     """
 
     number: int
@@ -47,18 +50,29 @@ class Reading:
     rules: LiveRules | None = None
     error: TestudoError | None = None
     prepared: PreparedRules | None = None
+    readable: ReadableRates = field(default_factory=ReadableRates)
 
 
 class LiveRuleFiles:
-    """The rule files and the profile of a live run; several threads may read at a time."""
+    """The rule files and the profile of a live run; several threads may read at a time.
+
+    ``reads_broken``: a reading with an error has the rates that can be read all the same.
+    """
 
     def __init__(
-        self, rules: Sequence[Path], profile: Path | None, *, resolve: Resolve, output_topic: OutputTopic
+        self,
+        rules: Sequence[Path],
+        profile: Path | None,
+        *,
+        resolve: Resolve,
+        output_topic: OutputTopic,
+        reads_broken: bool = False,
     ) -> None:
         self._rules = rules
         self._profile = profile
         self._resolve = resolve
         self._output_topic = output_topic
+        self._reads_broken = reads_broken
         self._numbers = count()
         self._ended = threading.Event()
 
@@ -85,7 +99,11 @@ class LiveRuleFiles:
             return Reading(number=number, states=states, content=content, rules=rules)
         except Exception as error:  # noqa: BLE001 - a thread reads them, which must not end
             return Reading(
-                number=number, states=states, content=content or said(error), error=testudo_error(error)
+                number=number,
+                states=states,
+                content=content or said(error),
+                error=testudo_error(error),
+                readable=self._readable(readable_texts(self._rules)),
             )
 
     @property
@@ -99,11 +117,18 @@ class LiveRuleFiles:
         try:
             return Reading(number=number, states=states, content=text, rules=self.check(text))
         except TestudoError as error:
-            return Reading(number=number, states=states, content=text, error=error)
+            readable = self._readable({PUSHED: text})
+            return Reading(number=number, states=states, content=text, error=error, readable=readable)
 
     def check(self, text: str) -> LiveRules:
         """The rules of a text beside the profile as it is now. Raises ``TestudoError``."""
         return self._checked({PUSHED: text}, self._profile_text())
+
+    def _readable(self, texts: Mapping[str, str]) -> ReadableRates:
+        if not self._reads_broken:
+            return ReadableRates()
+        with unnoticed() if are_large(texts) else nullcontext():
+            return readable_rates(texts, self._resolve)
 
     def _texts(self) -> tuple[dict[str, str], str | None]:
         if not self._rules:

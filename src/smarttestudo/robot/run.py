@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.domain.command import IncomingCommands
 from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.status import Fallback
 from smarttestudo.domain.units import counted
 from smarttestudo.robot.decisions import Decided, LiveDecisions
-from smarttestudo.robot.fallback import Fallback
+from smarttestudo.robot.fallback import FallbackTopics
 from smarttestudo.robot.input_recorder import InputRecorder, Note
 from smarttestudo.robot.live_run import POLL_PERIOD_S, LiveRun
 from smarttestudo.robot.option import AnyOption
@@ -24,6 +25,7 @@ from smarttestudo.robot.rule_writing import RuleFileWriter
 from smarttestudo.robot.rules import LiveRuleFiles
 from smarttestudo.robot.run_options import (
     ALLOW_WRITING_RULES,
+    FALLBACK,
     OUTPUT_TOPIC,
     PROFILE,
     RULES,
@@ -33,6 +35,7 @@ from smarttestudo.robot.run_options import (
     TOPIC_PREFIX,
     RunParameters,
 )
+from smarttestudo.rules.rule_files import refuse_missing
 
 if TYPE_CHECKING:
     from smarttestudo.domain.link import OutgoingLink
@@ -62,6 +65,7 @@ def run_live(
 
     Raises:
         OutputFileError: incidents are recorded, and their folder cannot be made.
+        RuleFileError: a rule file is not there, or no rules are valid and ``--fallback`` says to end then.
         RosError: decisions cannot be published at all.
         UsageError: names of output topics are invalid or taken by other topics.
     """
@@ -72,9 +76,22 @@ def run_live(
         return f"{prefix}{robot.resolve(topic)}"
 
     output_topic = OutputTopic.of(robot, settings[OUTPUT_TOPIC])
-    files = LiveRuleFiles(settings[RULES], settings[PROFILE], resolve=resolve, output_topic=output_topic)
-    fallback = Fallback(robot, output_topic=output_topic, topic_prefix=prefix)
-    first = first_rules(robot, files, settings[RULES_TEXT])
+    writer = RuleFileWriter(settings[RULES], is_allowed=settings[ALLOW_WRITING_RULES])
+    if not writer.file:
+        refuse_missing(settings[RULES])
+    relays = settings[FALLBACK].what_is_relayed(
+        leaves_graph=link is not None or robot.has_output_domain,
+        has_rules=bool(settings[RULES] or settings[RULES_TEXT]),
+    )
+    fallback = FallbackTopics(robot, output_topic=output_topic, topic_prefix=prefix, relays=relays)
+    files = LiveRuleFiles(
+        settings[RULES],
+        settings[PROFILE],
+        resolve=resolve,
+        output_topic=output_topic,
+        reads_broken=relays is Fallback.READABLE,
+    )
+    first = first_rules(robot, files, settings, fallback)
     context = PartContext(robot=robot, settings=settings, resolve=resolve, link=link, commands=commands)
     if not _clock_runs(robot, stopped):
         return
@@ -86,7 +103,6 @@ def run_live(
     decisions = LiveDecisions(robot, [*decided, *(part.on_decisions for part in parts)])
     live = LiveRun(robot, inputs, rules, decisions, parts=parts, link=link)
     live.set_status_hz(settings[STATUS_RATE])
-    writer = RuleFileWriter(settings[RULES], is_allowed=settings[ALLOW_WRITING_RULES])
     keeper = RuleManager(robot, live, files, fallback, first, writer=writer)
     with ExitStack() as running:
         for part in parts:

@@ -14,6 +14,7 @@ from smarttestudo.domain.parameter import Accept, Access, Parameter, ParameterVa
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import STATUS_HZ
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.robot.fallback import FallbackChoice
 from smarttestudo.robot.option import (
     AnyOption,
     Option,
@@ -39,6 +40,11 @@ def _topic_prefix(value: ParameterValue) -> str:
     return found
 
 
+def _fallback(value: ParameterValue) -> FallbackChoice:
+    # ROS reads "off" of a command line or a file as a boolean, as YAML does.
+    return choice(FallbackChoice)(FallbackChoice.OFF.value if value is False else value)
+
+
 RULES = Option(
     name="rules_file",
     flag="--rules",
@@ -46,6 +52,17 @@ RULES = Option(
     read=paths,
     is_typed=False,
     is_shared=True,
+)
+FALLBACK = Option(
+    name="fallback",
+    flag="--fallback",
+    metavar=f"{{{','.join(one.value for one in FallbackChoice)}}}",
+    help="what to relay while there are no valid rules: everything at full rate, nothing (off), or rather "
+    "exit; auto is full on the robot's own graph, and over a link or into another domain what can be read of "
+    "rules with errors, at least 1 Hz, and 1 Hz of all other topics",
+    read=_fallback,
+    default=FallbackChoice.AUTO.value,
+    is_typed=False,
 )
 RULES_TEXT = Option(
     name="rules_text",
@@ -155,6 +172,7 @@ RECORD_INPUTS = Option(
 )
 RUN_OPTIONS: tuple[AnyOption, ...] = (
     RULES,
+    FALLBACK,
     RULES_TEXT,
     CONFIRM_HASH,
     WRITE_HASH,

@@ -5,8 +5,11 @@
 from __future__ import annotations
 
 import codecs
+import errno
+import os
 import stat
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,6 +32,7 @@ def sha256_of(path: Path) -> str:
 
 SUFFIX = ".adirf"
 _SAVE_AS_UTF_8 = "save it as UTF-8"
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 
 def find_rule_files(paths: Iterable[Path]) -> list[Path]:
@@ -51,6 +55,8 @@ def _files_at(path: Path) -> list[Path]:
     if not is_folder:
         return [path]
     files = rule_files_in(path)
+    if not files and not os.access(path, os.R_OK | os.X_OK):
+        raise _not_read(path, PermissionError(errno.EACCES, os.strerror(errno.EACCES)))
     if not files:
         remedy = f"give a file, or a folder with *{SUFFIX} files"
         raise RuleFileError("the folder holds no rule files", place=str(path), remedy=remedy)
@@ -67,7 +73,7 @@ def rule_files_in(folder: Path) -> list[Path]:
 
 def rule_files_named(paths: Iterable[Path]) -> list[Path]:
     """The files that ``paths`` name, there or not, and the rule files in folders among them."""
-    return [file for path in paths for file in (rule_files_in(path) if path.is_dir() else (path,))]
+    return [file for path in paths for file in (rule_files_in(path) if os.path.isdir(path) else (path,))]  # noqa: PTH112 - Path.is_dir raises where it may not look
 
 
 def read_rule_text(path: Path) -> str:
@@ -87,15 +93,53 @@ def read_rule_text(path: Path) -> str:
     return _decoded(data, path)
 
 
+def readable_texts(paths: Iterable[Path]) -> dict[str, str]:
+    """The texts of the rule files that ``paths`` name, by path, as far as they can be read."""
+    texts: dict[str, str] = {}
+    for path in rule_files_named(paths):
+        with suppress(OSError):
+            data = read_input(path, MAX_FILE_BYTES + 1)
+            encoding = "utf-16" if data.startswith(_UTF_16) else "utf-8-sig"
+            texts[str(path)] = data.decode(encoding, "replace")
+    return texts
+
+
+def refuse_missing(paths: Iterable[Path]) -> None:
+    """Raise ``RuleFileError`` for the first of ``paths`` where nothing is."""
+    for path in paths:
+        if is_missing(path):
+            raise _not_read(path, FileNotFoundError())
+
+
 def _not_read(path: Path, error: OSError) -> RuleFileError:
     if isinstance(error, FileNotFoundError):
-        return RuleFileError("there is no such file", place=str(path), remedy="check the path")
+        cause = "there is no such file"
+        if near := _near(path):
+            return RuleFileError(cause, place=str(path), remedy=f"did you mean {' or '.join(near)}?")
+        return RuleFileError(cause, place=str(path), remedy="check the path")
     remedy = "check its permissions" if isinstance(error, PermissionError) else "give a rule file"
     return RuleFileError(f"the rule file cannot be read: {error.strerror}", place=str(path), remedy=remedy)
 
 
+def _near(path: Path) -> list[str]:
+    """Names like that of the first part of ``path`` that is not there: rule files, and folders."""
+    while is_missing(path.parent) and path.parent != path:
+        path = path.parent
+    try:
+        names = {
+            one.name.casefold(): str(path.with_name(one.name))
+            for one in os.scandir(path.parent)
+            if one.name.endswith(SUFFIX) or one.is_dir()
+        }
+    except OSError:
+        return []
+    from difflib import get_close_matches  # noqa: PLC0415  only for who mistypes
+
+    return [names[name] for name in get_close_matches(path.name.casefold(), names)]
+
+
 def _decoded(data: bytes, path: Path) -> str:
-    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+    if data.startswith(_UTF_16):
         raise RuleFileError("the rule file is in UTF-16", place=str(path), remedy=_SAVE_AS_UTF_8)
     if b"\0" in data:
         cause = "the rule file holds zero bytes, as UTF-16 and binary files do"

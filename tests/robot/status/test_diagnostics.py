@@ -14,6 +14,7 @@ from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.status import (
     Diagnostic,
     DiagnosticLevel,
+    Fallback,
     LossBeforeRelay,
     RulesInForce,
     RulesOrigin,
@@ -100,10 +101,25 @@ def test_floors_above_the_budget_are_an_error_of_the_node() -> None:
     )
 
 
-def test_a_fallback_is_an_error_of_the_node_also_while_it_knows_no_topic() -> None:
-    node = named("smarttestudo", replace(STATUS, topics={}, rules=RulesInForce(origin=RulesOrigin.FALLBACK)))
+@pytest.mark.parametrize(
+    ("fallback", "relayed"),
+    [
+        (None, "everything is relayed at full rate"),
+        (Fallback.FULL, "everything is relayed at full rate"),
+        (
+            Fallback.READABLE,
+            "topics have the rates that can be read, at least 1 Hz, and all others 1 Hz",
+        ),
+        (Fallback.OFF, "nothing is relayed"),
+    ],
+)
+def test_a_fallback_is_an_error_of_the_node_also_while_it_knows_no_topic(
+    fallback: Fallback | None, relayed: str
+) -> None:
+    rules = RulesInForce(origin=RulesOrigin.FALLBACK, fallback=fallback)
+    node = named("smarttestudo", replace(STATUS, topics={}, rules=rules))
     assert node.level is DiagnosticLevel.ERROR
-    assert node.message == "no valid rules: everything is relayed at full rate"
+    assert node.message == f"no valid rules: {relayed}; mend the rule files, or push rules"
 
 
 def test_two_robots_are_told_apart() -> None:

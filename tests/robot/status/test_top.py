@@ -160,7 +160,7 @@ def test_what_is_wrong_with_a_node_is_said_in_the_words_of_its_diagnostics() -> 
     assert texts[1] == "in 12 492.0 KB/s   out 946.0 KB/s of 1 000.0 (95 %)"
     assert texts[2:] == [
         "the floors alone are more than the budget",
-        "no valid rules: everything is relayed at full rate",
+        "no valid rules: everything is relayed at full rate; mend the rule files, or push rules",
         "the rule files cannot be used as they are: a.adirf:1:1: error: no rules",
         "no operator is connected over the link",
     ]

@@ -177,7 +177,7 @@ def test_rules_that_wait_or_were_pushed_are_told_apart(page: RulerPage, fleet: P
         re.compile(r"abababab waiting to be confirmed, \d s left")
     )
     expect(page.page.get_by_role("row", name="/r01/")).to_contain_text("cdcdcdcd pushed")
-    expect(page.page.get_by_role("row", name="/r02/")).to_contain_text("none: everything is relayed")
+    expect(page.page.get_by_role("row", name="/r02/")).to_contain_text("no valid rules")
 
 
 def test_a_robot_without_valid_rules_is_an_error_wherever_it_is_named_and_grey_once_it_ended(
