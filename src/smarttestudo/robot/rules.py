@@ -96,6 +96,8 @@ class LiveRuleFiles:
             texts, profile_text = self._texts()
             content = hashlib.sha256(repr((texts, profile_text)).encode()).hexdigest()
             rules = self._checked(texts, profile_text)
+            # From now on the last valid ones stay in force.
+            self._reads_broken = False
             return Reading(number=number, states=states, content=content, rules=rules)
         except Exception as error:  # noqa: BLE001 - a thread reads them, which must not end
             return Reading(
