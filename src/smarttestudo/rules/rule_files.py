@@ -129,7 +129,7 @@ def _near(path: Path) -> list[str]:
         names = {
             one.name.casefold(): str(path.with_name(one.name))
             for one in os.scandir(path.parent)
-            if one.name.endswith(SUFFIX) or one.is_dir()
+            if one.is_dir() or (one.name.endswith(SUFFIX) and one.is_file())
         }
     except OSError:
         return []
