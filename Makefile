@@ -161,7 +161,7 @@ $(VENV)/studio.stamp: pyproject.toml setup.py $(RELAY) | $(VENV)/bin/python
 $(VENV)/dev.stamp: pyproject.toml setup.py $(RELAY) | $(VENV)/bin/python
 	@echo "Installing SmartTestudo and its development tools into $(VENV)"
 	@$(BIN)/pip install --quiet 'uv>=0.5'
-	@$(BIN)/uv pip install --quiet --compile-bytecode --python $(BIN)/python --editable '.[studio,ros,dev$(NODE)]'
+	@$(BIN)/uv pip install --quiet --compile-bytecode --python $(BIN)/python --editable '.[studio,ros-test,dev$(NODE)]'
 	@touch $@ $(VENV)/studio.stamp
 
 $(VENV)/full.stamp: $(VENV)/dev.stamp

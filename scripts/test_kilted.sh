@@ -14,7 +14,7 @@ if [ "$part" = live ]; then
     "$uv" venv --quiet --clear --python "$python" build/kilted
     "$uv" pip install --quiet --compile-bytecode --python "$bin/python" --editable '.[studio,dev,physics]' \
         'ros-rclpy[fastrtps]==9.1.2' ros-diagnostic-msgs==5.5.1 ros-geometry-msgs==5.5.1 ros-nav-msgs==5.5.1 \
-        ros-sensor-msgs==5.5.1 ros-std-srvs==5.5.1
+        ros-sensor-msgs==5.5.1 ros-std-srvs==5.5.1 ros-test-msgs==2.3.0
     exec "$bin/pytest" --numprocesses 2 --dist worksteal -m "not calm" \
         --ignore tests/ros/test_documented_commands.py tests/ros "$@"
 fi

@@ -92,6 +92,12 @@ def need_compiled_relays() -> None:
     require("compiled_relays")
 
 
+@pytest.fixture(scope="session", name="test_msgs")
+def need_test_msgs() -> None:
+    """For tests of messages of every type."""
+    require("test_msgs")
+
+
 @pytest.fixture(scope="session", name="network_namespaces")
 def need_network_namespaces() -> None:
     """For tests of a link between two machines."""

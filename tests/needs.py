@@ -74,6 +74,11 @@ NEEDS: Mapping[str, Need] = {
         have_it="on x86-64 with Python 3.10 to 3.13: pip install '.[ros]'",
         is_there=functools.cache(lambda: importlib.util.find_spec("rclpy") is not None),
     ),
+    "test_msgs": Need(
+        name="messages of all types (test_msgs)",
+        have_it="pip install '.[ros-test]', or sudo apt install ros-$ROS_DISTRO-test-msgs",
+        is_there=functools.cache(lambda: importlib.util.find_spec("test_msgs") is not None),
+    ),
     "full_extra": Need(
         name="the extra `full`",
         have_it="make test-all installs it",

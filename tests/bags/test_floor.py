@@ -146,6 +146,9 @@ class Decoded:
     def can_decode(self, channel: Channel) -> bool:
         return True
 
+    def unread(self, channel: Channel) -> list[str]:
+        return []
+
     def decode(self, channel: Channel, payload: Any) -> object:
         return payload
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 from collections import Counter
 from pathlib import Path
 
@@ -31,6 +32,7 @@ from bags.bag_factory import (
 )
 from bags.bag_reading import read_with_mcap, read_with_rosbags
 from replays.replay_runs import replay_bag, replay_content
+from smarttestudo.bags.definition_text import SEPARATOR
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.decision import Reason
@@ -275,6 +277,24 @@ def test_a_type_that_nobody_defines_is_refused_where_a_check_reads_it_and_passed
     )
     assert not (tmp_path / "monitored").exists()
     assert len(replay_bag(bag, rules.format("rate"), tmp_path).messages) == 5
+
+
+def test_a_field_that_python_has_no_type_for_is_named_and_the_others_are_read(tmp_path: Path) -> None:
+    fields = "double level; long double exact; sequence<long double> more;"
+    definition = f"{SEPARATOR}IDL: p/msg/M\nmodule p {{ module msg {{ struct M {{ {fields} }}; }}; }};\n"
+    channel = Channel(topic="/m", type_name="p/msg/M", definition=definition)
+    with create_recording(tmp_path / "bag", storage=Storage.MCAP) as writer:
+        for i in range(5):
+            payload = b"\0\1\0\0" + struct.pack("<d", i) + bytes(20)
+            writer.write(channel, START_NS + i * SECOND_NS, payload)
+    rules = "SetFrequency /m 1\nIf (CheckValue /m {} > 2) Then SetFrequency /m Full"
+    run = replay_bag(tmp_path / "bag", rules.format("level"), tmp_path)
+    assert run.outcome.notices == ()
+    assert run.decisions[-1].planned.reason is Reason.BLOCK
+    (tmp_path / "again").mkdir()
+    run = replay_bag(tmp_path / "bag", rules.format("more[0]"), tmp_path / "again")
+    notice = "/m more[0]: a long double, which ROS 2 has not in Python, so checks of it stay unknown"
+    assert run.outcome.notices[0] == notice
 
 
 @pytest.mark.parametrize("pattern", ["/all", "{topic}/", "/my robot{topic}", "x{topic}", "{topic}{name}"])

@@ -8,9 +8,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from rosidl_parser.definition import Array, BasicType, NamespacedType
+from std_msgs.msg import String
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.robot.ros.message_types import is_installed, message_type
+from smarttestudo.robot.ros.message_types import is_installed, is_readable, message_type
 
 pytestmark = pytest.mark.contract
 
@@ -110,3 +112,14 @@ def test_a_name_that_is_none_of_an_installed_message_is_refused_and_imports_noth
 def test_messages_of_an_installed_package_are_found(type_name: str) -> None:
     assert is_installed(type_name)
     assert message_type(type_name, "/topic").__name__ == type_name.rpartition("/")[2]
+
+
+@pytest.mark.parametrize("typename", ["long double", "wchar"])
+def test_what_rosidl_cannot_convert_for_python_is_never_decoded(typename: str) -> None:
+    class Alone:
+        SLOT_TYPES = (BasicType("int32"), BasicType(typename))
+
+    class Several:
+        SLOT_TYPES = (NamespacedType(["std_msgs", "msg"], "String"), Array(BasicType(typename), 3))
+
+    assert [is_readable(kind) for kind in (Alone, Several, String)] == [False, False, True]

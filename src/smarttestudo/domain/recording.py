@@ -134,6 +134,9 @@ class MessageDecoder(Protocol):
     def can_decode(self, channel: Channel) -> bool:
         """Whether the channel's type is known."""
 
+    def unread(self, channel: Channel) -> Collection[str]:
+        """The paths, without indices, of fields that stay unknown, as ROS 2 has them not in Python."""
+
     def decode(self, channel: Channel, payload: bytes) -> object:
         """The message in ``payload``.
 

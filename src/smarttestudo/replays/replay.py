@@ -37,7 +37,6 @@ from smarttestudo.replays.incidents import IncidentCutter, IncidentRequest, inci
 from smarttestudo.replays.outcome import ReplayOutcome, topic_outcome
 from smarttestudo.replays.topics import (
     ReplayTopics,
-    absent_topics,
     replay_topics,
     require_decodable,
 )
@@ -148,7 +147,7 @@ class _Run:
         """The run for ``request``, whose output lasts as long as ``opened``."""
         recording, rule_set = request.recording, request.rule_set
         require_decodable(recording.channels, rule_set, decoder)
-        topics = replay_topics(recording.channels, rule_set, request.output_topic)
+        topics = replay_topics(recording.channels, rule_set, decoder, request.output_topic)
         declared_bytes = {
             topics.outputs[topic].topic: size
             for topic, size in recording.declared_bytes.items()
@@ -259,7 +258,7 @@ class _Run:
             },
             decisions=self._decisions,
             notices=(
-                *absent_topics(self._request.rule_set, topics.sources),
+                *topics.notices,
                 *recording.notices(),
                 *self._notices(),
             ),

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -12,7 +13,10 @@ from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.names import output_name
 from smarttestudo.domain.recording import Channel, MessageDecoder
 from smarttestudo.domain.signal import ArrivalProperty
+from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
 from smarttestudo.language.rule_set import RuleSet
+
+_INDEX = re.compile(r"\[[^\]]*\]")
 
 
 def require_decodable(channels: Sequence[Channel], rule_set: RuleSet, decoder: MessageDecoder) -> None:
@@ -36,14 +40,20 @@ def topics_decoded(rule_set: RuleSet) -> frozenset[str]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReplayTopics:
-    """By source: the channel of each recorded topic, what relayed ones are called, where they are written."""
+    """By source: the channel of each recorded topic, what relayed ones are called, where they are written.
+
+    ``notices`` say what of the rules the recording does not hold, or nobody can read.
+    """
 
     sources: Mapping[str, Channel]
     output_topics: Mapping[str, str]
     outputs: Mapping[str, Channel]
+    notices: Sequence[str]
 
 
-def replay_topics(channels: Sequence[Channel], rule_set: RuleSet, output_topic: str) -> ReplayTopics:
+def replay_topics(
+    channels: Sequence[Channel], rule_set: RuleSet, decoder: MessageDecoder, output_topic: str
+) -> ReplayTopics:
     """The topics of a replay; of a topic with two types, the first counts.
 
     Raises ``UsageError`` where ``output_topic`` gives several topics one name, or a name that is none.
@@ -55,11 +65,11 @@ def replay_topics(channels: Sequence[Channel], rule_set: RuleSet, output_topic: 
     outputs = {
         topic: replace(sources[topic], topic=name) for topic, name in names.items() if topic in sources
     }
-    return ReplayTopics(sources=sources, output_topics=names, outputs=outputs)
+    notices = (*_absent_topics(rule_set, sources), *_unread_fields(rule_set, sources, decoder))
+    return ReplayTopics(sources=sources, output_topics=names, outputs=outputs, notices=notices)
 
 
-def absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str]:
-    """A notice for each topic of the rules that the recording does not hold."""
+def _absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str]:
     relayed = rule_set.relayed
     for topic in relayed:
         if topic not in recorded:
@@ -67,3 +77,12 @@ def absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str]
     watched = {signal.topic for signal in rule_set.signals}
     for topic in sorted(watched.difference(recorded, relayed)):
         yield f"{topic}: not in the recording, so checks of it stay unknown"
+
+
+def _unread_fields(
+    rule_set: RuleSet, sources: Mapping[str, Channel], decoder: MessageDecoder
+) -> Iterator[str]:
+    for signal in sorted(rule_set.signals, key=str):
+        path = _INDEX.sub("", signal.property.removeprefix(MESSAGE_PREFIX))
+        if signal.topic in sources and path in decoder.unread(sources[signal.topic]):
+            yield f"{signal}: a long double, which ROS 2 has not in Python, so checks of it stay unknown"

@@ -198,7 +198,7 @@ _JOINT_DISTANCE = _value_distance(itemgetter(0))
 
 def _is_known(value: Any) -> bool:
     """Whether it is a text or a finite number."""
-    if isinstance(value, str | bytes):
+    if isinstance(value, str):
         return True
     try:
         return math.isfinite(value)
@@ -211,7 +211,7 @@ def _apart(one: Any, other: Any, *, is_angle: bool) -> float:
 
     Two numbers that are both not known are alike.
     """
-    if isinstance(one, str | bytes) and isinstance(other, str | bytes):
+    if isinstance(one, str) and isinstance(other, str):
         return 0.0 if one == other else math.inf
     try:
         first, second = float(one), float(other)

@@ -58,14 +58,17 @@ def field_reader(path: str) -> Reader:
 
 
 def part_reader(path: str) -> Callable[[object], object]:
-    """Read the part of a message at ``path``, of any type; missing or beyond an array's end is ``None``."""
+    """Read the part of a message at ``path``, of any type; missing or beyond an array's end is ``None``.
+
+    A ``byte`` is a number, as it is of a recording: rclpy has it as bytes of length one.
+    """
     steps = _steps(path.removeprefix(MESSAGE_PREFIX))
 
     def read(message: object) -> object:
         value = message
         for step in steps:
             value = _item(value, step) if isinstance(step, int) else getattr(value, step, None)
-        return value
+        return value[0] if isinstance(value, bytes) and len(value) == 1 else value
 
     return read
 

@@ -8,6 +8,7 @@ import importlib
 import importlib.util
 import re
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.type_names import TypeName
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
+_CLASSES_KEPT = 1024
+
 
 def message_type(type_name: str, topic: str) -> Any:
     """The class of ``type_name``, as in ``nav_msgs/msg/Odometry``, for use with ``topic``.
@@ -28,13 +31,14 @@ def message_type(type_name: str, topic: str) -> Any:
     name = TypeName.read(type_name)
     if name is None:
         raise RosError(f"{type_name[:200]!r} is not the name of a message type", place=topic)
-    kind = _generated_class(name)
-    if kind is None:
+    try:
+        kind = _generated_class(name)
+    except ImportError as error:
         raise RosError(
             f"the message type {type_name} is not installed",
             place=topic,
             remedy=f"install the ROS package {name.package}, or source the workspace that holds it",
-        )
+        ) from error
     try:
         check_for_type_support(kind)
     except Exception as error:  # rclpy documents none of those that it raises
@@ -46,16 +50,17 @@ def message_type(type_name: str, topic: str) -> Any:
     return kind
 
 
-def _generated_class(name: TypeName) -> Any | None:
+@lru_cache(maxsize=_CLASSES_KEPT)
+def _generated_class(name: TypeName) -> Any:
+    """The class that rosidl made. Raises ``ImportError``."""
     # Names come from the network: only what rosidl made may be imported, for that runs the whole package.
     module = f"_{_in_snake_case(name.defined_in)}"
     if not _is_generated(name.package, name.kind, module):
-        return None
-    try:
-        kind = getattr(importlib.import_module(f"{name.package}.{name.kind}.{module}"), name.name, None)
-    except ImportError:
-        return None
-    return kind if isinstance(kind, type) and hasattr(kind, "get_fields_and_field_types") else None
+        raise ImportError(name.package)
+    kind = getattr(importlib.import_module(f"{name.package}.{name.kind}.{module}"), name.name, None)
+    if not (isinstance(kind, type) and hasattr(kind, "get_fields_and_field_types")):
+        raise ImportError(name.name)
+    return kind
 
 
 def _is_generated(package: str, kind: str, module: str) -> bool:
@@ -90,9 +95,22 @@ def is_installed(type_name: str) -> bool:
 
 def decoded(topic: str, type_name: str, payload: Payload) -> object:
     """The message of a payload that came on ``topic``. Raises ``RosError``."""
+    kind = message_type(type_name, topic)
+    if not is_readable(kind):
+        raise RosError(f"{type_name} holds a long double or a wchar, which Python cannot read", place=topic)
     with ros_errors(topic):
-        message: object = deserialize_message(payload[:], message_type(type_name, topic))
+        message: object = deserialize_message(payload[:], kind)
     return message
+
+
+@lru_cache(maxsize=_CLASSES_KEPT)
+def is_readable(kind: Any) -> bool:
+    """Whether messages of the class can be decoded; relayed they are all the same."""
+    # What rosidl makes for Python would end the process at such a field.
+    within = [getattr(field, "value_type", field) for field in kind.SLOT_TYPES]
+    return not any(getattr(one, "typename", "") in {"long double", "wchar"} for one in within) and all(
+        is_readable(message_type(one, one)) for one in nested_types(kind)
+    )
 
 
 def begins_with_header(type_name: str) -> bool:

@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""A field means the same to rules on a robot and on a recording, whatever its type."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+from rclpy.serialization import serialize_message
+
+from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.domain.recording import Channel
+from smarttestudo.language.properties import part_reader, value_reader
+from smarttestudo.robot.ros.definitions import message_definition
+from smarttestudo.robot.ros.message_types import decoded, is_installed, message_type
+
+pytestmark = [pytest.mark.contract, pytest.mark.usefixtures("test_msgs")]
+
+SUFFIXES = {
+    "msg": [""],
+    "srv": ["_Request", "_Response", "_Event"],
+    "action": ["_Goal", "_Result", "_Feedback", "_FeedbackMessage", "_SendGoal_Request", "_GetResult_Event"],
+}
+
+
+def types_of_test_msgs() -> list[str]:
+    spec = importlib.util.find_spec("test_msgs")
+    folders = [] if spec is None else spec.submodule_search_locations or []
+    return [
+        f"test_msgs/{kind}/{_in_camel_case(module.stem)}{suffix}"
+        for kind, suffixes in SUFFIXES.items()
+        for folder in folders
+        for module in sorted(Path(folder, kind).glob("_[a-z]*.py"))
+        for suffix in suffixes
+    ]
+
+
+def _in_camel_case(module: str) -> str:
+    return {"_w_strings": "WStrings"}.get(module, module.title().replace("_", ""))
+
+
+TYPES = [name for name in types_of_test_msgs() if is_installed(name)]
+NUMBERS = {
+    "boolean": st.booleans(),
+    "octet": st.integers(0, 255).map(lambda number: bytes([number])),
+    "char": st.integers(0, 255),
+    "float": st.floats(width=32),
+    "double": st.floats(),
+    **{f"int{bits}": st.integers(-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
+    **{f"uint{bits}": st.integers(0, 2**bits - 1) for bits in (8, 16, 32, 64)},
+}
+TEXTS = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=5)
+
+
+def values_of(kind: Any) -> st.SearchStrategy[Any]:
+    """Values of a field of the type that rosidl's parser calls so."""
+    length = getattr(kind, "size", None)
+    if length is not None:
+        return st.lists(values_of(kind.value_type), min_size=length, max_size=length)
+    if hasattr(kind, "value_type"):
+        most = min(getattr(kind, "maximum_size", 3), 3)
+        return st.lists(values_of(kind.value_type), max_size=most)
+    if hasattr(kind, "namespaces"):
+        return messages_of(message_type("/".join((*kind.namespaces, kind.name)), "/topic"))
+    return NUMBERS[kind.typename] if hasattr(kind, "typename") else TEXTS
+
+
+@st.composite
+def messages_of(draw: st.DrawFn, kind: Any) -> Any:
+    """Messages of a class of rclpy's."""
+    names = kind.get_fields_and_field_types()
+    return kind(**{name: draw(values_of(one)) for name, one in zip(names, kind.SLOT_TYPES, strict=True)})
+
+
+def paths_in(value: Any, prefix: str = "") -> Iterator[str]:
+    """The path of each number and text within a message of rclpy's."""
+    fields = getattr(value, "get_fields_and_field_types", None)
+    if fields is not None:
+        for name in fields():
+            yield from paths_in(getattr(value, name), f"{prefix}.{name}" if prefix else name)
+    elif isinstance(value, Collection) and not isinstance(value, str | bytes):
+        for index in range(len(value) + 1):
+            yield from paths_in(list(value)[index] if index < len(value) else None, f"{prefix}[{index}]")
+    else:
+        yield prefix
+
+
+@pytest.mark.parametrize("type_name", TYPES or ["test_msgs/msg/BasicTypes"])
+@settings(max_examples=20, phases=[Phase.generate])
+@given(data=st.data())
+def test_a_field_is_the_same_live_and_in_a_recording(type_name: str, data: st.DataObject) -> None:
+    payload = serialize_message(data.draw(messages_of(message_type(type_name, "/topic"))))
+    live = decoded("/topic", type_name, payload)
+    channel = Channel(topic="/topic", type_name=type_name, definition=message_definition(type_name))
+    recorded = RosbagDecoder().decode(channel, payload)
+    for path in paths_in(live):
+        one, other = value_reader(type_name, path)(live), value_reader(type_name, path)(recorded)
+        assert one == other or (math.isnan(one) and math.isnan(other)), path
+        texts = [part_reader(path)(message) for message in (live, recorded)]
+        assert [isinstance(text, str) for text in texts] in ([True, True], [False, False])
+        assert not isinstance(texts[0], str) or texts[0] == texts[1]
+
+
+def test_there_are_types_of_every_kind() -> None:
+    assert {name.split("/")[1] for name in TYPES} == set(SUFFIXES)
