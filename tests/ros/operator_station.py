@@ -14,7 +14,6 @@ where the topic is ``raw``.
 
 from __future__ import annotations
 
-import importlib
 import json
 import math
 import queue
@@ -26,6 +25,8 @@ from typing import Any
 
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from smarttestudo.robot.ros.message_types import message_type
 
 Arrival = tuple[float, Any, float]
 
@@ -39,7 +40,6 @@ class Station:
         self.subscriptions = [self.subscribe(node, name, topic) for name, topic in topics.items()]
 
     def subscribe(self, node: Any, name: str, topic: dict[str, Any]) -> Any:
-        package, _, type_name = topic["type"].split("/")
         latched = topic.get("transient_local", False)
         reliable = topic.get("reliable", latched)
         qos = QoSProfile(
@@ -47,9 +47,8 @@ class Station:
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
         )
-        message_type = getattr(importlib.import_module(f"{package}.msg"), type_name)
         return node.create_subscription(
-            message_type,
+            message_type(topic["type"], name),
             topic.get("topic", f"/testudo/{name}"),
             lambda message: self.note(name, message),
             qos,

@@ -13,13 +13,12 @@ the topic's name where it is not the key.
 Lines on stdin, about all topics or those named: ``move odom`` puts the robot at x = 5, ``home odom`` at 0;
 ``spoil odom`` sends bytes that are no message until ``heal odom``; ``hush odom`` sends no more, until
 ``speak odom``; ``halt odom`` has a robot that drives stand still, until ``drive odom``; ``press estop`` sends
-true, and then no more; ``rewind clock`` begins again at 0, ``skip clock`` leaves out an hour. ``stop`` ends
-it.
+true, and then no more; ``break diagnostics`` says ERROR, until ``mend diagnostics``; ``rewind clock`` begins
+again at 0, ``skip clock`` leaves out an hour. ``stop`` ends it.
 """
 
 from __future__ import annotations
 
-import importlib
 import json
 import math
 import queue
@@ -32,10 +31,13 @@ import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
+from smarttestudo.robot.ros.message_types import message_type
+
 NS_PER_MS = 1_000_000
 NS_PER_S = 1_000_000_000
 NO_MESSAGE = b"\x00\x01\x00\x00\x01"
 PLACES_M = {"move": 5.0, "home": 0.0}
+FAULT_LEVELS = {"break": b"\x02", "mend": b"\x00"}
 
 
 class Drive:
@@ -59,12 +61,14 @@ class Drive:
 
 class Stream:
     def __init__(self, node: Any, name: str, topic: dict[str, Any]) -> None:
-        self.message = message_class(topic["type"])()
+        self.message = message_type(topic["type"], name)()
         self.publisher = node.create_publisher(
             type(self.message), f"/{topic.get('topic', name)}", qos_of(topic)
         )
         if is_odometry(self.message):
             self.message.pose.pose.position.x = topic.get("x", 0.0)
+        if is_diagnostics(self.message):
+            self.message.status = [message_type("diagnostic_msgs/msg/DiagnosticStatus", name)(name="lidar")]
         self.drive = None
         if "twist" in topic and hasattr(self.message, "linear"):
             self.message.linear.x, self.message.angular.z = topic["twist"]
@@ -120,23 +124,24 @@ def is_odometry(message: Any) -> bool:
     return hasattr(getattr(message, "pose", None), "pose")
 
 
-def message_class(type_name: str) -> Any:
-    package, _, name = type_name.split("/")
-    return getattr(importlib.import_module(f"{package}.msg"), name)
+def is_diagnostics(message: Any) -> bool:
+    return hasattr(message, "status") and hasattr(message, "header")
 
 
 def latch(node: Any, name: str, topic: dict[str, Any]) -> list[Any]:
     qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    message_type = message_class(topic["type"])
-    publishers = [node.create_publisher(message_type, f"/{name}", qos) for _ in topic["texts"]]
+    kind = message_type(topic["type"], name)
+    publishers = [node.create_publisher(kind, f"/{name}", qos) for _ in topic["texts"]]
     for publisher, text in zip(publishers, topic["texts"], strict=True):
-        publisher.publish(message_type(data=text))
+        publisher.publish(kind(data=text))
     return publishers
 
 
 def obey(stream: Stream, command: str) -> None:
     if command in PLACES_M and is_odometry(stream.message):
         stream.message.pose.pose.position.x = PLACES_M[command]
+    elif command in FAULT_LEVELS and is_diagnostics(stream.message):
+        stream.message.status[0].level = FAULT_LEVELS[command]
     elif command == "hush":
         stream.period_s = math.inf
     elif command == "speak":

@@ -19,6 +19,7 @@ from ros.ros_processes import LINE_TIMEOUT_S, TESTUDO, Process, SmallRobot, told
 from ros.test_telling import diagnostics_when
 from smarttestudo.domain.robot import DataPathKind
 from smarttestudo.robot.ros import open_robot
+from smarttestudo.robot.ros.message_types import is_installed
 
 IMU = "sensor_msgs/msg/Imu"
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -117,6 +118,27 @@ def test_rules_that_are_broken_at_the_start_send_what_can_be_read_of_them_until_
     there.line_with("heard")
     Path(path).write_text("begin SetFrequency /imu 20 end", encoding="utf-8")
     runtime.line_with("/imu: 1 Hz → 20 Hz (reload)")
+
+
+@pytest.mark.usefixtures("test_msgs")
+def test_hidden_topics_of_actions_and_services_that_rules_name_arrive_too(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    # Events of services are of Iron and later.
+    kinds = {
+        "go/_action/feedback": "test_msgs/action/Fibonacci_FeedbackMessage",
+        "go/_action/status": "action_msgs/msg/GoalStatusArray",
+        "switch/_service_event": "std_srvs/srv/SetBool_Event",
+    }
+    known = {name: kind for name, kind in kinds.items() if is_installed(kind)}
+    sources: dict[str, Any] = {name: {"type": kind, "hz": 20} for name, kind in known.items()}
+    arrived: dict[str, Any] = {name: {"type": kind, "topic": f"/{name}"} for name, kind in known.items()}
+    rules = "\n".join(f"SetFrequency /{name} 10" for name in known)
+    operators.receiver(endpoint)
+    there = operators.operator(**arrived)
+    linked_runtime(robot, endpoint, rules=f"begin {rules} end")
+    robot.source(**sources)
+    there.line_with("heard")
 
 
 @told_apart

@@ -64,6 +64,27 @@ def test_the_decisions_of_a_live_run_come_out_of_its_recorded_inputs_line_for_li
     assert replayed.read_text("utf-8") == live.read_text("utf-8")
 
 
+@pytest.mark.contract
+def test_the_level_of_a_diagnostic_holds_live_and_in_a_replay_of_the_same(
+    robot: SmallRobot, tmp_path: Path
+) -> None:
+    rules = 'begin SetFrequency /imu 5 Rule "Fault" If (CheckValue /diagnostics status[0].level >= 2) '
+    rules += "Then SetFrequency /imu 50 EndIf end"
+    live, replayed, inputs = (tmp_path / name for name in ("live.jsonl", "replayed.jsonl", "inputs"))
+    runtime = robot.runtime(rules, "--decisions", str(live), "--record-inputs", str(inputs))
+    source = robot.source(
+        diagnostics={"type": "diagnostic_msgs/msg/DiagnosticArray", "hz": 20}, imu=TOPICS["imu"]
+    )
+    runtime.line_with("/imu: 50 Hz → 5 Hz (default)")
+    source.say("break diagnostics")
+    runtime.line_with("/imu: 5 Hz → 50 Hz (block: Fault)")
+    runtime.signal(signal.SIGINT)
+    assert runtime.exit_code() == 0
+    again = robot.testudo("replay", str(inputs), "--decisions", str(replayed))
+    assert again.exit_code() == 0, "".join(again.output)
+    assert replayed.read_text("utf-8") == live.read_text("utf-8")
+
+
 def test_over_an_ordinary_recording_they_are_the_same_within_50_ms(robot: SmallRobot, tmp_path: Path) -> None:
     rules = tmp_path / "zone.adirf"
     rules.write_text(ZONE, encoding="utf-8")
