@@ -14,10 +14,12 @@ from typing import Any
 
 import pytest
 
+from link.zenoh.ends import robot_end
 from ros.calm_window import Arrival, calm_window
 from ros.ros_processes import LINE_TIMEOUT_S, TESTUDO, Process, SmallRobot, told_apart
 from ros.test_telling import diagnostics_when
-from smarttestudo.domain.robot import DataPathKind
+from smarttestudo.domain.link import StreamInfo
+from smarttestudo.domain.robot import DataPathKind, Qos
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.message_types import is_installed
 
@@ -313,6 +315,42 @@ def test_the_robots_diagnostics_are_relayed_while_its_own_graph_gets_those_of_th
     operators.receiver(endpoint)
     there = {"type": "diagnostic_msgs/msg/DiagnosticArray", "topic": "/diagnostics", "messages": 3}
     operators.operator(diagnostics=there).line_with("heard")
+
+
+def test_a_topic_whose_name_is_too_long_at_the_operators_costs_itself_alone(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    long = "a" * 243
+    receiving = operators.receiver(endpoint, "--output-topic", "/{robot}{topic}")
+    linked_runtime(robot, endpoint, rules=f"begin SetFrequency /imu Full SetFrequency /{long} Full end")
+    robot.source(**{long: {"type": IMU, "hz": 50}, "imu": {"type": IMU, "hz": 50}})
+    receiving.line_with(f"/{long}: error: its name here would have 248 letters, and ROS 2 takes 247")
+    operators.operator(imu={"type": IMU, "topic": "/tb3/imu"}).line_with("heard")
+
+
+def test_a_topic_that_a_namesake_has_otherwise_is_the_robots_again_once_that_is_gone(
+    robot: SmallRobot, operators: SmallRobot, endpoint: str
+) -> None:
+    receiving = operators.receiver(endpoint)
+    other = StreamInfo(topic="/imu", type_name=TEXT, qos=Qos(reliable=True, transient_local=False))
+    station = operators.operator(imu={"type": IMU, "topic": "/imu"})
+    with robot_end(endpoint, "tb3", lambda _: None) as namesake:
+        namesake.advertise(other)
+        receiving.line_with("tb3: sends /imu (std_msgs/msg/String)")
+        linked_runtime(robot, endpoint)
+        robot.source(**SOURCES)
+        receiving.line_with(
+            "tb3: a second robot of this name sends /imu as sensor_msgs/msg/Imu, not std_msgs"
+        )
+    receiving.line_with("tb3: /imu is sensor_msgs/msg/Imu now, not std_msgs/msg/String")
+    station.line_with("heard")
+    with robot_end(endpoint, "tb3", lambda _: None) as namesake:
+        namesake.advertise(other)
+        receiving.line_with(
+            "tb3: a second robot of this name sends /imu as std_msgs/msg/String, not sensor_msgs"
+        )
+        heard = len(values(station, "imu"))
+        station.line_with(f"heard {heard + 20}")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

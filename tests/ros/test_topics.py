@@ -28,6 +28,15 @@ def test_a_late_subscriber_gets_the_latched_message_of_each_publisher(robot: Sma
 
 
 @on_every_data_path
+def test_a_topic_whose_output_has_a_name_too_long_for_ros_costs_itself_alone(robot: SmallRobot) -> None:
+    long = "a" * 239
+    runtime = robot.testudo_run()
+    robot.source(**{long: {"type": IMU, "hz": 50}, "imu": {"type": IMU, "hz": 50}})
+    runtime.line_with(f"/{long}: error: its name here would have 248 letters, and ROS 2 takes 247")
+    robot.operator(imu={"type": IMU}).line_with("heard")
+
+
+@on_every_data_path
 def test_a_source_that_comes_back_with_another_qos_is_relayed_again(robot: SmallRobot) -> None:
     operator = robot.operator(imu={"type": IMU})
     runtime = robot.runtime("begin SetFrequency /imu Full end")

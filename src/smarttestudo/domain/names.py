@@ -33,7 +33,7 @@ def require_publishable(name: str, topic: str) -> None:
     """Raise ``RosError`` where ``name``, under which ``topic`` is to be published, is too long for ROS 2."""
     if len(name) > MAX_NAME_LENGTH:
         raise RosError(
-            f"its name here, {name!r}, would have {len(name)} letters, and ROS 2 takes {MAX_NAME_LENGTH}",
+            f"its name here would have {len(name)} letters, and ROS 2 takes {MAX_NAME_LENGTH}",
             place=topic,
             remedy="give it a shorter name, or choose a shorter --output-topic",
         )

@@ -17,9 +17,9 @@ from link.zenoh.ends import (
     robot_end,
     until,
 )
-from link.zenoh.memory_zenoh import network
+from link.zenoh.memory_zenoh import Network, network
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
-from smarttestudo.link.zenoh.arrivals import RobotPresence
+from smarttestudo.link.zenoh.arrivals import RobotPresence, StreamSaid
 from smarttestudo.link.zenoh.security import LinkOptions
 
 __all__ = ["network"]
@@ -66,6 +66,22 @@ def test_a_robot_that_was_away_is_said_to_be_gone_and_back() -> None:
                 )
             gone = RobotPresence(robot="r1", boot=robot.boot.number, is_present=False)
             until(lambda: gone in reader.read())  # noqa: B023
+
+
+def test_what_a_robot_has_is_said_again_when_it_is_back(network: Network) -> None:
+    endpoint = free_endpoint()
+    with operator_end(endpoint) as operator, robot_end(endpoint) as robot:
+        reader = Reader(operator)
+        robot.advertise(MAP)
+        until(lambda: len(reader.read()) == 2)
+        session = network.sessions.pop()
+        network.settle()
+        network.sessions.append(session)
+        network.settle()
+        name, boot = robot.boot
+        away, back = (RobotPresence(robot=name, boot=boot, is_present=there) for there in (False, True))
+        has = StreamSaid(robot=name, boot=boot, number=1, info=MAP)
+        until(lambda: reader.read()[1:5] == [has, away, back, has])
 
 
 def test_who_does_not_read_loses_the_oldest_and_holds_up_nobody() -> None:

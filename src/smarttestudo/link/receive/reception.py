@@ -97,8 +97,8 @@ class Reception:
             case RobotPresence(boot=boot, is_present=is_present):
                 _rank(known, boot)
                 (known.boots.add if is_present else known.boots.discard)(boot)
-                self._forget_earlier(robot)
                 self._tell(event, now_ns)
+                self._forget_earlier(robot)
             case StreamSaid(boot=boot, number=number, info=info):
                 _rank(known, boot)
                 self._follow(robot, StreamKey(boot, number), info, now_ns)
