@@ -18,6 +18,7 @@ from smarttestudo.domain.packages import Extra, how_to_install
 from smarttestudo.link.protocol.keys import boot_of, new_boot
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end, suspended_too_ns
 from smarttestudo.link.zenoh.security import LinkOptions
+from smarttestudo.link.zenoh.session import session_config
 
 
 @pytest.mark.parametrize("name", ["r1", "tb3_0", "unit-7", "v1.2", "x" * 64])
@@ -61,6 +62,38 @@ def test_a_configuration_that_is_none_is_said_in_one_line(tmp_path: Path, text: 
     said = refusal(LinkOptions(connect=(free_endpoint(),), config_file=path))
     assert str(path) in said
     assert cause in said
+
+
+DEEP = {
+    "arrays": "[" * 100_000,
+    "objects": "{a:" * 100_000,
+    "both": "[{'a':" * 50_000,
+    "closed arrays": "{metadata:" + "[" * 100_000 + "]" * 100_000 + "}",
+    "closed objects": "{metadata:" + "{a:" * 100_000 + "1" + "}" * 100_000 + "}",
+    "more than Python reads": "{metadata:" + "[" * 2_000 + "]" * 2_000 + "}",
+    "closed in strings": "{metadata:" + '["]",' * 100_000,
+    "closed in comments": "{metadata:" + "[/*]*/" * 100_000,
+    "closed in lines of comments": "{metadata:" + "[//]\r" * 100_000,
+    "after what a comment only seems to end": "// \u2028" + "[" * 100_000,
+    "after an escaped quote": "{metadata:['\\'', " + "[" * 100_000,
+    "after what was never open": "]" * 200_000 + "[" * 100_000,
+}
+
+
+@pytest.mark.parametrize("text", DEEP.values(), ids=DEEP)
+def test_a_configuration_that_is_too_deep_for_zenoh_never_gets_there(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "link.json5"
+    path.write_text(text, encoding="utf-8")
+    said = refusal(LinkOptions(connect=(free_endpoint(),), config_file=path))
+    assert f"{path}: error: it is no Zenoh configuration: " in said
+
+
+def test_brackets_in_strings_and_comments_count_for_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "link.json5"
+    many = "[{" * 10_000
+    path.write_text(f"{{metadata: ['{many}', \"{many}\"], /* {many} */ mode: 'peer'}} // {many}")
+    options = LinkOptions(connect=("tcp/127.0.0.1:1",), config_file=path)
+    assert session_config(options, "client", refuse_warning)[1]["mode"] == "peer"
 
 
 def test_a_configuration_that_is_missing_or_a_folder_is_said_in_one_line(tmp_path: Path) -> None:

@@ -25,6 +25,12 @@ from smarttestudo.link.zenoh.reach import check_certificates, why_unreachable
 from smarttestudo.link.zenoh.security import LinkOptions, admit
 
 _MOST_CONFIG_BYTES = 1_000_000
+_MOST_CONFIG_DEPTH = 100
+"""Zenoh's own settings lie some eight deep; its parser, which recurses, dies of thousands."""
+_TEXTS_AND_COMMENTS = re.compile(
+    r""""(?:\\.|[^"\\])*(?:"|\Z)|'(?:\\.|[^'\\])*(?:'|\Z)|//[^\n\r\u2028\u2029]*|/\*.*?(?:\*/|\Z)""",
+    re.DOTALL,
+)
 _MOST_CAUSE = 300
 POLL_PERIOD_S = 2.0
 _END_WITHIN_S = 5.0
@@ -149,15 +155,25 @@ def session_config(
 def _read_config(path: Path | None) -> zenoh.Config:
     try:
         text = "{}" if path is None else read_input(path, _MOST_CONFIG_BYTES).decode()
+        _require_shallow(text)
         config: zenoh.Config = zenoh.Config.from_json5(text)
     except OSError as error:
         raise LinkError(
             error.strerror or str(error), place=str(path), remedy="check --zenoh-config"
         ) from error
-    except (zenoh.ZError, UnicodeDecodeError) as error:
+    except (zenoh.ZError, ValueError) as error:
         cause = f"it is no Zenoh configuration: {_cause(error)}"
         raise LinkError(cause, place=str(path), remedy="correct it, or see zenoh.io/docs") from error
     return config
+
+
+def _require_shallow(text: str) -> None:
+    """Raise ``ValueError`` where brackets of JSON5 lie too deep in each other."""
+    depth = 0
+    for bracket in re.findall(r"[][{}]", _TEXTS_AND_COMMENTS.sub("", text)):
+        depth = depth + 1 if bracket in "[{" else max(depth - 1, 0)
+        if depth > _MOST_CONFIG_DEPTH:
+            raise ValueError(f"brackets lie more than {_MOST_CONFIG_DEPTH} deep in each other")
 
 
 def _cause(error: Exception) -> str:
