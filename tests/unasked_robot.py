@@ -24,6 +24,7 @@ class UnaskedRobot:
     """
 
     is_time_simulated = False
+    fed_nodes: frozenset[str] = frozenset()
     senders_remedy: str | None = None
 
     def told_count(self, topic: str) -> int:

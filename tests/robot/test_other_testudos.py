@@ -4,10 +4,17 @@
 
 from __future__ import annotations
 
+import pytest
+
 from robot.small_graph import SmallGraph
 from robot.test_live_topics import DRIVER, OTHER, Live, lines_with
 from smarttestudo.domain.names import DECISIONS_TOPIC
+from smarttestudo.domain.visible_topics import receiving_node
+from smarttestudo.robot.fallback import Fallback
+from smarttestudo.robot.output_topics import OutputTopic
 from smarttestudo.robot.topics import UNKNOWN_NODE
+
+RECEIVES = f"/{receiving_node(7)}"
 
 
 def test_what_another_smarttestudo_sends_on_a_topic_of_the_robot_is_not_relayed() -> None:
@@ -38,3 +45,66 @@ def test_nobody_is_warned_of_endpoints_whose_node_is_not_discovered_yet() -> Non
     graph.sends("/imu", DRIVER, b"measured")
     assert graph.published == [("/testudo/imu", b"measured")]
     assert lines_with(graph, "SmartTestudo") == []
+
+
+class FedGraph(SmallGraph):
+    """An operator's end publishes here what this robot sends."""
+
+    fed_nodes = frozenset({RECEIVES})
+
+
+@pytest.mark.parametrize("tells_publishers", [True, False])
+def test_what_an_operators_end_publishes_here_of_this_robot_is_not_relayed_again(
+    tells_publishers: bool,
+) -> None:
+    graph = FedGraph(tells_publishers=tells_publishers)
+    live = Live(graph, "/imu", "/op/imu")
+    for topic in ("/testudo/imu", "/testudo/op/imu"):
+        graph.listens(topic)
+    graph.joins("/imu", DRIVER)
+    graph.joins("/op/imu", OTHER, node=RECEIVES)
+    live.looks()
+    graph.sends("/imu", DRIVER, b"measured")
+    assert graph.published == [("/testudo/imu", b"measured")]
+    assert graph.subscribed() == {"/imu"}
+    assert lines_with(graph, "/op/imu: only SmartTestudo nodes publish it")
+
+
+def test_it_is_no_topic_to_relay_without_rules_either() -> None:
+    graph = FedGraph()
+    graph.joins("/imu", DRIVER)
+    graph.joins("/op/imu", OTHER, node=RECEIVES)
+    fallback = Fallback(graph, output_topic=OutputTopic(), topic_prefix="")
+    assert fallback.poll()
+    assert fallback.rules().output_topics == {"/imu": "/testudo/imu"}
+
+
+def test_where_publishers_are_told_apart_only_the_robots_own_messages_are_relayed() -> None:
+    graph = FedGraph()
+    live = Live(graph, "/imu")
+    graph.listens("/testudo/imu")
+    graph.joins("/imu", DRIVER)
+    graph.joins("/imu", OTHER, node=RECEIVES)
+    live.looks()
+    graph.sends("/imu", OTHER, b"relayed before")
+    graph.sends("/imu", DRIVER, b"measured")
+    assert graph.published == [("/testudo/imu", b"measured")]
+
+
+def test_where_they_are_not_told_apart_the_topic_waits_until_that_one_is_gone() -> None:
+    graph = FedGraph(tells_publishers=False)
+    live = Live(graph, "/imu")
+    graph.listens("/testudo/imu")
+    graph.joins("/imu", DRIVER)
+    graph.joins("/imu", OTHER, node=RECEIVES)
+    for _ in range(2):
+        live.looks()
+        graph.operators.clear()
+        live.looks()
+        graph.listens("/testudo/imu")
+    assert (graph.subscribed(), live.topics.links()["/imu"].problem is None) == (set(), False)
+    assert len(lines_with(graph, "/imu: error: what is sent of it is published here again")) == 1
+    graph.leaves("/imu", OTHER)
+    live.looks()
+    graph.sends("/imu", DRIVER, b"measured")
+    assert graph.published == [("/testudo/imu", b"measured")]

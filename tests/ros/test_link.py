@@ -353,6 +353,20 @@ def test_a_topic_that_a_namesake_has_otherwise_is_the_robots_again_once_that_is_
         station.line_with(f"heard {heard + 20}")
 
 
+def test_an_operators_end_on_the_robots_own_graph_feeds_nothing_back(
+    robot: SmallRobot, endpoint: str
+) -> None:
+    robot.receiver(endpoint, "--output-topic", "/op{topic}")
+    runtime = robot.testudo_run("--link", endpoint, "--robot", "tb3")
+    robot.source(**SOURCES)
+    runtime.line_with(
+        "publishes what this robot sends on the robot's own ROS graph; that is not relayed again"
+    )
+    there = robot.operator(imu={"type": IMU, "topic": "/op/imu", "messages": 100})
+    there.line_with("heard")
+    assert not {topic for topic in there.topics() if topic.startswith("/op/op")}
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_both_ends_cleanly(
     robot: SmallRobot, operators: SmallRobot, endpoint: str, number: signal.Signals

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import secrets
 import shutil
 import sys
 import time
@@ -25,7 +26,7 @@ from smarttestudo.domain.errors import RosError, UsageError, said
 from smarttestudo.domain.link import Sink
 from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
 from smarttestudo.domain.units import NS_PER_S, utc_time
-from smarttestudo.domain.visible_topics import relaying_nodes
+from smarttestudo.domain.visible_topics import receiving_node, relaying_nodes
 from smarttestudo.link.foxglove import open_foxglove_sink
 from smarttestudo.link.protocol.messages import MAX_PREDICTED
 from smarttestudo.link.receive.arrival_log import ArrivalLog
@@ -144,19 +145,21 @@ def run(arguments: argparse.Namespace) -> int:
     _settle_ros(arguments, is_fetching=is_fetching)
     _require_onlookers(arguments)
     folders.make()
+    receiver = secrets.randbits(64)
+    node = receiving_node(receiver)
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
         statuses = StatusSink(STATUS_TOPIC)
         metrics = ReceptionMetrics(statuses)
         opened.enter_context(served_metrics(arguments.openmetrics, metrics.metrics))
-        sinks: list[Sink] = [opened.enter_context(closing(sink)) for sink in _sinks(arguments, opened)]
-        end = opened.enter_context(open_operator_end(options, warn, predicts=predicts))
+        sinks: list[Sink] = [opened.enter_context(closing(sink)) for sink in _sinks(arguments, opened, node)]
+        end = opened.enter_context(open_operator_end(options, warn, predicts=predicts, receiver=receiver))
         if is_fetching:
             incidents = opened.enter_context(closing(end.incidents()))
             opened.enter_context(IncidentMirror(incidents, folders, _say, warn).running())
         sending = None
         if end.commands is not None:
-            sending = opened.enter_context(_sending(end.commands, arguments.output_topic))
+            sending = opened.enter_context(_sending(end.commands, arguments.output_topic, node))
             sinks.append(sending)
         _say_where(options)
         predictor = Predictor(predicts, statuses.source_hz, warn) if predicts else None
@@ -198,7 +201,7 @@ def _settle_ros(arguments: argparse.Namespace, *, is_fetching: bool) -> None:
 
 
 @contextmanager
-def _sending(commands: CommandOutbox, pattern: str) -> Iterator[Sending]:
+def _sending(commands: CommandOutbox, pattern: str, receiving: str) -> Iterator[Sending]:
     """Send in a thread and with a node of its own: a disk that is slow delays no joystick."""
     with open_robot(name=f"testudo_send_{os.getpid()}") as robot:
         sending = Sending(
@@ -206,7 +209,7 @@ def _sending(commands: CommandOutbox, pattern: str) -> Iterator[Sending]:
             commands,
             warn,
             pattern=pattern,
-            own_nodes=lambda: {*relaying_nodes(robot), f"/{_receiving_node()}"},
+            own_nodes=lambda: {*relaying_nodes(robot), f"/{receiving}"},
             clock=suspended_too_ns,
         )
         worker = Worker(
@@ -218,10 +221,6 @@ def _sending(commands: CommandOutbox, pattern: str) -> Iterator[Sending]:
         finally:
             worker.close()
             sending.close()
-
-
-def _receiving_node() -> str:
-    return f"testudo_receive_{os.getpid()}"
 
 
 def _options(arguments: argparse.Namespace) -> LinkOptions:
@@ -248,9 +247,9 @@ def _require_onlookers(arguments: argparse.Namespace) -> None:
         )
 
 
-def _sinks(arguments: argparse.Namespace, opened: ExitStack) -> Iterator[Sink]:
+def _sinks(arguments: argparse.Namespace, opened: ExitStack, node: str) -> Iterator[Sink]:
     if not arguments.no_ros:
-        robot = opened.enter_context(open_robot(name=_receiving_node(), sends_large=True))
+        robot = opened.enter_context(open_robot(name=node, sends_large=True))
         yield GraphSink(robot.data_path, warn, pattern=arguments.output_topic)
     if arguments.record is not None:
         from smarttestudo.bags.recording_sink import RecordingSink  # noqa: PLC0415  needs rosbags

@@ -205,6 +205,10 @@ class Robot(Protocol):
         """The full name of the node."""
 
     @property
+    def fed_nodes(self) -> frozenset[str]:
+        """The nodes on the robot's own graph that publish what this one sends over a link."""
+
+    @property
     def log(self) -> RobotLog:
         """The node's log."""
 

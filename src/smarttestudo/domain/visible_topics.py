@@ -12,8 +12,13 @@ from smarttestudo.domain.robot import Endpoint, Robot
 _OF_ROS = frozenset({"/rosout", "/parameter_events"})
 
 
+def receiving_node(receiver: int) -> str:
+    """The name of the node that publishes what the operator's end of that number receives."""
+    return f"testudo_receive_{receiver}"
+
+
 def relaying_nodes(robot: Robot, warn: Callable[[str], None] | None = None) -> frozenset[str]:
-    """The nodes that relay, this one among them: they publish decisions.
+    """The nodes that relay, this one among them: they publish decisions, or what this one sends.
 
     ``warn`` is told where another one has the name of this one.
     """
@@ -23,7 +28,7 @@ def relaying_nodes(robot: Robot, warn: Callable[[str], None] | None = None) -> f
             f"another {robot.name} relays on this ROS graph, or was killed a moment ago: "
             "what both relay arrives twice; end one of them"
         )
-    return frozenset({*relaying, robot.name})
+    return frozenset({*relaying, robot.name, *robot.fed_nodes})
 
 
 def visible_topics(robot: Robot) -> dict[str, list[Endpoint]]:

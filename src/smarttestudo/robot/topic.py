@@ -116,14 +116,21 @@ class OpenTopic:
         self.is_wanted = False
         self.is_recorded = False
         self.is_told = True
+        self._is_refused = False
         self._opened_for: LiveSource | None = None
         self.subscription: Subscription | None = None
         self.subscriptions = 0
         self._publishers: PublisherPool | None = None
 
-    def follow(self, source: LiveSource) -> None:
-        """Open what ``source`` needs, anew where what is open does not suit it."""
+    def follow(self, source: LiveSource, refusal: TestudoError | None = None) -> None:
+        """Open what ``source`` needs, anew where what is open does not suit; nothing with a ``refusal``."""
         before, self.source = self.source, source
+        was_refused, self._is_refused = self._is_refused, refusal is not None
+        if refusal is not None:
+            if not was_refused:
+                self.close()
+                self.fail(refusal)
+            return
         if self._opened_for is None or not suits(self._opened_for, source):
             self._open()
         elif before is not None and self._publishers is not None and source.publishers:
@@ -153,7 +160,7 @@ class OpenTopic:
             return False
         self.is_wanted = is_wanted
         if self._opened_for is None:
-            if is_wanted and self.source is not None:
+            if is_wanted and self.source is not None and not self._is_refused:
                 self._open()
             return self._opened_for is not None
         if is_wanted:

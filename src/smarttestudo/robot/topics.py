@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, S
 from functools import partial
 from typing import TypeVar
 
-from smarttestudo.domain.errors import TestudoError, said
+from smarttestudo.domain.errors import RosError, TestudoError, said
 from smarttestudo.domain.names import MAX_NAME_LENGTH
 from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Undecodable
 from smarttestudo.domain.payload import Payload
@@ -268,7 +268,7 @@ class LiveTopics:
             return None
         if source != before:
             self._report(live, source)
-        live.follow(source)
+        live.follow(source, self._refusal(live.topic, endpoints, own))
         if source != before:
             live.note_header(self._robot.begins_with_header)
         self._name_unserved(live)
@@ -280,6 +280,20 @@ class LiveTopics:
             publishers=source.publishers,
             transient_local=source.qos.transient_local,
             type_name=source.type_name,
+        )
+
+    def _refusal(
+        self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]
+    ) -> TestudoError | None:
+        """Why a topic is not relayed: what is sent of it would come back without end."""
+        if self._data_path.tells_publishers or len(endpoints) == len(own):
+            return None
+        if self._robot.fed_nodes.isdisjoint(one.node for one in endpoints):
+            return None
+        return RosError(
+            "what is sent of it is published here again, and rclpy does not tell publishers apart",
+            place=topic,
+            remedy="start 'testudo receive' with a ROS_DOMAIN_ID of its own",
         )
 
     def _forget_undiscovered(self, live: OpenTopic, now_ns: int) -> None:

@@ -234,6 +234,7 @@ class LinkSender(Generic[_Request]):
             outages=self._outages,
             sessions=self._sessions,
             predicted=self._receivers.predicted(now_ns),
+            receivers=self._receivers.numbers,
         )
 
     @property

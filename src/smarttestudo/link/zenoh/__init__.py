@@ -73,12 +73,13 @@ def open_operator_end(
     clock: Callable[[], int] = suspended_too_ns,
     most_waiting_bytes: int = MAX_WAITING_BYTES,
     predicts: frozenset[str] = frozenset(),
+    receiver: int | None = None,
 ) -> Iterator[OperatorEnd]:
     """The operator's end of the links of all robots that are or will be there.
 
     It is a router, so that further ends can connect to where it listens. ``clock`` gives ns from any start;
     ``most_waiting_bytes`` may wait to be read; ``predicts`` are the topics, by the robots' names, that who
-    reads reckons where the robot's end does so too.
+    reads reckons where the robot's end does so too; ``receiver`` is the number by which robots know it.
     Raises ``LinkError`` as ``open_robot_end`` does.
     """
     require_zenoh()
@@ -88,7 +89,7 @@ def open_operator_end(
 
     with open_session(options, "router", warn) as (session, watch):
         watcher = Worker("link-watch", lambda error: warn(said(error)), watch)
-        end = OperatorEnd(session, warn, clock, most_waiting_bytes, predicts)
+        end = OperatorEnd(session, warn, clock, most_waiting_bytes, predicts, receiver=receiver)
         try:
             if options.connect:
                 watcher.start()

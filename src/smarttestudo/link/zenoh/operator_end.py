@@ -62,8 +62,13 @@ class OperatorEnd:
         clock: Callable[[], int],
         most_waiting_bytes: int,
         predicts: frozenset[str] = frozenset(),
+        *,
+        receiver: int | None = None,
     ) -> None:
-        """``predicts`` are the topics that who reads here reckons where the robot's end does so too."""
+        """``predicts`` are the topics that who reads here reckons where the robot's end does so too.
+
+        ``receiver`` is the number by which robots know this end.
+        """
         self.unknown = 0
         """Chunks of robots that are not known here."""
         self.commands: CommandOutbox | None = None
@@ -72,7 +77,7 @@ class OperatorEnd:
         self._warn = warn
         self._clock = clock
         self._predicts = predicts
-        self._receiver = secrets.randbits(64)
+        self._receiver = secrets.randbits(64) if receiver is None else receiver
         self._arrivals = EventQueue(most_waiting_bytes)
         self._robots: dict[str, _Robot] = {}
         self._said_twice: set[str] = set()

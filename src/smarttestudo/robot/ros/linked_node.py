@@ -24,9 +24,11 @@ from smarttestudo.domain.robot import (
     Receive,
     Subscription,
 )
+from smarttestudo.domain.visible_topics import receiving_node
 from smarttestudo.pacing.cdr import string_message
 from smarttestudo.robot.ros.definitions import message_definition
 from smarttestudo.robot.ros.node import RosNode
+from smarttestudo.robot.ros.ros_errors import ros_errors
 
 OPERATOR_NODE = "/testudo_receive"
 _TEXT_TYPE = "std_msgs/msg/String"
@@ -52,6 +54,7 @@ class LinkedNode(RosNode):
         self._link = link
         self._is_local = is_local
         self._linked_path: LinkedPath | None = None
+        self._said: frozenset[str] = frozenset()
 
     @property
     def data_path(self) -> DataPath:
@@ -59,6 +62,23 @@ class LinkedNode(RosNode):
         if self._linked_path is None:
             self._linked_path = LinkedPath(super().data_path, self._link, is_local=self._is_local)
         return self._linked_path
+
+    @property
+    def fed_nodes(self) -> frozenset[str]:
+        """Nodes of operator's ends that are on the robot's own graph, which is said. Raises ``RosError``."""
+        named = {f"/{receiving_node(number)}" for number in self._link.state.receivers}
+        if not named:
+            return frozenset()
+        with ros_errors():
+            names = self._node.get_node_names_and_namespaces()
+        found = frozenset(named & {f"{namespace.rstrip('/')}/{name}" for name, namespace in names})
+        for node in sorted(found - self._said):
+            self.log.warning(
+                f"{node} publishes what this robot sends on the robot's own ROS graph; that is not relayed "
+                "again: start 'testudo receive' with a ROS_DOMAIN_ID of its own"
+            )
+        self._said |= found
+        return found
 
     @property
     def has_output_domain(self) -> bool:

@@ -125,6 +125,11 @@ class RosNode:
         return name
 
     @property
+    def fed_nodes(self) -> frozenset[str]:
+        """None, without a link."""
+        return frozenset()
+
+    @property
     def data_path(self) -> DataPath:
         """Messages in and out, by the path that works here. Raises ``RosError``."""
         return self._open_data_path()
