@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.errors import said
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.names import DECISIONS_TOPIC
@@ -42,7 +42,10 @@ class LiveDecisions:
 
     def _log(self, decisions: Sequence[Decision]) -> None:
         for decision in decisions:
-            self._robot.log.info(decision_line(decision))
+            # A reload may give a topic the same rate by another block.
+            is_same = decision.from_rate == decision.planned.rate and not decision.is_end
+            if not (is_same and decision.planned.reason is Reason.RELOAD):
+                self._robot.log.info(decision_line(decision))
 
     def _announce_all(self, decisions: Sequence[Decision]) -> None:
         for decision in decisions:
