@@ -46,6 +46,19 @@ def test_rates_and_sizes_are_those_of_the_sources(tmp_path: Path) -> None:
     assert profile.topic("/imu").tiers_hz is not None
 
 
+def test_a_topic_that_loses_says_so_and_its_rate_counts_what_was_lost(tmp_path: Path) -> None:
+    sources = {"/image": Source(hz=15, one_of=3), "/scan": Source(hz=15)}
+    profile = measured(VirtualRobot(sources=sources), seconds=30)
+    assert [line for line in profile.text.splitlines() if "lost" in line] == [
+        "# 67 % of its messages were lost on their way here; the rate counts them"
+    ]
+    assert profile.text.index('"/image"') < profile.text.index("lost") < profile.text.index('"/scan"')
+    (notice,) = profile.notices
+    assert notice.startswith("/image: 67 % of its messages were lost on their way here; ")
+    rates = {name: topic.source_hz for name, topic in profile_in(tmp_path, profile).topics.items()}
+    assert rates == pytest.approx({"/image": 15, "/scan": 15}, rel=0.02)
+
+
 def test_a_topic_with_two_publishers_says_so(tmp_path: Path) -> None:
     sources = {"/tf": Source(hz=10, nodes=("/diff_drive", "/robot_state_publisher")), "/imu": Source(hz=10)}
     profile = measured(VirtualRobot(sources=sources))

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -15,7 +13,6 @@ from hypothesis import strategies as st
 from smarttestudo.domain.robot import Endpoint
 from smarttestudo.domain.status import LossBeforeRelay
 from smarttestudo.robot.losses import LARGE_BYTES, PAUSE_NS, TOO_SLOW, LiveLosses
-from unasked_robot import UnaskedRobot
 
 SECOND = 1_000_000_000
 SETTING = "FASTDDS_BUILTIN_TRANSPORTS='DEFAULT?sockets_size=8MB'"
@@ -45,25 +42,17 @@ class Subscription:
         self.dropped += lost
 
 
-class Log(UnaskedRobot):
-    """A robot with a log."""
-
-    def __init__(self, setting: str | None = SETTING) -> None:
-        self.senders_remedy = setting
+class Log:
+    def __init__(self) -> None:
         self.lines: list[str] = []
-        self.log: Any = SimpleNamespace(info=self.lines.append, warning=self.lines.append)
 
     @property
     def numbers(self) -> list[str]:
         return [line[: line.index(" messages")] for line in self.lines]
 
 
-def losses_of(log: Log, *publishers: Endpoint) -> LiveLosses:
-    def publishers_of(topic: str) -> Sequence[Endpoint]:
-        return publishers
-
-    robot: Any = log
-    return LiveLosses(robot, publishers_of)
+def losses_of(log: Log, *publishers: Endpoint, setting: str | None = SETTING) -> LiveLosses:
+    return LiveLosses(log.lines.append, lambda _: publishers, setting)
 
 
 def begun(subscription: Subscription, sent: int = 1) -> Subscription:
@@ -205,8 +194,8 @@ def test_one_hitch_is_no_state() -> None:
 def test_who_has_too_little_shared_memory_is_named_with_what_to_set_and_else_the_machine_is_too_slow(
     publishers: list[Endpoint], size_bytes: int | None, setting: str | None, named: str | None
 ) -> None:
-    log, subscription = Log(setting), begun(Subscription())
-    losses, opened = losses_of(log, *publishers), {"/image": subscription}
+    log, subscription = Log(), begun(Subscription())
+    losses, opened = losses_of(log, *publishers, setting=setting), {"/image": subscription}
     if size_bytes is not None:
         losses.sizes["/image"] = size_bytes
     for second in range(25):

@@ -19,7 +19,7 @@ const BECAUSE: Record<MissingReason, string> = {
   late: "nothing was received from the topic yet",
   unpublished: "nobody publishes the topic",
   ended: "the run, or the recording, ended",
-  lost: "machine or network were too slow, and the robot lost them",
+  lost: "the middleware lost them: machine or network were too slow, or their sender lacked shared memory",
   disk: "they came faster than the disk could take them, or while it was full",
   killed: "the run was killed",
 };

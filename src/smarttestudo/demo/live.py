@@ -18,7 +18,7 @@ from smarttestudo.domain.names import DECISIONS_TOPIC, output_name
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.recording import Channel, RecordingWriter
 from smarttestudo.domain.robot import Qos, Robot, Subscription
-from smarttestudo.domain.units import NS_PER_S, ns_from_s
+from smarttestudo.domain.units import NS_PER_S, grouped, ns_from_s
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.robot.output_topics import DEFAULT_OUTPUT_TOPIC
 from smarttestudo.simulation.messages.messages import RobotMessages
@@ -34,21 +34,33 @@ def recorded(
     channels: Iterable[Channel],
     declared_bytes: Mapping[str, int],
     heard_as: Callable[[str], str] = str,
-) -> Iterator[None]:
+) -> Iterator[Mapping[str, Subscription]]:
     """Record the topics of ``channels`` into a new recording ``folder`` while the block handles messages.
 
     They are recorded by their own name, and heard by that which ``heard_as`` makes of it. Stamps are the
-    node's time at which messages came.
+    node's time at which messages came. The block is given the subscriptions by topic.
 
     Raises:
         RecordingError: it cannot be written.
         RosError: a topic cannot be received.
     """
     with create_recording(folder, declared_bytes=declared_bytes) as recording, ExitStack() as subscriptions:
+        heard: dict[str, Subscription] = {}
         for channel in channels:
             recording.add(channel)
-            subscriptions.callback(_heard(robot, channel, heard_as(channel.topic), recording).close)
-        yield
+            heard[channel.topic] = _heard(robot, channel, heard_as(channel.topic), recording)
+            subscriptions.callback(heard[channel.topic].close)
+        yield heard
+
+
+def lost_lines(folder: Path, heard: Mapping[str, Subscription]) -> list[str]:
+    """What the recording ``folder`` lacks of what was sent to it, a line for each topic."""
+    return [
+        f"{folder.name}: {grouped(one.dropped)} of {grouped(one.sent)} messages of {topic} "
+        "were lost on their way"
+        for topic, one in heard.items()
+        if one.dropped and one.sent
+    ]
 
 
 def _heard(robot: Robot, channel: Channel, topic: str, recording: RecordingWriter) -> Subscription:
@@ -97,8 +109,8 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
     declared_bytes = {} if request.full_images else DECLARED_BYTES
     runtime_log, robot_log = (request.logs / name for name in LOGS)
     with (
-        recorded(robot, request.baseline, channels, declared_bytes),
-        recorded(robot, request.adaptive, channels, declared_bytes, relayed_name),
+        recorded(robot, request.baseline, channels, declared_bytes) as baseline,
+        recorded(robot, request.adaptive, channels, declared_bytes, relayed_name) as adaptive,
         child_process("runtime", testudo_command(*_run_arguments(request)), runtime_log) as runtime,
     ):
         _await_publisher(robot, DECISIONS_TOPIC, runtime)
@@ -112,7 +124,8 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
                 report(1 - left_ns / NS_PER_S / request.seconds)
             # It ends before the robot does, which would be a change of plans of its own.
             runtime.end()
-    return (*left_out, *_lost_time(robot_log))
+        lost = [*lost_lines(request.baseline, baseline), *lost_lines(request.adaptive, adaptive)]
+    return (*left_out, *lost, *_lost_time(robot_log))
 
 
 def _lost_time(log: Path) -> list[str]:

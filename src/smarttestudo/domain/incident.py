@@ -48,7 +48,7 @@ class MissingReason(Enum):
     """The run or the recording ended before the window did."""
 
     LOST = "lost"
-    """The robot's middleware lost them: machine or network were too slow."""
+    """The middleware lost them: machine or network were too slow, or their sender lacked shared memory."""
 
     DISK = "disk"
     """They came faster than the disk could take them, or while it was full."""

@@ -32,6 +32,7 @@ class TopicMeasure:
 
     ``is_declared`` says that the sizes are not those of the messages but what the recording declares.
     ``known`` are accuracies that the engineer chose, ``publishers`` how many the topic is known to have.
+    ``lost_share`` is the share of its messages that was lost before it could be counted.
     """
 
     __slots__ = (
@@ -40,6 +41,7 @@ class TopicMeasure:
         "_intervals",
         "is_declared",
         "largest_bytes",
+        "lost_share",
         "publishers",
         "type_name",
     )
@@ -57,6 +59,7 @@ class TopicMeasure:
         self.is_declared = is_declared
         self.publishers = publishers
         self.largest_bytes = 0
+        self.lost_share = 0.0
         self._flow = Flow()
         self._intervals = Intervals()
 
@@ -95,8 +98,9 @@ class TopicMeasure:
 
     @property
     def source_hz(self) -> float | None:
-        """(n − 1) / (last − first); ``None`` where that is not defined."""
-        return self._flow.mean_hz
+        """(n − 1) / (last − first), and what was lost; ``None`` where that is not defined."""
+        came_hz = self._flow.mean_hz
+        return None if came_hz is None else came_hz / (1 - self.lost_share)
 
     @property
     def accuracies(self) -> Mapping[LevelledProperty, AccuracyTiers]:
@@ -176,6 +180,9 @@ def _entries(measure: TopicMeasure, proposal: TierProposal | None) -> Iterator[s
     if measure.source_hz is None:
         yield "# one message or one stamp only: no rate, no levels"
         return
+    if measure.lost_share:
+        lost = f"{100 * measure.lost_share:.0f} % of its messages"
+        yield f"# {lost} were lost on their way here; the rate counts them"
     source_hz = rounded(measure.source_hz)
     if not MIN_SOURCE_HZ <= source_hz <= MAX_RATE_HZ:
         yield f"# no rate, no levels: {source_hz:g} Hz is none that a source has; did the clock jump?"

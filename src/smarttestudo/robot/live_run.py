@@ -71,7 +71,7 @@ class LiveRun:
         self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=is_lazy)
         self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
-        self._losses = LiveLosses(robot, self._topics.publishers)
+        self._losses = LiveLosses(robot.log.warning, self._topics.publishers, robot.senders_remedy)
         needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
         compiled = None if needs_all or inputs.is_recording else robot.data_path.compiled
         self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)

@@ -10,7 +10,7 @@ from dataclasses import field
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate_meter import WINDOW_NS
-from smarttestudo.domain.robot import Endpoint, Robot, Subscription
+from smarttestudo.domain.robot import Endpoint, Subscription
 from smarttestudo.domain.status import LossBeforeRelay
 from smarttestudo.domain.units import NS_PER_S
 
@@ -81,11 +81,18 @@ class _Counts:
 class LiveLosses:
     """Counts what each topic lost, and warns of what it lost since it was last reported.
 
-    ``publishers_of`` are those of a topic; ``sizes`` is to have the size of its last message.
+    ``publishers_of`` are those of a topic, ``senders_remedy`` is that of the ``Robot``. ``sizes`` is to have
+    the size of each topic's last message.
     """
 
-    def __init__(self, robot: Robot, publishers_of: Callable[[str], Sequence[Endpoint]]) -> None:
-        self._robot = robot
+    def __init__(
+        self,
+        warn: Callable[[str], None],
+        publishers_of: Callable[[str], Sequence[Endpoint]],
+        senders_remedy: str | None,
+    ) -> None:
+        self._warn = warn
+        self._senders_remedy = senders_remedy
         self._publishers_of = publishers_of
         self.sizes: dict[str, int] = {}
         self._open: Mapping[str, Subscription] = {}
@@ -148,16 +155,15 @@ class LiveLosses:
         # What there is to do about it is said once.
         why = "" if f"{topic} {remedy}" in self._said else f"; {remedy}"
         self._said.add(f"{topic} {remedy}")
-        self._robot.log.warning(f"{topic}: lost {lost} messages before they could be relayed{why}")
+        self._warn(f"{topic}: lost {lost} messages before they could be relayed{why}")
 
     def _remedy(self, topic: str) -> str:
-        setting = self._robot.senders_remedy
         short_of_room = sorted(
             {one.node for one in self._publishers_of(topic) if one.is_local and not one.reliable}
         )
-        if setting is None or not short_of_room or self.sizes.get(topic, 0) < LARGE_BYTES:
+        if self._senders_remedy is None or not short_of_room or self.sizes.get(topic, 0) < LARGE_BYTES:
             return TOO_SLOW
         return (
             f"Fast DDS has too little shared memory where they are sent: start {' and '.join(short_of_room)} "
-            f"with {setting} (if it has that, this machine is too slow)"
+            f"with {self._senders_remedy} (if it has that, this machine is too slow)"
         )

@@ -12,10 +12,11 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.robot import Endpoint, Receive, Robot
+from smarttestudo.domain.robot import Endpoint, Receive, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.domain.visible_topics import visible_topics
 from smarttestudo.optimizer.profiling import TopicMeasure, profile_text
+from smarttestudo.robot.losses import LiveLosses
 from smarttestudo.robot.topic import live_source
 
 _POLL_PERIOD_S = 0.5
@@ -112,6 +113,9 @@ class _TopicSampler:
         self._levels = levels
         self._latched: set[str] = set()
         self._publishers: dict[str, int] = {}
+        self._subscriptions: dict[str, Subscription] = {}
+        # They are named at the end, not as they happen.
+        self._losses = LiveLosses(lambda _: None, robot.publishers, robot.senders_remedy)
 
     def poll(self) -> None:
         """Subscribe to what is new, and count the publishers that are there at once."""
@@ -123,6 +127,7 @@ class _TopicSampler:
                 self.seen.add(topic)
                 if not self._patterns or is_selected(topic, self._patterns):
                     self._subscribe(topic, publishers)
+        self._losses.measure(self._subscriptions, self._robot.now_ns())
 
     def begin(self) -> None:
         """Measure from now on; what latched topics gave already still counts."""
@@ -138,6 +143,12 @@ class _TopicSampler:
         for topic in self.measures.keys() - visible.keys():
             if self._robot.publishers(topic):
                 del self.measures[topic]
+        self._losses.measure(self._subscriptions, self._robot.now_ns())
+        for topic, loss in self._losses.lost().items():
+            if loss.state is not None and topic in self.measures:
+                self.measures[topic].lost_share = loss.share
+                lost = f"{loss.state.percent:.0f} % of its messages were lost on their way here"
+                self.notices.append(f"{topic}: {lost}; {loss.state.remedy}")
 
     def check_patterns(self) -> None:
         """Raise ``TestudoError`` where a pattern names nothing that was seen, though something was."""
@@ -151,10 +162,13 @@ class _TopicSampler:
             return
         qos = replace(source.qos, depth=max(_DEPTH, source.qos.depth))
         try:
-            self._robot.data_path.subscribe(topic, source.type_name, qos, self._counting(topic))
+            subscription = self._robot.data_path.subscribe(
+                topic, source.type_name, qos, self._counting(topic)
+            )
         except RosError as error:
             self.notices.append(str(error))
             return
+        self._subscriptions = {**self._subscriptions, topic: subscription}
         self.measures[topic] = self._new(topic, source.type_name)
         if source.qos.transient_local:
             self._latched.add(topic)
@@ -165,6 +179,7 @@ class _TopicSampler:
     def _counting(self, topic: str) -> Receive:
         def receive(payload: Payload, _publisher: Hashable) -> None:
             measure = self.measures[topic]
+            self._losses.sizes[topic] = len(payload)
             serialized = payload[:] if measure.has_accuracies else None
             measure.record(self._robot.now_ns(), len(payload), serialized)
 

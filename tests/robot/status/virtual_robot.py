@@ -30,12 +30,16 @@ MESSAGE = bytes(250)
 
 @dataclass(kw_only=True)
 class Source:
-    """A topic of ``nodes`` that publishes ``hz`` messages a second, from ``from_s`` on."""
+    """A topic of ``nodes`` that publishes ``hz`` messages a second, from ``from_s`` on.
+
+    Of ``one_of`` only one comes.
+    """
 
     type_name: str = "sensor_msgs/msg/Imu"
     nodes: tuple[str, ...] = ("/driver",)
     hz: float = 0.0
     from_s: float = 0.0
+    one_of: int = 1
 
 
 @dataclass(kw_only=True)
@@ -61,6 +65,7 @@ class VirtualRobot(UnaskedRobot):
         self.log_lines: list[str] = []
         self.receivers: dict[str, Receive] = {}
         self.sent: dict[str, int] = {}
+        self.subscriptions: dict[str, SimpleNamespace] = {}
         append = self.log_lines.append
         self.log = cast("RobotLog", SimpleNamespace(info=append, warning=append))
 
@@ -119,7 +124,8 @@ class VirtualRobot(UnaskedRobot):
         self._need(type_name, topic)
         self.receivers[topic] = receive
         self.sent[topic] = 0
-        return cast("Subscription", SimpleNamespace(close=lambda: None))
+        self.subscriptions[topic] = SimpleNamespace(close=lambda: None, sent=0, dropped=0)
+        return cast("Subscription", self.subscriptions[topic])
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         raise NotImplementedError
@@ -148,7 +154,12 @@ class VirtualRobot(UnaskedRobot):
             due = int((self.elapsed_ns / SECOND - source.from_s) * source.hz) if source.hz else 1
             for _ in range(due - self.sent[topic]):
                 self.sent[topic] += 1
-                receive(MESSAGE, None)
+                subscription = self.subscriptions[topic]
+                subscription.sent += 1
+                if self.sent[topic] % source.one_of:
+                    subscription.dropped += 1
+                else:
+                    receive(MESSAGE, None)
 
     def say(self, topic: str, text: str, publisher: Hashable = None) -> None:
         """Somebody publishes ``text`` on a topic that is subscribed to."""
