@@ -163,6 +163,29 @@ def test_a_topic_is_lost_before_relay_while_more_than_a_twentieth_of_it_is(
     assert losses.lost()["/image"].share == 0
 
 
+@pytest.mark.parametrize(
+    ("size_bytes", "reliable", "lost", "must_work"),
+    [
+        (IMAGE_BYTES, False, 9, [True] * 8),
+        (IMAGE_BYTES, False, 0, [True] * 3 + [False] * 5),
+        (1000, False, 9, [False] * 8),
+        (IMAGE_BYTES, True, 9, [False] * 8),
+    ],
+)
+def test_what_may_lose_for_want_of_memory_is_received_whole_until_it_is_known_that_it_does_not(
+    size_bytes: int, reliable: bool, lost: int, must_work: list[bool]
+) -> None:
+    subscription = begun(Subscription())
+    losses, opened = losses_of(Log(), camera(reliable=reliable)), {"/image": subscription}
+    losses.sizes["/image"] = size_bytes
+    found = []
+    for second in range(8):
+        losses.measure(opened, second * SECOND)
+        found.append(losses.may_lack_room("/image"))
+        subscription.goes_on(15, lost)
+    assert found == must_work
+
+
 def test_one_hitch_is_no_state() -> None:
     subscription = begun(Subscription())
     losses, opened = losses_of(Log()), {"/battery": subscription}

@@ -74,7 +74,9 @@ class LiveRun:
         self._losses = LiveLosses(robot.log.warning, self._topics.publishers, robot.senders_remedy)
         needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
         compiled = None if needs_all or inputs.is_recording else robot.data_path.compiled
-        self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
+        self._sampling = LiveSampling(
+            loop, may_rest=not inputs.is_recording, must_work=self._losses.may_lack_room
+        )
         is_told = bool(self._before_relays or self._publishing)
         self._compiled = CompiledTopics(
             compiled, loop, self._sampling, self._relay, self._came, is_returned=is_told

@@ -21,6 +21,8 @@ LARGE_BYTES = 1 << 16
 LEAST_SHARE = 0.05
 LEAST_LOST = 3
 """Less than this or that share in the last seconds is no state of a topic: one hitch of the machine."""
+READINGS_NEEDED = 4
+"""A second apart or less, and enough to know whether a topic loses."""
 TOO_SLOW = "either this machine or its network is too slow for them"
 
 
@@ -119,6 +121,16 @@ class LiveLosses:
         numbered = {topic: counts for topic, counts in self._counts.items() if counts.is_numbered}
         return {**ended, **{topic: self._loss(topic, counts) for topic, counts in numbered.items()}}
 
+    def may_lack_room(self, topic: str) -> bool:
+        """Whether it is, or may yet be found, to lose for want of its sender's memory.
+
+        Then all its messages are to be received: of a topic that rests, nobody knows what is lost.
+        """
+        counts = self._counts.get(topic)
+        if counts is None or not self._short_of_room(topic):
+            return False
+        return len(counts.readings) < READINGS_NEEDED or self._loss(topic, counts).state is not None
+
     def close(self) -> None:
         """Report what was not reported yet; nothing is received any more."""
         self.measure({}, 0)
@@ -157,11 +169,15 @@ class LiveLosses:
         self._said.add(f"{topic} {remedy}")
         self._warn(f"{topic}: lost {lost} messages before they could be relayed{why}")
 
+    def _short_of_room(self, topic: str) -> list[str]:
+        """The nodes whose messages of a topic can be lost for want of their memory."""
+        if self._senders_remedy is None or self.sizes.get(topic, 0) < LARGE_BYTES:
+            return []
+        return sorted({one.node for one in self._publishers_of(topic) if one.is_local and not one.reliable})
+
     def _remedy(self, topic: str) -> str:
-        short_of_room = sorted(
-            {one.node for one in self._publishers_of(topic) if one.is_local and not one.reliable}
-        )
-        if self._senders_remedy is None or not short_of_room or self.sizes.get(topic, 0) < LARGE_BYTES:
+        short_of_room = self._short_of_room(topic)
+        if not short_of_room:
             return TOO_SLOW
         return (
             f"Fast DDS has too little shared memory where they are sent: start {' and '.join(short_of_room)} "

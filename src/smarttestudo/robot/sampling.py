@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from smarttestudo.domain.robot import Subscription
 from smarttestudo.domain.units import NS_PER_S
@@ -90,12 +90,20 @@ class LiveSampling:
     """Pauses subscriptions while no message is due, and arms each when one is.
 
     So what passes is the first message at its due time or after it, as without resting. If none comes for
-    another period, the newest one from before passes, as the final message. Only those that ``may_rest`` do.
+    another period, the newest one from before passes, as the final message. Only those that ``may_rest`` do,
+    and none of those that ``must_work`` says.
     """
 
-    def __init__(self, loop: RelayLoop, *, may_rest: bool = True) -> None:
+    def __init__(
+        self,
+        loop: RelayLoop,
+        *,
+        may_rest: bool = True,
+        must_work: Callable[[str], bool] = lambda _: False,
+    ) -> None:
         self._loop = loop
         self._may_rest = may_rest
+        self._must_work = must_work
         self._topics: dict[str, _Topic] = {}
         self._resting: dict[str, _Topic] = {}
         self._roused: dict[str, _Topic] = {}
@@ -154,7 +162,7 @@ class LiveSampling:
         self._has_changed = True
 
     def _decide(self, name: str, topic: _Topic, sent: int, now_ns: int) -> None:
-        may_rest = self._may_rest and self._loop.may_skip(name)
+        may_rest = self._may_rest and self._loop.may_skip(name) and not self._must_work(name)
         rests = may_rest and topic.choice.should_sample(sent, self._target_hz(name), now_ns)
         if rests and name not in self._resting:
             if self._roused.pop(name, None) is not topic:
