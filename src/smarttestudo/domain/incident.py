@@ -139,7 +139,8 @@ class IncidentState:
     ``held_bytes`` of at most ``memory_bytes`` are kept of ``topics`` topics for what may happen, and
     ``ring_bytes`` of at most ``ring_max_bytes`` on disk, which is ``None`` if memory is all there is.
     Incidents are ``open`` now, were ``recorded`` whole, or ``failed`` since the start; ``problem`` says why
-    the last one could not be written, until the next one can.
+    the last one could not be written, until the next one can. Of their messages, ``dropped`` came faster than
+    the disk took them, and so many are ``missing`` in those that ended, whatever the reason.
     """
 
     held_bytes: Annotated[
@@ -160,3 +161,23 @@ class IncidentState:
         int, Metered("incident_ring", "bytes", "Disk that is held for what may happen.")
     ] = 0
     ring_max_bytes: int | None = None
+    dropped: Annotated[
+        int,
+        JsonEntry(is_lenient=True, omits_default=True),
+        Metered(
+            "incident_dropped",
+            "messages",
+            "Messages for incidents that came faster than the disk took them.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
+    missing: Annotated[
+        int,
+        JsonEntry(is_lenient=True, omits_default=True),
+        Metered(
+            "incident_missing",
+            "messages",
+            "Messages that are missing in the incidents that ended, as far as they were counted.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0

@@ -39,6 +39,8 @@ class BackgroundSink:
         self._given_bytes = 0
         self._done_bytes = 0
         self._left_out: dict[Incident, LostMessages] = {}
+        self.dropped = 0
+        """Messages that came faster than they were written, for an incident or for the ring on disk."""
 
     def begin(
         self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
@@ -50,6 +52,7 @@ class BackgroundSink:
     def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         """Have it written, unless too much waits already."""
         if self._given_bytes - self._done_bytes > self._max_waiting_bytes:
+            self.dropped += 1
             for incident in incidents:
                 self._left_out[incident].add(message)
             return
@@ -75,9 +78,11 @@ class BackgroundSink:
         self._sink.write(message, incidents)
 
     def _have_stored(self, ring: RingFiles, message: SourceMessage, until_ns: int, now_ns: int) -> None:
-        if self._given_bytes - self._done_bytes <= self._max_waiting_bytes:
-            self._given_bytes += message.held_bytes
-            self._thread.give(partial(self._store, ring, message, until_ns, now_ns))
+        if self._given_bytes - self._done_bytes > self._max_waiting_bytes:
+            self.dropped += 1
+            return
+        self._given_bytes += message.held_bytes
+        self._thread.give(partial(self._store, ring, message, until_ns, now_ns))
 
     def _store(self, ring: RingFiles, message: SourceMessage, until_ns: int, now_ns: int) -> None:
         self._done_bytes += message.held_bytes

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError, RecordingError
 from smarttestudo.domain.remote_incidents import RemoteIncident
@@ -99,6 +100,8 @@ def _index_of(folder: Path, name: str) -> IncidentIndex:
             one for one in sorted(path.iterdir()) if one.name != READ_NAME and not one.name.startswith(".")
         ]
         files = [one for one in files if stat.S_ISREG(one.lstat().st_mode)]
+        if not any(one.name == RECORD_NAME for one in files):
+            raise LinkError(f"the incident has no {RECORD_NAME}: there is nothing to fetch", place=name)
         if len(files) > MAX_FILES:
             raise LinkError(f"{len(files)} files are too many for an incident", place=name)
         ranges = [file_ranges(one, number) for number, one in enumerate(files)]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import errno
 import heapq
 import os
 import struct
@@ -32,7 +33,7 @@ from smarttestudo.domain.incident import (
 )
 from smarttestudo.domain.incident_json import incident_text
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.files.removal import temporary_folder
+from smarttestudo.files.removal import remove, temporary_folder
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written, whole_file
 from smarttestudo.incidents.lost_messages import LostMessages
 from smarttestudo.incidents.missing import missing_for_memory
@@ -46,13 +47,20 @@ from smarttestudo.incidents.segments import (
     channel_of,
     link_file,
 )
-from smarttestudo.incidents.store import remove_incident
+from smarttestudo.incidents.store import RESERVE_NAME, remove_begun, remove_incident
 from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
 
 SEGMENTS_OF_A_WINDOW = 10
 LEAST_SEGMENT_NS = NS_PER_S
 _WRITE_ERRORS = (OSError, struct.error, TestudoError)
 
+_NO_RESERVES = (errno.EOPNOTSUPP, errno.EINVAL)
+"""What disks answer that give none."""
+RESERVE_BYTES = 64_000
+"""Room for the end of an incident beside the definitions of its messages."""
+
+Ended = Callable[[Path, IncidentRecord], None]
+"""Takes the folder of an incident that is whole, with its record."""
 Failed = Callable[[str, TestudoError], None]
 """Takes the name of an incident that ends early, and why."""
 
@@ -81,7 +89,8 @@ class IncidentFolders:
 
     What cannot be written ends the incidents concerned: ``failed`` is told once of each, or, where there is
     none, it raises ``TestudoError``. When their windows end, they appear with what was written, and say how
-    many messages were lost; if that cannot be written either, they stay hidden for ``complete_incidents``.
+    many messages were lost: each has a reserve of the disk for that. If it cannot be written all the same,
+    they stay hidden for ``complete_incidents``, without their reserve, so that it knows that they did end.
     """
 
     def __init__(
@@ -92,7 +101,7 @@ class IncidentFolders:
         of_message: ChannelOf | None = None,
         ring: RingFiles | None = None,
         failed: Failed | None = None,
-        ended: Callable[[Path], None] = lambda _: None,
+        ended: Ended = lambda _, __: None,
     ) -> None:
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -120,8 +129,9 @@ class IncidentFolders:
         self._open[incident] = found
         try:
             bag.path.mkdir()
+            _make_reserve(bag.path, RESERVE_BYTES + self._definition_bytes())
             # What a killed run leaves says what it was.
-            write_record(bag.path, found.record)
+            write_record(bag.path, as_if_killed(found.record))
             self._begin(incident, bag, shared, latched, messages)
         except _WRITE_ERRORS as error:
             self._give_up(shared, name, error)
@@ -150,19 +160,19 @@ class IncidentFolders:
         bag, shared = found.bag, found.shared
         missing = (*self._still_missing(incident, bag, missing), *found.lost.missing())
         record = replace(found.record, missing=missing)
-        if shared is None:
-            # Why, if it cannot be written, was said.
-            with suppress(*_WRITE_ERRORS):
-                self._finish_lost(bag, record)
-            return
-        try:
-            shared.end(bag)
-            self._finish(bag, record, bag.contents())
-            # Later folders that share its last file would keep all that is known of its first.
-            bag.files.clear()
-            self._ended(bag.path)
-        except _WRITE_ERRORS as error:
-            self._give_up(shared, bag.name, error)
+        if shared is not None:
+            try:
+                shared.end(bag)
+                self._finish(bag, record, bag.contents())
+            except _WRITE_ERRORS as error:
+                self._give_up(shared, bag.name, error)
+            else:
+                # Later folders that share its last file would keep all that is known of its first.
+                bag.files.clear()
+                return
+        # Why, if it cannot be written, was said.
+        with suppress(*_WRITE_ERRORS):
+            self._finish_lost(bag, record)
 
     def abort(self) -> None:
         """Leave nothing of incidents that have not ended."""
@@ -217,17 +227,30 @@ class IncidentFolders:
 
     def _finish_lost(self, bag: BagFolder, record: IncidentRecord) -> None:
         """Have what was written appear, if nothing was as an incident without messages."""
-        bag.path.mkdir(exist_ok=True)
-        files = complete_files(bag.path)
-        if not files:
-            Segment(bag).close()
-            files = bag.contents()
-        self._finish(bag, record, files)
+        try:
+            bag.path.mkdir(exist_ok=True)
+            _free_reserve(bag.path)
+            # Whatever cannot be written from here on, the next run knows what is missing.
+            write_record(bag.path, finished_record(record, {}, self._channels))
+            files = complete_files(bag.path)
+            if not files:
+                Segment(bag).close()
+                files = bag.contents()
+            self._finish(bag, record, files)
+        except _WRITE_ERRORS:
+            if not (bag.path / RECORD_NAME).exists():
+                remove_begun(bag.path)
+            raise
 
     def _finish(self, bag: BagFolder, record: IncidentRecord, files: Mapping[str, FileContent]) -> None:
         record = finished_record(record, files, self._channels)
+        _free_reserve(bag.path)
         finish_folder(bag.path, record, files, self._channels)
         bag.path = bag.path.rename(self._folder / bag.name)
+        self._ended(bag.path, record)
+
+    def _definition_bytes(self) -> int:
+        return sum(len(one.definition) for one in self._channels.values())
 
     def _give_up(self, shared: SharedMessages, name: str, error: Exception) -> None:
         """End the incidents that share what cannot be written."""
@@ -265,6 +288,37 @@ def first_record(incident: Incident, latched: Sequence[SourceMessage]) -> Incide
         topics={topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in recording.topics},
         latched=tuple(LatchedSample(topic=one.topic, stamp_ns=one.stamp_ns) for one in latched),
     )
+
+
+def as_if_killed(record: IncidentRecord) -> IncidentRecord:
+    """``record`` of an incident that begins, as it stays if the run is killed."""
+    killed = (
+        Missing(
+            topic=topic,
+            reason=MissingReason.KILLED,
+            messages=None,
+            from_ns=record.triggered_ns,
+            to_ns=record.to_ns,
+        )
+        for topic in record.topics
+    )
+    return replace(record, missing=tuple(killed))
+
+
+def _make_reserve(folder: Path, size_bytes: int) -> None:
+    file = os.open(folder / RESERVE_NAME, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    try:
+        if hasattr(os, "posix_fallocate"):
+            os.posix_fallocate(file, 0, size_bytes)
+    except OSError as error:
+        if error.errno not in _NO_RESERVES:
+            raise
+    finally:
+        os.close(file)
+
+
+def _free_reserve(folder: Path) -> None:
+    remove(folder, [RESERVE_NAME])
 
 
 def _has_hard_links(folder: Path) -> bool:

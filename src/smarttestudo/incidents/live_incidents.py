@@ -12,15 +12,16 @@ from functools import partial
 from pathlib import Path
 
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.incident import IncidentState
+from smarttestudo.domain.incident import IncidentRecord, IncidentState
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot, Subscription
 from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB
+from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB, NS_PER_S, grouped
 from smarttestudo.incidents.background import BackgroundSink
 from smarttestudo.incidents.folder_lock import FolderLock
 from smarttestudo.incidents.folders import IncidentFolders
 from smarttestudo.incidents.heard_channels import HeardChannels
+from smarttestudo.incidents.missing import missing_text
 from smarttestudo.incidents.options import (
     INCIDENT_MEMORY,
     INCIDENT_RING,
@@ -40,6 +41,7 @@ from smarttestudo.robot.topic import LiveSource
 
 WAITING_SHARE = 0.25
 """How much of the memory may wait for the disk beside what the ring holds."""
+_SAY_AFTER_NS = 10 * NS_PER_S
 
 
 class LiveIncidents(Part):
@@ -66,8 +68,11 @@ class LiveIncidents(Part):
         self._gone: defaultdict[str, GonePublishers] = defaultdict(GonePublishers)
         self._recorded_topics: frozenset[str] = frozenset()
         self._refused = 0
+        self._dropped = 0
+        self._dropped_said_ns = 0
         # The thread that writes changes these.
-        self._recorded = self._lost = 0
+        self._recorded = self._lost = self._missing = 0
+        self._early: set[str] = set()
         self._problem: str | None = None
         if (ring := settings[INCIDENT_RING]) is not None:
             self._ring = self._opened_ring(ring)
@@ -179,6 +184,7 @@ class LiveIncidents(Part):
             return
         self._recorder.advance(now_ns)
         self.topics = self._recorded_topics | (self.topics & self._recorder.open_topics)
+        self._say_dropped()
         if self._recorder.refused > self._refused:
             self._refused = self._recorder.refused
             self._robot.log.warning(
@@ -200,8 +206,19 @@ class LiveIncidents(Part):
             problem=self._problem or (None if ring is None or ring.problem is None else str(ring.problem)),
             ring_bytes=0 if ring is None else ring.size_bytes,
             ring_max_bytes=None if ring is None else self._ring_max_bytes,
+            dropped=self._background.dropped,
+            missing=self._missing,
         )
         return replace(status, incidents=state)
+
+    def _say_dropped(self) -> None:
+        """Warn of what came faster than the disk took it, at most every ``_SAY_AFTER_NS``."""
+        dropped, now_ns = self._background.dropped, self._robot.steady_ns()
+        if dropped > self._dropped and not 0 < now_ns - self._dropped_said_ns < _SAY_AFTER_NS:
+            self._robot.log.warning(
+                f"incidents: {grouped(dropped - self._dropped)} messages came faster than the disk takes them"
+            )
+            self._dropped, self._dropped_said_ns = dropped, now_ns
 
     def _opened_ring(self, folder: Path) -> RingFiles:
         self._locks.append(FolderLock(folder, "--incident-ring"))
@@ -211,14 +228,21 @@ class LiveIncidents(Part):
             failed=lambda error: self._robot.log.warning(f"incidents lack what came before: {error}"),
         )
 
-    def _ended(self, path: Path) -> None:
-        self._recorded += 1
-        self._problem = None
-        self._robot.log.info(f"incident {path.name}")
+    def _ended(self, path: Path, record: IncidentRecord) -> None:
+        if path.name not in self._early:
+            self._recorded += 1
+            self._problem = None
+        self._early.discard(path.name)
+        self._missing += sum(one.messages or 0 for one in record.missing)
+        if lacks := missing_text(record.missing):
+            self._robot.log.warning(f"incident {path.name}: {lacks}")
+        else:
+            self._robot.log.info(f"incident {path.name}")
         delete_for_room(self._robot, self._settings, newest=path.name)
 
     def _failed(self, name: str, error: TestudoError) -> None:
         self._lost += 1
+        self._early.add(name)
         self._problem = str(error)
         self._robot.log.warning(f"incident {name}: ends early: {error}")
 

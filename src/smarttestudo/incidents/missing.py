@@ -5,10 +5,14 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from smarttestudo.domain.incident import Missing, MissingReason
-from smarttestudo.incidents.topic_ring import GivenUp, SourceMessage
+from smarttestudo.domain.units import NS_PER_S, counted, grouped
+from smarttestudo.incidents.topic_ring import GivenUp, SourceMessage, together
+
+_MOST_NAMED = 3
 
 
 def unheard(topic: str, from_ns: int, to_ns: int, reason: MissingReason = MissingReason.LATE) -> Missing:
@@ -33,6 +37,33 @@ def missing_for_memory(
                 from_ns=messages[lacking[0]].stamp_ns,
                 to_ns=messages[lacking[-1]].stamp_ns,
             )
+
+
+LOSSES_APART_NS = NS_PER_S // 10
+"""Losses of a topic that lie closer are told as one: in a flood there is one before almost each message."""
+MOST_LOSSES = 100
+"""How many are told of a topic in one window."""
+
+
+def add_loss(losses: list[Missing], loss: Missing) -> None:
+    """Add a loss of the same topic, together with the last where that is close, or where there are many."""
+    last = losses[-1] if losses else None
+    if last is None or (loss.from_ns - last.to_ns > LOSSES_APART_NS and len(losses) < MOST_LOSSES):
+        losses.append(loss)
+    else:
+        losses[-1] = together(last, loss)
+
+
+def missing_text(missing: Iterable[Missing]) -> str:
+    """What is missing and was counted, in words, the most first; empty where nothing was."""
+    counts = Counter[tuple[str, str]]()
+    for one in missing:
+        counts[one.topic, one.reason.value] += one.messages or 0
+    named = [
+        f"{grouped(count)} of {topic} ({reason})" for (topic, reason), count in counts.most_common() if count
+    ]
+    more = f" and of {counted(len(named) - _MOST_NAMED, 'topic')} more" if len(named) > _MOST_NAMED else ""
+    return f"lacks {', '.join(named[:_MOST_NAMED])}{more}" if named else ""
 
 
 def without(given_up: Sequence[GivenUp], topic: str, messages: Sequence[SourceMessage]) -> Sequence[GivenUp]:

@@ -5,11 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
+from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.incident import IncidentRecord, IncidentTopic
 from smarttestudo.domain.link import MissedMessage
 from smarttestudo.domain.remote_incidents import OUTAGE_NAME, OUTAGE_RULE
@@ -21,6 +23,7 @@ from smarttestudo.incidents.folders import (
     write_record,
 )
 from smarttestudo.incidents.segments import ChannelOf, channel_of
+from smarttestudo.incidents.store import remove_begun
 
 
 class OutageFolder:
@@ -64,7 +67,11 @@ class OutageFolder:
             # What a killed run leaves says what it was.
             write_record(self._path, self._record)
             self._writer = McapWriter(self._path / self._file_name)
-        except OSError as error:
+        except (OSError, TestudoError) as error:
+            with suppress(OSError):
+                remove_begun(self._path)
+            if isinstance(error, TestudoError):
+                raise
             raise not_written(self._target, "an outage", error) from error
 
     def write(self, message: MissedMessage) -> None:

@@ -10,6 +10,7 @@ import json
 import os
 import shutil
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
@@ -40,17 +41,23 @@ class PartialIncident:
     What is there of another plan is deleted first, and nothing else that may be there. Nothing is written
     outside the folder, and no more than the plan says. Raises ``OutputFileError``: something cannot be
     written, another process fetches the same, or there is no room for it; ``LinkError`` for a name that is
-    none; ``ForeignFilesError`` where something else has the name of a file of the plan.
+    none and for a plan without files; ``ForeignFilesError`` where something else has the name of a file of
+    the plan.
     """
 
     def __init__(self, folder: Path, name: str, plan: TransferPlan) -> None:
         if not is_incident_name(name):
             raise no_incident(name)
+        if not plan.files:
+            cause = "the robot has no files of this incident: there is nothing to fetch"
+            raise LinkError(cause, place=name, remedy="look at its folder on the robot")
         self.path = folder / f".{name}{PARTIAL_SUFFIX}"
         self._target = folder / name
         self._plan = plan
         self._files: list[int] = []
         self._lock = -1
+        self._has_lock = False
+        self.cursor = 0
         try:
             for path in (self.path, self.path / STATE_NAME, self.path / _LOCK_NAME):
                 if path.is_symlink():
@@ -125,6 +132,7 @@ class PartialIncident:
         try:
             if wrong:
                 self._clear({})
+                self.cursor = 0
                 raise LinkError(
                     f"{', '.join(wrong[:3])} is not what the robot has; what was fetched is deleted",
                     place=self._target.name,
@@ -138,11 +146,16 @@ class PartialIncident:
             raise not_written(self._target, _CONTENT, error) from error
 
     def close(self) -> None:
-        """Leave the folder as it is."""
+        """Leave the folder as it is; none where nothing is in it."""
+        if self._has_lock and not self.cursor:
+            # Of an earlier plan there may be more: then it stays.
+            ours = [one.name for one, _ in zip(self._plan.files, self._files, strict=False)]
+            with suppress(OSError, TestudoError):
+                remove(self.path, dict.fromkeys((*ours, STATE_NAME, _LOCK_NAME)), with_folder=True)
         for file in (*self._files, self._lock):
             if file >= 0:
                 os.close(file)
-        self._files, self._lock = [], -1
+        self._files, self._lock, self._has_lock = [], -1, False
 
     def _require_within(self, file: int, offset: int, size_bytes: int) -> None:
         if not 0 <= file < len(self._files) or offset + size_bytes > self._plan.files[file].size_bytes:
@@ -159,6 +172,7 @@ class PartialIncident:
         except OSError:
             # A disk that knows no locks.
             return
+        self._has_lock = True
 
     def _unfinished_states(self) -> list[str]:
         """Names of files left by a process that was killed as it wrote the state."""
@@ -211,12 +225,13 @@ class PartialIncident:
         remove(self.path, dict.fromkeys((*names, STATE_NAME)))
 
 
-def incident_there(folder: Path, name: str, files: Sequence[str]) -> Path | None:
-    """Where an incident is that was fetched before, with all its files."""
+def incident_there(folder: Path, name: str, files: Sequence[str] = ()) -> Path | None:
+    """Where an incident is that was fetched before, with all its ``files``, or with some."""
     path = folder / name
     if not is_incident_name(name) or path.is_symlink() or not path.is_dir():
         return None
-    return path if all((path / one).is_file() for one in files) else None
+    has_all = all((path / one).is_file() for one in files)
+    return path if has_all and any(path.iterdir()) else None
 
 
 def _sha256(file: int) -> str:

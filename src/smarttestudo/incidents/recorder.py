@@ -6,13 +6,15 @@ from __future__ import annotations
 
 import mmap
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import field
+from itertools import chain
 from typing import Protocol
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.domain.steady_time import SteadyTime
 from smarttestudo.incidents.latched import Gone, LatchedSamples, holds_static_frames, nobody
-from smarttestudo.incidents.missing import missing_for_memory, unheard, without
+from smarttestudo.incidents.missing import add_loss, missing_for_memory, unheard, without
 from smarttestudo.incidents.topic_ring import (
     BlockPool,
     GivenUp,
@@ -75,12 +77,19 @@ class IncidentSink(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _OpenIncident:
-    """``topics``, latched ones too, are kept until ``end_ns``, a steady time; ``missing`` is known so far."""
+    """``topics``, latched ones too, are kept until ``end_ns``, a steady time.
+
+    ``missing`` was known at the trigger, ``lost`` has since been lost, by topic.
+    """
 
     incident: Incident
     topics: frozenset[str]
     end_ns: int
-    missing: list[Missing]
+    missing: Sequence[Missing]
+    lost: dict[str, list[Missing]] = field(default_factory=dict)
+
+    def all_missing(self) -> tuple[Missing, ...]:
+        return (*self.missing, *chain.from_iterable(self.lost.values()))
 
 
 class IncidentRecorder:
@@ -236,7 +245,7 @@ class IncidentRecorder:
             ring.lose(lost, self.time.now_ns)
         for one in self._open:
             if topic in one.topics:
-                one.missing.append(lost)
+                add_loss(one.lost.setdefault(topic, []), lost)
 
     def begin(self, trigger: Trigger) -> None:
         """Open the windows of a block that begins to hold; what it read was taken before."""
@@ -254,7 +263,7 @@ class IncidentRecorder:
             over = [one for one in self._open if one.end_ns < steady_ns]
             self._note_open([one for one in self._open if one.end_ns >= steady_ns])
             for one in over:
-                self._sink.end(one.incident, one.missing)
+                self._sink.end(one.incident, one.all_missing())
 
     def finish(self, now_ns: int) -> None:
         """No more messages come: close all windows."""
@@ -270,7 +279,9 @@ class IncidentRecorder:
                 )
                 for topic in sorted(set(one.incident.recording.topics))
             )
-            self._sink.end(one.incident, (*one.missing, *(ended if one.end_ns > self.time.now_ns else ())))
+            self._sink.end(
+                one.incident, (*one.all_missing(), *(ended if one.end_ns > self.time.now_ns else ()))
+            )
         self._note_open(())
 
     def _note_open(self, windows: Sequence[_OpenIncident]) -> None:
@@ -322,15 +333,19 @@ class IncidentRecorder:
         )
         missing = [
             *self._unheard(incident, rings, from_ns),
-            *(one for _, ring in rings for one in ring.lost_since(from_ns)),
             *missing_for_memory(given_up),
         ]
+        lost: dict[str, list[Missing]] = {}
+        for topic, ring in rings:
+            for one in ring.lost_since(from_ns):
+                add_loss(lost.setdefault(topic, []), one)
         self._sink.begin(incident, latched, InOrder((*held.values(), inside)))
         window = _OpenIncident(
             incident=incident,
             topics=frozenset((*recording.topics, *self._latched)),
             end_ns=now_ns + recording.after_ns,
             missing=missing,
+            lost=lost,
         )
         self._note_open((*self._open, window))
 

@@ -6,20 +6,23 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME, read_record
-from smarttestudo.bags.mcap.writer import FileContent
+from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.bags.mcap.written_file import complete_files
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.incident import IncidentRecord, Missing, MissingReason
 from smarttestudo.domain.remote_incidents import OUTAGE_RULE
 from smarttestudo.domain.units import counted, utc_time
+from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written
 from smarttestudo.incidents.folders import finish_folder, finished_record
 from smarttestudo.incidents.outage_folder import spanning
+from smarttestudo.incidents.store import RESERVE_NAME, remove_begun
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,10 +42,17 @@ class CompletedIncident:
 
 
 def complete_incidents(folder: Path) -> Iterator[CompletedIncident]:
-    """Complete the incidents in ``folder`` that are not whole; what is missing is in their records."""
+    """Complete the incidents in ``folder`` that are not whole; what is missing is in their records.
+
+    One of which not even the record was written is removed, unless there is something else in its folder.
+    """
     for path in sorted(folder.glob(f".*{PARTIAL_SUFFIX}")):
         name = path.name[1 : -len(PARTIAL_SUFFIX)]
-        if not path.is_dir() or path.is_symlink() or not (path / RECORD_NAME).exists():
+        if not path.is_dir() or path.is_symlink():
+            continue
+        if not (path / RECORD_NAME).exists():
+            with suppress(OSError):
+                remove_begun(path)
             continue
         try:
             yield _completed(path, folder / name)
@@ -56,27 +66,45 @@ def complete_incidents(folder: Path) -> Iterator[CompletedIncident]:
 def _completed(path: Path, target: Path) -> CompletedIncident:
     record = read_record(path)
     files = complete_files(path)
+    if not files:
+        # A bag without files is none.
+        name = f"{target.name}_0.mcap"
+        files = {name: McapWriter(path / name).close()}
     filled = {name: content for name, content in files.items() if content.message_count}
     if record.rule == OUTAGE_RULE:
         record = spanning(record, filled.values())
         last_ns = record.to_ns
     else:
         last_ns = _last_written_ns(record, filled)
-        record = replace(record, missing=(*record.missing, *_cut_off(record, last_ns)))
+        if (reason := _why_unended(record, has_reserve=(path / RESERVE_NAME).exists())) is not None:
+            record = replace(record, missing=tuple(_cut_off(record, last_ns, reason)))
     record = finished_record(record, files, {})
     finish_folder(path, record, files, {})
+    remove(path, [RESERVE_NAME])
     path.rename(target)
     messages = sum(content.message_count for content in files.values())
     return CompletedIncident(name=target.name, messages=messages, last_ns=last_ns)
 
 
-def _cut_off(record: IncidentRecord, last_ns: int) -> Iterator[Missing]:
+def _why_unended(record: IncidentRecord, *, has_reserve: bool) -> MissingReason | None:
+    """Why an incident has no end, as its first record says that; ``None`` where it says what is missing.
+
+    A run that ends by itself gives up the reserve, and then its disk did not take the end.
+    """
+    if any(one.type_name for one in record.topics.values()):
+        return None
+    reasons = {one.reason for one in record.missing}
+    if reasons == {MissingReason.KILLED}:
+        return MissingReason.KILLED if has_reserve else MissingReason.DISK
+    # An older version writes a first record that says nothing of it.
+    return None if reasons else MissingReason.KILLED
+
+
+def _cut_off(record: IncidentRecord, last_ns: int, reason: MissingReason) -> Iterator[Missing]:
     """All that the window lacks after its last message."""
     for topic in record.topics:
         if last_ns < record.to_ns:
-            yield Missing(
-                topic=topic, reason=MissingReason.KILLED, messages=None, from_ns=last_ns, to_ns=record.to_ns
-            )
+            yield Missing(topic=topic, reason=reason, messages=None, from_ns=last_ns, to_ns=record.to_ns)
 
 
 def _last_written_ns(record: IncidentRecord, files: Mapping[str, FileContent]) -> int:

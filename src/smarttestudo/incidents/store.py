@@ -29,6 +29,8 @@ _RECORDING = re.compile(r"((.+?)(?:-\d+)?)_\d+\.mcap\Z", re.ASCII)
 """A recording begins with the name that its folder had first, with a number where others had that name."""
 _UNFINISHED = re.compile(r"\.(incident\.json|metadata\.yaml)-\w{8}\.partial\Z", re.ASCII)
 """What ``whole_file`` leaves where a run was killed."""
+RESERVE_NAME = "reserve"
+"""Room on the disk in the folder of an incident that is being recorded, to end it with."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -192,9 +194,27 @@ def remove_incident(folder: Path) -> None:
         raise RecordingError(error.cause, place=error.place, remedy=error.remedy) from error
 
 
+def remove_begun(folder: Path) -> bool:
+    """Remove the hidden folder of an incident that has no record and no data yet; whether it is gone.
+
+    Raises ``OSError`` where it cannot be removed.
+    """
+    name = folder.name.removeprefix(".").removesuffix(PARTIAL_SUFFIX)
+    if folder.is_symlink() or not is_incident_folder_name(name):
+        return False
+    names = [one.name for one in folder.iterdir()]
+    ours = [one for one in names if one == RESERVE_NAME or _UNFINISHED.match(one)]
+    ours += [one for one in names if _is_of_incident(one, [name]) and not (folder / one).lstat().st_size]
+    try:
+        remove(folder, dict.fromkeys(ours), with_folder=True)
+    except ForeignFilesError:
+        return False
+    return True
+
+
 def _is_of_incident(name: str, stems: Iterable[str]) -> bool:
     """Whether it is the name of a file of an incident whose recordings begin with one of ``stems``."""
-    if name in {RECORD_NAME, METADATA_NAME, READ_NAME} or _UNFINISHED.match(name):
+    if name in {RECORD_NAME, METADATA_NAME, READ_NAME, RESERVE_NAME} or _UNFINISHED.match(name):
         return True
     stem = _RECORDING.match(name)
     return stem is not None and any(stem[1] == one or stem[2] == one for one in stems)

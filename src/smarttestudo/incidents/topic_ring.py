@@ -10,18 +10,21 @@ from array import array
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import chain, islice
 from operator import attrgetter
 from typing import NamedTuple, Protocol, overload
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.incident import Missing
+from smarttestudo.domain.units import NS_PER_S
 
 MESSAGE_OVERHEAD_BYTES = 400
 """About what a message takes beside its payload while it is an object of its own."""
 _NUMBER_BYTES = 8
 _BLOCK_OVERHEAD_BYTES = 200
 _MAX_LOSSES = 1000
+_LOSSES_AS_ONE_NS = NS_PER_S // 10
 
 
 class IncidentMessage(Protocol):
@@ -273,6 +276,16 @@ class HeldMessages(Iterable[HeldMessage]):
             )
 
 
+def together(one: Missing, other: Missing) -> Missing:
+    """Two losses of a topic, both counted, as one."""
+    return replace(
+        one,
+        messages=(one.messages or 0) + (other.messages or 0),
+        from_ns=min(one.from_ns, other.from_ns),
+        to_ns=max(one.to_ns, other.to_ns),
+    )
+
+
 class TopicRing:
     """Messages of the last ``horizon_ns``, by steady time, except for those that were given up.
 
@@ -290,7 +303,8 @@ class TopicRing:
         self._messages = _Rows(4)
         self._payloads = _Payloads(pool)
         self._given_up = _Rows(3)
-        self._lost: deque[tuple[int, Missing]] = deque(maxlen=_MAX_LOSSES)
+        self._lost_since_ns = 0
+        self._lost: deque[tuple[int, Missing]] = deque()
 
     def __len__(self) -> int:
         return len(self._messages)
@@ -303,7 +317,14 @@ class TopicRing:
 
     def lose(self, lost: Missing, now_ns: int) -> None:
         """Messages were lost before they came, as was seen at the steady time ``now_ns``."""
+        if self._lost and now_ns - self._lost_since_ns < _LOSSES_AS_ONE_NS:
+            self._lost[-1] = now_ns, together(self._lost[-1][1], lost)
+            return
+        self._lost_since_ns = now_ns
         self._lost.append((now_ns, lost))
+        while len(self._lost) > _MAX_LOSSES:
+            _, oldest = self._lost.popleft()
+            self._lost[0] = self._lost[0][0], together(oldest, self._lost[0][1])
 
     def lost_since(self, from_ns: int) -> list[Missing]:
         """Losses that were seen at ``from_ns`` or later."""

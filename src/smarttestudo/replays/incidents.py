@@ -59,7 +59,7 @@ class IncidentCutter:
         if not isinstance(into, Path):
             return into(channels)
         require_new(into)
-        self._folders = IncidentFolders(into, channels, ended=self.written.append)
+        self._folders = IncidentFolders(into, channels, ended=lambda path, _: self.written.append(path))
         return self._folders
 
     def abort(self) -> None:

@@ -188,9 +188,11 @@ def recording_text(state: IncidentState) -> str:
         ring = f", on disk {grouped(on_disk, 1)} of {grouped(most)} MB"
     failed = f", {state.failed} failed" if state.failed else ""
     problem = f": {state.problem}" if state.problem else ""
+    missing = f", {counted(state.missing, 'message')} missing" if state.missing else ""
+    dropped = f", {counted(state.dropped, 'message')} faster than the disk" if state.dropped else ""
     return (
         f"{counted(state.topics, 'topic')} in {grouped(held, 1)} of {grouped(limit)} MB{ring}; "
-        f"incidents: {state.open} open, {state.recorded} recorded{failed}{problem}"
+        f"incidents: {state.open} open, {state.recorded} recorded{failed}{missing}{dropped}{problem}"
     )
 
 

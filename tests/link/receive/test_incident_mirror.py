@@ -96,6 +96,7 @@ class Robots:
                 self.leaves_at_s = math.inf
         path = folder / name
         path.mkdir(parents=True)
+        (path / "incident.json").touch()
         return path
 
 

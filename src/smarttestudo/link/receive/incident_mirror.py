@@ -20,6 +20,7 @@ from smarttestudo.domain.remote_incidents import (
     SilentRobotError,
 )
 from smarttestudo.files.whole_file import not_written
+from smarttestudo.incidents.partial_incident import incident_there
 from smarttestudo.link.worker import Worker
 
 POLL_PERIOD_S = 2.0
@@ -142,7 +143,7 @@ class IncidentMirror:
     def _mirror(self, robot: str) -> None:
         for one in sorted(self._incidents.list(robot), key=lambda one: -one.triggered_ns):
             folder = self._folders.of(one)
-            if folder is None or (folder / one.name).exists() or self._worker.is_closed:
+            if folder is None or incident_there(folder, one.name) or self._worker.is_closed:
                 continue
             turn = _Turn(self._steady_s)
             self._try(robot, one.name, partial(self._fetch, one, folder, turn))

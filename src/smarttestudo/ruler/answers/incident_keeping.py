@@ -102,7 +102,7 @@ def _cut(order: KeepOrder, bag: Path, report: Callable[[float], None]) -> Path:
     written: list[Path] = []
 
     def opened(channels: Mapping[str, StoredChannel]) -> IncidentSink:
-        folders = IncidentFolders(Path(order.workshop), channels, ended=written.append)
+        folders = IncidentFolders(Path(order.workshop), channels, ended=lambda path, _: written.append(path))
         return _OnlyOne(folders, order.number)
 
     with open_recording(bag) as recording:
