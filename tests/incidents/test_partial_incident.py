@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -89,6 +90,24 @@ def test_what_is_not_what_the_robot_has_is_said_and_deleted(tmp_path: Path) -> N
             partial.finish()
         assert not (partial.path / "a.mcap").exists()
     assert not (tmp_path / NAME).exists()
+
+
+def test_a_folder_in_which_nothing_was_written_goes_and_one_with_anything_in_it_stays(tmp_path: Path) -> None:
+    with PartialIncident(tmp_path, NAME, plan()):
+        pass
+    with PartialIncident(tmp_path, NAME, plan(data=DATA[::-1])) as partial:
+        partial.write(piece(0, 200))
+        with pytest.raises(LinkError):
+            partial.finish()
+    with pytest.raises(OutputFileError, match="no room"):
+        PartialIncident(tmp_path, NAME, replace(plan(), files=(PlannedFile("a.mcap", 2**60, ""),)))
+    assert list(tmp_path.iterdir()) == []
+    path = begin(tmp_path)
+    with pytest.raises(OutputFileError, match="no room"):
+        PartialIncident(
+            tmp_path, NAME, TransferPlan(token=bytes(16), files=(PlannedFile("b", 2**60, ""),), levels=())
+        )
+    assert (path / "a.mcap").read_bytes()[:100] == DATA[:100]
 
 
 @pytest.mark.parametrize("name", ["", "a.mcap", STATE_NAME, ".fetch.lock"])

@@ -593,7 +593,8 @@ export interface IncidentRecord {
  * `held_bytes` of at most `memory_bytes` are kept of `topics` topics for what may happen, and
  * `ring_bytes` of at most `ring_max_bytes` on disk, which is `None` if memory is all there is.
  * Incidents are `open` now, were `recorded` whole, or `failed` since the start; `problem` says why
- * the last one could not be written, until the next one can.
+ * the last one could not be written, until the next one can. Of their messages, `dropped` came faster than
+ * the disk took them, and so many are `missing` in those that ended, whatever the reason.
  */
 export interface IncidentState {
   held_bytes: number;
@@ -605,6 +606,8 @@ export interface IncidentState {
   problem: string | null;
   ring_bytes: number;
   ring_max_bytes: number | null;
+  dropped?: number;
+  missing?: number;
 }
 
 /** Content of an incident for one topic. */

@@ -60,7 +60,10 @@ RESERVE_BYTES = 64_000
 """Room for the end of an incident beside the definitions of its messages."""
 
 Ended = Callable[[Path, IncidentRecord], None]
-"""Takes the folder of an incident that is whole, with its record."""
+"""Takes the folder of an incident that ended, with its record.
+
+If the end cannot be written, the folder is still hidden, or gone where nothing could be written at all.
+"""
 Failed = Callable[[str, TestudoError], None]
 """Takes the name of an incident that ends early, and why."""
 
@@ -170,9 +173,11 @@ class IncidentFolders:
                 # Later folders that share its last file would keep all that is known of its first.
                 bag.files.clear()
                 return
-        # Why, if it cannot be written, was said.
-        with suppress(*_WRITE_ERRORS):
+        try:
             self._finish_lost(bag, record)
+        except _WRITE_ERRORS:
+            # Why it cannot be written was said.
+            self._ended(bag.path, record)
 
     def abort(self) -> None:
         """Leave nothing of incidents that have not ended."""

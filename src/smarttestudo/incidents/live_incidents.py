@@ -17,6 +17,7 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Robot, Subscription
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB, NS_PER_S, grouped
+from smarttestudo.files.whole_file import PARTIAL_SUFFIX
 from smarttestudo.incidents.background import BackgroundSink
 from smarttestudo.incidents.folder_lock import FolderLock
 from smarttestudo.incidents.folders import IncidentFolders
@@ -69,7 +70,7 @@ class LiveIncidents(Part):
         self._recorded_topics: frozenset[str] = frozenset()
         self._refused = 0
         self._dropped = 0
-        self._dropped_said_ns = 0
+        self._silent_until_ns = 0
         # The thread that writes changes these.
         self._recorded = self._lost = self._missing = 0
         self._early: set[str] = set()
@@ -214,11 +215,11 @@ class LiveIncidents(Part):
     def _say_dropped(self) -> None:
         """Warn of what came faster than the disk took it, at most every ``_SAY_AFTER_NS``."""
         dropped, now_ns = self._background.dropped, self._robot.steady_ns()
-        if dropped > self._dropped and not 0 < now_ns - self._dropped_said_ns < _SAY_AFTER_NS:
+        if dropped > self._dropped and now_ns >= self._silent_until_ns:
             self._robot.log.warning(
                 f"incidents: {grouped(dropped - self._dropped)} messages came faster than the disk takes them"
             )
-            self._dropped, self._dropped_said_ns = dropped, now_ns
+            self._dropped, self._silent_until_ns = dropped, now_ns + _SAY_AFTER_NS
 
     def _opened_ring(self, folder: Path) -> RingFiles:
         self._locks.append(FolderLock(folder, "--incident-ring"))
@@ -229,16 +230,22 @@ class LiveIncidents(Part):
         )
 
     def _ended(self, path: Path, record: IncidentRecord) -> None:
-        if path.name not in self._early:
+        name = path.name.removeprefix(".").removesuffix(PARTIAL_SUFFIX)
+        self._missing += sum(one.messages or 0 for one in record.missing)
+        words = [missing_text(record.missing)]
+        if name != path.name:
+            words.append("the next run completes it" if path.exists() else "nothing of it was written")
+        if text := "; ".join(filter(None, words)):
+            self._robot.log.warning(f"incident {name}: {text}")
+        else:
+            self._robot.log.info(f"incident {name}")
+        if name in self._early:
+            self._early.remove(name)
+        else:
             self._recorded += 1
             self._problem = None
-        self._early.discard(path.name)
-        self._missing += sum(one.messages or 0 for one in record.missing)
-        if lacks := missing_text(record.missing):
-            self._robot.log.warning(f"incident {path.name}: {lacks}")
-        else:
-            self._robot.log.info(f"incident {path.name}")
-        delete_for_room(self._robot, self._settings, newest=path.name)
+        if name == path.name:
+            delete_for_room(self._robot, self._settings, newest=name)
 
     def _failed(self, name: str, error: TestudoError) -> None:
         self._lost += 1

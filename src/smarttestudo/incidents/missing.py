@@ -55,7 +55,7 @@ def add_loss(losses: list[Missing], loss: Missing) -> None:
 
 
 def missing_text(missing: Iterable[Missing]) -> str:
-    """What is missing and was counted, in words, the most first; empty where nothing was."""
+    """Words for what is missing and was counted, the most first; empty where nothing was."""
     counts = Counter[tuple[str, str]]()
     for one in missing:
         counts[one.topic, one.reason.value] += one.messages or 0

@@ -41,16 +41,12 @@ class PartialIncident:
     What is there of another plan is deleted first, and nothing else that may be there. Nothing is written
     outside the folder, and no more than the plan says. Raises ``OutputFileError``: something cannot be
     written, another process fetches the same, or there is no room for it; ``LinkError`` for a name that is
-    none and for a plan without files; ``ForeignFilesError`` where something else has the name of a file of
-    the plan.
+    none; ``ForeignFilesError`` where something else has the name of a file of the plan.
     """
 
     def __init__(self, folder: Path, name: str, plan: TransferPlan) -> None:
         if not is_incident_name(name):
             raise no_incident(name)
-        if not plan.files:
-            cause = "the robot has no files of this incident: there is nothing to fetch"
-            raise LinkError(cause, place=name, remedy="look at its folder on the robot")
         self.path = folder / f".{name}{PARTIAL_SUFFIX}"
         self._target = folder / name
         self._plan = plan

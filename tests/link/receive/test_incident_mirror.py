@@ -95,7 +95,7 @@ class Robots:
                 self.there.remove("ada")
                 self.leaves_at_s = math.inf
         path = folder / name
-        path.mkdir(parents=True)
+        path.mkdir(parents=True, exist_ok=True)
         (path / "incident.json").touch()
         return path
 
@@ -112,6 +112,17 @@ def test_a_robot_that_leaves_while_it_is_asked_is_no_error_and_is_fetched_from_w
     robots.there, robots.outages = ["ada"], [OUTAGE]
     mirror.poll()
     assert said == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
+
+
+def test_an_empty_folder_is_fetched_and_one_with_files_is_not_fetched_again(tmp_path: Path) -> None:
+    robots, said = Robots(), list[str]()
+    robots.outages = [OUTAGE]
+    (tmp_path / "ada" / OUTAGE.name).mkdir(parents=True)
+    mirror = IncidentMirror(robots, MirrorFolders(outages=tmp_path), said.append, pytest.fail)
+    mirror.poll()
+    mirror.poll()
+    assert said == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
+    assert robots.fetched == ["ada"]
 
 
 def test_after_an_error_a_robot_that_comes_back_is_asked_at_once_and_one_that_stays_a_minute_later(

@@ -100,6 +100,31 @@ def test_what_is_not_there_is_said(tmp_path: Path) -> None:
     assert not (tmp_path / "here").exists()
 
 
+@pytest.mark.parametrize("left", [(), ("metadata.yaml",)])
+def test_an_incident_that_lost_its_record_on_the_robot_is_said_and_not_taken_for_fetched(
+    tmp_path: Path, left: tuple[str, ...]
+) -> None:
+    endpoint, here = free_endpoint(), tmp_path / "here"
+    path = write_incident(tmp_path / "there", seconds=1)
+    with listening_robot(endpoint, path.parent), fetching_from(endpoint) as incidents:
+        assert [one.name for one in incidents.list("r1")] == [NAME]
+        for one in path.iterdir():
+            if one.name not in left:
+                one.unlink()
+        with pytest.raises(LinkError, match=r"has no incident\.json"):
+            incidents.fetch("r1", NAME, here, lambda _: None, never)
+    assert not here.exists()
+
+
+def test_an_empty_folder_with_its_name_is_no_incident_that_was_fetched(tmp_path: Path) -> None:
+    endpoint, here = free_endpoint(), tmp_path / "here"
+    path = write_incident(tmp_path / "there", seconds=1)
+    (here / NAME).mkdir(parents=True)
+    with listening_robot(endpoint, path.parent), fetching_from(endpoint) as incidents:
+        assert incidents.fetch("r1", NAME, here, lambda _: None, never) == here / NAME
+    assert {one.name for one in (here / NAME).iterdir()} == {one.name for one in path.iterdir()}
+
+
 @pytest.mark.parametrize(
     "question",
     [b"", b"malformed", VERSION + b"\x0c\1\x09../../etc", VERSION + b"\x0c\2" + bytes(60), bytes(5_000)],

@@ -14,6 +14,7 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
+from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.remote_incidents import (
     FetchProgress,
@@ -107,6 +108,12 @@ class LinkIncidents:
         if data is None:
             return None
         plan = PLANS.from_bytes(data)
+        if not any(one.name == RECORD_NAME for one in plan.files):
+            raise LinkError(
+                f"{robot} has no {RECORD_NAME} of it, so there is nothing to fetch",
+                place=name,
+                remedy="look at its folder on the robot",
+            )
         there = incident_there(folder, name, [one.name for one in plan.files])
         if there is not None:
             on_progress(FetchProgress(got_bytes=plan.size_bytes, total_bytes=plan.size_bytes))
