@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from loop.loop_driver import rule_set_of
 from optimizer.instances import accuracy_tiers
+from optimizer.naive import small_kb_per_s
 from pacing.reckoning.ros_messages import ODOMETRY
 from replays.replay_runs import ReplayRun, replay_content
 from replays.test_replay_bounds import driven, recorded
@@ -151,7 +152,7 @@ def naive_bounds(entry: TopicProfile, within: Mapping[str, float], rate_hz: floa
 def naive_rates_hz(
     profile: Profile, within: Mapping[str, float], budget: float
 ) -> dict[str, tuple[float, float]]:
-    """What is given and what was wanted: from the lowest priority on, all of one losing the same share."""
+    """What is given and what was wanted: by priority, of one what is small last, equals by one share."""
     wanted, least = {}, {}
     for topic, entry in profile.topics.items():
         floor_hz, source_hz = entry.min_hz or 0.0, entry.source_hz or 0.0
@@ -166,10 +167,16 @@ def naive_rates_hz(
     rates = dict(wanted)
     for priority in sorted({entry.priority for entry in profile.topics.values()}):
         group = [topic for topic, entry in profile.topics.items() if entry.priority == priority]
-        slack = kb_per_s(group, lambda topic: wanted[topic] - least[topic])
-        share = min(1.0, max(0.0, excess) / slack) if slack > 0 else 0.0
-        rates.update({topic: wanted[topic] - share * (wanted[topic] - least[topic]) for topic in group})
-        excess -= share * slack
+        small = small_kb_per_s([kb_per_s([topic], lambda one: wanted[one]) for topic in group], budget)
+        kept = {
+            topic: max(least[topic], kb / (profile.topics[topic].message_kb or math.inf))
+            for topic, kb in zip(group, small, strict=True)
+        }
+        for low in (kept, least):
+            slack = kb_per_s(group, lambda topic: rates[topic] - low[topic])  # noqa: B023 - called at once
+            share = min(1.0, max(0.0, excess) / slack) if slack > 0 else 0.0
+            rates.update({topic: rates[topic] - share * (rates[topic] - low[topic]) for topic in group})
+            excess -= share * slack
     return {topic: (rates[topic], wanted[topic]) for topic in rates}
 
 

@@ -13,6 +13,7 @@ from smarttestudo.optimizer.model import Model, Requirement
 from smarttestudo.optimizer.problem import Allocation, Demand, fits, round_down, used_kb_per_s
 from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem
 from smarttestudo.optimizer.rule_rates import SolvedSubproblem
+from smarttestudo.optimizer.run_time import LARGE_SHARE, SMALL_SHARE
 
 
 def gain(demands: Sequence[Demand], rates_hz: Mapping[str, float]) -> float:
@@ -100,3 +101,13 @@ def _solve(block: Subproblem, others: float, budget_kb_per_s: float, model: Mode
         model=model,
         price=found.price if found else 0.0,
     )
+
+
+def small_kb_per_s(wanted: Sequence[float], budget: float) -> list[float]:
+    """What gives way last of topics of one priority by what they want in KB/s: of one that is small, all."""
+    return [
+        0.0
+        if (used := math.fsum(other for other in wanted if other <= one)) >= LARGE_SHARE * budget
+        else one * min(1.0, (LARGE_SHARE - used / budget) / (LARGE_SHARE - SMALL_SHARE))
+        for one in wanted
+    ]

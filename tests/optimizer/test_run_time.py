@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from optimizer.naive import small_kb_per_s
 from smarttestudo.optimizer.problem import fits, used_kb_per_s
-from smarttestudo.optimizer.run_time import BudgetKeeper, TopicRequest, plan_within
+from smarttestudo.optimizer.run_time import SMALL_SHARE, BudgetKeeper, TopicRequest, plan_within
 
 S = 1_000_000_000
 
@@ -56,6 +57,83 @@ def test_the_budget_holds_unless_the_floors_alone_break_it(topics: list[TopicReq
         for other in topics:
             if cut.priority > other.priority and rates[cut.topic] < cut.wanted_hz:
                 assert rates[other.topic] <= min(other.floor_hz, other.wanted_hz) + 1e-6
+
+
+def given_hz(topics: list[TopicRequest], budget: float) -> dict[str, float]:
+    plan = plan_within(topics, budget)
+    return {one.topic: plan.cut_hz.get(one.topic, one.wanted_hz) for one in topics}
+
+
+@given(topics=loads, share=st.floats(0, 1.2))
+@settings(max_examples=300)
+def test_small_topics_together_keep_their_rates_while_a_larger_one_of_their_priority_has_something_to_give(
+    topics: list[TopicRequest], share: float
+) -> None:
+    budget = share * used_kb_per_s((one.size_kb, one.wanted_hz) for one in topics)
+    rates = given_hz(topics, budget)
+    for priority in {one.priority for one in topics}:
+        equals = sorted(
+            (one for one in topics if one.priority == priority), key=lambda one: one.size_kb * one.wanted_hz
+        )
+        for count in range(1, len(equals)):
+            small, larger = equals[:count], equals[count:]
+            if used_kb_per_s((one.size_kb, one.wanted_hz) for one in small) > SMALL_SHARE * budget:
+                break
+            can_give = any(rates[one.topic] > min(one.floor_hz, one.wanted_hz) + 1e-3 for one in larger)
+            assert not can_give or all(rates[one.topic] == one.wanted_hz for one in small)
+
+
+@given(topics=loads, share=st.floats(0, 1.2), more=st.floats(1, 1.5))
+@settings(max_examples=300)
+def test_a_larger_budget_lowers_no_rate(topics: list[TopicRequest], share: float, more: float) -> None:
+    budget = share * used_kb_per_s((one.size_kb, one.wanted_hz) for one in topics)
+    less, greater = given_hz(topics, budget), given_hz(topics, more * budget)
+    for topic, rate_hz in less.items():
+        # Rates are given in steps of 0.001 Hz.
+        assert greater[topic] >= rate_hz - 1e-3 - 1e-9 * rate_hz
+
+
+@given(topics=loads, share=st.floats(0, 1.2), data=st.data())
+def test_neither_names_nor_order_decide(
+    topics: list[TopicRequest], share: float, data: st.DataObject
+) -> None:
+    budget = share * used_kb_per_s((one.size_kb, one.wanted_hz) for one in topics)
+    shuffled = data.draw(st.permutations(topics))
+    assert given_hz(shuffled, budget) == pytest.approx(given_hz(topics, budget), abs=1e-3, rel=1e-9)
+
+
+def poured_hz(topics: list[TopicRequest], budget: float) -> list[float]:
+    """The rates of a budget poured out in drops: floors, then by priority what is small, and the rest."""
+    full = [one.size_kb * one.wanted_hz for one in topics]
+    given_kb = [min(one.floor_hz, one.wanted_hz) * one.size_kb for one in topics]
+    left, drop = budget - sum(given_kb), budget / 20_000
+    for priority in sorted({one.priority for one in topics}, reverse=True):
+        equals = [index for index, one in enumerate(topics) if one.priority == priority]
+        kept = dict(zip(equals, small_kb_per_s([full[index] for index in equals], budget), strict=True))
+        for goals in (kept, {index: full[index] for index in equals}):
+            lacks = {index: max(0.0, goal - given_kb[index]) for index, goal in goals.items()}
+            total = sum(lacks.values())
+            poured = 0.0
+            while poured < total and left > 0:
+                amount = min(drop, left, total - poured)
+                for index, lack in lacks.items():
+                    given_kb[index] += amount * lack / total
+                poured, left = poured + amount, left - amount
+    return [size / one.size_kb for size, one in zip(given_kb, topics, strict=True)]
+
+
+@given(topics=loads, share=st.floats(0.01, 1.2))
+@settings(max_examples=50)
+def test_rates_are_those_of_a_budget_that_is_poured_out(topics: list[TopicRequest], share: float) -> None:
+    budget = share * used_kb_per_s((one.size_kb, one.wanted_hz) for one in topics)
+    if plan_within(topics, budget).floors_fit:
+        rates = list(given_hz(topics, budget).values())
+        assert rates == pytest.approx(poured_hz(topics, budget), abs=1.1e-3, rel=1e-3)
+
+
+def test_a_stop_button_keeps_its_rate_beside_a_camera_of_its_priority() -> None:
+    plan = plan_within([load("/estop", 10, size_kb=0.05), load("/camera", 15, size_kb=921.6)], 100)
+    assert plan.cut_hz == {"/camera": 0.107}
 
 
 def test_nothing_is_cut_that_fits_exactly() -> None:

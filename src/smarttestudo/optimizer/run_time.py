@@ -9,11 +9,13 @@ from dataclasses import replace
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.optimizer.greedy import fill
+from smarttestudo.optimizer.greedy import Segment, fill
 from smarttestudo.optimizer.problem import fits, round_down, used_kb_per_s
 
 REPLAN_AFTER_NS = NS_PER_S
 LOWEST_USE = 0.9
+SMALL_SHARE, LARGE_SHARE = 1 / 20, 1 / 16
+"""A topic is small if those of its priority that take no more than it, and it, take so much of the budget."""
 
 
 @dataclass(slots=True)
@@ -49,16 +51,22 @@ def plan_within(loads: Sequence[TopicRequest], budget_kb_per_s: float) -> Budget
     """Cut rates until ``Σ size·rate`` is within the budget; floors win over the budget.
 
     A KB delivered is worth its topic's priority, so a topic is cut only once all of lower priority are at
-    their floors, and topics of one priority lose the same share of what lies above their floors.
+    their floors. Of one priority, small topics give way last: the smallest ones that together take no more
+    than ``SMALL_SHARE`` of the budget. The others lose the same share of what lies above their floors.
     """
     wanted_hz = [load.wanted_hz for load in loads]
     least_hz = [min(load.floor_hz, wanted) for load, wanted in zip(loads, wanted_hz, strict=True)]
     least = used_kb_per_s((load.size_kb, rate) for load, rate in zip(loads, least_hz, strict=True))
-    segments = [
-        (load.priority, index, wanted - rate, load.size_kb * (wanted - rate))
-        for index, (load, wanted, rate) in enumerate(zip(loads, wanted_hz, least_hz, strict=True))
-        if wanted > rate
-    ]
+    small_hz = _small_hz(loads, budget_kb_per_s)
+    priorities = sorted({load.priority for load in loads})
+    segments: list[Segment] = []
+    for index, load in enumerate(loads):
+        low_hz, high_hz = least_hz[index], wanted_hz[index]
+        kept_hz = max(low_hz, small_hz[index])
+        rank = 2 * priorities.index(load.priority)
+        for value, from_hz, to_hz in ((rank + 1, low_hz, kept_hz), (rank, kept_hz, high_hz)):
+            if to_hz > from_hz:
+                segments.append((value, index, to_hz - from_hz, load.size_kb * (to_hz - from_hz)))
     rates_hz = list(least_hz)
     floors_fit = fits(least, budget_kb_per_s)
     if floors_fit:
@@ -70,6 +78,23 @@ def plan_within(loads: Sequence[TopicRequest], budget_kb_per_s: float) -> Budget
         if rate < wanted * (1 - 1e-9)
     }
     return BudgetPlan(cut_hz=cut_hz, floors_fit=floors_fit)
+
+
+def _small_hz(loads: Sequence[TopicRequest], budget_kb_per_s: float) -> list[float]:
+    """The part of each wanted rate that gives way last: all of a small topic, nothing of a large one."""
+    alike: dict[tuple[float, float], list[int]] = {}
+    for index, load in enumerate(loads):
+        alike.setdefault((load.priority, load.size_kb * load.wanted_hz), []).append(index)
+    small_hz = [0.0] * len(loads)
+    together: dict[float, float] = {}
+    large = LARGE_SHARE * budget_kb_per_s
+    for (priority, each_kb_per_s), indices in sorted(alike.items()):
+        used = together[priority] = together.get(priority, 0.0) + each_kb_per_s * len(indices)
+        # By parts between the two, so that a larger budget lowers no rate.
+        part = min(1.0, (large - used) / (large - SMALL_SHARE * budget_kb_per_s)) if used < large else 0.0
+        for index in indices:
+            small_hz[index] = part * loads[index].wanted_hz
+    return small_hz
 
 
 class BudgetKeeper:

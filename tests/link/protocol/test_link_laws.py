@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from link.protocol.simulated_link import Ends, Link, S, Source
@@ -20,7 +20,7 @@ from smarttestudo.domain.link import LinkNeeds, Prediction, ReceivedMessage, Str
 from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.protocol.acknowledgements import NOTHING_RECEIVED, Acknowledgement
-from smarttestudo.link.protocol.chunks import CONTROL_STREAM, Chunk
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, Chunk
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, LinkTimes, Report
 from smarttestudo.link.protocol.receiver import LinkReceiver
 from smarttestudo.link.protocol.sender import MAX_ENDING, LinkSender
@@ -74,6 +74,37 @@ def test_all_that_arrives_was_sent_and_in_order_and_the_newest_arrives(
             assert got == list(range(len(payloads)))
     assert ends.receiver.counts.malformed == 0
     assert ends.receiver.counts.broken == 0
+
+
+LINK_BYTES_PER_S = 100_000.0
+
+
+@settings(max_examples=40)
+@given(
+    large=st.lists(st.tuples(st.integers(20_000, 2_000_000), st.floats(0.2, 30)), min_size=1, max_size=3),
+    small=st.lists(st.tuples(st.integers(8, 200), st.floats(0.5, 20)), min_size=1, max_size=6),
+)
+def test_small_topics_that_take_a_twentieth_of_a_link_wait_for_no_large_one_of_their_priority(
+    large: list[tuple[int, float]], small: list[tuple[int, float]]
+) -> None:
+    sources = [
+        Source(topic=f"/{name}{number}", size_bytes=size_bytes, rate_hz=rate_hz)
+        for name, topics in (("large", large), ("small", small))
+        for number, (size_bytes, rate_hz) in enumerate(topics)
+    ]
+    kept = [one for one in sources if one.topic.startswith("/small")]
+    while sum((one.size_bytes + HEADER_BYTES) * one.rate_hz for one in kept) > LINK_BYTES_PER_S / 20:
+        sources.remove(kept.pop())
+    ends = Ends(Link(((0.0, LINK_BYTES_PER_S),)), sources)
+    ends.run(10)
+    for source in kept:
+        arrived = [
+            (at_ns, int.from_bytes(one.payload[:8], "little")) for at_ns, one in ends.arrived[source.topic]
+        ]
+        # Every message from when the operator's end is there, or a newer one, which is all the better.
+        for number in range(math.ceil(source.rate_hz), int(9 * source.rate_hz)):
+            at_ns = min(at_ns for at_ns, newer in arrived if newer >= number)
+            assert at_ns / S - number / source.rate_hz < 0.4
 
 
 @given(st.lists(st.binary(max_size=80) | st.binary(min_size=38, max_size=44), max_size=20))
@@ -147,7 +178,7 @@ def test_a_chunk_is_what_travelled(session: int, stream: int, stamp_ns: int, bod
 def test_a_sender_that_nobody_hears_keeps_the_newest_only() -> None:
     sender: LinkSender[None] = LinkSender()
     ends = Ends(Link(((0.0, 0.0),)), (Source(topic="/a", size_bytes=5_000, rate_hz=50),), sender)
-    ends.run(20)
+    ends.run(10)
     assert sender.counts(0)["/a"].queued_bytes == 5_000
     assert sender.counts(0)["/a"].replaced == len(ends.payloads["/a"]) - 1
 

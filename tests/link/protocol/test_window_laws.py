@@ -40,7 +40,7 @@ def test_a_window_has_room_exactly_where_a_chunk_may_have_bytes(
 
 
 @given(TIMES, TIMES)
-def test_the_oldest_message_of_a_stream_is_the_first_of_its_queue_or_of_its_slots(
+def test_the_next_message_of_a_stream_is_the_oldest_of_its_queue_and_its_slots(
     queued: list[int], slots: list[int]
 ) -> None:
     stream = OutgoingStream(1, LinkNeeds(), None)
@@ -52,4 +52,4 @@ def test_the_oldest_message_of_a_stream_is_the_first_of_its_queue_or_of_its_slot
             stream.put_slot(message)
     first = [times[0] for times in (queued, slots) if times]
     if first:
-        assert stream.oldest_ns == min(first)
+        assert stream.next_message.offered_ns == min(first)

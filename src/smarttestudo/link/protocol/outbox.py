@@ -352,7 +352,17 @@ class Outbox:
                 message.origin = None
 
 
-def _rank(stream: OutgoingStream, now_ns: int) -> tuple[bool, bool, float, int]:
-    """The order in which streams are served, the least first. Streams are announced before their messages."""
-    is_control = stream.number == CONTROL_STREAM
-    return not is_control, not stream.is_urgent(now_ns), -stream.needs.priority, stream.oldest_ns
+def _rank(stream: OutgoingStream, now_ns: int) -> tuple[bool, bool, float, int, int]:
+    """The order in which streams are served, the least first. Streams are announced before their messages.
+
+    Of one priority, what has least left to send goes first: the plan leaves the link room for all, and what
+    is small need not wait behind an image.
+    """
+    is_control, message = stream.number == CONTROL_STREAM, stream.next_message
+    return (
+        not is_control,
+        not stream.is_urgent(now_ns),
+        -stream.needs.priority,
+        message.rest_bytes,
+        message.offered_ns,
+    )

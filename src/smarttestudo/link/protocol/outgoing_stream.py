@@ -53,6 +53,11 @@ class OutgoingMessage:
     offset: int = 0
     unsettled: int = 0
 
+    @property
+    def rest_bytes(self) -> int:
+        """How much of it is to be sent."""
+        return len(self.payload if self.encoded is None else self.encoded.data) - self.offset
+
 
 @dataclass(slots=True, eq=False)
 class OutgoingStream:
@@ -89,14 +94,14 @@ class OutgoingStream:
         yield from self.slots.values()
 
     @property
-    def oldest_ns(self) -> int:
-        """When the message that goes next was offered."""
+    def next_message(self) -> OutgoingMessage:
+        """The message that goes next; there must be one."""
         if self.begun is not None:
-            return self.begun.offered_ns
-        if not self.queue:
-            return next(iter(self.slots.values())).offered_ns
-        queued_ns = self.queue[0].offered_ns
-        return min(queued_ns, next(iter(self.slots.values())).offered_ns) if self.slots else queued_ns
+            return self.begun
+        if not self.slots:
+            return self.queue[0]
+        slot = next(iter(self.slots.values()))
+        return self.queue[0] if self.queue and self.queue[0].offered_ns <= slot.offered_ns else slot
 
     def is_urgent(self, now_ns: int) -> bool:
         """Whether it goes before others: latched, or below its floor."""
@@ -106,11 +111,12 @@ class OutgoingStream:
 
     def begin(self, now_ns: int) -> OutgoingMessage:
         """Take the message that goes next out of what waits."""
-        if self.queue and (not self.slots or self.queue[0].offered_ns <= self.oldest_ns):
-            message = self.queue.popleft()
-            self.queued_bytes -= len(message.payload)
+        message = self.next_message
+        if self.slots.get(message.number) is message:
+            self.take_slot(message.number)
         else:
-            message = self.take_slot(next(iter(self.slots)))
+            self.queue.popleft()
+            self.queued_bytes -= len(message.payload)
         self.begun = message
         floor_hz = self.needs.floor_hz
         self.is_floor_begun = floor_hz > 0 and now_ns >= self.floor_due_ns
