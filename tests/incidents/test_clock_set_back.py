@@ -39,6 +39,24 @@ def test_a_window_that_begins_before_simulated_time_does_is_whole(tmp_path: Path
     assert record["from_ns"] < 0
 
 
+@pytest.mark.parametrize("into_ms", [-500, 0, 200, 1900])
+@pytest.mark.parametrize("by_ms", [-900_000, -900, -100])
+def test_a_window_in_which_the_clock_is_set_back_is_whole(tmp_path: Path, into_ms: int, by_ms: int) -> None:
+    run = FolderRun(RULES, tmp_path / "incidents")
+    for at_ms in range(-5000, 3000, 100):
+        if at_ms == into_ms:
+            run.wait(by_ms)
+        if at_ms == 0:
+            run.trigger()
+        run.wait(100)
+        run.message("/odom")
+    (folder,) = run.finish()
+    begun_ms = run.begun_ms[0][1]
+    window = {payload for _, at_ms, _, payload in run.came if at_ms - begun_ms <= 2000}
+    assert payloads(folder).keys() == window
+    assert [one["reason"] for one in record_of(folder)["missing"]] == ["late"]
+
+
 @pytest.mark.parametrize("latched_again", [False, True])
 def test_a_killed_run_says_what_its_incident_lacks_also_after_the_clock_was_set_back(
     tmp_path: Path, *, latched_again: bool

@@ -4,23 +4,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Sequence
+from random import Random
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from incidents.incident_runs import rules_of
+from incidents.incident_runs import AMPLE_BYTES, KeepingSink, rules_of
 from robot.small_graph import SmallGraph
+from robot.test_copied_topics import MemoryRelays
 from smarttestudo.domain.decision import Decision, Reason
-from smarttestudo.domain.robot import GraphChange, PollGraph
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import Endpoint, GraphChange, PollGraph, Subscription
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
+from smarttestudo.incidents.recorder import IncidentRecorder
+from smarttestudo.loop.triggers import Trigger
 from smarttestudo.robot.clock_jumps import LEAST_NS, ClockJumps
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.live_run import LiveRun
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.part import Part
+from smarttestudo.robot.part import Part, RunView
+from smarttestudo.robot.topic import LiveSource
 
 YEARS_NS = 50 * 365 * 86_400 * NS_PER_S
 RULES = "SetFrequency /scan 5 If (CheckValue /arm age > 60) Then SetFrequency /scan Full EndIf"
@@ -72,12 +80,12 @@ class Watching(Part):
         self.statuses.append(status)
 
 
-def driven(graph: SetClock) -> Watching:
+def driven(graph: SetClock, *, seconds: int = 30) -> Watching:
     part = Watching()
     rules = LiveRules(rule_set=rules_of(RULES), output_topics={"/scan": "/testudo/scan"})
     decisions = LiveDecisions(graph, [part.decisions.extend])
     run = LiveRun(graph, InputRecorder(graph, Settings(), None), rules, decisions, parts=[part])
-    run.drive(lambda: graph.passed_ns >= 30 * NS_PER_S)
+    run.drive(lambda: graph.passed_ns >= seconds * NS_PER_S)
     return part
 
 
@@ -111,9 +119,153 @@ def test_simulated_time_goes_as_fast_as_it_likes() -> None:
 
 
 @pytest.mark.parametrize(("jump_ns", "is_far"), [(LEAST_NS, False), (LEAST_NS + 1, True)])
-def test_half_a_second_more_than_what_passed_is_no_jump(jump_ns: int, *, is_far: bool) -> None:
+@pytest.mark.parametrize("sign", [1, -1])
+def test_little_more_or_less_than_what_passed_is_no_jump(jump_ns: int, sign: int, *, is_far: bool) -> None:
     graph = SetClock(0)
     jumps = ClockJumps(graph)
     graph.passed_ns += NS_PER_S
-    assert jumps.ahead_ns(graph.now_ns() + jump_ns) == (jump_ns if is_far else 0)
+    graph.time_ns += sign * jump_ns
+    assert jumps.jump_ns() == (sign * jump_ns if is_far else 0)
     assert len(graph.warnings) == is_far
+    graph.passed_ns += NS_PER_S
+    assert jumps.jump_ns() == 0
+
+
+class SlowGraph(SetClock):
+    """A graph that takes 0.8 s to look at, as where 500 topics appear at once; a clock takes 1 µs."""
+
+    def now_ns(self) -> int:
+        self.passed_ns += 1000
+        return super().now_ns()
+
+    def publishers(self, topic: str) -> Sequence[Endpoint]:
+        self.passed_ns += 800 * NS_PER_MS
+        return super().publishers(topic)
+
+    def wait(self, wake_ns: int | None, longest_s: float) -> None:
+        self.passed_ns += 600 * NS_PER_MS
+        for act in self.acts:
+            act()
+
+
+def test_a_poll_that_takes_long_sets_no_clock_back() -> None:
+    graph = SlowGraph(0)
+    driven(graph, seconds=5)
+    assert graph.warnings == []
+
+
+class Recording(Part):
+    """Records what rules say, as incidents do, but keeps it."""
+
+    hears_topics_only = True
+    topics = frozenset({"/scan", "/go"})
+
+    def __init__(self, graph: JumpingClock) -> None:
+        self.graph = graph
+        self.sink = KeepingSink()
+        self.begun_ns: list[int] = []
+
+    def follow(self, rules: LiveRules, now_ns: int) -> None:
+        self.recorder = IncidentRecorder(rules.rule_set, self.sink, AMPLE_BYTES, now_ns)
+
+    def begin(self, run: RunView) -> None:
+        run.loop.triggered = self._triggered
+
+    def _triggered(self, trigger: Trigger) -> None:
+        self.begun_ns.append(self.graph.passed_ns)
+        self.recorder.begin(trigger)
+
+    def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:
+        self.recorder.hear(topic, now_ns, transient_local=False)
+
+    def on_message(
+        self,
+        topic: str,
+        payload: Payload,
+        publisher: Hashable,
+        now_ns: int,
+        subscription: Subscription | None,
+    ) -> None:
+        self.recorder.on_message(topic, now_ns, payload[:], publisher)
+
+    @property
+    def wake_ns(self) -> int | None:
+        return self.recorder.next_wake_ns
+
+    def on_wake(self, now_ns: int) -> None:
+        self.recorder.advance(now_ns)
+
+    def on_clock_jump(self, ahead_ns: int) -> None:
+        self.recorder.time.leave_out(ahead_ns)
+
+
+class JumpingClock(SetClock):
+    """One whose clock is set at random moments, also while messages wait in copies that compiled relays made.
+
+    ``/scan`` comes each 10 ms, ``/go`` seldom; a payload is when it was sent, by a clock that never jumps.
+    """
+
+    def __init__(self, seed: int, *, is_time_simulated: bool) -> None:
+        super().__init__(0, is_time_simulated=is_time_simulated)
+        self.chance = Random(seed)
+        self.set_ns = 0
+        self.small_ns = 0
+        self.compiled = None if is_time_simulated else MemoryRelays()  # type: ignore[assignment]
+        self.joins("/go", b"operator")
+
+    def now_ns(self) -> int:
+        return self.time_ns + self.passed_ns + self.set_ns
+
+    def poll_graph(self, poll: PollGraph) -> None:
+        self.every(1, lambda: poll(GraphChange.TOLD))
+
+    def wait(self, wake_ns: int | None, longest_s: float) -> None:
+        for _ in range(self.chance.randint(1, 20)):
+            self.passed_ns += 10 * NS_PER_MS
+            payload = self.passed_ns.to_bytes(8, "little")
+            relays = self.compiled
+            if relays is None or not relays.takes("/scan", payload, b"driver", self.now_ns()):
+                self.sends("/scan", b"driver", payload)
+            if self.chance.random() < 0.005:
+                self.sends("/go", b"operator", b"")
+            if self.chance.random() < 0.01:
+                self._jump()
+            if self.passed_ns % NS_PER_S == 0:
+                for act in self.acts:
+                    act()
+
+    def _jump(self) -> None:
+        by_ns = round(NS_PER_S * 10 ** self.chance.uniform(-2, 9))
+        # Simulated time begins anew or rests; it may be as fast as it likes.
+        if self.is_time_simulated or self.chance.random() < 0.5:
+            by_ns = -min(by_ns, self.now_ns() - 1)
+        self.set_ns += by_ns
+        if abs(by_ns) <= LEAST_NS:
+            self.small_ns += abs(by_ns)
+
+
+RECORDING = (
+    'If (CheckValue /go age < 0.2) Then Record "go" /scan Before 1 s After 2 s SetFrequency /scan Full EndIf'
+)
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 2**32), st.booleans())
+def test_an_incident_has_its_whole_window_however_the_clock_jumps(seed: int, is_time_simulated: bool) -> None:
+    graph = JumpingClock(seed, is_time_simulated=is_time_simulated)
+    part = Recording(graph)
+    rules = LiveRules(rule_set=rules_of(RECORDING), output_topics={"/scan": "/testudo/scan"})
+    run = LiveRun(
+        graph, InputRecorder(graph, Settings(), None), rules, LiveDecisions(graph, []), parts=[part]
+    )
+    run.drive(lambda: graph.passed_ns >= 40 * NS_PER_S)
+    for kept, begun_ns in zip(part.sink.kept, part.begun_ns, strict=True):
+        if kept.missing is None:
+            continue
+        came_ns = {int.from_bytes(one.payload, "little") for one in kept.messages}
+        small_ns = graph.small_ns
+        from_ns, to_ns = begun_ns - NS_PER_S + small_ns, begun_ns + 2 * NS_PER_S - small_ns
+        expected_ns = {
+            at_ns for at_ns in range(0, to_ns, 10 * NS_PER_MS) if at_ns >= max(from_ns, 10 * NS_PER_S)
+        }
+        assert kept.missing or expected_ns <= came_ns

@@ -84,7 +84,7 @@ class LiveOutages(Part):
         if is_over:
             self._end()
             self._folders = 0
-        elif self._begun_ns is not None and self._robot.now_ns() - self._begun_ns > FOLDER_NS:
+        elif self._begun_ns is not None and self._robot.steady_ns() - self._begun_ns > FOLDER_NS:
             self._end()
 
     def _keep(self, missed: Sequence[MissedMessage]) -> None:
@@ -95,7 +95,7 @@ class LiveOutages(Part):
             if self._folders > MAX_FOLDERS:
                 self._robot.log.warning("the outage lasts so long that what is missed is kept no more")
                 return
-            self._begun_ns = self._robot.now_ns()
+            self._begun_ns = self._robot.steady_ns()
             from_ns = min(one.origin.stamp_ns for one in missed)
             self._thread.give(partial(self._open_folder, from_ns, self._rules_hash))
         self._thread.give(partial(self._write, missed))

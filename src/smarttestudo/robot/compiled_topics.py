@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
+from dataclasses import replace
 from functools import partial
 
 from smarttestudo.domain.compiled_relay import (
@@ -18,6 +19,7 @@ from smarttestudo.domain.compiled_relay import (
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.robot import Publisher, Subscription
+from smarttestudo.domain.units import LAST_STAMP_NS
 from smarttestudo.loop.hand_over import count, count_flow, hand_over, take_back, unrelayed
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
@@ -72,6 +74,8 @@ class CompiledTopics:
         self._running: dict[str, tuple[CompiledRelay, _Use]] = {}
         self._unrelayed: dict[str, Flow] = {}
         self._sampled: Mapping[str, Subscription] = {}
+        self._told_ns, self._until_ns = 0, LAST_STAMP_NS
+        """Between which stamps on the clock what is told came: beyond them the clock jumped to and fro."""
         self._polled: object = None
         """What the last poll found, where another one that finds the same would decide the same."""
 
@@ -99,8 +103,19 @@ class CompiledTopics:
 
     def deliver(self, now_ns: int) -> None:
         """Tell of all messages that came or passed by ``now_ns``, on the clock."""
+        self._told_ns = min(self._told_ns, now_ns)
+        self._deliver(now_ns)
+        self._told_ns = now_ns
+
+    def deliver_before(self, jump_ns: int, now_ns: int) -> None:
+        """Tell of all that came before the clock jumped by so much, to ``now_ns``, or was set back."""
+        self._deliver(now_ns - jump_ns)
+        self._told_ns += jump_ns
+
+    def _deliver(self, until_ns: int) -> None:
+        self._until_ns = until_ns
         if self._relays is not None and self._running:
-            self._relays.deliver(now_ns)
+            self._relays.deliver(until_ns)
 
     def count(self, note: Callable[[Relayed], None]) -> None:
         """Have the statistics as of now; ``note`` is given the beginning of each last relayed message."""
@@ -121,13 +136,18 @@ class CompiledTopics:
         To be called once the loop has left it out; what was copied since is told of.
         """
         self._polled = None
+        self._until_ns = now_ns
         flows = [flow for topic, (_, use) in self._running.items() for flow in self._flows(topic, use)]
-        self.close()
+        self._end_all()
         for flow in flows:
             flow.leave_out(ahead_ns, now_ns)
 
     def close(self) -> None:
         """Take all topics back; what was copied until now is told of."""
+        self._until_ns = LAST_STAMP_NS
+        self._end_all()
+
+    def _end_all(self) -> None:
         for relay, _ in list(self._running.values()):
             relay.end()
 
@@ -179,7 +199,7 @@ class CompiledTopics:
         else:
             state = partial(unrelayed, self._unrelayed[topic], now_ns)
         copying = Copying(
-            came=partial(self._came, topic) if use.wants_all else None,
+            came=partial(self._tell, topic) if use.wants_all else None,
             has_payload=use.is_recorded,
             passed=partial(self._return, topic) if use.is_relayed and self._is_returned else None,
         )
@@ -199,6 +219,12 @@ class CompiledTopics:
     def _pace(self, topic: str) -> Pace:
         planned = self._loop.knowledge.plan.get(topic)
         return Pace.at(0.0 if planned is None else planned.rate.hz)
+
+    def _tell(self, topic: str, copy: MessageCopy) -> None:
+        if not self._told_ns <= copy.stamp_ns <= self._until_ns:
+            copy = replace(copy, stamp_ns=max(self._told_ns, min(copy.stamp_ns, self._until_ns)))
+        self._told_ns = copy.stamp_ns
+        self._came(topic, copy)
 
     def _return(self, topic: str, copy: MessageCopy) -> None:
         payload, publisher = copy.payload or b"", copy.publisher

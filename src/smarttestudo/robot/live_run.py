@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from smarttestudo.domain.compiled_relay import MessageCopy
@@ -111,20 +112,20 @@ class LiveRun:
 
         ``prepared`` may have been made of them beforehand.
         """
-        now_ns = self._robot.now_ns()
+        now_ns = self._now_ns()
         # What is due by the rules before this is theirs.
-        self.give(WakeInput(stamp_ns=now_ns))
+        self._handle(WakeInput(stamp_ns=now_ns))
         self.rules = rules
         self._follow_parts(now_ns)
         given = RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile, prepared=prepared)
-        self.give(given)
+        self._handle(given)
         self._follow(rules)
         self._poll(GraphChange.TOLD)
 
     def set_budget(self, budget_kb_per_s: float) -> None:
         """Set the budget of all relayed topics."""
         budget = LinkBudget(link_kb_per_s=budget_kb_per_s)
-        self.give(ChangeInput(stamp_ns=self._robot.now_ns(), change=budget))
+        self._handle(ChangeInput(stamp_ns=self._now_ns(), change=budget))
 
     def set_status_hz(self, status_hz: float) -> None:
         """Publish the status so often from now on, while it has a subscriber."""
@@ -163,12 +164,11 @@ class LiveRun:
         return min((wake_ns for wake_ns in wakes_ns if wake_ns is not None), default=None)
 
     def _wake(self) -> None:
-        now_ns = self._robot.now_ns()
-        self._check_clock(now_ns)
+        now_ns = self._now_ns()
         self._compiled.deliver(now_ns)
         wake_ns = self.loop.next_wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
-            self.give(WakeInput(stamp_ns=now_ns))
+            self._handle(WakeInput(stamp_ns=now_ns))
         wake_ns = self._sampling.wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             self._sampling.on_wake(now_ns)
@@ -178,10 +178,9 @@ class LiveRun:
             self._follow(self.rules)
 
     def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
-        now_ns = self._robot.now_ns()
+        now_ns = self._now_ns()
         self._losses.sizes[topic] = len(payload)
         if self._on_message:
-            self._check_clock(now_ns)
             self._compiled.deliver(now_ns)
             self._tell_parts(topic, payload, publisher, now_ns)
         if topic not in self._given:
@@ -189,7 +188,7 @@ class LiveRun:
             return
         message = self._topics.decoded(topic, payload) if self.loop.needs_decoded(topic) else None
         self._sampling.received(topic, len(payload))
-        self.give(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
+        self._handle(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
 
     def _came(self, topic: str, copy: MessageCopy) -> None:
         if copy.payload is not None:
@@ -216,43 +215,53 @@ class LiveRun:
 
     def _poll(self, graph: GraphChange) -> None:
         # What is due goes out before a topic is opened anew, perhaps with another type.
-        now_ns = self._robot.now_ns()
-        self.give(WakeInput(stamp_ns=now_ns))
+        self._handle(WakeInput(stamp_ns=self._now_ns()))
         found = self._topics.poll(graph)
+        # What was opened anew was first heard now: where there are many topics, the poll takes a second.
+        now_ns = self._now_ns()
         if sources := tuple(change for change in found if change.topic in self._given):
-            self.give(GraphInput(stamp_ns=now_ns, sources=sources))
-        # What was opened anew was first heard now; before it was closed, copies up to here were delivered.
-        now_ns = self._robot.now_ns()
+            self._handle(GraphInput(stamp_ns=now_ns, sources=sources))
         for topic, source in self._topics.heard():
             for part in self._parts:
                 with self._costing_a_part(topic):
                     part.on_source(topic, source, now_ns)
         if listeners := tuple(self._topics.listeners()):
-            self.give(GraphInput(stamp_ns=now_ns, listeners=listeners))
+            self._handle(GraphInput(stamp_ns=now_ns, listeners=listeners))
         self._compiled.choose(self._topics, now_ns, is_quiet=graph is GraphChange.NONE)
         self._losses.measure(self._topics.subscriptions(), now_ns)
         for part in self._parts:
             part.on_graph()
 
-    def give(self, given: LoopInput) -> None:
-        """Give the loop an input, and relay what comes of it."""
-        self._check_clock(given.stamp_ns)
+    def give(self, given: ChangeInput | WakeInput) -> None:
+        """Give the loop an input of now, and relay what comes of it."""
+        self._handle(replace(given, stamp_ns=self._now_ns()))
+
+    def _handle(self, given: LoopInput) -> None:
         # What a block records that begins to hold now, came before.
         self._compiled.deliver(given.stamp_ns)
         self._inputs.record(given, self.rules)
         self._relay(self.loop.handle(given))
 
-    def _check_clock(self, now_ns: int) -> None:
-        """Have a jump ahead left out, before anything that came after it is told of."""
-        if self._clock.agrees(now_ns) or not (ahead_ns := self._clock.ahead_ns(now_ns)):
+    def _now_ns(self) -> int:
+        """The clock, once a jump of it was followed: before anything is told that came after it."""
+        now_ns = self._robot.now_ns()
+        if self._clock.agrees(now_ns):
+            return now_ns
+        if jump_ns := self._clock.jump_ns():
+            self._follow_jump(jump_ns)
+        return self._robot.now_ns()
+
+    def _follow_jump(self, jump_ns: int) -> None:
+        now_ns = self._robot.now_ns()
+        self._compiled.deliver_before(jump_ns, now_ns)
+        if jump_ns < 0:
             return
-        self._compiled.deliver(now_ns - ahead_ns)
         for part in self._parts:
-            part.on_clock_jump(ahead_ns)
-        jumped = ChangeInput(stamp_ns=now_ns, change=ClockJumped(ahead_ns=ahead_ns))
+            part.on_clock_jump(jump_ns)
+        jumped = ChangeInput(stamp_ns=now_ns, change=ClockJumped(ahead_ns=jump_ns))
         self._inputs.record(jumped, self.rules)
         self._relay(self.loop.handle(jumped))
-        self._compiled.leave_out(ahead_ns, now_ns)
+        self._compiled.leave_out(jump_ns, now_ns)
         self._status.begin_anew()
 
     def _relay(self, relayed: Sequence[Relayed]) -> None:
@@ -274,8 +283,8 @@ class LiveRun:
 
     def _measure(self, most_blocks: int) -> tuple[RuntimeStatus, BlockStates]:
         """The status of now without its blocks, and the states of the first of those."""
-        now_ns = self._robot.now_ns()
-        self.give(WakeInput(stamp_ns=now_ns))
+        now_ns = self._now_ns()
+        self._handle(WakeInput(stamp_ns=now_ns))
         self._compiled.count(self._status.note)
         status = self._status.measure(
             self.loop,
@@ -296,7 +305,7 @@ class LiveRun:
         decisions = self.loop.take_decisions()
         if decisions:
             self._decisions.report(decisions)
-            self._compiled.choose(self._topics, self._robot.now_ns())
+            self._compiled.choose(self._topics, self._now_ns())
 
 
 def _does(part: Part, method: str) -> bool:

@@ -45,7 +45,7 @@ def profile_of_robot(
     steady_s: Callable[[], float],
     report: Callable[[float], None],
 ) -> RobotProfile:
-    """Measure for ``seconds``, in the node's clock, a second after the first topic was seen.
+    """Measure for ``seconds`` a second after the first topic was seen.
 
     ``patterns`` choose topics (default: all visible ones), the accuracies in ``levels`` are measured in place
     of proposed ones; ``report`` is told the share of the time passed.
@@ -58,14 +58,19 @@ def profile_of_robot(
     _wait_for_topics(ears, robot, steady_s, timeout_s)
     _listen(ears, robot, steady_s, _WARM_UP_S, lambda _share: None)
     ears.begin()
-    start_ns = robot.now_ns()
+    start_ns = _time_ns(robot)
     _listen(ears, robot, steady_s, seconds, report)
-    duration_s = (robot.now_ns() - start_ns) / NS_PER_S
+    duration_s = (_time_ns(robot) - start_ns) / NS_PER_S
     ears.finish()
     ears.check_patterns()
     measures = dict(sorted(ears.measures.items()))
     text = profile_text(measures, duration_s=duration_s, measured_in="a running robot")
     return RobotProfile(text=text, notices=tuple(ears.notices))
+
+
+def _time_ns(robot: Robot) -> int:
+    """Simulated time, or a clock that nobody sets."""
+    return robot.now_ns() if robot.is_time_simulated else robot.steady_ns()
 
 
 def _wait_for_topics(
@@ -181,6 +186,6 @@ class _TopicSampler:
             measure = self.measures[topic]
             self._losses.sizes[topic] = len(payload)
             serialized = payload[:] if measure.has_accuracies else None
-            measure.record(self._robot.now_ns(), len(payload), serialized)
+            measure.record(_time_ns(self._robot), len(payload), serialized)
 
         return receive
