@@ -10,7 +10,7 @@ from robot.small_graph import SmallGraph
 from robot.test_live_topics import DRIVER, OTHER, Live, lines_with
 from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.visible_topics import receiving_node
-from smarttestudo.robot.fallback import Fallback
+from smarttestudo.robot.fallback import FallbackTopics
 from smarttestudo.robot.output_topics import OutputTopic
 from smarttestudo.robot.topics import UNKNOWN_NODE
 
@@ -74,7 +74,7 @@ def test_it_is_no_topic_to_relay_without_rules_either() -> None:
     graph = FedGraph()
     graph.joins("/imu", DRIVER)
     graph.joins("/op/imu", OTHER, node=RECEIVES)
-    fallback = Fallback(graph, output_topic=OutputTopic(), topic_prefix="")
+    fallback = FallbackTopics(graph, output_topic=OutputTopic(), topic_prefix="")
     assert fallback.poll()
     assert fallback.rules().output_topics == {"/imu": "/testudo/imu"}
 
