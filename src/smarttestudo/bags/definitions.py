@@ -180,7 +180,7 @@ class RosbagDecoder:
         return channel.serialization_format == _DECODED_FORMAT and self._type(channel) is not None
 
     def unread(self, channel: Channel) -> Sequence[str]:
-        """The paths, without indices, of fields that stay unknown, as ROS 2 has them not in Python."""
+        """The paths, without indices, of fields that stay unknown, as ROS 2 lacks them in Python."""
         kind = self._type(channel)
         return () if kind is None else kind.unread
 

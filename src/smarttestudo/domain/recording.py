@@ -135,7 +135,7 @@ class MessageDecoder(Protocol):
         """Whether the channel's type is known."""
 
     def unread(self, channel: Channel) -> Collection[str]:
-        """The paths, without indices, of fields that stay unknown, as ROS 2 has them not in Python."""
+        """The paths, without indices, of fields that stay unknown, as ROS 2 lacks them in Python."""
 
     def decode(self, channel: Channel, payload: bytes) -> object:
         """The message in ``payload``.

@@ -37,6 +37,7 @@ from smarttestudo.replays.incidents import IncidentCutter, IncidentRequest, inci
 from smarttestudo.replays.outcome import ReplayOutcome, topic_outcome
 from smarttestudo.replays.topics import (
     ReplayTopics,
+    absent_topics,
     replay_topics,
     require_decodable,
 )
@@ -258,7 +259,7 @@ class _Run:
             },
             decisions=self._decisions,
             notices=(
-                *topics.notices,
+                *absent_topics(self._request.rule_set, topics.sources),
                 *recording.notices(),
                 *self._notices(),
             ),
@@ -278,7 +279,9 @@ class _Run:
         for topic, count in self._loop.knowledge.undecodable.items():
             yield f"{topic}: {counted(count, 'message')} could not be decoded; what checks read was unknown"
         for signal, count in self._loop.knowledge.unknown_values.items():
-            yield f"{signal}: unknown in {counted(count, 'message')} (NaN, or no such field)"
+            is_unread = signal in self._topics.unread
+            why = "a long double, which ROS 2 lacks in Python" if is_unread else "NaN, or no such field"
+            yield f"{signal}: unknown in {counted(count, 'message')} ({why})"
         for topic, statistics in self._loop.relays.statistics.items():
             if statistics.unreadable:
                 unread = counted(statistics.unreadable, "message")

@@ -12,7 +12,7 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.names import output_name
 from smarttestudo.domain.recording import Channel, MessageDecoder
-from smarttestudo.domain.signal import ArrivalProperty
+from smarttestudo.domain.signal import ArrivalProperty, Signal
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
 from smarttestudo.language.rule_set import RuleSet
 
@@ -42,13 +42,13 @@ def topics_decoded(rule_set: RuleSet) -> frozenset[str]:
 class ReplayTopics:
     """By source: the channel of each recorded topic, what relayed ones are called, where they are written.
 
-    ``notices`` say what of the rules the recording does not hold, or nobody can read.
+    ``unread`` are the signals of fields that nobody can read.
     """
 
     sources: Mapping[str, Channel]
     output_topics: Mapping[str, str]
     outputs: Mapping[str, Channel]
-    notices: Sequence[str]
+    unread: Collection[Signal]
 
 
 def replay_topics(
@@ -65,11 +65,20 @@ def replay_topics(
     outputs = {
         topic: replace(sources[topic], topic=name) for topic, name in names.items() if topic in sources
     }
-    notices = (*_absent_topics(rule_set, sources), *_unread_fields(rule_set, sources, decoder))
-    return ReplayTopics(sources=sources, output_topics=names, outputs=outputs, notices=notices)
+    unread = {
+        signal
+        for signal in rule_set.signals
+        if signal.topic in sources and _field(signal) in decoder.unread(sources[signal.topic])
+    }
+    return ReplayTopics(sources=sources, output_topics=names, outputs=outputs, unread=unread)
 
 
-def _absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str]:
+def _field(signal: Signal) -> str:
+    return _INDEX.sub("", signal.property.removeprefix(MESSAGE_PREFIX))
+
+
+def absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str]:
+    """A notice for each topic of the rules that the recording does not hold."""
     relayed = rule_set.relayed
     for topic in relayed:
         if topic not in recorded:
@@ -77,12 +86,3 @@ def _absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str
     watched = {signal.topic for signal in rule_set.signals}
     for topic in sorted(watched.difference(recorded, relayed)):
         yield f"{topic}: not in the recording, so checks of it stay unknown"
-
-
-def _unread_fields(
-    rule_set: RuleSet, sources: Mapping[str, Channel], decoder: MessageDecoder
-) -> Iterator[str]:
-    for signal in sorted(rule_set.signals, key=str):
-        path = _INDEX.sub("", signal.property.removeprefix(MESSAGE_PREFIX))
-        if signal.topic in sources and path in decoder.unread(sources[signal.topic]):
-            yield f"{signal}: a long double, which ROS 2 has not in Python, so checks of it stay unknown"
