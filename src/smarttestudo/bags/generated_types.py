@@ -35,7 +35,7 @@ def texts_within(definition: str, name: TypeName) -> dict[str, str]:
 
 
 def generated_texts(name: TypeName) -> dict[str, str]:
-    """What rosidl adds to the parts of the service or action of ``name``, and the types of that."""
+    """Texts of what rosidl adds to the parts of the service or action of ``name``, and of the types in it."""
     of = f"{name.package}/{name.defined_in}"
     return {**_KNOWN, **(_of_service(of) if name.kind == "srv" else _of_action(of))}
 

@@ -71,7 +71,7 @@ class ReadableType:
 
     @cached_property
     def _lenient_stores(self) -> Sequence[Typestore]:
-        """Those that read texts of another encoding as rclpy does, at a higher cost."""
+        """Stores that read texts of another encoding as rclpy does, at a higher cost."""
         return self._stores_for({**self._stands_for, "string": _TEXT})
 
     def _stores_for(self, stands_for: Mapping[str, str]) -> Sequence[Typestore]:

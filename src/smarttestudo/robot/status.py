@@ -28,6 +28,7 @@ from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.loop.statistics import FrameFlows, RelayStatistics
 from smarttestudo.pacing.cdr import STAMPED_BYTES, header_stamp
 from smarttestudo.pacing.sample import StreamKind
+from smarttestudo.pacing.stream import WHOLE_FROM_PERIOD_NS
 from smarttestudo.robot.losses import SourceLoss
 from smarttestudo.robot.topic_link import TopicLink
 
@@ -346,13 +347,14 @@ def _error(meters: _Meters, rates: _Rates, link: TopicLink) -> _Error:
         return _Error(-100.0, is_explained=False)
     if not actual_hz or span_ns < _ERROR_AFTER_NS:
         return _Error(None, is_explained=True)
-    if kind is StreamKind.VOLATILE and link.publishers > 1 and actual_hz > expected_hz:
+    if kind is not StreamKind.TRANSFORMS and link.publishers > 1 and actual_hz > expected_hz:
         # Where publishers are told apart, each has the rate for itself.
         return _Error(None, is_explained=True)
     percent = 100 * (actual_hz / expected_hz - 1)
     if is_latched and percent > TOLERANCE_PERCENT:
-        # All of it passes at first and while it is slow, and each publisher has the rate for itself.
-        return _Error(None, is_explained=True)
+        # All of it passes in the first seconds, and while it is slow.
+        is_thinned = (rates.source_hz or 0) * WHOLE_FROM_PERIOD_NS > NS_PER_S
+        return _Error(percent if is_thinned else None, is_explained=True)
     messages_off = abs(actual_hz - expected_hz) * span_ns / NS_PER_S
     return _Error(percent, abs(percent) <= TOLERANCE_PERCENT or messages_off <= _MESSAGES_EXPLAINED)
 
