@@ -758,8 +758,8 @@ export interface LevelsRequest {
  * `capacity_kb_per_s` is what the link carries, `round_trip_ms` the least of the last seconds,
  * `outages` how often nothing arrived at the operator's end for more than a second and four round trips,
  * whether its connection was cut or not. `sessions` counts how often an operator's end came that may
- * lack what was sent before. All operator's ends that are there reckon the topics in `predicted` where
- * they are told how.
+ * lack what was sent before. `receivers` are the numbers of the operator's ends that are there; all of
+ * them reckon the topics in `predicted` where they are told how.
  */
 export interface LinkState {
   connected: boolean;
