@@ -144,6 +144,13 @@ def test_what_comes_from_a_robot_or_from_smarttestudo_is_not_sent() -> None:
     relayed.look(LATER_NS)
     relayed.hears("/joy", b"of bob")
     assert relayed.robots.sent == []
+    relayed.sending.open("eve", replace(ODOM, topic="/joy"))
+    relayed.sending.forget("bob", replace(ODOM, topic="/joy"))
+    relayed.look(LATER_NS)
+    assert "it would go round" in str(relayed.sending.routes[0].problem)
+    relayed.sending.forget("eve", replace(ODOM, topic="/joy"))
+    relayed.look(LATER_NS)
+    assert relayed.sending.routes[0].problem is None
     own = Operator(Robots(ADA), "/joy")
     own.graph.sources["/joy"].nodes = ("/joystick", "/testudo_receive_1")
     own.look()

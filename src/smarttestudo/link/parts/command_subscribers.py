@@ -100,8 +100,11 @@ class CommandSubscribers(Part):
                 problem = str(error)
         is_served = served.publisher is not None
         self._commands.follow(topic, type_name if is_served else None, served.publisher, problem)
-        if before is not None:
-            before.close()
+        try:
+            if before is not None:
+                before.close()
+        except RosError as error:
+            self._robot.log.warning(str(error))
         if problem is not None:
             self._say(f"{topic} is not accepted from operators: {problem}")
 

@@ -111,7 +111,7 @@ class Sending:
         self._clock = clock
         self._guard = StallGuard(clock())
         self._suspect: Counter[str] = Counter()
-        self._relayed: set[str] = set()
+        self._relayed: dict[tuple[str, str, int], str] = {}
         self._robots: set[str] = set()
         self._accepting: set[str] = set()
         self._sources: dict[str, _Source] = {}
@@ -125,7 +125,8 @@ class Sending:
         """A robot has this stream: its name here is not sent."""
         self._robots.add(robot)
         try:
-            self._relayed.add(output_name(stream.topic, self._pattern, robot))
+            name = output_name(stream.topic, self._pattern, robot)
+            self._relayed[robot, stream.topic, stream.publisher] = name
         except TestudoError:
             # It is not published here either, which is said there.
             return
@@ -134,7 +135,8 @@ class Sending:
         """Do nothing: what arrives is not sent."""
 
     def forget(self, robot: str, stream: StreamInfo) -> None:
-        """Go on not to send its name: the robot may have it again."""
+        """The name is nobody's: it may be sent."""
+        self._relayed.pop((robot, stream.topic, stream.publisher), None)
 
     def close(self) -> None:
         """Receive nothing more."""
@@ -199,7 +201,8 @@ class Sending:
     def _checked(self, route: CommandRoute, own_nodes: set[str]) -> CommandRoute:
         """``route`` with its source open, or why it is not."""
         told, robot = route.told, route.boot.robot
-        if route.source in self._relayed:
+        # Another thread opens and forgets streams.
+        if route.source in list(self._relayed.values()):
             return replace(route, problem="it comes from a robot under that name, so it would go round")
         if told.problem is not None:
             return replace(route, problem=f"at {robot}, {told.problem}")
