@@ -108,3 +108,18 @@ def test_where_they_are_not_told_apart_the_topic_waits_until_that_one_is_gone() 
     live.looks()
     graph.sends("/imu", DRIVER, b"measured")
     assert graph.published == [("/testudo/imu", b"measured")]
+
+
+@pytest.mark.parametrize("topic", ["/diagnostics", "/rosout", "/parameter_events"])
+def test_that_a_run_publishes_what_each_does_is_nothing_to_warn_of(topic: str) -> None:
+    graph = SmallGraph()
+    live = Live(graph, topic)
+    graph.listens(f"/testudo{topic}")
+    graph.joins(topic, OTHER, node=graph.name)
+    live.looks()
+    graph.joins(topic, DRIVER)
+    live.looks()
+    graph.sends(topic, OTHER, b"its own")
+    graph.sends(topic, DRIVER, b"of another node")
+    assert graph.published == [(f"/testudo{topic}", b"of another node")]
+    assert lines_with(graph, "SmartTestudo") == []

@@ -202,3 +202,14 @@ def test_where_librcl_does_not_tell_of_changes_it_says_why_and_the_graph_is_look
         robot.poll_graph(looks.append)
         wait_until(robot, lambda: len(looks) >= 3)
         assert set(looks) == {GraphChange.UNTOLD}
+
+
+@pytest.mark.usefixtures("in_domain")
+def test_a_topic_of_dds_that_ros_lists_and_then_refuses_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    listed = [("/" + "a" * size, [TEXT]) for size in (5, 246, 247)] + [("/a b", [TEXT]), ("/1", [TEXT])]
+    with open_robot(data_path=DataPathKind.RCLPY) as robot:
+        # DDS itself takes such names, rclpy makes none.
+        monkeypatch.setattr("rclpy.node.Node.get_topic_names_and_types", lambda _: listed)
+        assert [len(name) for name in robot.topics()] == [6, 247]
+        for name in robot.topics():
+            robot.publishers(name)

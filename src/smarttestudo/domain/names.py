@@ -29,6 +29,11 @@ def has_topic_form(name: str) -> bool:
     return "__" not in name and _TOPIC.match(name) is not None
 
 
+def is_known_to_ros(name: str) -> bool:
+    """Whether ROS 2 answers questions about ``name``: DDS has topics that it lists and then refuses."""
+    return len(name) <= MAX_NAME_LENGTH and _TOPIC.match(name) is not None
+
+
 def require_publishable(name: str, topic: str) -> None:
     """Raise ``RosError`` where ``name``, under which ``topic`` is to be published, is too long for ROS 2."""
     if len(name) > MAX_NAME_LENGTH:

@@ -17,12 +17,15 @@ from smarttestudo.domain.visible_topics import relaying_nodes
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.endpoint_cache import EndpointCache
 from smarttestudo.robot.settled_topics import Ends, SettledTopics
+from smarttestudo.robot.status_topics import DIAGNOSTICS_TOPIC
 from smarttestudo.robot.topic import LiveSource, OpenTopic, live_source, suits
 from smarttestudo.robot.topic_link import TopicLink, instead_of, not_offered
 
 UNKNOWN_NODE = "/_NODE_NAME_UNKNOWN_"
 """How the name ends that an endpoint has until its node is discovered, too."""
 
+_OF_EVERY_RUN = frozenset({"/rosout", "/parameter_events", DIAGNOSTICS_TOPIC})
+"""What each SmartTestudo node publishes beside others."""
 _Answer = TypeVar("_Answer")
 Received = Callable[[str, Payload, Hashable], None]
 """Takes a message: its topic, its payload, and its publisher where that is known."""
@@ -302,6 +305,9 @@ class LiveTopics:
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
         if any(one.node.endswith(UNKNOWN_NODE) for one in endpoints):
             # Whose they are is known a moment later.
+            return
+        if topic in _OF_EVERY_RUN and self._data_path.tells_publishers:
+            # Nothing is amiss, and its own messages are left out.
             return
         if endpoints and not own:
             self._warn_once(f"{topic}: only SmartTestudo nodes publish it, so it is not relayed")

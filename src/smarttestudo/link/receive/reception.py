@@ -157,7 +157,7 @@ class Reception:
             if self._predictor is not None:
                 self._predictor.handle(event, now_ns)
         except Exception as error:  # noqa: BLE001 - as a sink
-            self._say(said(error))
+            self._say(f"{event.robot}: {said(error)}")
 
     def _follow(self, robot: str, key: StreamKey, info: StreamInfo | None, now_ns: int) -> None:
         """A robot has a stream, or has it no more."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from smarttestudo.domain.names import is_known_to_ros
 from smarttestudo.domain.parameter import (
     Accept,
     Parameter,
@@ -200,7 +201,8 @@ class RosNode:
     def topics(self) -> Mapping[str, Sequence[str]]:
         """The types of each topic that somebody publishes or subscribes to, by its full name."""
         with ros_errors():
-            return dict(self._node.get_topic_names_and_types())
+            found = dict(self._node.get_topic_names_and_types())
+        return {name: types for name, types in found.items() if is_known_to_ros(name)}
 
     def begins_with_header(self, type_name: str) -> bool:
         """Whether messages of that type begin with a std_msgs/Header; not where it is not installed."""
