@@ -249,13 +249,15 @@ class IncidentFolders:
 
     def _finish(self, bag: BagFolder, record: IncidentRecord, files: Mapping[str, FileContent]) -> None:
         record = finished_record(record, files, self._channels)
-        _free_reserve(bag.path)
         finish_folder(bag.path, record, files, self._channels)
+        # Not before: of a run that is killed until here the next one is to say so.
+        _free_reserve(bag.path)
         bag.path = bag.path.rename(self._folder / bag.name)
         self._ended(bag.path, record)
 
     def _definition_bytes(self) -> int:
-        return sum(len(one.definition) for one in self._channels.values())
+        # Topics may join meanwhile, on another thread.
+        return sum(len(one.definition) for one in list(self._channels.values()))
 
     def _give_up(self, shared: SharedMessages, name: str, error: Exception) -> None:
         """End the incidents that share what cannot be written."""
