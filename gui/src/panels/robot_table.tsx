@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Project, RobotSummary } from "../api/types";
+import type { Fallback, Project, RobotSummary } from "../api/types";
 import { href } from "../route";
 import { age, duration, isOverBudget, linkWords, OLD_MS, rulesFor, troubleOf } from "../state/robot_trouble";
 import { ColumnHeads } from "../ui/data_table";
@@ -115,7 +115,13 @@ function Sent({ robot: { budget_kb_per_s: budget, out_kb_per_s: sent, label } }:
   );
 }
 
-function originOf({ rules: { origin, files, waits_s } }: RobotSummary, sinceToldS: number): string {
+const RELAYED_WITHOUT_RULES: Record<Fallback, string> = {
+  full: "everything is relayed",
+  readable: "what can be read of them is relayed, all else at 1 Hz",
+  off: "nothing is relayed",
+};
+
+function originOf({ rules: { origin, files, waits_s, fallback } }: RobotSummary, sinceToldS: number): string {
   switch (origin) {
     case "files":
       return files.map((path) => path.slice(path.lastIndexOf("/") + 1)).join(", ") || "files";
@@ -126,6 +132,6 @@ function originOf({ rules: { origin, files, waits_s } }: RobotSummary, sinceTold
         ? "waiting to be confirmed"
         : `waiting to be confirmed, ${Math.max(0, Math.floor(waits_s - sinceToldS))} s left`;
     case "fallback":
-      return "no valid rules";
+      return `none: ${RELAYED_WITHOUT_RULES[fallback ?? "full"]}`;
   }
 }

@@ -26,7 +26,7 @@ from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.link_state import CommandTopic, LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.record import to_json
-from smarttestudo.domain.status import RulesInForce, RulesOrigin, RuntimeStatus
+from smarttestudo.domain.status import Fallback, RulesInForce, RulesOrigin, RuntimeStatus
 from smarttestudo.rules.profile_file import load_profile
 
 if TYPE_CHECKING:
@@ -170,14 +170,16 @@ def test_axe_finds_nothing_on_robots_that_are_well_or_not(page: RulerPage, fleet
 def test_rules_that_wait_or_were_pushed_are_told_apart(page: RulerPage, fleet: Process) -> None:
     waiting = RulesInForce(sha256="ab" * 32, origin=RulesOrigin.WAITING, waits_s=8.0)
     pushed = RulesInForce(sha256="cd" * 32, origin=RulesOrigin.PUSHED)
-    nothing = RulesInForce(origin=RulesOrigin.FALLBACK)
-    origins = (waiting, pushed, nothing)
+    everything = RulesInForce(origin=RulesOrigin.FALLBACK)
+    nothing = RulesInForce(origin=RulesOrigin.FALLBACK, fallback=Fallback.OFF)
+    origins = (waiting, pushed, everything, nothing)
     publish(fleet, [replace(status(number), rules=rules) for number, rules in enumerate(origins)])
     expect(page.page.get_by_role("row", name="/r00/")).to_contain_text(
         re.compile(r"abababab waiting to be confirmed, \d s left")
     )
     expect(page.page.get_by_role("row", name="/r01/")).to_contain_text("cdcdcdcd pushed")
-    expect(page.page.get_by_role("row", name="/r02/")).to_contain_text("no valid rules")
+    expect(page.page.get_by_role("row", name="/r02/")).to_contain_text("none: everything is relayed")
+    expect(page.page.get_by_role("row", name="/r03/")).to_contain_text("none: nothing is relayed")
 
 
 def test_a_robot_without_valid_rules_is_an_error_wherever_it_is_named_and_grey_once_it_ended(
