@@ -15,6 +15,7 @@ from pathlib import Path
 from types import TracebackType
 
 from smarttestudo.domain.errors import LinkError, TestudoError
+from smarttestudo.domain.incident import is_incident_folder_name
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.units import BYTES_PER_MB, grouped
 from smarttestudo.files.removal import remove
@@ -219,6 +220,15 @@ class PartialIncident:
         if isinstance(former, list):
             names += [one for one in former if isinstance(one, str) and is_incident_file_name(one)]
         remove(self.path, dict.fromkeys((*names, STATE_NAME)))
+
+
+def remove_begun_fetches(folder: Path) -> None:
+    """Remove the hidden folders in ``folder`` in which nothing was written before a fetch was killed."""
+    for path in folder.glob(f".*{PARTIAL_SUFFIX}"):
+        if is_incident_folder_name(path.name[1 : -len(PARTIAL_SUFFIX)]):
+            # What holds anything else, or is a link, stays.
+            with suppress(OSError, TestudoError):
+                remove(path, (STATE_NAME, _LOCK_NAME), with_folder=True)
 
 
 def incident_there(folder: Path, name: str, files: Sequence[str] = ()) -> Path | None:

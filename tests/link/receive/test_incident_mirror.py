@@ -114,6 +114,19 @@ def test_a_robot_that_leaves_while_it_is_asked_is_no_error_and_is_fetched_from_w
     assert said == [f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"]
 
 
+def test_at_the_start_what_killed_fetches_only_began_goes_and_nothing_else(tmp_path: Path) -> None:
+    begun, going_on, other = (
+        tmp_path / "ada" / f".{name}.partial" for name in (OUTAGE.name, f"{OUTAGE.name}-2", "x")
+    )
+    for path in (begun, going_on, other):
+        path.mkdir(parents=True)
+        (path / ".fetch.lock").touch()
+    (going_on / "a.mcap").write_bytes(b"data")
+    (tmp_path / "notes.txt").touch()
+    MirrorFolders(outages=tmp_path).make()
+    assert [path.exists() for path in (begun, going_on, other)] == [False, True, True]
+
+
 def test_an_empty_folder_is_fetched_and_one_with_files_is_not_fetched_again(tmp_path: Path) -> None:
     robots, said = Robots(), list[str]()
     robots.outages = [OUTAGE]

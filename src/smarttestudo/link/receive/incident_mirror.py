@@ -20,7 +20,7 @@ from smarttestudo.domain.remote_incidents import (
     SilentRobotError,
 )
 from smarttestudo.files.whole_file import not_written
-from smarttestudo.incidents.partial_incident import incident_there
+from smarttestudo.incidents.partial_incident import incident_there, remove_begun_fetches
 from smarttestudo.link.worker import Worker
 
 POLL_PERIOD_S = 2.0
@@ -46,7 +46,9 @@ class MirrorFolders:
         return None if folder is None else folder / incident.robot
 
     def make(self) -> None:
-        """Make the folders where there are none. Raises ``OutputFileError`` where one takes no files.
+        """Make the folders where there are none, and tidy the others.
+
+        Raises ``OutputFileError`` where one takes no files.
 
         The first incident may come after hours, and is then better not lost to a typing error.
         """
@@ -56,6 +58,8 @@ class MirrorFolders:
             try:
                 folder.mkdir(parents=True, exist_ok=True)
                 TemporaryFile(dir=folder).close()
+                for of_robot in folder.iterdir():
+                    remove_begun_fetches(of_robot)
             except OSError as error:
                 raise not_written(folder, f"the folder of {option}", error) from error
 
