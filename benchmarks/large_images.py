@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Images of 6.22 MB through ``testudo run``, their camera with more shared memory and without.
+"""Raw images through ``testudo run``, their camera with more shared memory and without.
 
-Run it with ``python benchmarks/large_images.py [--seconds 10] [--domain 77] [--reliable]``. A camera process
-publishes numbered images at 29 Hz, and an operator process notes which of them come out of the relay, until
-they span the given time. The CPU is the runtime's, for each image that the camera sent.
+Run it with ``python benchmarks/large_images.py [--seconds 10] [--domain 77] [--reliable] [--pixels 640x480]
+[--hz 15]``. A camera process publishes numbered images, and an operator process notes which of them come out
+of the relay, until they span the given time. The CPU is the runtime's, for each image that the camera sent.
 """
 
 from __future__ import annotations
@@ -28,11 +28,10 @@ PROFILE = (
     Path(__file__).resolve().parent.parent
     / "src" / "smarttestudo" / "robot" / "ros" / "fastdds_large_messages.xml"
 )  # fmt: skip
-SOURCE_HZ = 29.0
 THINNED_HZ = 3.0
 # How many times the span of a run an operator waits for it.
 PATIENCE = 6
-WIDTH, HEIGHT, CHANNELS = 1920, 1080, 3
+CHANNELS = 3
 TOPIC = "/camera/image_raw"
 # In CDR, the seconds of the stamp follow the four bytes of the encapsulation: here an image's number.
 NUMBER_AT = slice(4, 8)
@@ -56,15 +55,16 @@ def qos(*, reliable: bool) -> Any:
     return QoSProfile(depth=10, reliability=policy)
 
 
-def be_camera(*, reliable: bool) -> None:
+def be_camera(*, reliable: bool, pixels: str, hz: float) -> None:
     """Publish until terminated, then print how many."""
     import rclpy  # noqa: PLC0415
     from rclpy.serialization import serialize_message  # noqa: PLC0415
     from rclpy.signals import SignalHandlerOptions  # noqa: PLC0415
     from sensor_msgs.msg import Image  # noqa: PLC0415
 
-    image = Image(height=HEIGHT, width=WIDTH, encoding="rgb8", step=WIDTH * CHANNELS)
-    image.data = bytes(WIDTH * HEIGHT * CHANNELS)
+    width, height = map(int, pixels.split("x"))
+    image = Image(height=height, width=width, encoding="rgb8", step=width * CHANNELS)
+    image.data = bytes(width * height * CHANNELS)
     payload = bytearray(serialize_message(image))
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     stopped = threading.Event()
@@ -76,7 +76,7 @@ def be_camera(*, reliable: bool) -> None:
         payload[NUMBER_AT] = number.to_bytes(4, "little")
         publisher.publish(bytes(payload))
         # A camera that is late does not make up for it with a burst.
-        due_s = max(due_s + 1 / SOURCE_HZ, time.monotonic())
+        due_s = max(due_s + 1 / hz, time.monotonic())
         time.sleep(max(0.0, due_s - time.monotonic()))
     print(number)
 
@@ -104,14 +104,20 @@ def be_operator(*, reliable: bool, seconds: float) -> None:
     print(json.dumps(arrivals), flush=True)
 
 
-def measure(rate: str, environment: Mapping[str, str], options: list[str], seconds: float) -> Outcome:
-    """One run of all three processes."""
+def measure(
+    rate: str,
+    environment: Mapping[str, str],
+    of_camera: Mapping[str, str],
+    options: list[str],
+    seconds: float,
+) -> Outcome:
+    """One run of all three processes, of which the camera has further variables."""
     with tempfile.TemporaryDirectory() as folder:
         rules = Path(folder) / "rules.adirf"
         rules.write_text(f"begin SetFrequency {TOPIC} {rate} end", encoding="utf-8")
         runtime = start(environment, "-c", TESTUDO, "run", "--rules", str(rules))
         operator = start(environment, __file__, "--be", "operator", *options)
-        camera = start(environment, __file__, "--be", "camera", *options)
+        camera = start({**environment, **of_camera}, __file__, "--be", "camera", *options)
         assert operator.stdout is not None
         operator.stdout.readline()
         cpu_s = cpu_of(runtime)
@@ -161,12 +167,14 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0, help="of each run (default: %(default)s)")
     parser.add_argument("--domain", type=int, default=77, help="ROS domain that nobody else uses")
     parser.add_argument("--reliable", action="store_true", help="not the best effort of a sensor")
+    parser.add_argument("--pixels", default="1920x1080", help="of an image (default: %(default)s)")
+    parser.add_argument("--hz", type=float, default=29.0, help="of the camera (default: %(default)s)")
     parser.add_argument("--be", choices=["camera", "operator"], help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if importlib.util.find_spec("rclpy") is None:
         parser.exit(1, "this benchmark needs ROS 2 (rclpy)\n")
     if arguments.be == "camera":
-        be_camera(reliable=arguments.reliable)
+        be_camera(reliable=arguments.reliable, pixels=arguments.pixels, hz=arguments.hz)
     elif arguments.be == "operator":
         be_operator(reliable=arguments.reliable, seconds=arguments.seconds)
     else:
@@ -174,19 +182,20 @@ def main() -> None:
 
 
 def compare(arguments: argparse.Namespace) -> None:
-    """Both transports, all images and few."""
-    options = ["--seconds", str(arguments.seconds), *(["--reliable"] if arguments.reliable else [])]
+    """A camera with the shared memory of the default and with more, all images and few."""
+    options = ["--seconds", str(arguments.seconds), "--pixels", arguments.pixels, "--hz", str(arguments.hz)]
+    options += ["--reliable"] if arguments.reliable else []
     base = {
         **os.environ,
         "ROS_DOMAIN_ID": str(arguments.domain),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     profile = {"FASTDDS_DEFAULT_PROFILES_FILE": str(PROFILE), "FASTRTPS_DEFAULT_PROFILES_FILE": str(PROFILE)}
-    print("| transport | rate asked | received, Hz | received of sent | CPU per image sent |")
+    print("| camera | rate asked | received, Hz | received of sent | CPU per image sent |")
     print("| --- | ---: | ---: | ---: | ---: |")
     for name, extra in {"default": {}, "with the profile": profile}.items():
         for rate in ("Full", f"{THINNED_HZ:g}"):
-            one = measure(rate, {**base, **extra}, options, arguments.seconds)
+            one = measure(rate, base, extra, options, arguments.seconds)
             received = f"{one.received} of {one.sent}"
             cpu = f"{one.cpu_ms:.1f} ms" if one.received else "–"
             print(f"| {name} | {rate} | {one.received_hz:.2f} | {received} | {cpu} |", flush=True)

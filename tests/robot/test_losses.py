@@ -186,6 +186,18 @@ def test_what_may_lose_for_want_of_memory_is_received_whole_until_it_is_known_th
     assert found == must_work
 
 
+def test_a_camera_that_left_is_still_the_one_that_lacked_room() -> None:
+    log, subscription, publishers = Log(), begun(Subscription()), [camera()]
+    losses, opened = LiveLosses(log.lines.append, lambda _: publishers, SETTING), {"/image": subscription}
+    losses.sizes["/image"] = IMAGE_BYTES
+    for second in range(3):
+        losses.measure(opened, second * SECOND)
+        subscription.goes_on(15, 9)
+    publishers.clear()
+    losses.close()
+    assert [line.partition("; ")[2].partition(" start ")[2][:7] for line in log.lines] == ["/camera", ""]
+
+
 def test_one_hitch_is_no_state() -> None:
     subscription = begun(Subscription())
     losses, opened = losses_of(Log()), {"/battery": subscription}

@@ -54,7 +54,7 @@ def recorded(
 
 
 def lost_lines(folder: Path, heard: Mapping[str, Subscription]) -> list[str]:
-    """What the recording ``folder`` lacks of what was sent to it, a line for each topic."""
+    """Messages that the recording ``folder`` lacks of those sent to it, a line for each topic."""
     return [
         f"{folder.name}: {grouped(one.dropped)} of {grouped(one.sent)} messages of {topic} "
         "were lost on their way"

@@ -222,7 +222,7 @@ class Robot(Protocol):
 
     @property
     def senders_remedy(self) -> str | None:
-        """What to set for a process of this machine whose large messages are lost on the way.
+        """Environment variable for a process of this machine whose large messages are lost on the way.
 
         ``None`` where the middleware is not known to need any of that.
         """

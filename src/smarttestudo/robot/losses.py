@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What topics lose before they can be relayed: counted, measured over the last seconds, and warned of."""
+"""Losses of topics before they can be relayed: counted, measured over the last seconds, and warned of."""
 
 from __future__ import annotations
 
@@ -103,6 +103,7 @@ class LiveLosses:
         """What subscriptions lost that are closed."""
         self._silent_until_ns: dict[str, int] = {}
         self._said: set[str] = set()
+        self._publishers: dict[str, Sequence[Endpoint]] = {}
 
     def measure(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
         """Count for the subscriptions that are open; times may jump back."""
@@ -116,7 +117,7 @@ class LiveLosses:
                 self._say_in_time(topic, counts, now_ns)
 
     def lost(self) -> Mapping[str, SourceLoss]:
-        """What each topic lost; nothing for one whose messages were never numbered."""
+        """The losses of each topic; none for one whose messages were never numbered."""
         ended = {topic: SourceLoss(messages=messages) for topic, messages in self._ended.items()}
         numbered = {topic: counts for topic, counts in self._counts.items() if counts.is_numbered}
         return {**ended, **{topic: self._loss(topic, counts) for topic, counts in numbered.items()}}
@@ -173,7 +174,11 @@ class LiveLosses:
         """The nodes whose messages of a topic can be lost for want of their memory."""
         if self._senders_remedy is None or self.sizes.get(topic, 0) < LARGE_BYTES:
             return []
-        return sorted({one.node for one in self._publishers_of(topic) if one.is_local and not one.reliable})
+        if publishers := self._publishers_of(topic):
+            self._publishers[topic] = publishers
+        # Of one that just left, what was lost is said, too.
+        known = self._publishers.get(topic, ())
+        return sorted({one.node for one in known if one.is_local and not one.reliable})
 
     def _remedy(self, topic: str) -> str:
         short_of_room = self._short_of_room(topic)

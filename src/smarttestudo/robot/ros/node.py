@@ -142,7 +142,7 @@ class RosNode:
 
     @property
     def senders_remedy(self) -> str | None:
-        """What to set for a process of this machine whose large messages are lost on the way."""
+        """Environment variable for a process of this machine whose large messages are lost on the way."""
         return senders_remedy() if is_fast_dds() else None
 
     def now_ns(self) -> int:

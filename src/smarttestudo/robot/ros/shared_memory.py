@@ -64,7 +64,7 @@ def segment_bytes(variables: Mapping[str, str], free_bytes: int) -> int | None:
 
 
 def senders_remedy() -> str:
-    """What to set for the process of a node of this machine, so that it has room for large messages."""
+    """Environment variable that gives the process of a node of this machine room for large messages."""
     if knows_ranges() and not is_on_localhost():
         return f"{_TRANSPORTS}='DEFAULT?sockets_size={SEGMENT_BYTES // 2 // 1024 // 1024}MB'"
     # Humble's Fast DDS does not read that, and others do not where nodes stay on their machine.
