@@ -7,15 +7,19 @@ It is the sender's, and half a megabyte by default. A message of best effort tha
 
 from __future__ import annotations
 
+import fcntl
 import os
+import re
 import shutil
+import time
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from smarttestudo.files.removal import temporary_folder
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.files.removal import remove, temporary_folder
 from smarttestudo.robot.ros.discovery import environment, is_on_localhost, knows_ranges
 
 PROFILE = Path(__file__).with_name("fastdds_large_messages.xml")
@@ -24,6 +28,10 @@ SEGMENT_BYTES = 16 * 1024 * 1024
 LEAST_BYTES = 1024 * 1024
 SHARE_OF_FREE = 4
 _SHARED = Path("/dev/shm")  # noqa: S108 - no temporary file: the place of POSIX's shared memory
+_LOCK = re.compile(r"(fast(?:rtps|dds)_[0-9a-f]{16})_el")
+"""A file that is locked while the process lives whose memory has the same name without the end."""
+_YOUNG_S = 60.0
+"""A lock is made a moment before it is locked."""
 
 PROFILES_FILE = "FASTDDS_DEFAULT_PROFILES_FILE"
 PROFILES_FILE_BEFORE_KILTED = "FASTRTPS_DEFAULT_PROFILES_FILE"
@@ -47,6 +55,8 @@ def room_for_large_messages() -> Iterator[None]:
     What a user configures stays as it is, and so does how far nodes are discovered.
     """
     with ExitStack() as opened:
+        if is_fast_dds():
+            remove_left_behind(_SHARED)
         size_bytes = segment_bytes(os.environ, _free_bytes()) if is_fast_dds() else None
         if size_bytes is not None:
             path = _profile(size_bytes, opened)
@@ -61,6 +71,23 @@ def segment_bytes(variables: Mapping[str, str], free_bytes: int) -> int | None:
         return None
     size_bytes = min(SEGMENT_BYTES, free_bytes // SHARE_OF_FREE)
     return size_bytes if size_bytes >= LEAST_BYTES else None
+
+
+def remove_left_behind(folder: Path) -> None:
+    """Remove large shared memory of processes that were killed, as ``fastdds shm clean`` does.
+
+    Nothing else does, and each kill would take that much of the machine's memory for good.
+    """
+    for path in folder.glob("fast*_el"):
+        if (named := _LOCK.fullmatch(path.name)) is None:
+            continue
+        # Another user's, or gone by now.
+        with suppress(OSError, TestudoError), path.open("rb") as lock:
+            if (folder / named[1]).stat().st_size < LEAST_BYTES:
+                continue
+            if time.time() - os.fstat(lock.fileno()).st_mtime > _YOUNG_S:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                remove(folder, [named[1], path.name])
 
 
 def senders_remedy() -> str:
