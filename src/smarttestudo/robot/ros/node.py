@@ -85,8 +85,10 @@ def open_node(
     says whether it ``sends_large`` messages.
     """
     with own_context(ros_arguments) as context:
-        with ros_errors(name), room_for_large_messages() if sends_large else nullcontext():
+        with ros_errors(name), room_for_large_messages() if sends_large else nullcontext() as problem:
             node = Node(name, context=context)
+        if problem is not None:
+            node.get_logger().warning(problem)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
         try:

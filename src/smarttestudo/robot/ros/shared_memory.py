@@ -30,6 +30,7 @@ SHARE_OF_FREE = 4
 _SHARED = Path("/dev/shm")  # noqa: S108 - no temporary file: the place of POSIX's shared memory
 _LOCK = re.compile(r"(fast(?:rtps|dds)_[0-9a-f]{16})_el")
 """A file that is locked while the process lives whose memory has the same name without the end."""
+_MAY_BE_LOST = "of what is published here, messages of more than 64 KB may be lost"
 _YOUNG_S = 60.0
 """A lock is made a moment before it is locked."""
 
@@ -49,26 +50,39 @@ def is_fast_dds() -> bool:
 
 
 @contextmanager
-def room_for_large_messages() -> Iterator[None]:
+def room_for_large_messages() -> Iterator[str | None]:
     """Have room in the memory of the participant that is made in the block, the first one of this process.
 
-    What a user configures stays as it is, and so does how far nodes are discovered.
+    What a user configures stays as it is, and so does how far nodes are discovered. The block is given the
+    reason why there is no room, if so.
     """
+    if not is_fast_dds() or is_configured(os.environ):
+        yield None
+        return
+    remove_left_behind(_SHARED)
+    size_bytes = segment_bytes(_free_bytes())
+    if size_bytes is None:
+        yield f"{_SHARED} is nearly full; {_MAY_BE_LOST}"
+        return
     with ExitStack() as opened:
-        if is_fast_dds():
-            remove_left_behind(_SHARED)
-        size_bytes = segment_bytes(os.environ, _free_bytes()) if is_fast_dds() else None
-        if size_bytes is not None:
+        problem = None
+        try:
             path = _profile(size_bytes, opened)
             opened.enter_context(environment({PROFILES_FILE: path, PROFILES_FILE_BEFORE_KILTED: path}))
-        yield
+        except OSError as error:
+            problem = f"no profile of Fast DDS can be written: {error}; {_MAY_BE_LOST}"
+        yield problem
 
 
-def segment_bytes(variables: Mapping[str, str], free_bytes: int) -> int | None:
-    """How much to share where so much is free; ``None``: as Fast DDS has it, or as a user configures it."""
-    is_configured = any(variables.get(name) for name in OF_USERS)
-    if is_configured or any(Path(name).exists() for name in FILES_OF_USERS):
-        return None
+def is_configured(variables: Mapping[str, str]) -> bool:
+    """Whether a user configures Fast DDS, by variables or by a file in the working directory."""
+    return any(variables.get(name) for name in OF_USERS) or any(
+        Path(name).exists() for name in FILES_OF_USERS
+    )
+
+
+def segment_bytes(free_bytes: int) -> int | None:
+    """How much to share where so much is free; ``None`` where that is too little."""
     size_bytes = min(SEGMENT_BYTES, free_bytes // SHARE_OF_FREE)
     return size_bytes if size_bytes >= LEAST_BYTES else None
 
