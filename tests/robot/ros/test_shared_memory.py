@@ -4,10 +4,8 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
-import time
 from pathlib import Path
 
 import pytest
@@ -20,7 +18,6 @@ from smarttestudo.robot.ros.shared_memory import (
     PROFILE,
     PROFILES_FILE_BEFORE_KILTED,
     SEGMENT_BYTES,
-    remove_left_behind,
     room_for_large_messages,
     segment_bytes,
     senders_remedy,
@@ -66,31 +63,6 @@ def test_the_environment_is_as_before_once_the_node_is_there() -> None:
     with room_for_large_messages():
         assert os.environ[PROFILES_FILE_BEFORE_KILTED].endswith(PROFILE.name)
     assert dict(os.environ) == before
-
-
-@pytest.mark.parametrize("prefix", ["fastrtps", "fastdds"])
-def test_large_memory_that_killed_processes_left_is_removed_and_no_other(prefix: str, tmp_path: Path) -> None:
-    def memory(number: int, *, size_bytes: int = MB, age_s: float = 100.0) -> Path:
-        path = tmp_path / f"{prefix}_{number:016x}"
-        path.touch()
-        os.truncate(path, size_bytes)
-        lock = tmp_path / f"{path.name}_el"
-        lock.touch()
-        os.utime(lock, (time.time() - age_s,) * 2)
-        return path
-
-    left_behind, in_use = memory(1, size_bytes=17 * MB), memory(2)
-    kept = [in_use, memory(3, size_bytes=MB // 2), memory(4, age_s=10.0), tmp_path / f"{prefix}_port7400"]
-    for name in (kept[-1].name, f"{kept[-1].name}_el", f"other_{5:016x}", f"other_{5:016x}_el"):
-        (tmp_path / name).write_bytes(bytes(2 * MB))
-        os.utime(tmp_path / name, (0, 0))
-    before = {path.name for path in tmp_path.iterdir()}
-    with (tmp_path / f"{in_use.name}_el").open("rb") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        remove_left_behind(tmp_path)
-    removed = before - {path.name for path in tmp_path.iterdir()}
-    assert removed == {left_behind.name, f"{left_behind.name}_el"}
-    remove_left_behind(tmp_path / "no folder")
 
 
 def test_the_profile_adds_a_transport_and_changes_no_other() -> None:

@@ -7,19 +7,15 @@ It is the sender's, and half a megabyte by default. A message of best effort tha
 
 from __future__ import annotations
 
-import fcntl
 import os
-import re
 import shutil
-import time
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from smarttestudo.domain.errors import TestudoError
-from smarttestudo.files.removal import remove, temporary_folder
+from smarttestudo.files.removal import temporary_folder
 from smarttestudo.robot.ros.discovery import environment, is_on_localhost, knows_ranges
 
 PROFILE = Path(__file__).with_name("fastdds_large_messages.xml")
@@ -28,11 +24,7 @@ SEGMENT_BYTES = 16 * 1024 * 1024
 LEAST_BYTES = 1024 * 1024
 SHARE_OF_FREE = 4
 _SHARED = Path("/dev/shm")  # noqa: S108 - no temporary file: the place of POSIX's shared memory
-_LOCK = re.compile(r"(fast(?:rtps|dds)_[0-9a-f]{16})_el")
-"""A file that is locked while the process lives whose memory has the same name without the end."""
 _MAY_BE_LOST = "of what is published here, messages of more than 64 KB may be lost"
-_YOUNG_S = 60.0
-"""A lock is made a moment before it is locked."""
 
 PROFILES_FILE = "FASTDDS_DEFAULT_PROFILES_FILE"
 PROFILES_FILE_BEFORE_KILTED = "FASTRTPS_DEFAULT_PROFILES_FILE"
@@ -59,7 +51,6 @@ def room_for_large_messages() -> Iterator[str | None]:
     if not is_fast_dds() or is_configured(os.environ):
         yield None
         return
-    remove_left_behind(_SHARED)
     size_bytes = segment_bytes(_free_bytes())
     if size_bytes is None:
         yield f"{_SHARED} is nearly full; {_MAY_BE_LOST}"
@@ -85,23 +76,6 @@ def segment_bytes(free_bytes: int) -> int | None:
     """How much to share where so much is free; ``None`` where that is too little."""
     size_bytes = min(SEGMENT_BYTES, free_bytes // SHARE_OF_FREE)
     return size_bytes if size_bytes >= LEAST_BYTES else None
-
-
-def remove_left_behind(folder: Path) -> None:
-    """Remove large shared memory of processes that were killed, as ``fastdds shm clean`` does.
-
-    Nothing else does, and each kill would take that much of the machine's memory for good.
-    """
-    for path in folder.glob("fast*_el"):
-        if (named := _LOCK.fullmatch(path.name)) is None:
-            continue
-        # Another user's, or gone by now.
-        with suppress(OSError, TestudoError), path.open("rb") as lock:
-            if (folder / named[1]).stat().st_size < LEAST_BYTES:
-                continue
-            if time.time() - os.fstat(lock.fileno()).st_mtime > _YOUNG_S:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                remove(folder, [named[1], path.name])
 
 
 def senders_remedy() -> str:
