@@ -16,10 +16,12 @@ from typing import Any
 
 import pytest
 
-from incidents.folder_runs import LATCHED, FolderRun, payloads, record_of
+from incidents.folder_runs import LATCHED, FolderRun, channel, payloads, record_of
 from incidents.incident_runs import recording_rules
 from smarttestudo.bags.mcap.record_bytes import file_start
 from smarttestudo.domain.incident import MissingReason
+from smarttestudo.domain.link import MessageOrigin, MissedMessage
+from smarttestudo.files.whole_file import OutputFileError
 from smarttestudo.incidents.outage_folder import OutageFolder
 from smarttestudo.incidents.recovery import complete_incidents
 
@@ -213,9 +215,32 @@ def test_a_link_to_an_empty_folder_is_none_of_ours(tmp_path: Path) -> None:
 def test_an_outage_that_cannot_be_begun_leaves_no_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with refusing(monkeypatch, 2, FOR_GOOD), pytest.raises(Exception, match="cannot be written"):
+    with refusing(monkeypatch, 2, FOR_GOOD), pytest.raises(OutputFileError):
         OutageFolder(tmp_path, {}, 0, "")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_outage_whose_disk_is_full_says_what_it_lacks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    channels = {"/odom": channel("/odom")}
+    outage = OutageFolder(tmp_path, channels, 0, "")
+    missed = [
+        MissedMessage(origin=MessageOrigin(topic="/odom", stamp_ns=number), payload=bytes(SIZE_BYTES))
+        for number in range(10)
+    ]
+    for one in missed[:4]:
+        outage.write(one)
+    with refusing(monkeypatch, 1, FOR_GOOD):
+        with pytest.raises(OutputFileError, match="cannot be written"):
+            outage.write(missed[4])
+        for one in missed[5:]:
+            outage.write(one)
+    path = outage.end()
+    assert sum(payloads(path).values()) == 4
+    (lost,) = record_of(path)["missing"]
+    assert (lost["topic"], lost["reason"], lost["messages"], lost["from_ns"]) == ("/odom", "disk", 6, 4)
+    assert sorted(one.suffix for one in path.iterdir()) == [".json", ".mcap", ".yaml"]
 
 
 def test_a_record_of_an_older_version_that_a_killed_run_left_says_killed(tmp_path: Path) -> None:

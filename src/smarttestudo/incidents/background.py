@@ -54,7 +54,7 @@ class BackgroundSink:
         if self._given_bytes - self._done_bytes > self._max_waiting_bytes:
             self.dropped += 1
             for incident in incidents:
-                self._left_out[incident].add(message)
+                self._left_out[incident].add(message.topic, message.stamp_ns)
             return
         self._given_bytes += message.held_bytes
         self._thread.give(partial(self._write, message, incidents))

@@ -132,7 +132,7 @@ class IncidentFolders:
         self._open[incident] = found
         try:
             bag.path.mkdir()
-            _make_reserve(bag.path, RESERVE_BYTES + self._definition_bytes())
+            make_reserve(bag.path, self._channels)
             # What a killed run leaves says what it was.
             write_record(bag.path, as_if_killed(found.record))
             self._begin(incident, bag, shared, latched, messages)
@@ -228,13 +228,13 @@ class IncidentFolders:
 
     def _lose(self, found: _OpenFolder, message: IncidentMessage) -> None:
         if message.topic in self._channels:
-            found.lost.add(message)
+            found.lost.add(message.topic, message.stamp_ns)
 
     def _finish_lost(self, bag: BagFolder, record: IncidentRecord) -> None:
         """Have what was written appear, if nothing was as an incident without messages."""
         try:
             bag.path.mkdir(exist_ok=True)
-            _free_reserve(bag.path)
+            free_reserve(bag.path)
             # Whatever cannot be written from here on, the next run knows what is missing.
             write_record(bag.path, finished_record(record, {}, self._channels))
             files = complete_files(bag.path)
@@ -251,13 +251,9 @@ class IncidentFolders:
         record = finished_record(record, files, self._channels)
         finish_folder(bag.path, record, files, self._channels)
         # Not before: of a run that is killed until here the next one is to say so.
-        _free_reserve(bag.path)
+        free_reserve(bag.path)
         bag.path = bag.path.rename(self._folder / bag.name)
         self._ended(bag.path, record)
-
-    def _definition_bytes(self) -> int:
-        # Topics may join meanwhile, on another thread.
-        return sum(len(one.definition) for one in list(self._channels.values()))
 
     def _give_up(self, shared: SharedMessages, name: str, error: Exception) -> None:
         """End the incidents that share what cannot be written."""
@@ -312,7 +308,10 @@ def as_if_killed(record: IncidentRecord) -> IncidentRecord:
     return replace(record, missing=tuple(killed))
 
 
-def _make_reserve(folder: Path, size_bytes: int) -> None:
+def make_reserve(folder: Path, channels: Mapping[str, StoredChannel]) -> None:
+    """Have room on the disk for the end of a recording in ``folder``. Raises ``OSError``."""
+    # Topics may join meanwhile, on another thread.
+    size_bytes = RESERVE_BYTES + sum(len(one.definition) for one in list(channels.values()))
     file = os.open(folder / RESERVE_NAME, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o644)
     try:
         if hasattr(os, "posix_fallocate"):
@@ -324,7 +323,8 @@ def _make_reserve(folder: Path, size_bytes: int) -> None:
         os.close(file)
 
 
-def _free_reserve(folder: Path) -> None:
+def free_reserve(folder: Path) -> None:
+    """Give that room back."""
     remove(folder, [RESERVE_NAME])
 
 

@@ -15,6 +15,7 @@ from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.heard_channels import HeardChannels
 from smarttestudo.incidents.live_incidents import delete_for_room
+from smarttestudo.incidents.missing import missing_text
 from smarttestudo.incidents.outage_folder import OutageFolder
 from smarttestudo.incidents.task_thread import TaskThread
 from smarttestudo.loop.relay import Relayed
@@ -98,17 +99,17 @@ class LiveOutages(Part):
             self._begun_ns = self._robot.steady_ns()
             from_ns = min(one.origin.stamp_ns for one in missed)
             self._thread.give(partial(self._open_folder, from_ns, self._rules_hash))
-        self._thread.give(partial(self._write, missed))
+        for message in missed:
+            self._thread.give(partial(self._write, message))
 
     def _open_folder(self, from_ns: int, rules_hash: str) -> None:
         self._open = OutageFolder(
             self._folder, self._channels.by_topic, from_ns, rules_hash, of_message=self._channels.of
         )
 
-    def _write(self, missed: Sequence[MissedMessage]) -> None:
+    def _write(self, message: MissedMessage) -> None:
         if self._open is not None:
-            for message in missed:
-                self._open.write(message)
+            self._open.write(message)
 
     def _end(self) -> None:
         if self._begun_ns is not None:
@@ -120,10 +121,10 @@ class LiveOutages(Part):
         if folder is None:
             return
         path = folder.end()
-        self._robot.log.info(f"outage {path.name}: kept for who asks with 'testudo receive --catch-up'")
+        lacks = f"{text}; " if (text := missing_text(folder.missing)) else ""
+        log = self._robot.log.warning if lacks else self._robot.log.info
+        log(f"outage {path.name}: {lacks}kept for who asks with 'testudo receive --catch-up'")
         delete_for_room(self._robot, self._settings, newest=path.name)
 
     def _failed(self, error: Exception) -> None:
-        # The next outage is tried.
-        self._open = None
         self._robot.log.warning(f"an outage is not kept any further: {said(error)}")

@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from smarttestudo.domain.incident import Missing, MissingReason
-from smarttestudo.incidents.topic_ring import IncidentMessage
 
 
 class LostMessages:
@@ -16,20 +15,14 @@ class LostMessages:
     def __init__(self) -> None:
         self._topics: dict[str, Missing] = {}
 
-    def add(self, message: IncidentMessage) -> None:
+    def add(self, topic: str, stamp_ns: int) -> None:
         """One more was lost."""
-        known = self._topics.get(message.topic)
+        known = self._topics.get(topic)
         if known is None:
             known = Missing(
-                topic=message.topic,
-                reason=MissingReason.DISK,
-                messages=0,
-                from_ns=message.stamp_ns,
-                to_ns=message.stamp_ns,
+                topic=topic, reason=MissingReason.DISK, messages=0, from_ns=stamp_ns, to_ns=stamp_ns
             )
-        self._topics[message.topic] = replace(
-            known, messages=(known.messages or 0) + 1, to_ns=message.stamp_ns
-        )
+        self._topics[topic] = replace(known, messages=(known.messages or 0) + 1, to_ns=stamp_ns)
 
     def missing(self) -> tuple[Missing, ...]:
         """Losses for the record of an incident."""

@@ -11,17 +11,21 @@ from pathlib import Path
 
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
+from smarttestudo.bags.mcap.written_file import complete_files
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.incident import IncidentRecord, IncidentTopic
+from smarttestudo.domain.incident import IncidentRecord, IncidentTopic, Missing
 from smarttestudo.domain.link import MissedMessage
 from smarttestudo.domain.remote_incidents import OUTAGE_NAME, OUTAGE_RULE
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written
 from smarttestudo.incidents.folders import (
     finish_folder,
     finished_record,
+    free_reserve,
+    make_reserve,
     unused_name,
     write_record,
 )
+from smarttestudo.incidents.lost_messages import LostMessages
 from smarttestudo.incidents.segments import ChannelOf, channel_of
 from smarttestudo.incidents.store import remove_begun
 
@@ -32,7 +36,8 @@ class OutageFolder:
     They come in the order in which they were missed; in the one file, readers find that of their stamps. It
     has its name when the outage is over; until then it is hidden, and a killed run's is completed by the
     next. ``channels`` are the topics by name, which may grow; ``of_message`` is the channel of a topic's
-    message of some stamp, where that may change. Raises ``OutputFileError``.
+    message of some stamp, where that may change. What cannot be written ends it: messages after that are
+    counted. Raises ``OutputFileError``.
     """
 
     def __init__(
@@ -47,6 +52,8 @@ class OutageFolder:
         name = unused_name(folder, OUTAGE_NAME, from_ns)
         self._channels = channels
         self._of_message = of_message or channel_of(channels)
+        self._lost = LostMessages()
+        self._has_failed = False
         self._target = folder / name
         self._path = folder / f".{name}{PARTIAL_SUFFIX}"
         self._file_name = f"{name}_0.mcap"
@@ -64,6 +71,7 @@ class OutageFolder:
         )
         try:
             self._path.mkdir(parents=True)
+            make_reserve(self._path, channels)
             # What a killed run leaves says what it was.
             write_record(self._path, self._record)
             self._writer = McapWriter(self._path / self._file_name)
@@ -79,24 +87,43 @@ class OutageFolder:
         channel = self._of_message(message.origin.topic, message.origin.stamp_ns)
         if channel is None:
             return
+        topic, stamp_ns = message.origin.topic, message.origin.stamp_ns
+        if self._has_failed:
+            self._lost.add(topic, stamp_ns)
+            return
         try:
-            self._writer.write(channel, message.origin.stamp_ns, message.payload)
+            self._writer.write(channel, stamp_ns, message.payload)
         except OSError as error:
+            self._has_failed = True
+            self._writer.abandon()
+            self._lost.add(topic, stamp_ns)
             raise not_written(self._target, "an outage", error) from error
+
+    @property
+    def missing(self) -> tuple[Missing, ...]:
+        """Messages that could not be written."""
+        return self._lost.missing()
 
     def end(self) -> Path:
         """The outage is over; where its folder is."""
         try:
-            contents = {self._file_name: self._writer.close()}
+            if self._has_failed:
+                free_reserve(self._path)
+            contents = (
+                complete_files(self._path) if self._has_failed else {self._file_name: self._writer.close()}
+            )
             (content,) = contents.values()
             record = replace(
                 spanning(self._record, [content] if content.message_count else []),
                 topics={
-                    topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in content.messages
+                    topic: IncidentTopic(type_name="", messages=0, size_bytes=0)
+                    for topic in (*content.messages, *(one.topic for one in self.missing))
                 },
+                missing=self.missing,
             )
             record = finished_record(record, contents, self._channels)
             finish_folder(self._path, record, contents, self._channels)
+            free_reserve(self._path)
             return self._path.rename(self._target)
         except OSError as error:
             raise not_written(self._target, "an outage", error) from error
