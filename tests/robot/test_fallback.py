@@ -35,6 +35,7 @@ from smarttestudo.robot.input_recorder import Note
 from smarttestudo.robot.option import Settings
 from smarttestudo.robot.run import run_live
 from smarttestudo.robot.run_options import FALLBACK, RUN_OPTIONS, RunParameters
+from smarttestudo.rules.rule_files import refuse_missing
 
 SECOND = 1_000_000_000
 TOPICS = ("/cam", "/imu", "/odom", "/scan")
@@ -294,6 +295,31 @@ def test_a_name_of_nothing_ends_the_start_with_what_may_be_meant(broken: Path, f
     assert str(raised.value) == (
         f"{broken.with_name('ruls.adirf')}: error: there is no such file; did you mean {broken}?"
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("warehuse.adirf", ["warehouse.adirf"]),
+        ("Warehouse.adirf", ["warehouse.adirf"]),
+        ("warehouse.adrif", ["warehouse.adirf"]),
+        ("warehouse", ["warehouse.adirf"]),
+        ("rule", ["rules"]),
+        ("rule/warehouse.adirf", ["rules"]),
+        ("missing.adirf", []),
+        ("warehouse.adirf/rules", []),
+    ],
+)
+def test_only_names_that_are_like_the_one_that_is_not_there_are_proposed(
+    tmp_path: Path, name: str, meant: list[str]
+) -> None:
+    for one in ("warehouse.adirf", "wrong.adirf", "notes.txt"):
+        (tmp_path / one).touch()
+    (tmp_path / "rules").mkdir()
+    with pytest.raises(RuleFileError) as raised:
+        refuse_missing([tmp_path / name])
+    paths = " or ".join(str(tmp_path / one) for one in meant)
+    assert raised.value.remedy == (f"did you mean {paths}?" if meant else "check the path")
 
 
 def test_a_file_that_pushed_rules_are_to_be_written_to_need_not_be_there(tmp_path: Path) -> None:

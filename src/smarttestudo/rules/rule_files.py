@@ -126,16 +126,17 @@ def _near(path: Path) -> list[str]:
     while is_missing(path.parent) and path.parent != path:
         path = path.parent
     try:
-        names = {
-            one.name.casefold(): str(path.with_name(one.name))
+        names = [
+            path.with_name(one.name)
             for one in os.scandir(path.parent)
             if one.is_dir() or (one.name.endswith(SUFFIX) and one.is_file())
-        }
+        ]
     except OSError:
         return []
     from difflib import get_close_matches  # noqa: PLC0415  only for who mistypes
 
-    return [names[name] for name in get_close_matches(path.name.casefold(), names)]
+    near = get_close_matches(path.stem.casefold(), {one.stem.casefold() for one in names})
+    return [str(one) for stem in near for one in names if one.stem.casefold() == stem]
 
 
 def _decoded(data: bytes, path: Path) -> str:
