@@ -347,7 +347,7 @@ def _error(meters: _Meters, rates: _Rates, link: TopicLink) -> _Error:
         return _Error(-100.0, is_explained=False)
     if not actual_hz or span_ns < _ERROR_AFTER_NS:
         return _Error(None, is_explained=True)
-    if kind is not StreamKind.TRANSFORMS and link.publishers > 1 and actual_hz > expected_hz:
+    if kind is not StreamKind.NAMED and link.publishers > 1 and actual_hz > expected_hz:
         # Where publishers are told apart, each has the rate for itself.
         return _Error(None, is_explained=True)
     percent = 100 * (actual_hz / expected_hz - 1)
