@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.serialization import serialize_message
 
 from smarttestudo.domain.robot import Qos, Receive
@@ -38,7 +38,7 @@ class RclpyInlet:
                 topic,
                 received,
                 qos_profile(qos),
-                callback_group=MutuallyExclusiveCallbackGroup(),
+                callback_group=ReentrantCallbackGroup(),
                 raw=not is_decoded,
             )
 
