@@ -109,7 +109,8 @@ def test_another_run_of_the_same_robot_is_named_once() -> None:
     live.looks()
     assert lines_with(graph, "relays on this ROS graph") == [
         f"another {NODE} relays on this ROS graph, or was killed a moment ago: "
-        "what both relay arrives twice; end one of them"
+        "end one of them, as what both relay arrives twice; or, for two robots, give each a name, as with "
+        "--ros-args -r __node:=smarttestudo_2: rules can be pushed to neither so"
     ]
 
 

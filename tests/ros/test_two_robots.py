@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import pytest
 
 from ros.ros_processes import Process, SmallRobot
+from smarttestudo.domain.names import NAME_OPTION
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 IMU = "sensor_msgs/msg/Imu"
@@ -46,3 +48,27 @@ def test_each_runtime_relays_its_own_robot_only(robot: SmallRobot) -> None:
     assert "/tb3_1/imu: " in runtimes[1].line_with("(block: Zone)")
     for runtime, other in zip(runtimes, reversed(ROBOTS), strict=True):
         assert f"/{other}/" not in "".join(runtime.output)
+
+
+def test_two_of_one_name_are_both_shown_and_the_log_says_how_to_name_them(
+    robot: SmallRobot, endpoint: str
+) -> None:
+    prefixed = [("--topic-prefix", f"/{name}") for name in ROBOTS]
+    first = robot.runtime(RULES, *prefixed[0])
+    # Nobody listens at the endpoint.
+    second = robot.runtime(RULES, *prefixed[1], "--link", endpoint)
+    log = r"\[WARN\] \[[0-9.]+\] \[smarttestudo\]: "
+    assert re.match(
+        f"{log}another /smarttestudo relays .*, as with {NAME_OPTION}:", first.line_with("another")
+    )
+    assert re.match(f"{log}{endpoint}: it cannot be reached", second.line_with("cannot be reached"))
+    robot.runtime(RULES, *prefixed[1], *NAME_OPTION.split())
+
+    def names(nodes: dict[str, Any]) -> list[str]:
+        return sorted(status["node"] for status in nodes.values())
+
+    shown = robot.nodes_told(lambda nodes: len(nodes) == 3)
+    assert names(shown) == ["/smarttestudo", "/smarttestudo", "/smarttestudo_2"]
+    assert {topic for status in shown.values() for topic in status["topics"]} == {
+        f"/{name}/{topic}" for name in ROBOTS for topic in ("imu", "odom")
+    }

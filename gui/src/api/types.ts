@@ -757,9 +757,9 @@ export interface LevelsRequest {
  *
  * `capacity_kb_per_s` is what the link carries, `round_trip_ms` the least of the last seconds,
  * `outages` how often nothing arrived at the operator's end for more than a second and four round trips,
- * whether its connection was cut or not. `sessions` counts how often an operator's end came that may
- * lack what was sent before. `receivers` are the numbers of the operator's ends that are there; all of
- * them reckon the topics in `predicted` where they are told how.
+ * whether its connection was cut or it was started anew. `sessions` counts how often an operator's end
+ * came that may lack what was sent before. All operator's ends that are there reckon the topics in
+ * `predicted` where they are told how; `operators` are their numbers.
  */
 export interface LinkState {
   connected: boolean;
@@ -1524,7 +1524,8 @@ export type RulesOrigin = "files" | "pushed" | "waiting" | "fallback";
 /**
  * All of a runtime: its node, its rules, the link, itself, and its topics by source.
  *
- * `robot` is the robot's name on its link, empty without one; nodes of several robots may be called alike.
+ * `robot` is the robot's name on its link, empty without one; nodes of several robots may be called alike;
+ * `run` tells their runs apart.
  * `stamp_ns` is the node's clock, `uptime_s` real time since the start, `cpu_percent` of one core
  * over the last second, `memory_mb` what is resident. `status_hz` is how often a status comes,
  * `blocks` has the states of the conditions: of the first `MOST_BLOCKS`, `blocks_left_out` counts the
@@ -1533,6 +1534,7 @@ export type RulesOrigin = "files" | "pushed" | "waiting" | "fallback";
 export interface RuntimeStatus {
   robot?: string;
   node: string;
+  run?: string;
   stamp_ns: number;
   uptime_s: number;
   status_hz: number;

@@ -7,7 +7,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,7 @@ from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import UsageError
 
 if TYPE_CHECKING:
+    from smarttestudo.domain.robot import RobotLog
     from smarttestudo.link.zenoh.robot_end import RobotEnd
     from smarttestudo.link.zenoh.security import LinkOptions
 
@@ -76,8 +77,30 @@ def add_zenoh_config(parser: argparse._ActionsContainer) -> None:
     )
 
 
+class LinkWarnings:
+    """What a link warns of, from any thread: on standard error, in the log of a node once that is there."""
+
+    def __init__(self) -> None:
+        self._say: Callable[[str], None] = warn
+
+    def __call__(self, sentence: str) -> None:
+        """Say it."""
+        self._say(sentence)
+
+    @contextmanager
+    def logged(self, log: RobotLog) -> Iterator[None]:
+        """Say it in that log, which has time and node."""
+        self._say = log.warning
+        try:
+            yield
+        finally:
+            self._say = warn
+
+
 @contextmanager
-def open_link(arguments: argparse.Namespace, robot: str) -> Iterator[RobotEnd | None]:
+def open_link(
+    arguments: argparse.Namespace, robot: str, warn: Callable[[str], None]
+) -> Iterator[RobotEnd | None]:
     """The link's end at the robot of that name, if there is to be one.
 
     Raises ``LinkError`` as ``open_robot_end`` does, and ``UsageError`` for options of a link without one.

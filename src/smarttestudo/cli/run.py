@@ -13,7 +13,7 @@ from functools import partial
 
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.cli.link_options import add_link, open_link
+from smarttestudo.cli.link_options import LinkWarnings, add_link, open_link
 from smarttestudo.cli.loop_options import (
     add_option,
     add_output_domain,
@@ -85,7 +85,8 @@ def run(arguments: argparse.Namespace, kinds: Sequence[PartKind] = PART_KINDS) -
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
         metrics = opened.enter_context(served_run(arguments.openmetrics, _robot_name(arguments.robot)))
-        link = opened.enter_context(open_link(arguments, _robot_name(arguments.robot)))
+        warnings = LinkWarnings()
+        link = opened.enter_context(open_link(arguments, _robot_name(arguments.robot), warnings))
         with lasting():
             robot = opened.enter_context(
                 open_robot(
@@ -97,6 +98,7 @@ def run(arguments: argparse.Namespace, kinds: Sequence[PartKind] = PART_KINDS) -
                     sends_large=True,
                 )
             )
+        opened.enter_context(warnings.logged(robot.log))
         parameters = RunParameters(robot, options_of(kinds), _all_given(arguments, kinds))
         settings = parameters.settings
         _require_catch_up(settings, has_link=link is not None)

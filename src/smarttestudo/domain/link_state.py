@@ -67,9 +67,9 @@ class LinkState:
 
     ``capacity_kb_per_s`` is what the link carries, ``round_trip_ms`` the least of the last seconds,
     ``outages`` how often nothing arrived at the operator's end for more than a second and four round trips,
-    whether its connection was cut or not. ``sessions`` counts how often an operator's end came that may
-    lack what was sent before. ``receivers`` are the numbers of the operator's ends that are there; all of
-    them reckon the topics in ``predicted`` where they are told how.
+    whether its connection was cut or it was started anew. ``sessions`` counts how often an operator's end
+    came that may lack what was sent before. All operator's ends that are there reckon the topics in
+    ``predicted`` where they are told how; ``operators`` are their numbers.
     """
 
     is_connected: Annotated[
@@ -95,8 +95,8 @@ class LinkState:
         ),
     ] = 0
     sessions: Annotated[int, JsonEntry(is_absent=True)] = 0
-    receivers: Annotated[frozenset[int], JsonEntry(is_absent=True)] = frozenset()
     predicted: Annotated[frozenset[str], JsonEntry(is_absent=True)] = frozenset()
+    operators: Annotated[frozenset[int], JsonEntry(is_absent=True)] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

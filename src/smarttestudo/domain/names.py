@@ -15,6 +15,8 @@ MAX_NAME_LENGTH = 247
 """ROS 2's own limit: the middleware has 255 letters, of which eight are kept for prefixes such as ``rt/``."""
 STATUS_TOPIC = "/testudo/status"
 DECISIONS_TOPIC = "/testudo/decisions"
+NAME_OPTION = "--ros-args -r __node:=smarttestudo_2"
+"""How `testudo run` gets another name than the node of another robot on its ROS graph."""
 TOPIC_PLACEHOLDER = "{topic}"
 ROBOT_PLACEHOLDER = "{robot}"
 

@@ -291,7 +291,8 @@ class TopicStatus:
 class RuntimeStatus:
     """All of a runtime: its node, its rules, the link, itself, and its topics by source.
 
-    ``robot`` is the robot's name on its link, empty without one; nodes of several robots may be called alike.
+    ``robot`` is the robot's name on its link, empty without one; nodes of several robots may be called alike;
+    ``run`` tells their runs apart.
     ``stamp_ns`` is the node's clock, ``uptime_s`` real time since the start, ``cpu_percent`` of one core
     over the last second, ``memory_mb`` what is resident. ``status_hz`` is how often a status comes,
     ``blocks`` has the states of the conditions: of the first ``MOST_BLOCKS``, ``blocks_left_out`` counts the
@@ -300,6 +301,7 @@ class RuntimeStatus:
 
     robot: Annotated[str, JsonEntry(omits_default=True)] = ""
     node: str
+    run: Annotated[str, JsonEntry(omits_default=True)] = ""
     stamp_ns: int
     uptime_s: Annotated[
         Measured, AtMost(MOST_UPTIME_S), Metered("uptime", "seconds", "Time since the start of the run.")

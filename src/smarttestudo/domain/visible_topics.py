@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from smarttestudo.domain.names import DECISIONS_TOPIC
+from smarttestudo.domain.names import DECISIONS_TOPIC, NAME_OPTION
 from smarttestudo.domain.robot import Endpoint, Robot
 
 _OF_ROS = frozenset({"/rosout", "/parameter_events"})
@@ -26,7 +26,8 @@ def relaying_nodes(robot: Robot, warn: Callable[[str], None] | None = None) -> f
     if warn is not None and relaying.count(robot.name) > 1:
         warn(
             f"another {robot.name} relays on this ROS graph, or was killed a moment ago: "
-            "what both relay arrives twice; end one of them"
+            "end one of them, as what both relay arrives twice; or, for two robots, give each a name, as "
+            f"with {NAME_OPTION}: rules can be pushed to neither so"
         )
     return frozenset({*relaying, robot.name, *robot.fed_nodes})
 

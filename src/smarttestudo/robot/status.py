@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import secrets
 import struct
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -209,6 +210,7 @@ class LiveStatus:
     def __init__(self, node: str, start: ProcessReading) -> None:
         self._cpu_percent: float | None = None
         self._node = node
+        self._run = secrets.token_hex(4)
         self._start = self._process = start
         self._meters: dict[str, _Meters] = {}
 
@@ -241,6 +243,7 @@ class LiveStatus:
         resident = process.resident_bytes
         return RuntimeStatus(
             node=self._node,
+            run=self._run,
             stamp_ns=now_ns,
             uptime_s=(process.steady_ns - self._start.steady_ns) / NS_PER_S,
             rules=rules,

@@ -356,3 +356,25 @@ def test_whoever_hears_the_robot_knows_its_streams_whatever_was_closed_in_an_out
                 while (data := sender.next_chunk(now_ns)) is not None:
                     receiver.receive(data, now_ns)
     assert receiver.streams == opened
+
+
+@given(
+    st.lists(
+        st.tuples(st.sampled_from([7, 8, 9]), st.booleans(), st.sampled_from([0.3, 16.0, 90.0])), max_size=8
+    )
+)
+def test_an_outage_is_counted_where_no_operator_was_there_though_there_had_been_one(
+    comings: list[tuple[int, bool, float]],
+) -> None:
+    sender: LinkSender[Any] = LinkSender()
+    now_ns, outages = S, 0
+    for number, (receiver, is_noticed, absent_s) in enumerate(comings):
+        for _ in range(4):
+            sender.handle_report(Report(receiver=receiver, received=NOTHING_RECEIVED), now_ns)
+            now_ns += S // 2
+        assert sender.state(now_ns).outages == outages
+        if is_noticed or absent_s > 10:
+            sender.disconnect()
+        now_ns += int(absent_s * S)
+        outages += absent_s > 10 and number + 1 < len(comings)
+    assert sender.state(now_ns + 4 * S).operators == frozenset()

@@ -16,6 +16,7 @@ from robot.status.virtual_robot import Source, VirtualRobot
 from smarttestudo.cli.top import print_once
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.ros.graph_robots import GraphRobots
 from smarttestudo.robot.status_topics import StatusPublisher
 
@@ -97,6 +98,56 @@ def test_a_robot_behind_a_link_is_not_taken_for_a_node_of_its_name_on_the_graph(
         "ada:/smarttestudo: error: it is heard here, but its node is not on this ROS graph; "
         "use --connect with the endpoint where `testudo receive` listens"
     ] * 2
+
+
+def says(robot: VirtualRobot, run: str, *, node: str = "/smarttestudo", name: str = "") -> None:
+    robot.say(STATUS_TOPIC, json.dumps(to_json(replace(STATUS, run=run, node=node, robot=name))))
+
+
+def test_runs_of_one_name_are_all_shown_and_rules_go_to_none_by_chance() -> None:
+    robot = VirtualRobot(sources={STATUS_TOPIC: Source(nodes=("/smarttestudo", "/smarttestudo", "/other"))})
+    robots = GraphRobots(robot, robot.steady_s)
+    says(robot, "c0ffee00", node="/other")
+    for second in range(5):
+        for run in ("1a2b3c4d", "5e6f7a8b"):
+            robot.elapsed_ns += NS_PER_S // 2
+            says(robot, run)
+        assert second == 0 or robots.has_heard_all
+    both = ["#1a2b:/smarttestudo", "#5e6f:/smarttestudo"]
+    assert sorted(robots.heard) == [*both, "/other"]
+    assert [robots.heard[one].status.robot_id for one in both] == both
+    answers: list[object] = []
+    for robot_id in (*both, "/smarttestudo"):
+        robots.set(robot_id, {"rules_text": ""}, answers.append)
+        robots.get(robot_id, ["rules_hash"], answers.append)
+    assert [str(answer).partition(": error: ")[2] for answer in answers] == [
+        "2 nodes that are heard here are called /smarttestudo, and any of them may answer; start each with a "
+        "name of its own, as with --ros-args -r __node:=smarttestudo_2, or use --connect where a robot is "
+        "heard over a link"
+    ] * 6
+    robots.forget(both[0])
+    assert sorted(robots.heard) == ["/other", "/smarttestudo"]
+
+
+def test_a_robot_of_another_name_whose_node_is_called_alike_gets_no_rules_by_chance() -> None:
+    robot = VirtualRobot(sources={STATUS_TOPIC: Source(nodes=("/smarttestudo", "/testudo_receive_7"))})
+    robots = GraphRobots(robot, robot.steady_s)
+    for name in ("ada", "bob"):
+        says(robot, name, name=name)
+    answers: list[object] = []
+    robots.set("bob:/smarttestudo", {"rules_text": ""}, answers.append)
+    assert "any of them may answer" in str(answers[0])
+
+
+def test_a_run_that_was_started_anew_takes_the_place_of_the_one_before() -> None:
+    robot = VirtualRobot(sources={STATUS_TOPIC: Source(nodes=("/smarttestudo",))})
+    robots = GraphRobots(robot, robot.steady_s)
+    for run in ("1a2b3c4d", "5e6f7a8b", "9c0d1e2f"):
+        for _ in range(3):
+            robot.elapsed_ns += NS_PER_S // 2
+            says(robot, run)
+            assert [heard.status.run for heard in robots.heard.values()] == [run]
+            assert robots.heard.keys() == {"/smarttestudo"}
 
 
 def test_what_is_no_status_is_counted_and_the_rest_is_heard() -> None:

@@ -15,6 +15,7 @@ from smarttestudo.domain.observation import LinkBudget, ListenersChanged, Receiv
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.link.parts.operator_log import OperatorLog
 from smarttestudo.loop.inputs import ChangeInput, WakeInput
 from smarttestudo.loop.relay import ReckonedPicture
 from smarttestudo.robot.live_rules import LiveRules
@@ -157,7 +158,9 @@ class LinkPart(Part):
 
     def __init__(self, robot: Robot, link: OutgoingLink) -> None:
         self._robot = robot
+        self._link = link
         self._watch = LinkWatch(link)
+        self._operators = OperatorLog(robot.log.info)
         self._run: RunView | None = None
 
     def begin(self, run: RunView) -> None:
@@ -165,7 +168,8 @@ class LinkPart(Part):
         self._run = run
 
     def poll(self) -> None:
-        """Tell the loop what changed on the link, and the link what the loop plans."""
+        """Tell the loop what changed on the link, the link what the loop plans, and the log who is there."""
+        self._operators.look(self._link.state.operators, self._robot.steady_ns())
         run = self._run
         if run is None:
             return

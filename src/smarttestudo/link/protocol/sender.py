@@ -69,6 +69,8 @@ class LinkSender(Generic[_Request]):
         self._served_receiver: int | None = None
         """The receiver of the last session, though its connection may be cut."""
         self._heard_ns = 0
+        self._reported_ns = 0
+        """When any receiver reported last."""
         self._restarted_ns = 0
         self._outages = 0
         self._ages_ms: dict[str, float] = {}
@@ -154,6 +156,7 @@ class LinkSender(Generic[_Request]):
 
     def handle_report(self, report: Report, now_ns: int) -> None:
         """An operator's end says what it has."""
+        self._note_absence(report.receiver, now_ns)
         has_joined = self._receivers.handle(report, now_ns)
         if has_joined:
             self._introduce(now_ns)
@@ -234,7 +237,7 @@ class LinkSender(Generic[_Request]):
             outages=self._outages,
             sessions=self._sessions,
             predicted=self._receivers.predicted(now_ns),
-            receivers=self._receivers.numbers,
+            operators=self._receivers.present(now_ns),
         )
 
     @property
@@ -279,6 +282,13 @@ class LinkSender(Generic[_Request]):
         self._close_drained(now_ns)
         self._say_times(now_ns)
         self._budget.measure(self._window, now_ns)
+
+    def _note_absence(self, receiver: int, now_ns: int) -> None:
+        """Count an outage where one receiver was there, then for a while none, and then another."""
+        absent_ns, self._reported_ns = now_ns - self._reported_ns, now_ns
+        # One that is back itself knows what had arrived, and is counted with that.
+        if self._served_receiver not in {None, receiver}:
+            self._outages += absent_ns > self._stalled_after_ns
 
     def _close_drained(self, now_ns: int) -> None:
         for stream in [one for one in self._ending if self._outbox.is_drained(one)]:

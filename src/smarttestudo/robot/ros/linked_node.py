@@ -66,7 +66,7 @@ class LinkedNode(RosNode):
     @property
     def fed_nodes(self) -> frozenset[str]:
         """Nodes of operator's ends that are on the robot's own graph, which is said. Raises ``RosError``."""
-        named = {f"/{receiving_node(number)}" for number in self._link.state.receivers}
+        named = {f"/{receiving_node(number)}" for number in self._link.state.operators}
         if not named:
             return frozenset()
         with ros_errors():
