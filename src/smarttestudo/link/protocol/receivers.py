@@ -41,6 +41,11 @@ class Receivers:
         known.predicts = report.predicts or known.predicts
         return has_joined
 
+    @property
+    def numbers(self) -> frozenset[int]:
+        """The numbers of the receivers that are there."""
+        return frozenset(self._known)
+
     def present(self, now_ns: int) -> frozenset[int]:
         """The numbers of those that are there now."""
         self._forget_lost(now_ns)
