@@ -15,9 +15,10 @@ from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.properties import gauges_for, needs_decoded
 from smarttestudo.loop.inputs import MessageInput
-from smarttestudo.loop.statistics import RelayStatistics
+from smarttestudo.loop.statistics import RelayStatistics, VideoCounts
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
 from smarttestudo.pacing.cdr import STAMPED_BYTES, STREAM_TYPES, StreamReader, header_stamp
+from smarttestudo.pacing.coded_video import VideoReader
 from smarttestudo.pacing.follower import Follower
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
@@ -56,7 +57,7 @@ class Relay:
     """The pacer of one topic, fed with what it must know of each message, and counts of what it lets pass.
 
     A relay with a ``leader`` passes the stamps that the leader passes, and so aims at the leader's rate,
-    unless it is Off.
+    unless it is Off. Coded video has none, as its groups begin elsewhere.
     """
 
     __slots__ = (
@@ -69,6 +70,7 @@ class Relay:
         "_reader",
         "_stale_after_ns",
         "_type_name",
+        "_video",
         "_when_slow",
         "followers",
         "leader",
@@ -100,10 +102,11 @@ class Relay:
         self._type_name = profile.type_name or ""
         self._when_slow = when_slow
         self._stale_after_ns = _stale_after_ns(profile)
+        self.statistics = RelayStatistics(now_ns)
+        self._video = VideoReader.of(self._type_name)
         self.pacer: TopicPacer | Follower = self._own_pacer()
         self.leader: Relay | None = None
         self.followers: list[Relay] = []
-        self.statistics = RelayStatistics(now_ns)
         self._reader = self._stream_reader()
         self._rate_hz = math.inf
 
@@ -201,6 +204,8 @@ class Relay:
 
     def follow(self, leader: Relay | None, now_ns: int) -> None:
         """Be paced with ``leader``, or alone if ``None``; a change of that starts the pacing again."""
+        if self._kind() is StreamKind.CODED_VIDEO:
+            leader = None
         changed, self.leader = leader is not self.leader, leader
         if changed:
             before, self.pacer = self.pacer, Follower() if leader else self._own_pacer()
@@ -225,6 +230,9 @@ class Relay:
         now_ns, payload, size_bytes = given.stamp_ns, given.payload, given.size_bytes
         self.statistics.arrived.record(now_ns, size_bytes)
         sample = Sample(payload, size_bytes, given.publisher)
+        freed: Sequence[Relayed] = ()
+        if self._video is not None:
+            freed = self._read_video(self._video, sample, now_ns)
         if self._reader is not None:
             sample.frames = self._reader.streams(payload[:])
             frames = self.statistics.frames
@@ -235,7 +243,9 @@ class Relay:
         if self.followers or self.leader:
             sample.stamp = header_stamp(payload[:STAMPED_BYTES])
         passes = self.pacer.offer(sample, now_ns)
-        return self.relayed(passes, now_ns) if passes else ()
+        if not passes:
+            return freed
+        return [*freed, *self.relayed(passes, now_ns)] if freed else self.relayed(passes, now_ns)
 
     def wake(self, now_ns: int) -> Sequence[Relayed]:
         """Messages that pass now without a new one."""
@@ -250,9 +260,39 @@ class Relay:
         if has_other_type and self._accuracy is not None:
             self._accuracy = replace(self._accuracy, picture=self._picture(self._accuracy.bounds))
             self._apply_accuracy(now_ns)
-        kind = StreamKind.of(type_name=self._type_name, transient_local=change.transient_local)
         if has_other_type:
             self._reader = self._stream_reader()
+            self._video, self.statistics.video = VideoReader.of(self._type_name), None
+        return self._set_kind(self._kind(transient_local=change.transient_local), now_ns)
+
+    def leave_out(self) -> None:
+        """Messages of the source do not come from now on."""
+        if isinstance(self.pacer, TopicPacer):
+            self.pacer.leave_out()
+
+    def _read_video(self, video: VideoReader, sample: Sample, now_ns: int) -> Sequence[Relayed]:
+        """Find out what ``sample`` is to a decoder; what passes because it is the first of coded video."""
+        sample.frame = video.frame(sample.payload)
+        if sample.frame is None and self.statistics.video is None:
+            return ()
+        frames = self.statistics.video
+        if frames is None:
+            frames = self.statistics.video = VideoCounts(now_ns)
+        frames.record(sample.frame, now_ns)
+        return self._set_kind(StreamKind.CODED_VIDEO, now_ns)
+
+    def _kind(self, *, transient_local: bool = False) -> StreamKind:
+        if self.statistics.video is not None:
+            return StreamKind.CODED_VIDEO
+        return StreamKind.of(type_name=self._type_name, transient_local=transient_local)
+
+    def _set_kind(self, kind: StreamKind, now_ns: int) -> Sequence[Relayed]:
+        leader = self.leader
+        if kind is StreamKind.CODED_VIDEO and leader is not None and isinstance(self.pacer, Follower):
+            leader.followers.remove(self)
+            if isinstance(leader.pacer, TopicPacer):
+                leader.pacer.drop_follower(self.pacer)
+            self.follow(None, now_ns)
         if isinstance(self.pacer, Follower):
             return ()
         return self.relayed(self.pacer.set_kind(kind, now_ns), now_ns)
@@ -261,8 +301,7 @@ class Relay:
         return StreamReader(self._type_name) if self._type_name in STREAM_TYPES else None
 
     def _own_pacer(self) -> TopicPacer:
-        kind = StreamKind.of(type_name=self._type_name, transient_local=False)
-        return TopicPacer(kind=kind, when_slow=self._when_slow, stale_after_ns=self._stale_after_ns)
+        return TopicPacer(kind=self._kind(), when_slow=self._when_slow, stale_after_ns=self._stale_after_ns)
 
     def relayed(self, passes: Sequence[Pass], now_ns: int) -> list[Relayed]:
         """Count what the pacer lets pass; returns it as it is to be published."""

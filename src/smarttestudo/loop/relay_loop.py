@@ -200,7 +200,9 @@ class RelayLoop:
         self._step(changes, now_ns)
         relayed += self._woken(now_ns)
         for change in changes:
-            if isinstance(change, ListenersChanged) and change.are_there:
+            if isinstance(change, ListenersChanged) and not change.are_there:
+                self.relays.leave_out(change.topic)
+            elif isinstance(change, ListenersChanged):
                 self.relays.resend_to_new_receiver(change.topic, now_ns)
                 relayed += self._woken(now_ns)
             if isinstance(change, SourceChanged):

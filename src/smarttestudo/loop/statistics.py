@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterable
 
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.pacing.bound import BoundRecords
+from smarttestudo.pacing.coded_video import VideoFrame
+from smarttestudo.pacing.groups import begins_group
 
 MAX_FRAMES = 4096
 
@@ -86,15 +88,37 @@ class FrameFlows:
             flow.leave_out(ahead_ns, now_ns)
 
 
+class VideoCounts:
+    """Key frames among the messages of coded video, and since when none has come, or the first."""
+
+    __slots__ = ("keys", "messages", "since_ns")
+
+    def __init__(self, now_ns: int) -> None:
+        self.keys = 0
+        self.messages = 0
+        self.since_ns = now_ns
+
+    def record(self, frame: VideoFrame | None, now_ns: int) -> None:
+        """Count a message."""
+        self.messages += 1
+        if begins_group(frame):
+            self.keys += 1
+            self.since_ns = now_ns
+
+    def leave_out(self, ahead_ns: int) -> None:
+        """The clock jumped ahead by so much."""
+        self.since_ns += ahead_ns
+
+
 class RelayStatistics:
     """The flows into and out of one relay, how many of the latter were repeated, and the target.
 
     ``frames`` are those of each stream that messages name, which the target is about then. ``bounds``
     say how each bound of the receiver's picture was kept, ``unreadable`` how many messages of a topic with
-    bounds lack a value of one, which is not judged by them.
+    bounds lack a value of one, which is not judged by them. ``video`` is there of coded video.
     """
 
-    __slots__ = ("arrived", "bounds", "frames", "relayed", "repeated", "target", "unreadable")
+    __slots__ = ("arrived", "bounds", "frames", "relayed", "repeated", "target", "unreadable", "video")
 
     def __init__(self, now_ns: int) -> None:
         self.frames = FrameFlows()
@@ -103,6 +127,7 @@ class RelayStatistics:
         self.repeated = 0
         self.bounds: BoundRecords = {}
         self.unreadable = 0
+        self.video: VideoCounts | None = None
         self.target = TargetRate(now_ns)
 
     def leave_out(self, ahead_ns: int, now_ns: int) -> None:
@@ -110,3 +135,5 @@ class RelayStatistics:
         for flow in (self.arrived, self.relayed, self.frames):
             flow.leave_out(ahead_ns, now_ns)
         self.target.leave_out(ahead_ns)
+        if self.video is not None:
+            self.video.leave_out(ahead_ns)

@@ -11,6 +11,7 @@ from typing import NamedTuple, Protocol
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.payload import Payload
 from smarttestudo.pacing.cdr import STREAM_TYPES
+from smarttestudo.pacing.coded_video import VideoFrame, is_coded_video
 from smarttestudo.pacing.reckoning.gauges import Reading
 
 
@@ -27,13 +28,17 @@ class StreamKind(Enum):
     VOLATILE = "volatile"
     TRANSIENT_LOCAL = "transient_local"
     NAMED = "named"
+    CODED_VIDEO = "coded_video"
 
     @staticmethod
     def of(*, type_name: str, transient_local: bool) -> StreamKind:
         """The kind of a topic of this ROS type and durability; /tf_static is latched before it is /tf.
 
-        The messages of ``NAMED`` say which streams they belong to (``cdr.STREAM_TYPES``).
+        The messages of ``NAMED`` say which streams they belong to (``cdr.STREAM_TYPES``), and those of a
+        CompressedImage whether it is coded video.
         """
+        if is_coded_video(type_name):
+            return StreamKind.CODED_VIDEO
         if transient_local:
             return StreamKind.TRANSIENT_LOCAL
         return StreamKind.NAMED if type_name in STREAM_TYPES else StreamKind.VOLATILE
@@ -44,10 +49,11 @@ class Sample:
     """One message of a source; two samples are equal only if they are the same one.
 
     ``publisher`` tells publishers of one topic apart, where that can be told. ``frames`` are the names of
-    the streams in it, such as the child frames of a TFMessage (``cdr.StreamReader``), ``stamp`` is
-    ``cdr.header_stamp`` where topics are paced together, ``readings`` what ``Picture.read`` made of it where
-    the picture of the topic has bounds. Treat it as immutable; frozen or keyword-only it would take two to
-    four times as long to make, and one is made for every message.
+    the streams in it, such as the child frames of a TFMessage (``cdr.StreamReader``), ``frame`` is what a
+    message of coded video is to a decoder, ``stamp`` is ``cdr.header_stamp`` where topics are paced together,
+    ``readings`` what ``Picture.read`` made of it where the picture of the topic has bounds. Treat it as
+    immutable; frozen or keyword-only it would take two to four times as long to make, and one is made for
+    every message.
     """
 
     payload: Payload
@@ -56,6 +62,7 @@ class Sample:
     frames: tuple[str, ...] = ()
     stamp: bytes | None = None
     readings: tuple[Reading | None, ...] = ()
+    frame: VideoFrame | None = None
 
 
 class Pass(NamedTuple):

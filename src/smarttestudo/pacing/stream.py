@@ -68,6 +68,9 @@ class Stream(ABC):
         self.source = SourcePeriod()
         self.held_ns = now_ns
 
+    def leave_out(self) -> None:  # noqa: B027 - only some streams mind
+        """Some messages do not come to this stream from now on."""
+
     def is_idle(self, now_ns: int) -> bool:
         """Whether a fresh stream would do as well: nothing held, nothing ahead."""
         pace = self.grid.pace

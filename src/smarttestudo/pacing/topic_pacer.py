@@ -13,13 +13,20 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.pacing.bound import BoundRecords, BoundStreams
 from smarttestudo.pacing.follower import Follower, FollowerNotifier
 from smarttestudo.pacing.grid import NEVER_NS, Pace
+from smarttestudo.pacing.groups import GroupStream
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.repeat import RepeatStream
 from smarttestudo.pacing.sample import Pacer, Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.stream import LatchedStream, VolatileStream
 from smarttestudo.pacing.streams import NamedStreams, PublisherStreams, Streams
 
-AnyStreams = Streams[VolatileStream] | Streams[LatchedStream] | Streams[RepeatStream] | BoundStreams
+AnyStreams = (
+    Streams[VolatileStream]
+    | Streams[LatchedStream]
+    | Streams[RepeatStream]
+    | Streams[GroupStream]
+    | BoundStreams
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,6 +172,10 @@ class TopicPacer(Pacer):
         self._stale_after_ns = stale_after_ns
         return self._begin_anew(now_ns) if self._when_slow is WhenSlow.REPEAT else ()
 
+    def leave_out(self) -> None:
+        """Some messages of the source are not heard from now on: the groups that they are in end."""
+        self._streams.leave_out()
+
     def forget(self) -> None:
         """The topic has another type now: what is held is of the old one and must not go out."""
         self._streams = self._make_streams()
@@ -176,6 +187,10 @@ class TopicPacer(Pacer):
     def add_follower(self, follower: Follower) -> None:
         """Pass each decision on a stamp to ``follower``; after each call here, call its ``wake``."""
         self._notifier.add(follower, self._pace)
+
+    def drop_follower(self, follower: Follower) -> None:
+        """Pass nothing more to ``follower``."""
+        self._notifier.followers.remove(follower)
 
     def drop_followers(self) -> None:
         """Remove all followers."""
@@ -216,6 +231,8 @@ class TopicPacer(Pacer):
             return NamedStreams(VolatileStream, self._pace)
         if self._kind is StreamKind.TRANSIENT_LOCAL:
             return NamedStreams(LatchedStream, self._pace)
+        if self._kind is StreamKind.CODED_VIDEO:
+            return PublisherStreams(GroupStream, self._pace)
         if self._when_slow is WhenSlow.REPEAT:
             return PublisherStreams(partial(RepeatStream, stale_after_ns=self._stale_after_ns), self._pace)
         return PublisherStreams(VolatileStream, self._pace)

@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Groups of coded video: a key frame, and the frames after it, each a difference to the one before."""
+
+from __future__ import annotations
+
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.pacing.coded_video import VideoFrame
+from smarttestudo.pacing.grid import Pace
+from smarttestudo.pacing.sample import Sample
+from smarttestudo.pacing.stream import VolatileStream
+
+AHEAD_AT_MOST_NS = 2 * NS_PER_S
+"""A group takes what its rate gives in so long, or in as long as the groups before it lasted, at once."""
+_FORGOTTEN_AFTER_NS = 60 * NS_PER_S
+
+
+class VideoGroup:
+    """Whether the next frame of a stream can be decoded by who has the frames that were not left out.
+
+    Unless it ``is_known``, no key frame came yet, and none is worth less than another.
+    """
+
+    __slots__ = ("_has_parameters", "is_broken", "is_known")
+
+    def __init__(self) -> None:
+        self.is_known = False
+        self.is_broken = False
+        self._has_parameters = False
+
+    def take(self, frame: VideoFrame | None) -> bool:
+        """Have ``frame``, or an image by itself, as the next one; whether a group begins with it."""
+        begins = begins_group(frame) and not self._has_parameters
+        self._has_parameters = frame is VideoFrame.PARAMETERS
+        if begins:
+            self.is_known, self.is_broken = True, False
+        return begins
+
+
+def begins_group(frame: VideoFrame | None) -> bool:
+    """Whether a group begins with ``frame``, or with the parameters before it."""
+    return frame is None or frame is VideoFrame.KEY or frame is VideoFrame.PARAMETERS
+
+
+class GroupStream(VolatileStream):
+    """Passes whole beginnings of groups: a key frame, and what follows it until one is not due.
+
+    A group has what the rate gives for as long as the groups before it lasted, however soon its frames come.
+    Before the first key frame all passes. Of what did not pass only a key frame is held.
+    """
+
+    __slots__ = ("_began_ns", "_came_ns", "_lasted_ns", "group")
+
+    def __init__(self, pace: Pace, now_ns: int) -> None:
+        super().__init__(pace, now_ns)
+        self.group = VideoGroup()
+        self._began_ns = self._came_ns = now_ns
+        self._lasted_ns = (0, 0)
+        """How long the last two groups lasted."""
+
+    def offer(self, sample: Sample, now_ns: int) -> bool:
+        """Whether ``sample`` passes now; if not, it is held if it is a key frame."""
+        self.source.record(now_ns)
+        self._came_ns = now_ns
+        group, grid, is_first = self.group, self.grid, not self.group.is_known
+        begins = group.take(sample.frame)
+        if begins:
+            self._lasted_ns = (self._lasted_ns[1], 0 if is_first else now_ns - self._began_ns)
+            self._began_ns = now_ns
+        ahead_ns = 0 if sample.frame is None else min(max(self._lasted_ns), AHEAD_AT_MOST_NS)
+        is_due = now_ns >= grid.due_ns or grid.due_ns < self._began_ns + ahead_ns
+        if not group.is_broken and (is_due or (not group.is_known and not grid.pace.is_off)):
+            self._pass(now_ns)
+            return True
+        group.is_broken = True
+        if begins and sample.frame is not VideoFrame.PARAMETERS:
+            self.hold(sample, now_ns)
+        else:
+            # A key frame that is held is final only once nothing came after it for a while.
+            self.held_ns = now_ns
+        return False
+
+    def change_pace(self, pace: Pace, now_ns: int) -> None:
+        """Follow another pace from now on; what comes while Off is left out."""
+        if pace.is_off:
+            self.leave_out()
+        super().change_pace(pace, now_ns)
+
+    def leave_out(self) -> None:
+        """Some frames do not come to this stream from now on."""
+        self.group.is_broken = True
+
+    def restart(self, now_ns: int) -> None:
+        """Begin anew on a clock that jumped back to ``now_ns``."""
+        super().restart(now_ns)
+        self._began_ns = self._came_ns = now_ns
+
+    def is_idle(self, now_ns: int) -> bool:
+        """Whether a fresh stream would do as well, which takes any frame for one that can be decoded."""
+        is_forgotten = not self.group.is_broken or now_ns - self._came_ns > _FORGOTTEN_AFTER_NS
+        return is_forgotten and super().is_idle(now_ns)
+
+    def _pass(self, now_ns: int) -> None:
+        if self.grid.due_ns > now_ns and self.group.is_known:
+            self.grid.due_ns += self.grid.pace.period_ns
+            self.held = None
+        else:
+            self.settle(now_ns)
