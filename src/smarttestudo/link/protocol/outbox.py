@@ -15,6 +15,8 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.acknowledgements import Acknowledgement
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, NUMBERS, SESSION_OFFSETS, Chunk
 from smarttestudo.link.protocol.outgoing_stream import Encode, OutgoingMessage, OutgoingStream
+from smarttestudo.pacing.coded_video import VideoFrame
+from smarttestudo.pacing.groups import VideoGroup
 
 MAX_QUEUED_BYTES = 1_000_000
 """The size of the queue of a topic that is sent whole."""
@@ -24,6 +26,8 @@ MAX_PATIENT_BYTES = 16_000_000
 """The size of all messages of a stream that wait so."""
 MAX_GIVEN_UP_BYTES = 16_000_000
 """The size of all messages kept that gave way, until something arrives; the oldest beyond it are missed."""
+VIDEO_PATIENCE_NS = NS_PER_S // 2
+"""For how long a frame of coded video waits until its group ends with the last one before the next."""
 MAX_WAITING = 1024
 """How many messages of one stream may wait at once, those of a topic that is sent whole apart."""
 MAX_UNSETTLED_BYTES = 16_000_000
@@ -43,6 +47,9 @@ class Outbox:
     A message that has not begun is replaced by a newer one of its stream and lane, after ``PATIENCE_NS``; one
     that has begun is finished. Latched messages and those of topics that are sent whole queue instead, up to
     ``MAX_QUEUED_BYTES`` a stream; what overflows is counted, once there was a session.
+
+    Of coded video a key frame replaces all that waits. Other frames wait behind each other; where one would
+    wait too long or overflow, it and the others of its group give way, and those before it are sent.
 
     What gives way while nothing arrives at the other end is ``missed`` there, and so is what was under way
     as a session ended and had not arrived by then, as the other end says in the next (``settle``).
@@ -111,8 +118,10 @@ class Outbox:
         now_ns: int,
         lane: Hashable = None,
         origin: MessageOrigin | None = None,
+        *,
+        frame: VideoFrame | None = None,
     ) -> None:
-        """Have a message sent. It replaces only messages of its ``lane``."""
+        """Have a message sent. It replaces only messages of its ``lane``; it may be a ``frame`` of video."""
         if not self._active:
             self._waits_since_ns = now_ns
         open_stream = self._streams[stream]
@@ -122,8 +131,11 @@ class Outbox:
         if open_stream.latched is not None:
             open_stream.latched.append(message)
         is_patient = self._had_session and not self._is_cut and now_ns - self._waits_since_ns <= PATIENCE_NS
-        if is_kept:
-            self._queue(open_stream, message, MAX_PATIENT_BYTES if is_patient else MAX_QUEUED_BYTES)
+        most_bytes = MAX_PATIENT_BYTES if is_patient else MAX_QUEUED_BYTES
+        if frame is not None or open_stream.video is not None:
+            self._put_frame(open_stream, message, frame, most_bytes)
+        elif is_kept:
+            self._queue(open_stream, message, most_bytes)
         else:
             self._replace(open_stream, message, is_patient=is_patient)
         if open_stream.has_work:
@@ -216,8 +228,7 @@ class Outbox:
         self._sent_bytes = self._acknowledged_bytes = 0
         for stream in self._streams.values():
             self._restart(stream, again.get(stream.number, []))
-            if stream.has_work:
-                self._active[stream.number] = stream
+        self._active = {number: stream for number, stream in self._streams.items() if stream.has_work}
 
     def send_latched_again(self) -> None:
         """Have latched messages go once more, for an end that may lack them."""
@@ -242,14 +253,8 @@ class Outbox:
         may_overflow = stream.number != CONTROL_STREAM
         while may_overflow and stream.queue and stream.queued_bytes + len(message.payload) > most_bytes:
             # As in a DDS history with KEEP_LAST.
-            oldest = stream.queue.popleft()
-            stream.queued_bytes -= len(oldest.payload)
-            self._give_up(oldest)
-            if self._had_session:
-                stream.overflowed += 1
-                stream.overflowed_ns = message.offered_ns
-        stream.queue.append(message)
-        stream.queued_bytes += len(message.payload)
+            self._overflow(stream, stream.take_queued(), message.offered_ns)
+        stream.put_queued(message)
 
     def _replace(self, stream: OutgoingStream, message: OutgoingMessage, *, is_patient: bool) -> None:
         if not is_patient or stream.slots_bytes + len(message.payload) > MAX_PATIENT_BYTES:
@@ -258,6 +263,43 @@ class Outbox:
         if len(stream.slots) >= MAX_WAITING:
             self._give_way(stream, next(iter(stream.slots)))
         stream.put_slot(message)
+
+    def _put_frame(
+        self, stream: OutgoingStream, message: OutgoingMessage, frame: VideoFrame | None, most_bytes: int
+    ) -> None:
+        group = stream.video = stream.video or VideoGroup()
+        message.begins_group = group.take(frame)
+        waiting = stream.queue if message.is_kept else stream.slots.values()
+        waiting_bytes = stream.queued_bytes if message.is_kept else stream.slots_bytes
+        is_over = bool(waiting) and (
+            waiting_bytes + len(message.payload) > most_bytes or len(waiting) >= MAX_WAITING
+        )
+        if group.is_known and not message.begins_group:
+            is_late = bool(waiting) and message.offered_ns - stream.next_waiting.offered_ns > VIDEO_PATIENCE_NS
+            group.is_broken |= is_over or (is_late and not message.is_kept)
+            if group.is_broken:
+                self._leave_out(stream, message)
+                return
+        elif is_over or (not message.is_kept and most_bytes < MAX_PATIENT_BYTES):
+            for one in tuple(waiting):
+                self._leave_out(stream, stream.take_queued() if one.is_kept else stream.take_slot(one.number))
+        if message.is_kept:
+            stream.put_queued(message)
+        else:
+            stream.put_slot(message)
+
+    def _leave_out(self, stream: OutgoingStream, message: OutgoingMessage) -> None:
+        if message.is_kept:
+            self._overflow(stream, message, message.offered_ns)
+        else:
+            stream.replaced += 1
+            self._give_up(message)
+
+    def _overflow(self, stream: OutgoingStream, message: OutgoingMessage, now_ns: int) -> None:
+        self._give_up(message)
+        if self._had_session:
+            stream.overflowed += 1
+            stream.overflowed_ns = now_ns
 
     def _give_way(self, stream: OutgoingStream, number: int) -> None:
         stream.replaced += 1
@@ -302,7 +344,23 @@ class Outbox:
         begun, stream.begun, stream.is_floor_begun = stream.begun, None, False
         if begun is not None and begun.is_kept:
             again.append(begun)
-        elif begun is not None and begun.lane in stream.lanes:
+            begun = None
+        if stream.video is None:
+            self._restart_slots(stream, begun)
+        else:
+            self._restart_video(stream, stream.video, begun)
+        if stream.latched is not None:
+            self._miss(*(one for one in (*again, *stream.queue) if one not in stream.latched))
+            again, stream.queue, stream.queued_bytes = list(stream.latched), deque(), 0
+        for message in reversed(again):
+            # A latched message may be under way and wait to be sent once more.
+            if message not in stream.queue:
+                stream.put_queued(message, is_first=True)
+        for message in (*stream.queue, *stream.slots.values()):
+            message.offset = 0
+
+    def _restart_slots(self, stream: OutgoingStream, begun: OutgoingMessage | None) -> None:
+        if begun is not None and begun.lane in stream.lanes:
             stream.replaced += 1
             self._miss(begun)
         elif begun is not None:
@@ -312,16 +370,21 @@ class Outbox:
         for lane in list(stream.lanes.values()):
             for number in list(lane)[:-1]:
                 self._give_way(stream, number)
-        if stream.latched is not None:
-            self._miss(*(one for one in (*again, *stream.queue) if one not in stream.latched))
-            again, stream.queue, stream.queued_bytes = list(stream.latched), deque(), 0
-        for message in reversed(again):
-            # A latched message may be under way and wait to be sent once more.
-            if message not in stream.queue:
-                stream.queue.appendleft(message)
-                stream.queued_bytes += len(message.payload)
-        for message in (*stream.queue, *stream.slots.values()):
-            message.offset = 0
+
+    def _restart_video(
+        self, stream: OutgoingStream, group: VideoGroup, begun: OutgoingMessage | None
+    ) -> None:
+        """Have only frames wait that can be decoded without any that was under way."""
+        waiting = [*(() if begun is None else (begun,)), *stream.slots.values()]
+        stream.slots, stream.lanes, stream.slots_bytes = {}, {}, 0
+        begins = [at for at, one in enumerate(waiting) if one.begins_group]
+        first = begins[-1] if begins else len(waiting) - (not group.is_known)
+        for message in waiting[: max(first, 0)]:
+            self._leave_out(stream, message)
+        for message in waiting[max(first, 0) :]:
+            stream.put_slot(message)
+        # Frames of a topic that is sent whole all go again.
+        group.is_broken |= not stream.slots and not stream.needs.is_full
 
     def _give_up(self, *messages: OutgoingMessage) -> None:
         """These are not sent, or not known to arrive."""

@@ -13,6 +13,7 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin
 from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.pacing.groups import VideoGroup
 
 LOSING_NS = 60 * NS_PER_S
 """For how long a topic that lost a message is said to lose some."""
@@ -39,7 +40,8 @@ class OutgoingMessage:
     """A message that waits or is being sent; ``encoded`` is what travels, from the first chunk on.
 
     One that ``is_kept`` is sent again until it arrives. One that has an ``origin`` goes to who keeps what is
-    missed. ``unsettled`` counts the sessions that ended before it was known whether it arrived in them.
+    missed. ``unsettled`` counts the sessions that ended before it was known whether it arrived in them. One
+    that ``begins_group`` of coded video can be decoded without those before it.
     """
 
     stream: int
@@ -52,6 +54,7 @@ class OutgoingMessage:
     encoded: Encoded | None = None
     offset: int = 0
     unsettled: int = 0
+    begins_group: bool = False
 
     @property
     def rest_bytes(self) -> int:
@@ -61,7 +64,10 @@ class OutgoingMessage:
 
 @dataclass(slots=True, eq=False)
 class OutgoingStream:
-    """One stream: ``slots`` has messages that newer ones of their ``lanes`` may replace, ``queue`` others."""
+    """One stream: ``slots`` has messages that newer ones of their ``lanes`` may replace, ``queue`` others.
+
+    ``video`` is there of coded video: its last group, broken where a frame of it gave way.
+    """
 
     number: int
     needs: LinkNeeds
@@ -79,6 +85,7 @@ class OutgoingStream:
     replaced: int = 0
     overflowed: int = 0
     overflowed_ns: int | None = None
+    video: VideoGroup | None = None
 
     @property
     def has_work(self) -> bool:
@@ -98,6 +105,11 @@ class OutgoingStream:
         """The message that goes next; there must be one."""
         if self.begun is not None:
             return self.begun
+        return self.next_waiting
+
+    @property
+    def next_waiting(self) -> OutgoingMessage:
+        """The first message of those that have not begun; there must be one."""
         if not self.slots:
             return self.queue[0]
         slot = next(iter(self.slots.values()))
@@ -111,12 +123,11 @@ class OutgoingStream:
 
     def begin(self, now_ns: int) -> OutgoingMessage:
         """Take the message that goes next out of what waits."""
-        message = self.next_message
+        message = self.next_waiting
         if self.slots.get(message.number) is message:
             self.take_slot(message.number)
         else:
-            self.queue.popleft()
-            self.queued_bytes -= len(message.payload)
+            self.take_queued()
         self.begun = message
         floor_hz = self.needs.floor_hz
         self.is_floor_begun = floor_hz > 0 and now_ns >= self.floor_due_ns
@@ -138,6 +149,20 @@ class OutgoingStream:
         self.queued_bytes = sum(len(one.payload) for one in self.queue)
         for message in latched:
             message.offset = 0
+
+    def put_queued(self, message: OutgoingMessage, *, is_first: bool = False) -> None:
+        """Have a message wait that none replaces, behind all others of its kind or before them."""
+        if is_first:
+            self.queue.appendleft(message)
+        else:
+            self.queue.append(message)
+        self.queued_bytes += len(message.payload)
+
+    def take_queued(self) -> OutgoingMessage:
+        """Have the first of these wait no more."""
+        message = self.queue.popleft()
+        self.queued_bytes -= len(message.payload)
+        return message
 
     def put_slot(self, message: OutgoingMessage) -> None:
         """Have a message wait that newer ones of its lane may replace."""

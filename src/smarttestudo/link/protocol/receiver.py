@@ -23,6 +23,8 @@ from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
 from smarttestudo.link.protocol.reports import ReportWriter
 from smarttestudo.link.protocol.window import ACKNOWLEDGE_BYTES, ACKNOWLEDGE_PERIOD_NS
+from smarttestudo.pacing.coded_video import VideoReader
+from smarttestudo.pacing.groups import VideoGroup
 
 KEEP_ALIVE_NS = NS_PER_S // 2
 """How often to report though nothing came, so that the robot's end knows that somebody is there."""
@@ -83,6 +85,8 @@ class LinkReceiver:
         self._offset = LeastOfWindow(CLOCK_WINDOW_NS)
         self._round_trip_ns = 0
         self._newest: dict[int, int] = {}
+        self._groups: dict[int, VideoGroup] = {}
+        """The last group of each stream of coded video."""
         self._ages_ms: dict[int, float] = {}
         self.report_period_ns = ACKNOWLEDGE_PERIOD_NS
         """How often to report while something comes."""
@@ -171,7 +175,19 @@ class LinkReceiver:
             self.streams[said.stream] = said.info
         if known is None or said.info is None or replace(known, prediction=said.info.prediction) != said.info:
             self._newest.pop(said.stream, None)
+            self._groups.pop(said.stream, None)
         return said
+
+    def _group(self, stream: int, info: StreamInfo, payload: bytes, *, follows: bool) -> VideoGroup | None:
+        """The group of coded video with ``payload`` in it: the robot's end does not know what was late."""
+        video = VideoReader.of(info.type_name)
+        frame = None if video is None else video.frame(payload)
+        if frame is None and stream not in self._groups:
+            return None
+        group = self._groups.setdefault(stream, VideoGroup())
+        group.is_broken |= not follows
+        group.take(frame)
+        return group
 
     def _message(self, chunk: Chunk, payload: bytes, transit_ns: int) -> ReceivedMessage | None:
         info = self.streams.get(chunk.stream)
@@ -185,8 +201,14 @@ class LinkReceiver:
         if not 0 < ahead < NUMBERS // 2:
             self.counts.repeated += 1
             return None
+        group = self._group(chunk.stream, info, payload, follows=ahead == 1)
         if transit_ns > LATE_AFTER_NS + 4 * self._round_trip_ns and not chunk.is_kept:
+            if group is not None:
+                group.is_broken = True
             self._sessions.lack()
+            self.counts.late += 1
+            return None
+        if group is not None and group.is_known and group.is_broken:
             self.counts.late += 1
             return None
         self._newest[chunk.stream] = chunk.number

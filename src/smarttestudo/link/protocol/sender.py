@@ -21,6 +21,7 @@ from smarttestudo.link.protocol.outbox import Outbox
 from smarttestudo.link.protocol.outgoing_stream import Encode, Encoded, plain
 from smarttestudo.link.protocol.receivers import Receivers
 from smarttestudo.link.protocol.window import ACKNOWLEDGE_PERIOD_NS, Window
+from smarttestudo.pacing.coded_video import VideoReader, is_coded_video
 
 LOST_AFTER_NS = 3 * NS_PER_S
 """An operator's end that said nothing for so long is no longer there; it says something twice a second."""
@@ -50,6 +51,7 @@ class LinkSender(Generic[_Request]):
         self._outbox = Outbox(self._encoded)
         self._outbox.open(CONTROL_STREAM)
         self._infos: dict[int, StreamInfo] = {}
+        self._video: dict[int, VideoReader | None] = {}
         self._ending: dict[int, None] = {}
         """Streams whose publisher is gone, of which something waits, the first first."""
         self._closed: set[int] = set()
@@ -85,7 +87,10 @@ class LinkSender(Generic[_Request]):
             return None
         self._closed.discard(number)
         self._infos[number] = replace(info, prediction=self._predictions.get(info.topic))
-        self._outbox.open(number, depth=info.qos.depth if info.qos.transient_local else None)
+        self._video[number] = VideoReader.of(info.type_name)
+        # Of coded video, what was kept for a late receiver could not be decoded.
+        is_latched = info.qos.transient_local and not is_coded_video(info.type_name)
+        self._outbox.open(number, depth=info.qos.depth if is_latched else None)
         self._outbox.set_needs(number, self._needs.get(info.topic, LinkNeeds()))
         self._announce(number, now_ns)
         return number
@@ -137,7 +142,9 @@ class LinkSender(Generic[_Request]):
         if not self.is_connected(now_ns):
             self._outbox.cut()
         if stream in self._infos and stream not in self._ending:
-            self._outbox.put(stream, payload, now_ns, lane, origin)
+            video = self._video.get(stream)
+            frame = None if video is None else video.frame(payload)
+            self._outbox.put(stream, payload, now_ns, lane, origin, frame=frame)
 
     def take_missed(self, now_ns: int, *, is_last: bool = False) -> list[MissedMessage]:
         """The messages missed since the last call; if it ``is_last``, what waits for nobody, too."""
