@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import random
 import struct
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -79,10 +80,18 @@ texts = st.text(st.characters(exclude_characters="\x00", exclude_categories=["Cs
 class Written:
     """Messages of the types that name streams, as a serializer writes them, each with its streams."""
 
-    def __init__(self, version: Stores, chance: random.Random, names: list[str]) -> None:
+    def __init__(
+        self,
+        version: Stores,
+        chance: random.Random,
+        names: list[str],
+        actions: Sequence[int] = (0,),
+    ) -> None:
         self._store = STORES[version]
         self._chance = chance
         self._names = names
+        self.actions = actions
+        self.deletion = 0
 
     def __call__(self, kind: str) -> tuple[str, bytes, tuple[str, ...]]:
         type_name, message, streams = getattr(self, kind)()
@@ -136,6 +145,11 @@ class Written:
         streams = dict.fromkeys(f"{name}/{number}" for name, number in made)
         return "visualization_msgs/msg/MarkerArray", message, tuple(streams)
 
+    def marker(self) -> tuple[str, object, tuple[str, ...]]:
+        number = self._chance.randint(-(2**31), 2**31 - 1)
+        name = self._names[0] if self._names else ""
+        return "visualization_msgs/msg/Marker", self._marker(name, number), (f"{name}/{number}",)
+
     def _marker(self, namespace: str, number: int) -> object:
         marker = self._type("visualization_msgs/msg/Marker")
         fields = {
@@ -161,6 +175,8 @@ class Written:
             fields["uv_coordinates"] = uv
             fields["texture_resource"] = self._text()
         fields |= {"text": self._text(), "mesh_resource": self._text()}
+        fields["action"] = self._chance.choice(self.actions)
+        self.deletion = max(self.deletion, *(action for action in (0, 2, 3) if action <= fields["action"]))
         others = {name: 0 for name in marker.__dataclass_fields__ if name not in fields}
         others.pop("__msgtype__", None)
         return marker(
@@ -185,7 +201,7 @@ class Written:
         return range(self._chance.randrange(4))
 
 
-KINDS = ("transforms", "statuses", "joints", "markers")
+KINDS = ("transforms", "statuses", "joints", "marker", "markers")
 kinds = st.sampled_from(KINDS)
 versions = st.sampled_from(tuple(STORES))
 
@@ -202,6 +218,23 @@ def test_the_streams_of_each_type_are_those_that_were_serialized(
         assert reader.streams(memoryview(payload)) == streams
 
 
+@given(
+    versions,
+    st.sampled_from(["marker", "markers"]),
+    st.lists(st.sampled_from([(0,), (0, 2), (0, 2, 3)])),
+    seeds,
+)
+def test_what_deletes_markers_is_seen_in_messages_that_are_alike_but_for_that(
+    version: Stores, kind: str, sequence: list[tuple[int, ...]], seed: int
+) -> None:
+    reader = None
+    for actions in sequence:
+        written = Written(version, random.Random(seed), ["a", "b", "c"], actions)
+        type_name, payload, _ = written(kind)
+        reader = reader or StreamReader(type_name)
+        assert reader.deletion(payload) == written.deletion
+
+
 @given(versions, kinds, st.lists(texts, min_size=1, max_size=4), seeds, st.data())
 def test_a_cut_message_has_no_streams_and_a_damaged_one_costs_nothing_but_its_own(
     version: Stores, kind: str, names: list[str], seed: int, data: st.DataObject
@@ -213,6 +246,7 @@ def test_a_cut_message_has_no_streams_and_a_damaged_one_costs_nothing_but_its_ow
     damaged = payload[:at] + data.draw(st.binary(min_size=1, max_size=8)) + payload[at:]
     assert all(len(name) <= len(payload) + 12 for name in reader.streams(damaged))
     assert isinstance(reader.streams(data.draw(st.binary(max_size=300))), tuple)
+    assert reader.deletion(data.draw(st.binary(max_size=300))) in (0, 2, 3)
     assert reader.streams(payload) == streams
 
 

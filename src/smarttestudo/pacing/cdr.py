@@ -31,6 +31,9 @@ from smarttestudo.pacing.cdr_walk import (
 STAMPED_BYTES = HEADER_BYTES + STAMP_BYTES
 MAX_KNOWN_LAYOUTS = 64
 
+DELETE, DELETE_ALL = 2, 3
+"""Actions of a visualization_msgs/msg/Marker."""
+
 _LENGTH_END = HEADER_BYTES + 4
 _LITTLE_ENDIAN = b"\x00\x01"
 _TRANSFORM_BYTES = 7 * 8
@@ -109,6 +112,11 @@ class StreamReader:
         """The names of its streams, each once, in their order; none where it cannot be of the type."""
         return self._read(payload).names
 
+    def deletion(self, payload: Payload) -> int:
+        """``DELETE_ALL`` or ``DELETE`` where a marker of it says so; else 0."""
+        actions = [place.action for place in self._read(payload).places]
+        return next((action for action in (DELETE_ALL, DELETE) if action in actions), 0)
+
     def _read(self, payload: Payload) -> _Streams:
         known = self._known.get(len(payload))
         if known is not None and known.layout.unpack(payload) == known.constant:
@@ -136,7 +144,7 @@ class FrameReader(StreamReader):
             return []
         stamp, numbers = _STAMP[order], _TRANSFORM[order]
         transforms = []
-        for child_frame, frame, stamp_at, _, numbers_at in self._read(payload).places:
+        for child_frame, frame, stamp_at, _, numbers_at, _ in self._read(payload).places:
             sec, nanosec = stamp.unpack_from(payload, stamp_at)
             at_ns = sec * NS_PER_S + nanosec
             transforms.append(Transform(frame, child_frame, at_ns, numbers.unpack_from(payload, numbers_at)))
@@ -149,7 +157,7 @@ class FrameReader(StreamReader):
         if order is None or not all(_can_be_stamp(at_ns) for at_ns, _ in transforms.values()):
             return None
         data = bytearray(payload[:HEADER_BYTES]) + struct.pack(f"{order}I", len(places))
-        for child_frame, _, stamp_at, names_end, _ in places:
+        for child_frame, _, stamp_at, names_end, *_ in places:
             at_ns, numbers = transforms[child_frame]
             _pad(data, 4)
             data += _STAMP[order].pack(*divmod(at_ns, NS_PER_S))
@@ -161,7 +169,7 @@ class FrameReader(StreamReader):
 
 
 class _Place(NamedTuple):
-    """The name of a stream; of a transform also its frame and three offsets.
+    """The name of a stream; of a marker also its action, of a transform its frame and three offsets.
 
     They are those of its stamp, of what follows the frames' names, and of its numbers.
     """
@@ -171,6 +179,7 @@ class _Place(NamedTuple):
     stamp_at: int = 0
     names_end: int = 0
     numbers_at: int = 0
+    action: int = 0
 
 
 class _Streams(NamedTuple):
@@ -354,12 +363,13 @@ def _joints(walk: Walk) -> Iterator[_Place]:
         yield _Place("\0".join(sorted(names)))
 
 
-def _markers(walk: Walk, *, has_files: bool) -> Iterator[_Place]:
+def _markers(walk: Walk, *, has_files: bool, is_array: bool) -> Iterator[_Place]:
     """By ns and id; from Humble on, markers have textures and files of meshes."""
-    for _ in walk.items():
+    for _ in walk.items() if is_array else range(1):
         walk.header()
-        yield _Place(f"{walk.text()}/{walk.number()}")
-        walk.skip(2 * 4, 4)  # type and action
+        stream = f"{walk.text()}/{walk.number()}"
+        walk.skip(4, 4)  # type
+        yield _Place(stream, action=walk.number())
         walk.skip(_POSE_BYTES + 3 * 8, 8)
         walk.skip(4 * 4 + STAMP_BYTES, 4)  # color and lifetime
         walk.skip(1, 1)
@@ -388,10 +398,13 @@ STREAM_TYPES: Mapping[str, Sequence[_Read]] = MappingProxyType(
         _TRANSFORMS: (_transforms,),
         "diagnostic_msgs/msg/DiagnosticArray": (_statuses,),
         "sensor_msgs/msg/JointState": (_joints,),
-        "visualization_msgs/msg/MarkerArray": (
-            partial(_markers, has_files=True),
-            partial(_markers, has_files=False),
-        ),
+        **{
+            f"visualization_msgs/msg/{name}": (
+                partial(_markers, has_files=True, is_array=is_array),
+                partial(_markers, has_files=False, is_array=is_array),
+            )
+            for name, is_array in (("Marker", False), ("MarkerArray", True))
+        },
     }
 )
 """Types whose messages say which streams of their topic they belong to, each with the ways to read one."""

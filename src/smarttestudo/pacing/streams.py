@@ -8,6 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Generic, TypeVar
 
+from smarttestudo.pacing.cdr import DELETE_ALL
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.pacing.sample import Pass, Sample
 from smarttestudo.pacing.stream import Stream
@@ -130,7 +131,8 @@ class NamedStreams(Streams[AnyStream]):
 
     It counts for all its streams, yet none is ever due later than one period after it, so that one that
     passed along with others does not starve once they are gone. The final message is that of each stream;
-    one that is final for several passes once. Messages that name none are those of their publisher.
+    one that is final for several passes once. Messages that name none are those of their publisher. One that
+    deletes markers passes in any case, behind what is held of them: after it, that would show them again.
     """
 
     __slots__ = ()
@@ -138,7 +140,7 @@ class NamedStreams(Streams[AnyStream]):
     def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
         """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
         streams = self._streams_of(sample, now_ns)
-        is_due, first_due_ns = False, NEVER_NS
+        is_due, first_due_ns = sample.deletion > 0 and not self._pace.is_off, NEVER_NS
         for stream in streams:
             stream.source.record(now_ns)
             if stream.is_due(now_ns):
@@ -146,9 +148,10 @@ class NamedStreams(Streams[AnyStream]):
             elif stream.grid.due_ns < first_due_ns:
                 first_due_ns = stream.grid.due_ns
         if is_due:
+            before = self._held_of_deleted(sample, now_ns) if sample.deletion else ()
             for stream in streams:
                 stream.settle(now_ns)
-            return (Pass(sample),)
+            return (*before, Pass(sample))
         for stream in streams:
             stream.hold(sample, now_ns)
         # What is held waits until it is due or longer; wake finds out.
@@ -158,6 +161,20 @@ class NamedStreams(Streams[AnyStream]):
     def holds(self, sample: Sample) -> bool:
         """Whether ``sample`` did not pass, but still may."""
         return any(stream.held is sample for stream in self._streams.values())
+
+    def _held_of_deleted(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
+        """Let go of what is held of markers that ``sample`` deletes; what of it is about others, too."""
+        if sample.deletion == DELETE_ALL:
+            for stream in self._streams.values():
+                stream.held = None
+            return ()
+        names = set(sample.frames)
+        return [
+            one
+            for stream in sorted(self._streams.values(), key=lambda each: each.held_ns)
+            if stream.held is not None and not names.isdisjoint(stream.held.frames)
+            for one in self._release(stream, now_ns)
+        ]
 
     def _release(self, stream: AnyStream, now_ns: int) -> Sequence[Pass]:
         sample = stream.held
