@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import struct
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,7 @@ from bags.bag_factory import (
     write_split_bag,
 )
 from bags.bag_reading import read_with_mcap, read_with_rosbags
+from pacing.bitstreams import IDR, NON_IDR_P, PPS, SPS, compressed_image, nal
 from replays.replay_runs import replay_bag, replay_content
 from smarttestudo.bags.definition_text import SEPARATOR
 from smarttestudo.bags.reader import open_recording
@@ -442,3 +444,35 @@ def test_each_part_that_one_publisher_sends_in_turn_has_the_rate_for_itself(
     for part in range(parts):
         latched = 2 * SECOND_NS // round_ns if transient_local else 0
         assert expected - 2 <= passed[named(type_name, part)] <= expected + latched + 2
+
+
+def test_a_replay_says_what_its_rates_do_to_video_and_patches(tmp_path: Path) -> None:
+    def messages(topic: str, payload: Callable[[int], bytes]) -> tuple[BagMessage, ...]:
+        return tuple(BagMessage(topic, START_NS + i * SECOND_NS // 30, payload(i)) for i in range(90))
+
+    def video(frame: int) -> bytes:
+        return compressed_image(nal(NON_IDR_P) if frame % 30 else nal(SPS, PPS, IDR), "h264")
+
+    topics = {
+        "/h264": ("sensor_msgs/msg/CompressedImage", video),
+        "/mpeg4": ("sensor_msgs/msg/CompressedImage", lambda _: compressed_image(b"\xff", "mpeg4")),
+        "/updates": ("visualization_msgs/msg/InteractiveMarkerUpdate", lambda _: b"\0\1\0\0"),
+    }
+    content = BagContent(
+        tuple(BagTopic(name, type_name) for name, (type_name, _) in topics.items()),
+        tuple(
+            sorted(
+                (one for name, (_, payload) in topics.items() for one in messages(name, payload)),
+                key=lambda message: message.stamp_ns,
+            )
+        ),
+    )
+    rules = "".join(f"SetFrequency {name} 10\n" for name in topics)
+    run = replay_content(content, rules, tmp_path)
+    assert run.outcome.notices == (
+        "/h264: coded video: beginnings of its 3 groups pass, without 66 of 90 messages",
+        "/mpeg4: no key frame found: its frames cannot be told apart, so all of the video passes, "
+        "whatever its rate",
+        "/updates: 59 of 90 messages: changes are left out: each message changes a part of those before, "
+        "so what is shown stays wrong; write Full",
+    )

@@ -280,6 +280,9 @@ export interface DifferenceRequest {
   new_text: string;
 }
 
+/** Why a topic is not shown as its rate says. */
+export type Doubt = "changes are left out" | "no key frame found" | "no key frame for long";
+
 /**
  * A rule file as an editor holds it, with the text of its profile; findings call them by the names.
  *
@@ -1779,6 +1782,7 @@ export interface TopicStatus {
   dropped: number;
   frames?: number;
   loss?: LossBeforeRelay;
+  doubt?: Doubt;
   link?: TopicOnLink;
   within?: Record<string, number>;
   bound_reasons?: Record<string, BoundReason>;

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 
@@ -17,6 +18,8 @@ from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.resolved_rules import Branch, ResolvedFloor, ResolvedRate
 from smarttestudo.language.syntax import bound_span
+from smarttestudo.pacing.coded_video import may_be_coded_video
+from smarttestudo.pacing.sample import is_patch
 
 
 def _tier_without_rate(rules: RuleModel) -> Iterator[Found]:
@@ -150,6 +153,54 @@ def _off_despite_floor(rules: RuleModel) -> Iterator[Found]:
             )
 
 
+def _thinned(rules: RuleModel) -> Iterator[tuple[ResolvedRate, str]]:
+    """The first statement of each topic by which not all of its messages pass, and the topic's known type."""
+    for topic, written in rules.settings.items():
+        known_type = rules.context.known_type(topic)
+        source_hz = rules.context.topic(topic).source_hz or math.inf
+        thinning = (one for one in written if one.rate is None or 0 < one.rate.hz < source_hz)
+        first = next(thinning, None)
+        if known_type is not None and first is not None:
+            yield first, known_type
+
+
+def _rate_text(one: ResolvedRate) -> str:
+    level = one.statement.rate.value
+    return level.value if isinstance(level, Tier) else str(one.rate)
+
+
+def _video_in_groups(rules: RuleModel) -> Iterator[Found]:
+    """Coded video at a rate."""
+    for one, type_name in _thinned(rules):
+        if may_be_coded_video(type_name, one.topic):
+            source_hz = rules.context.topic(one.topic).source_hz
+            shown = f"at {_rate_text(one)} it shows only the beginning of each group"
+            if source_hz is not None and one.rate is not None:
+                share = f"{100 * one.rate.hz / source_hz:.0f} %"
+                shown = f"at {one.rate.hz:g} of {source_hz:g} Hz it shows the first {share} of each group"
+            yield Found(
+                path=one.path,
+                span=one.statement.rate.span,
+                message=f"{one.topic} is coded video ({type_name}): {shown}",
+                hint="a group is a key frame with the differences after it; for an even picture have the "
+                "encoder send a key frame once or twice a second, or fewer frames",
+            )
+
+
+def _patches_thinned(rules: RuleModel) -> Iterator[Found]:
+    """Topics at a rate whose messages change a part of what those before showed."""
+    for one, type_name in _thinned(rules):
+        if is_patch(type_name):
+            yield Found(
+                path=one.path,
+                span=one.statement.rate.span,
+                message=f"{one.topic} has changes to what was sent before ({type_name}): at "
+                f"{_rate_text(one)} some are left out, and what is shown stays wrong",
+                hint="write Full, or in its place relay the topic that has the whole",
+                fix=Fix(span=one.statement.rate.span, replacement="Full", title="relay it whole"),
+            )
+
+
 CHECKS = (
     RuleCheck(code="tier-without-rate", severity=Severity.ERROR, find=_tier_without_rate),
     RuleCheck(code="two-defaults", severity=Severity.WARNING, find=_two_defaults),
@@ -158,4 +209,6 @@ CHECKS = (
     ),
     RuleCheck(code="rate-below-floor", severity=Severity.WARNING, find=_rate_below_floor),
     RuleCheck(code="off-despite-floor", severity=Severity.WARNING, find=_off_despite_floor),
+    RuleCheck(code="video-in-groups", severity=Severity.INFO, find=_video_in_groups),
+    RuleCheck(code="patches-thinned", severity=Severity.WARNING, find=_patches_thinned),
 )

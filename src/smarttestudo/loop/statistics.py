@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterable
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.pacing.bound import BoundRecords
 from smarttestudo.pacing.coded_video import VideoFrame
-from smarttestudo.pacing.groups import begins_group
 
 MAX_FRAMES = 4096
 
@@ -101,7 +100,7 @@ class VideoCounts:
     def record(self, frame: VideoFrame | None, now_ns: int) -> None:
         """Count a message."""
         self.messages += 1
-        if begins_group(frame):
+        if frame is None or frame is VideoFrame.KEY:
             self.keys += 1
             self.since_ns = now_ns
 

@@ -56,6 +56,12 @@ def is_coded_video(type_name: str) -> bool:
     return short in _FIELDS and short != _IMAGES
 
 
+def may_be_coded_video(type_name: str, topic: str) -> bool:
+    """The same, where of a CompressedImage the last name of its topic names a coder, as transports do."""
+    last_name = topic.rpartition("/")[2]
+    return is_coded_video(type_name) or (_short(type_name) == _IMAGES and _coder(last_name) is not None)
+
+
 class VideoReader:
     """Reads the frames of a topic's messages."""
 

@@ -44,6 +44,22 @@ class StreamKind(Enum):
         return StreamKind.NAMED if type_name in STREAM_TYPES else StreamKind.VOLATILE
 
 
+_PATCHES = frozenset(
+    {
+        "map_msgs/OccupancyGridUpdate",
+        "map_msgs/PointCloud2Update",
+        "moveit_msgs/PlanningScene",
+        "nav2_msgs/CostmapUpdate",
+        "visualization_msgs/InteractiveMarkerUpdate",
+    }
+)
+
+
+def is_patch(type_name: str) -> bool:
+    """Whether messages of a type change a part of what those before showed: without one, it stays wrong."""
+    return type_name.replace("/msg/", "/") in _PATCHES
+
+
 @dataclass(slots=True, eq=False)
 class Sample:
     """One message of a source; two samples are equal only if they are the same one.

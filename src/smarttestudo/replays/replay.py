@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -27,12 +28,14 @@ from smarttestudo.domain.recording import (
     Storage,
     left_out_of_second,
 )
+from smarttestudo.domain.status import Doubt
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_S, counted
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.inputs import GraphInput, MessageInput, WakeInput
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
-from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.loop.statistics import RelayStatistics
+from smarttestudo.pacing.sample import WhenSlow, is_patch
 from smarttestudo.replays.incidents import IncidentCutter, IncidentRequest, incident_cutter
 from smarttestudo.replays.outcome import ReplayOutcome, topic_outcome
 from smarttestudo.replays.topics import (
@@ -268,6 +271,24 @@ class _Run:
             incidents=() if self._cutter is None else tuple(path.name for path in self._cutter.written),
         )
 
+    def _doubts(self, topic: str, statistics: RelayStatistics) -> Iterator[str]:
+        """Why ``topic`` is not shown as its rate says."""
+        video, source, arrived = (
+            statistics.video,
+            self._topics.sources.get(topic),
+            statistics.arrived.messages,
+        )
+        left_out = arrived - (statistics.relayed.messages - statistics.repeated)
+        of_all, doubt = f"of {counted(arrived, 'message')}", Doubt.NO_KEY_FRAME
+        if video is not None and not video.keys and not math.isinf(statistics.target.rate_hz):
+            yield f"{topic}: {doubt.value}: {doubt.details}"
+        elif video is not None and left_out:
+            groups = counted(video.keys, "group")
+            yield f"{topic}: coded video: beginnings of its {groups} pass, without {left_out} {of_all}"
+        elif source is not None and is_patch(source.type_name) and left_out:
+            doubt = Doubt.PATCHES
+            yield f"{topic}: {left_out} {of_all}: {doubt.value}: {doubt.details}"
+
     def _notices(self) -> Iterator[str]:
         """Losses and oddities, one line each."""
         if self._cutter is not None:
@@ -283,6 +304,7 @@ class _Run:
             why = "a long double, which ROS 2 lacks in Python" if is_unread else "NaN, or no such field"
             yield f"{signal}: unknown in {counted(count, 'message')} ({why})"
         for topic, statistics in self._loop.relays.statistics.items():
+            yield from self._doubts(topic, statistics)
             if statistics.unreadable:
                 unread = counted(statistics.unreadable, "message")
                 why = "could not be compared with the receiver's picture, without a value"

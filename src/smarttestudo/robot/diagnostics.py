@@ -156,6 +156,8 @@ def topic_health(topic: TopicStatus) -> Health:
         return Health(
             DiagnosticLevel.WARN, LOST_BEFORE_RELAY, f"{topic.loss.percent:.0f} %; {topic.loss.remedy}"
         )
+    if topic.doubt is not None:
+        return Health(DiagnosticLevel.WARN, topic.doubt.value, topic.doubt.details)
     if not topic.keeps_rate:
         error = "" if topic.error_percent is None else f"{topic.error_percent:+.1f} %"
         return Health(DiagnosticLevel.WARN, "rate off", error)
@@ -229,6 +231,7 @@ def _own_values(source: str, topic: TopicStatus) -> Mapping[str, str]:
         "dropped": str(topic.counts.dropped),
         "repeated": str(topic.counts.repeated),
         "undecodable": str(topic.counts.undecodable),
+        **({} if topic.doubt is None else {"doubt": topic.doubt.value}),
     }
 
 

@@ -23,6 +23,7 @@ from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.clock_jumps import ClockJumps
 from smarttestudo.robot.compiled_topics import CompiledTopics
 from smarttestudo.robot.decisions import LiveDecisions
+from smarttestudo.robot.doubts import LiveDoubts
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.losses import LiveLosses
@@ -73,6 +74,7 @@ class LiveRun:
         self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._losses = LiveLosses(robot.log.warning, self._topics.publishers, robot.senders_remedy)
+        self._doubts = LiveDoubts(robot.log)
         needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
         compiled = None if needs_all or inputs.is_recording else robot.data_path.compiled
         self._sampling = LiveSampling(
@@ -295,6 +297,7 @@ class LiveRun:
             lost=self._losses.lost(),
             status_hz=self._timer.status_hz,
         )
+        self._doubts.say(status.topics)
         for part in self._parts:
             status = part.added_to(status)
         for part in self._parts:

@@ -15,6 +15,7 @@ from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate_meter import FlowMeter, RateWindow
 from smarttestudo.domain.status import (
     STATUS_HZ,
+    Doubt,
     LossBeforeRelay,
     ProcessReading,
     RulesInForce,
@@ -28,7 +29,7 @@ from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.loop.statistics import FrameFlows, RelayStatistics
 from smarttestudo.pacing.cdr import STAMPED_BYTES, header_stamp
-from smarttestudo.pacing.sample import StreamKind
+from smarttestudo.pacing.sample import StreamKind, is_patch
 from smarttestudo.pacing.stream import WHOLE_FROM_PERIOD_NS
 from smarttestudo.robot.losses import SourceLoss
 from smarttestudo.robot.topic_link import TopicLink
@@ -41,6 +42,7 @@ _MESSAGES_EXPLAINED = 3
 # Of a source of which nearly all is lost, its rate is no longer told by what comes.
 _LEAST_SHARE = 0.01
 _SOON_NS = 2 * NS_PER_S
+_OVERDUE_NS = 10 * NS_PER_S
 _BEGINNING = slice(STAMPED_BYTES)
 
 
@@ -136,13 +138,13 @@ class _Meters:
 
     __slots__ = (
         "_changes",
-        "_measured_ns",
         "_subscriptions",
         "age",
         "arrived",
         "frames",
         "is_heard",
         "lost_share",
+        "measured_ns",
         "relayed",
         "statistics",
         "target_hz",
@@ -159,11 +161,11 @@ class _Meters:
         self.lost_share = 0.0
         self._changes = statistics.target.changes
         self._subscriptions = 0
-        self._measured_ns = 0
+        self.measured_ns = 0
 
     def measure(self, link: TopicLink, profile: TopicProfile, now_ns: int) -> None:
         """Measure anew; the output's rate from its last change of target on, or its last subscription."""
-        target, measured_ns = self.statistics.target, self._measured_ns
+        target, measured_ns = self.statistics.target, self.measured_ns
         # Within a second there and back says nothing.
         has_changed = now_ns - measured_ns > _SOON_NS and target.changes != self._changes
         is_heard_anew = link.is_heard and not (self.is_heard and self._subscriptions == link.subscriptions)
@@ -176,7 +178,7 @@ class _Meters:
             self.relayed.restart()
             self.frames.restart_relayed()
         self.is_heard, self._subscriptions = link.is_heard, link.subscriptions
-        self._changes, self._measured_ns = target.changes, now_ns
+        self._changes, self.measured_ns = target.changes, now_ns
         stale_after_s = profile.stale_after_s
         stale_after_ns = None if stale_after_s is None else ns_from_s(stale_after_s)
         self.arrived.measure(now_ns, stale_after_ns=stale_after_ns, transient_local=link.transient_local)
@@ -323,6 +325,7 @@ def _topic_status(
         counts=counts,
         frames=len(meters.frames) or None,
         loss=loss,
+        doubt=_doubt(link, meters, counts),
         within=planned.within,
         bound_reasons=planned.bound_reasons,
     )
@@ -347,7 +350,7 @@ def _error(meters: _Meters, rates: _Rates, link: TopicLink) -> _Error:
     if not expected_hz or meters.statistics.repeated:
         return _Error(None, is_explained=True)
     if meters.relayed.is_silent and not meters.arrived.is_silent and not is_latched:
-        return _Error(-100.0, is_explained=False)
+        return _Error(-100.0, is_explained=meters.statistics.video is not None)
     if not actual_hz or span_ns < _ERROR_AFTER_NS:
         return _Error(None, is_explained=True)
     if kind is not StreamKind.NAMED and link.publishers > 1 and actual_hz > expected_hz:
@@ -358,8 +361,26 @@ def _error(meters: _Meters, rates: _Rates, link: TopicLink) -> _Error:
         # All of it passes in the first seconds, and while it is slow.
         is_thinned = (rates.source_hz or 0) * WHOLE_FROM_PERIOD_NS > NS_PER_S
         return _Error(percent if is_thinned else None, is_explained=True)
+    if meters.statistics.video is not None:
+        # Of long groups less passes, and all where no key frame is found; a doubt says so.
+        return _Error(percent, is_explained=True)
     messages_off = abs(actual_hz - expected_hz) * span_ns / NS_PER_S
     return _Error(percent, abs(percent) <= TOLERANCE_PERCENT or messages_off <= _MESSAGES_EXPLAINED)
+
+
+def _doubt(link: TopicLink, meters: _Meters, counts: TopicCounts) -> Doubt | None:
+    if not 0 < meters.target_hz < math.inf:
+        return None
+    if is_patch(link.type_name or ""):
+        return Doubt.PATCHES if counts.dropped > 0 else None
+    video = meters.statistics.video
+    if video is None or meters.measured_ns - video.since_ns < _OVERDUE_NS:
+        return None
+    if not video.keys:
+        return Doubt.NO_KEY_FRAME
+    rests_ns = meters.measured_ns - meters.statistics.relayed.last_ns
+    is_overdue = rests_ns * meters.target_hz > 2 * NS_PER_S and rests_ns >= _OVERDUE_NS
+    return Doubt.KEY_FRAME_OVERDUE if is_overdue and not meters.arrived.is_silent else None
 
 
 def _silence(link: TopicLink, meters: _Meters) -> Silence | None:

@@ -275,7 +275,9 @@ class Outbox:
             waiting_bytes + len(message.payload) > most_bytes or len(waiting) >= MAX_WAITING
         )
         if group.is_known and not message.begins_group:
-            is_late = bool(waiting) and message.offered_ns - stream.next_waiting.offered_ns > VIDEO_PATIENCE_NS
+            is_late = (
+                bool(waiting) and message.offered_ns - stream.next_waiting.offered_ns > VIDEO_PATIENCE_NS
+            )
             group.is_broken |= is_over or (is_late and not message.is_kept)
             if group.is_broken:
                 self._leave_out(stream, message)
