@@ -234,8 +234,7 @@ class Relay:
         if self._video is not None:
             freed = self._read_video(self._video, sample, now_ns)
         if self._reader is not None:
-            data = payload[:]
-            sample.frames, sample.deletion = self._reader.streams(data), self._reader.deletion(data)
+            sample.frames, sample.deletion = self._reader.streams_and_deletion(payload[:])
             frames = self.statistics.frames
             frames.record(frames.arrived, sample.frames, now_ns)
         if self._accuracy is not None:

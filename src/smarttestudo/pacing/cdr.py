@@ -112,10 +112,10 @@ class StreamReader:
         """The names of its streams, each once, in their order; none where it cannot be of the type."""
         return self._read(payload).names
 
-    def deletion(self, payload: Payload) -> int:
-        """``DELETE_ALL`` or ``DELETE`` where a marker of it says so; else 0."""
-        actions = [place.action for place in self._read(payload).places]
-        return next((action for action in (DELETE_ALL, DELETE) if action in actions), 0)
+    def streams_and_deletion(self, payload: Payload) -> tuple[tuple[str, ...], int]:
+        """The same, and ``DELETE_ALL`` or ``DELETE`` where a marker of it says so, else 0."""
+        found = self._read(payload)
+        return found.names, found.deletion
 
     def _read(self, payload: Payload) -> _Streams:
         known = self._known.get(len(payload))
@@ -189,6 +189,7 @@ class _Streams(NamedTuple):
     layout: struct.Struct
     constant: tuple[bytes, ...]
     places: tuple[_Place, ...] = ()
+    deletion: int = 0
 
 
 class PoseReader:
@@ -422,7 +423,9 @@ def _read_streams(payload: Payload, ways: Sequence[_Read]) -> _Streams:
             places = tuple(read(walk))
             layout = walk.layout()
             names = dict.fromkeys(_short(place.stream) for place in places)
-            return _Streams(tuple(names), layout, layout.unpack(payload), places)
+            actions = {place.action for place in places}
+            deletion = next((action for action in (DELETE_ALL, DELETE) if action in actions), 0)
+            return _Streams(tuple(names), layout, layout.unpack(payload), places, deletion)
     return _NO_STREAMS
 
 
