@@ -187,6 +187,19 @@ def _video_in_groups(rules: RuleModel) -> Iterator[Found]:
             )
 
 
+def _video_paced_with(rules: RuleModel) -> Iterator[Found]:
+    """Coded video that the profile paces with another topic."""
+    for topic, first in rules.relayed.items():
+        leader, known_type = rules.context.topic(topic).paced_with, rules.context.known_type(topic)
+        if leader is not None and known_type is not None and may_be_coded_video(known_type, topic):
+            yield Found(
+                path=first.path,
+                span=first.statement.topic.span,
+                message=f"{topic} is coded video ({known_type}), which is not paced with {leader}",
+                hint="its groups begin elsewhere; remove paced_with from the profile",
+            )
+
+
 def _patches_thinned(rules: RuleModel) -> Iterator[Found]:
     """Topics at a rate whose messages change a part of what those before showed."""
     for one, type_name in _thinned(rules):
@@ -210,5 +223,6 @@ CHECKS = (
     RuleCheck(code="rate-below-floor", severity=Severity.WARNING, find=_rate_below_floor),
     RuleCheck(code="off-despite-floor", severity=Severity.WARNING, find=_off_despite_floor),
     RuleCheck(code="video-in-groups", severity=Severity.INFO, find=_video_in_groups),
+    RuleCheck(code="video-paced-with", severity=Severity.INFO, find=_video_paced_with),
     RuleCheck(code="patches-thinned", severity=Severity.WARNING, find=_patches_thinned),
 )
