@@ -54,8 +54,8 @@ def test_the_curve_of_a_sine_is_its_closed_form() -> None:
         (error,) = point.errors
         assert error is not None
         closed = held_sine_rmse(math.tau * SINE_HZ / HZ, round(HZ / point.rate_hz))
-        # The pacer starts half a period early, so the first interval of a hundred or more is short.
-        assert error.hold.rmse == pytest.approx(closed, rel=0.01, abs=1e-12)
+        # The phase moves by up to one message at a time, so the intervals differ by that much.
+        assert error.hold.rmse == pytest.approx(closed, rel=0.05, abs=1e-12)
 
 
 def test_a_rate_carries_its_messages_and_at_most_one_more() -> None:

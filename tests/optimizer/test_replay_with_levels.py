@@ -83,8 +83,8 @@ def test_a_replay_within_a_budget_takes_no_more_and_says_why(
 ) -> None:
     decisions = bag.parent / "decisions.jsonl"
     topics = replayed(bag, capsys, "--budget", "100", "--decisions", str(decisions))
-    two_of_each_kb = 2 * 21.0
-    assert topics["/scan"]["out_kb"] + topics["/image"]["out_kb"] <= 100 * SECONDS + two_of_each_kb
+    three_of_each_kb = 3 * 21.0
+    assert topics["/scan"]["out_kb"] + topics["/image"]["out_kb"] <= 100 * SECONDS + three_of_each_kb
     assert topics["/scan"]["mean_hz"] == pytest.approx(5, rel=0.02)
     assert topics["/image"]["mean_hz"] == pytest.approx(4.75, rel=0.02)
     last = json.loads(decisions.read_text().splitlines()[-1])

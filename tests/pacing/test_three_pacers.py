@@ -7,6 +7,7 @@ A fourth, of a few lines, is the second opinion on all.
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from abc import ABC, abstractmethod
@@ -21,6 +22,7 @@ from hypothesis import strategies as st
 from compiled_relay import GID_BYTES, ListedRcl, library_in
 from pacing.scenarios import EPOCH_NS, seeds
 from smarttestudo.domain.compiled_relay import PacedStream
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.pacing.hand_over import stream_of, stream_state
 from smarttestudo.pacing.sample import Pass, Sample
@@ -86,9 +88,7 @@ class CompiledPacer(AnyPacer):
         self.pace = pace
         self._library = library
         self._rcl = ListedRcl()
-        settings = self._rcl.settings(
-            takes_on_callback=1, period_ns=c_ns(pace.period_ns), slack_ns=pace.slack_ns
-        )
+        settings = self._rcl.settings(takes_on_callback=1, period_ns=c_ns(pace.period_ns))
         settings.counts.now_ns = now_ns
         self._relay = library.new(settings)
         self._next_ns = NEVER_NS
@@ -115,7 +115,7 @@ class CompiledPacer(AnyPacer):
         if pace != self.pace:
             self.pace = pace
             self._rcl.now_ns = now_ns
-            self._library.set_pace(self._relay, pace.period_ns, pace.slack_ns)
+            self._library.set_pace(self._relay, pace.period_ns)
 
     def streams(self, now_ns: int) -> list[PacedStream]:
         self._rcl.now_ns = now_ns
@@ -188,80 +188,131 @@ class AlternatingPacer(AnyPacer):
             self._compiled = None
 
 
+class NaiveStream:
+    """All arrivals of a publisher, with sums over those that count."""
+
+    def __init__(self, due_ns: int) -> None:
+        self.due_ns = due_ns
+        self.phase_ns, self.direction = 0, 1
+        self.arrivals: list[int] = []
+        self.lag_ns = self.step_ns = 0
+        self.held: tuple[int, int] | None = None
+
+    def gaps(self) -> list[int]:
+        pairs = itertools.pairwise(self.arrivals)
+        first = self.arrivals[-1] // (10 * NS_PER_S) - 6 if self.arrivals else 0
+        return [min(b - a, 2 * NS_PER_S) for a, b in pairs if b // (10 * NS_PER_S) >= first]
+
+    def burst_ns(self) -> int:
+        gaps = self.gaps()
+        squares = sum((gap // 1000) ** 2 for gap in gaps)
+        return squares // (sum(gaps) // 1000) * 1000 if sum(gaps) >= 1000 else 0
+
+    def arrive(self, now_ns: int) -> None:
+        self.arrivals.append(now_ns)
+        if gaps := self.gaps():
+            gap_ns = min(now_ns - self.arrivals[-2], 2 * NS_PER_S)
+            is_first = now_ns // (10 * NS_PER_S) > self.arrivals[-2] // (10 * NS_PER_S)
+            if is_first or gap_ns >= self.step_ns:
+                self.step_ns = sum(gaps) // len(gaps)
+            most_ns = min(2 * (self.burst_ns() - self.step_ns), max(gaps) - self.step_ns)
+            if self.step_ns == 0 or self.burst_ns() < 1.5 * self.step_ns:
+                most_ns = 0
+            self.lag_ns = max(min(self.lag_ns + gap_ns - self.step_ns, most_ns), 0)
+
+    def slack_ns(self, period_ns: int) -> int:
+        longest_ns = max(self.gaps(), default=0)
+        held_within = min(max(longest_ns, NS_PER_S // 4), 2 * NS_PER_S)
+        return max(2 * period_ns, held_within) if 0 < period_ns < NEVER_NS else 0
+
+    def advance(self, period_ns: int, now_ns: int) -> None:
+        self.due_ns = min(max(self.due_ns, now_ns - self.slack_ns(period_ns)), now_ns) + period_ns
+        gap_ns = self.step_ns
+        if self.held is not None and 0 < gap_ns < period_ns:
+            share_ns = gap_ns * gap_ns // period_ns
+            half_ns = (period_ns - share_ns) // 2
+            step_ns = min(period_ns // 10, gap_ns)
+            step_ns = (step_ns - share_ns * step_ns // period_ns) * 693 // 1000
+            phase_ns = self.phase_ns + self.direction * step_ns
+            if phase_ns * self.direction > half_ns:
+                phase_ns = max((period_ns - share_ns) - phase_ns * self.direction, -half_ns) * self.direction
+                self.direction = -self.direction
+            self.due_ns += phase_ns - self.phase_ns
+            self.phase_ns = phase_ns
+        self.held = None
+
+
 class NaivePacer(AnyPacer):
     """A list of arrivals for each publisher, and sums."""
 
     def __init__(self) -> None:
-        self.period_ns = self.slack_ns = 0
+        self.period_ns = 0
         self.now_ns = -NEVER_NS
-        self.due: dict[bytes, int] = {}
-        self.arrivals: dict[bytes, list[int]] = {}
-        self.held: dict[bytes, tuple[int, int]] = {}
+        self.streams: dict[bytes, NaiveStream] = {}
 
     @property
     def next_ns(self) -> int:
-        return min(map(self._release_ns, self.held), default=NEVER_NS)
+        return min(map(self._release_ns, self.streams.values()), default=NEVER_NS)
 
     def offer(self, publisher: bytes, number: int, now_ns: int) -> list[int]:
         passed = self.wake(now_ns)
-        self.due.setdefault(publisher, self._start(now_ns))
-        self.arrivals[publisher] = [*self.arrivals.get(publisher, []), now_ns][-21:]
-        if now_ns >= self.due[publisher]:
-            return [*passed, *self._pass(publisher, number, now_ns)]
+        stream = self.streams.setdefault(publisher, NaiveStream(self._start(now_ns)))
+        stream.arrive(now_ns)
+        if self.period_ns == 0 or now_ns - stream.lag_ns >= stream.due_ns:
+            stream.advance(self.period_ns, now_ns)
+            return [*passed, number]
         if self.period_ns < NEVER_NS:
-            self.held[publisher] = (number, now_ns)
+            stream.held = (number, now_ns)
         return passed
 
     def wake(self, now_ns: int) -> list[int]:
         self._see(now_ns)
-        return [
-            passed
-            for publisher in self.due
-            if publisher in self.held and self._release_ns(publisher) <= now_ns
-            for passed in self._pass(publisher, self.held[publisher][0], now_ns)
-        ]
+        passed = []
+        for stream in self.streams.values():
+            if stream.held is not None and self._release_ns(stream) <= now_ns:
+                passed.append(stream.held[0])
+                stream.advance(self.period_ns, now_ns)
+        return passed
 
     def set_rate(self, rate_hz: float, now_ns: int) -> None:
-        pace, period_ns, slack_ns = Pace.at(rate_hz), self.period_ns, self.slack_ns
-        if (pace.period_ns, pace.slack_ns) == (period_ns, slack_ns):
+        before_ns, period_ns = self.period_ns, Pace.at(rate_hz).period_ns
+        if period_ns == before_ns:
             return
         self._see(now_ns)
-        self.period_ns, self.slack_ns = pace.period_ns, pace.slack_ns
-        for publisher, due_ns in self.due.items():
-            if pace.is_full:
-                self.due[publisher] = -NEVER_NS
-            elif pace.is_off or period_ns == NEVER_NS:
-                self.due[publisher] = self._start(now_ns)
-            elif not period_ns:
-                after_ns = due_ns + pace.period_ns - pace.period_ns // 2
-                self.due[publisher] = max(self._start(now_ns), after_ns)
+        self.period_ns = period_ns
+        for stream in self.streams.values():
+            start_ns = self._start(now_ns)
+            if not period_ns:
+                stream.due_ns = -NEVER_NS
+            elif NEVER_NS in (period_ns, before_ns):
+                stream.due_ns, stream.phase_ns, stream.direction = start_ns, 0, 1
+            elif not before_ns:
+                after_ns = stream.due_ns + period_ns - period_ns // 2
+                stream.due_ns, stream.phase_ns, stream.direction = max(start_ns, after_ns), 0, 1
             else:
-                ahead_ns = max(due_ns - now_ns, -slack_ns)
-                self.due[publisher] = now_ns + math.floor(Fraction(ahead_ns * pace.period_ns, period_ns))
-        if pace.is_off:
-            self.held = {}
+                ratio = Fraction(period_ns, before_ns)
+                ahead_ns = max(stream.due_ns - now_ns, -stream.slack_ns(before_ns))
+                stream.due_ns = now_ns + math.floor(ahead_ns * ratio)
+                stream.phase_ns = math.floor(stream.phase_ns * ratio)
+            if period_ns == NEVER_NS:
+                stream.held = None
 
     def _see(self, now_ns: int) -> None:
         if now_ns < self.now_ns:
-            self.due = dict.fromkeys(self.due, self._start(now_ns))
-            self.arrivals.clear()
-            self.held = {publisher: (number, now_ns) for publisher, (number, _) in self.held.items()}
+            before, self.streams = self.streams, {}
+            for publisher, stream in before.items():
+                self.streams[publisher] = NaiveStream(self._start(now_ns))
+                if stream.held is not None:
+                    self.streams[publisher].held = (stream.held[0], now_ns)
         self.now_ns = now_ns
 
     def _start(self, now_ns: int) -> int:
         return NEVER_NS if self.period_ns == NEVER_NS else now_ns - self.period_ns // 2
 
-    def _pass(self, publisher: bytes, number: int, now_ns: int) -> list[int]:
-        credited_ns = min(max(self.due[publisher], now_ns - self.slack_ns), now_ns)
-        self.due[publisher] = credited_ns + self.period_ns
-        self.held.pop(publisher, None)
-        return [number]
-
-    def _release_ns(self, publisher: bytes) -> int:
-        arrivals = self.arrivals.get(publisher, [])
-        intervals = max(len(arrivals) - 1, 0)
-        mean_ns = (arrivals[-1] - arrivals[0]) // intervals if intervals else 0
-        return max(self.due[publisher], self.held[publisher][1] + max(2 * mean_ns, self.period_ns))
+    def _release_ns(self, stream: NaiveStream) -> int:
+        if stream.held is None:
+            return NEVER_NS
+        return max(stream.due_ns, stream.held[1] + max(2 * stream.burst_ns(), self.period_ns))
 
 
 def a_time(chance: random.Random) -> int:

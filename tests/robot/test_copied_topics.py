@@ -70,7 +70,7 @@ class MemoryRelay:
         elif self.publisher is not None:
             self.publisher.publish(copy.payload or b"")
 
-    def set_pace(self, period_ns: int, slack_ns: int) -> None:
+    def set_pace(self, period_ns: int) -> None:
         self.period_ns = period_ns
 
     def counts(self) -> RelayCounts:

@@ -67,7 +67,6 @@ class Echo:
         self.state = RelayState(
             now_ns=robot.now_ns(),
             period_ns=pace.period_ns,
-            slack_ns=pace.slack_ns,
             streams=(),
             counts=RelayCounts(arrived=NONE, relayed=NONE),
         )
@@ -128,7 +127,7 @@ class Echo:
 
 @pytest.mark.contract
 def test_nothing_is_lost_or_doubled_where_a_topic_comes_and_goes(fast: Robot, qos: Qos) -> None:
-    echo, chance = Echo(fast, qos, Pace(0, 0)), random.Random(7)
+    echo, chance = Echo(fast, qos, Pace(0)), random.Random(7)
     before = echo.by_python
     for number in range(1, 2001):
         if chance.random() < 0.2:
@@ -147,7 +146,7 @@ def test_nothing_is_lost_or_doubled_where_a_topic_comes_and_goes(fast: Robot, qo
 def test_of_a_recorded_topic_python_sees_each_message_once_and_in_order_whoever_takes_it(
     fast: Robot, qos: Qos
 ) -> None:
-    echo, chance = Echo(fast, qos, Pace(0, 0)), random.Random(8)
+    echo, chance = Echo(fast, qos, Pace(0)), random.Random(8)
     before = echo.by_python
     for number in range(1, 2001):
         if chance.random() < 0.2:
@@ -167,7 +166,7 @@ def test_of_a_recorded_topic_python_sees_each_message_once_and_in_order_whoever_
 
 
 def test_what_comes_right_before_a_topic_is_taken_back_is_not_left_where_it_is(fast: Robot, qos: Qos) -> None:
-    echo = Echo(fast, qos, Pace(0, 0))
+    echo = Echo(fast, qos, Pace(0))
 
     def publish_four(first: int) -> None:
         for number in range(first, first + AHEAD):
@@ -193,15 +192,11 @@ def test_what_was_held_when_a_topic_comes_back_is_there(fast: Robot, qos: Qos) -
     echo.end()
     (stream,) = echo.state.streams
     assert stream.held is not None
-    assert (stream.held[:], len(stream.arrivals_ns)) == (text(3), 3)
+    assert (stream.held[:], sum(count for count, *_ in stream.gaps)) == (text(3), 2)
     assert echo.state.counts.relayed.messages == 1
     # Given to another one, it is the final message at its time, which here is now.
-    due = PacedStream(
-        publisher=stream.publisher, due_ns=-NEVER_NS, arrivals_ns=(), held=stream.held, held_ns=stream.held_ns
-    )
-    echo.state = RelayState(
-        now_ns=echo.state.now_ns, period_ns=1, slack_ns=0, streams=[due], counts=echo.state.counts
-    )
+    due = PacedStream(publisher=stream.publisher, due_ns=-NEVER_NS, held=stream.held, held_ns=stream.held_ns)
+    echo.state = RelayState(now_ns=echo.state.now_ns, period_ns=1, streams=[due], counts=echo.state.counts)
     echo.begin()
     echo.wait_for(3)
     echo.end()
@@ -212,7 +207,7 @@ def test_what_is_held_of_a_publisher_whose_number_was_forgotten_stays_in_python(
     fast: Robot, qos: Qos
 ) -> None:
     echo = Echo(fast, qos, Pace.at(0.01))
-    held = PacedStream(publisher=b"gone", due_ns=0, arrivals_ns=(0,), held=text(9), held_ns=0)
+    held = PacedStream(publisher=b"gone", due_ns=0, last_ns=0, held=text(9), held_ns=0)
     echo.state = replace(echo.state, streams=[held])
     echo.begin()
     assert echo.relay is None
@@ -224,7 +219,7 @@ def test_what_is_held_of_a_publisher_whose_number_was_forgotten_stays_in_python(
 
 
 def test_closing_a_publisher_ends_its_relay_first_and_what_was_copied_is_given(fast: Robot, qos: Qos) -> None:
-    echo = Echo(fast, qos, Pace(0, 0))
+    echo = Echo(fast, qos, Pace(0))
     echo.begin(is_copied=True)
     echo.source.publish(text(1))
     echo.wait_until(lambda: echo.relay is not None and echo.relay.counts().arrived.messages == 1)
@@ -237,7 +232,7 @@ def test_closing_a_publisher_ends_its_relay_first_and_what_was_copied_is_given(f
 
 
 def test_closing_a_subscription_or_the_path_ends_its_relay_first(fast: Robot, qos: Qos) -> None:
-    echo = Echo(fast, qos, Pace(0, 0))
+    echo = Echo(fast, qos, Pace(0))
     threads = threads_of(os.getpid())
     echo.begin()
     of_relay = threads_of(os.getpid()) - threads

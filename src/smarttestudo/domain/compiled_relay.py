@@ -17,13 +17,21 @@ MAX_PERIOD_NS = 1 << 50
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PacedStream:
-    """The messages of one publisher: their grid, the last arrivals, and the newest message if it is held."""
+    """The messages of one publisher: their grid, their gaps, and the newest message if it is held.
+
+    ``gaps`` are the numbers of each ``Gaps`` of ``SourceGaps``.
+    """
 
     publisher: bytes
     due_ns: int
-    arrivals_ns: tuple[int, ...]
     held: Payload | None
     held_ns: int
+    phase_ns: int = 0
+    is_phase_falling: bool = False
+    last_ns: int | None = None
+    lag_ns: int = 0
+    step_ns: int = 0
+    gaps: Sequence[tuple[int, int, int, int]] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,11 +55,10 @@ class RelayCounts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RelayState:
-    """All that a relay of one topic knows at ``now_ns``; periods as those of a ``Pace``."""
+    """All that a relay of one topic knows at ``now_ns``; the period as that of a ``Pace``."""
 
     now_ns: int
     period_ns: int
-    slack_ns: int
     streams: Sequence[PacedStream]
     counts: RelayCounts
 
@@ -82,7 +89,7 @@ class Copying:
 class CompiledRelay(Protocol):
     """A topic that is relayed without Python from its subscription to its publisher, in its own threads."""
 
-    def set_pace(self, period_ns: int, slack_ns: int) -> None:
+    def set_pace(self, period_ns: int) -> None:
         """Follow another pace from now on."""
 
     def counts(self) -> RelayCounts:

@@ -26,7 +26,6 @@ def hand_over(relays: Relays, topic: str, now_ns: int) -> RelayState:
     return RelayState(
         now_ns=now_ns,
         period_ns=pace.period_ns,
-        slack_ns=pace.slack_ns,
         streams=[stream_state(publisher, stream) for publisher, stream in streams.items()],
         counts=RelayCounts(arrived=_counts(statistics.arrived), relayed=_counts(statistics.relayed)),
     )
@@ -40,7 +39,7 @@ def take_back(relays: Relays, topic: str, state: RelayState) -> Sequence[Relayed
     count(relay, state.counts)
     if not isinstance(relay.pacer, TopicPacer):
         return ()
-    pace, now_ns = Pace(state.period_ns, state.slack_ns), state.now_ns
+    pace, now_ns = Pace(state.period_ns), state.now_ns
     streams = {stream.publisher: stream_of(stream, pace, now_ns) for stream in state.streams}
     relayed = relay.relayed(relay.pacer.take_back(streams, now_ns), now_ns)
     relays.arm(relay)
@@ -58,7 +57,6 @@ def unrelayed(arrived: Flow, now_ns: int) -> RelayState:
     return RelayState(
         now_ns=now_ns,
         period_ns=NEVER_NS,
-        slack_ns=0,
         streams=(),
         counts=RelayCounts(arrived=_counts(arrived), relayed=_counts(Flow())),
     )

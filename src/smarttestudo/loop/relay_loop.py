@@ -188,6 +188,7 @@ class RelayLoop:
                     self.knowledge.time.leave_out(change.ahead_ns)
                     for statistics in self.relays.statistics.values():
                         statistics.leave_out(change.ahead_ns, now_ns)
+                    self.relays.restart_grids(now_ns)
                     return self._pass_time(now_ns)
                 return self._observe((change,), now_ns)
             case GraphInput(stamp_ns=now_ns):

@@ -82,8 +82,23 @@ class Relays:
         return pacer.due_ns if isinstance(pacer, TopicPacer) else None
 
     def skipped(self, topic: str, messages: int, size_bytes: int) -> None:
-        """Count what was sent, yet not looked at."""
-        self._relays[topic].statistics.arrived.skip(messages, size_bytes)
+        """Count what was sent before the next message, yet not looked at."""
+        relay = self._relays[topic]
+        relay.statistics.arrived.skip(messages, size_bytes)
+        if isinstance(relay.pacer, TopicPacer):
+            relay.pacer.skipped(messages)
+
+    def comes_in_bursts(self, topic: str) -> bool:
+        """Whether messages come in bursts, of which each is to be looked at."""
+        pacer = self._relays[topic].pacer
+        return isinstance(pacer, TopicPacer) and pacer.comes_in_bursts
+
+    def restart_grids(self, now_ns: int) -> None:
+        """Begin all grids anew: the clock jumped ahead to ``now_ns``, and no credit comes of that."""
+        for relay in self._relays.values():
+            if isinstance(relay.pacer, TopicPacer):
+                relay.pacer.restart(now_ns)
+                self.arm(relay)
 
     def needs_decoded(self, topic: str) -> bool:
         """Whether messages of ``topic`` must be decoded for the bounds of its picture."""

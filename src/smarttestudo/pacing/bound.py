@@ -67,10 +67,14 @@ class BoundStream(VolatileStream):
         self.ceiling = Grid(ceiling, now_ns)
         self.overdue = False
 
+    def charge(self, now_ns: int) -> None:
+        """Something passes now that counts for this stream."""
+        super().charge(now_ns)
+        self.ceiling.charge(now_ns, self._ceiling_slack_ns)
+
     def settle(self, now_ns: int) -> None:
         """Something passes now."""
         super().settle(now_ns)
-        self.ceiling.charge(now_ns)
         self.overdue = False
 
     @property
@@ -82,11 +86,11 @@ class BoundStream(VolatileStream):
 
     def change_pace(self, pace: Pace, now_ns: int) -> None:
         """Another ceiling; what is held stays held, also while Off."""
-        self.ceiling.change_pace(pace, now_ns)
+        self.ceiling.change_pace(pace, now_ns, self._ceiling_slack_ns)
 
     def change_heartbeat(self, pace: Pace, now_ns: int) -> None:
         """Another heartbeat."""
-        self.grid.change_pace(pace, now_ns)
+        self.grid.change_pace(pace, now_ns, self.slack_ns)
 
     def restart(self, now_ns: int) -> None:
         """Begin anew on a clock that jumped back."""
@@ -96,8 +100,12 @@ class BoundStream(VolatileStream):
     def is_idle(self, now_ns: int) -> bool:
         """Whether a fresh stream would do as well."""
         ceiling = self.ceiling
-        is_ahead = ceiling.due_ns >= now_ns - ceiling.pace.slack_ns and not ceiling.pace.is_off
+        is_ahead = ceiling.due_ns >= now_ns - self._ceiling_slack_ns and not ceiling.pace.is_off
         return not is_ahead and super().is_idle(now_ns)
+
+    @property
+    def _ceiling_slack_ns(self) -> int:
+        return self.ceiling.pace.slack_ns(self.source.longest_ns)
 
 
 class BoundStreams(Streams[BoundStream]):
@@ -214,8 +222,7 @@ class BoundStreams(Streams[BoundStream]):
             stream.held = None
             return ()
         for other in {stream, *self._streams_of(sample, now_ns)}:
-            other.grid.charge(now_ns)
-            other.ceiling.charge(now_ns)
+            other.charge(now_ns)
             if other.held is sample:
                 other.held, other.overdue = None, False
         self._picture.show(sample.readings, sample.publisher)

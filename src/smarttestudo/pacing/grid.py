@@ -14,18 +14,25 @@ NEVER_NS = 1 << 96
 
 SLACK_PERIODS = 2
 SLACK_AT_LEAST_NS = NS_PER_S // 4
+SLACK_AT_MOST_NS = 2 * NS_PER_S
+
+STEP_OF_PERIOD = 10
+STEP_PERMILLE = 693
+"""In a period the phase moves by ln 2 of a tenth of the period, at most of the source's mean gap.
+
+That share is near no simple fraction, so that of any number of turns, at any rate, each comes to pass; of
+such shares, it is the one with which the last waits least. A tenth, so that what passes is evenly spaced.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """A period, and the slack: how much unused time counts as credit; both in ns.
+    """A period in ns, rounded down, so that a target equal to its source never falls behind it.
 
-    The period is rounded down, so that a target equal to its source never falls behind it. Full has a
-    period and a slack of 0: the next message is always due, and nothing is saved up.
+    Full has a period of 0: the next message is always due.
     """
 
     period_ns: int
-    slack_ns: int
 
     @staticmethod
     def at(rate_hz: float) -> Pace:
@@ -33,11 +40,15 @@ class Pace:
         if math.isnan(rate_hz) or rate_hz < 0:
             raise ValueError(f"a rate is not negative: {rate_hz}")
         if math.isinf(rate_hz):
-            return Pace(0, 0)
-        if rate_hz * NEVER_NS <= NS_PER_S:
-            return Pace(NEVER_NS, 0)
-        period_ns = int(NS_PER_S / rate_hz)
-        return Pace(period_ns, max(SLACK_PERIODS * period_ns, SLACK_AT_LEAST_NS))
+            return Pace(0)
+        return Pace(NEVER_NS if rate_hz * NEVER_NS <= NS_PER_S else int(NS_PER_S / rate_hz))
+
+    def slack_ns(self, longest_gap_ns: int) -> int:
+        """How much unused time counts as credit, where a source has gaps so long; at Full and Off none."""
+        if self.is_full or self.is_off:
+            return 0
+        gap_ns = min(max(longest_gap_ns, SLACK_AT_LEAST_NS), SLACK_AT_MOST_NS)
+        return max(SLACK_PERIODS * self.period_ns, gap_ns)
 
     @property
     def is_full(self) -> bool:
@@ -54,11 +65,15 @@ class Grid:
     """The due times of one stream.
 
     A message passes when it is due, and the due time moves on by one period. A due time in the past is
-    credit, at most the pace's slack of it, so the mean rate is exact to one message while no gap between
+    credit, at most the slack of it, so the mean rate is exact to one message while no gap between
     messages exceeds the slack, and at most ``T·f + slack·f + 2`` messages pass in any window of length T.
+
+    Where the source sends more than passes, the phase can move as well: each period is a share of the
+    source's gap longer, until the phase is half a period late, and then shorter until it is half a period
+    early. So it is not always the same one of several messages in turn that passes, and the mean stays.
     """
 
-    __slots__ = ("due_ns", "pace")
+    __slots__ = ("due_ns", "is_phase_falling", "pace", "phase_ns")
 
     due_ns: int
     """When the next message may pass; at Full, when the last one did."""
@@ -75,16 +90,36 @@ class Grid:
         """
         pace = self.pace
         self.due_ns = NEVER_NS if pace.is_off else now_ns - pace.period_ns // 2
+        self.phase_ns, self.is_phase_falling = 0, False
 
-    def charge(self, now_ns: int) -> None:
+    def charge(self, now_ns: int, slack_ns: int) -> None:
         """Advance for a message that passes now, due or not: the next is due within one period."""
-        pace = self.pace
         due_ns = self.due_ns
         if due_ns > now_ns:
             due_ns = now_ns
-        elif due_ns < now_ns - pace.slack_ns:
-            due_ns = now_ns - pace.slack_ns
-        self.due_ns = due_ns + pace.period_ns
+        elif due_ns < now_ns - slack_ns:
+            due_ns = now_ns - slack_ns
+        self.due_ns = due_ns + self.pace.period_ns
+
+    def move_phase(self, gap_ns: int) -> None:
+        """Move the phase on for a source whose mean gap is ``gap_ns``, if that is less than the period."""
+        period_ns = self.pace.period_ns
+        if not 0 < gap_ns < period_ns:
+            return
+        # Nearly the whole period; the closer the target to its source, the less.
+        left_ns = gap_ns * gap_ns // period_ns
+        range_ns = period_ns - left_ns
+        step_ns = min(period_ns // STEP_OF_PERIOD, gap_ns)
+        step_ns = (step_ns - left_ns * step_ns // period_ns) * STEP_PERMILLE // 1000
+        before_ns = -self.phase_ns if self.is_phase_falling else self.phase_ns
+        after_ns = before_ns + step_ns
+        turns = after_ns > range_ns // 2
+        if turns:
+            after_ns = max(range_ns - after_ns, -(range_ns // 2))
+        moved_ns = before_ns - after_ns if self.is_phase_falling else after_ns - before_ns
+        self.phase_ns += moved_ns
+        self.due_ns += moved_ns
+        self.is_phase_falling ^= turns
 
     def skip_to(self, now_ns: int) -> None:
         """A message passes now: move on to the first due time after it, without leaving the grid."""
@@ -94,12 +129,13 @@ class Grid:
         elif self.due_ns <= now_ns:
             self.due_ns += ((now_ns - self.due_ns) // period_ns + 1) * period_ns
 
-    def change_pace(self, pace: Pace, now_ns: int) -> None:
+    def change_pace(self, pace: Pace, now_ns: int, slack_ns: int) -> None:
         """Follow another pace from now on; what is owed or ahead, counted in messages, stays the same.
 
         Counted in time, each change to a faster pace would owe the messages of a whole slow period at
         once, and a rule that flickers between two rates would relay up to half more than they ask for.
-        From Off the grid starts anew, from Full as if it had started at the last message.
+        From Off the grid starts anew, from Full as if it had started at the last message. ``slack_ns`` is
+        that of the pace until now.
         """
         old, self.pace = self.pace, pace
         if pace.is_full:
@@ -111,5 +147,6 @@ class Grid:
             self.start(now_ns)
             self.due_ns = max(self.due_ns, after_last_ns)
         else:
-            ahead_ns = max(self.due_ns - now_ns, -old.slack_ns)
+            ahead_ns = max(self.due_ns - now_ns, -slack_ns)
             self.due_ns = now_ns + ahead_ns * pace.period_ns // old.period_ns
+            self.phase_ns = self.phase_ns * pace.period_ns // old.period_ns

@@ -25,10 +25,11 @@ class RepeatStream(Stream):
     the newest sample while it was never sent. Full passes everything and repeats nothing.
     """
 
-    __slots__ = ("_newest", "_stale_after_ns")
+    __slots__ = ("_newest", "_period", "_stale_after_ns")
 
     def __init__(self, pace: Pace, now_ns: int, *, stale_after_ns: int | None) -> None:
         super().__init__(pace, now_ns)
+        self._period = SourcePeriod()
         self._newest: Sample | None = None
         self._stale_after_ns = stale_after_ns
 
@@ -74,6 +75,7 @@ class RepeatStream(Stream):
     def restart(self, now_ns: int) -> None:
         """Begin anew on a clock that jumped back: only what was never sent is still sent."""
         super().restart(now_ns)
+        self._period = SourcePeriod()
         self._newest = self.held
 
     def is_idle(self, now_ns: int) -> bool:
@@ -81,23 +83,23 @@ class RepeatStream(Stream):
         return self.release_ns == NEVER_NS and super().is_idle(now_ns)
 
     def _repeats_at(self, due_ns: int) -> bool:
-        is_silent = self._newest is None or self.source.last_ns is None
+        is_silent = self._newest is None or self._period.last_ns is None
         if is_silent or self.finished or self.grid.pace.is_full:
             return False
         return due_ns < self._stale_ns
 
     @property
     def _stale_ns(self) -> int:
-        stale_ns = self.source.stale_from_ns(stale_after_ns=self._stale_after_ns, transient_local=False)
-        return (self.source.last_ns or 0) + YOUNG_NS if stale_ns is None else stale_ns
+        stale_ns = self._period.stale_from_ns(stale_after_ns=self._stale_after_ns, transient_local=False)
+        return (self._period.last_ns or 0) + YOUNG_NS if stale_ns is None else stale_ns
 
     def _record(self, now_ns: int) -> None:
-        source, last_ns, mean_ns = self.source, self.source.last_ns, self.source.mean_ns
+        period, last_ns, mean_ns = self._period, self._period.last_ns, self._period.mean_ns
         if last_ns is not None and mean_ns is not None:
             silent_ns = now_ns - last_ns
-            if silent_ns > silence_limit_ns(mean_ns, 1) and source.is_known:
-                self.source = SourcePeriod()
+            if silent_ns > silence_limit_ns(mean_ns, 1) and period.is_known:
+                self._period = SourcePeriod()
             elif mean_ns > silence_limit_ns(max(silent_ns, 0), 1):
-                self.source = SourcePeriod()
-                self.source.record(last_ns)
-        self.source.record(now_ns)
+                self._period = SourcePeriod()
+                self._period.record(last_ns)
+        self._period.record(now_ns)

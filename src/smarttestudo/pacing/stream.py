@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-from smarttestudo.domain.source_period import SourcePeriod
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.grid import NEVER_NS, Grid, Pace
 from smarttestudo.pacing.sample import Pass, Sample
+from smarttestudo.pacing.source_gaps import SourceGaps
 
 
 class Stream(ABC):
@@ -19,7 +19,7 @@ class Stream(ABC):
 
     def __init__(self, pace: Pace, now_ns: int) -> None:
         self.grid = Grid(pace, now_ns)
-        self.source = SourcePeriod()
+        self.source = SourceGaps()
         self.held: Sample | None = None
         self.held_ns = now_ns
         self.finished = False
@@ -47,10 +47,23 @@ class Stream(ABC):
         self.held = sample
         self.held_ns = now_ns
 
+    def skip(self, messages: int) -> None:
+        """So many messages came that nobody looked at, before the next one."""
+        self.source.skip(messages)
+
+    def charge(self, now_ns: int) -> None:
+        """Something passes now that counts for this stream: advance the due time."""
+        self.grid.charge(now_ns, self.slack_ns)
+
     def settle(self, now_ns: int) -> None:
-        """Something passes now: advance the due time; what was held before it is no longer the newest."""
-        self.grid.charge(now_ns)
+        """Something passes now; what was held before it is no longer the newest."""
+        self.charge(now_ns)
         self.held = None
+
+    @property
+    def slack_ns(self) -> int:
+        """How much unused time counts as credit."""
+        return self.grid.pace.slack_ns(self.source.longest_ns)
 
     def release(self, now_ns: int) -> tuple[Pass, ...]:
         """Relay what ``release_ns`` announced."""
@@ -60,12 +73,12 @@ class Stream(ABC):
 
     def change_pace(self, pace: Pace, now_ns: int) -> None:
         """Follow another pace from now on."""
-        self.grid.change_pace(pace, now_ns)
+        self.grid.change_pace(pace, now_ns, self.slack_ns)
 
     def restart(self, now_ns: int) -> None:
         """Begin anew on a clock that jumped back to ``now_ns``; what is held stays held."""
         self.grid.start(now_ns)
-        self.source = SourcePeriod()
+        self.source = SourceGaps()
         self.held_ns = now_ns
 
     def leave_out(self) -> None:  # noqa: B027 - only some streams mind
@@ -74,7 +87,7 @@ class Stream(ABC):
     def is_idle(self, now_ns: int) -> bool:
         """Whether a fresh stream would do as well: nothing held, nothing ahead."""
         pace = self.grid.pace
-        return self.held is None and (pace.is_off or self.grid.due_ns < now_ns - pace.slack_ns)
+        return self.held is None and (pace.is_off or self.grid.due_ns < now_ns - self.slack_ns)
 
 
 QUIET_SOURCE_PERIODS = 2
@@ -83,8 +96,8 @@ QUIET_SOURCE_PERIODS = 2
 class VolatileStream(Stream):
     """Passes what is due, and the newest held sample once the source is quiet.
 
-    Quiet is the longer of one period and two source periods without a newer message. What arrives
-    while Off is not held.
+    Quiet is the longer of one period and two source periods without a newer message; the source period of
+    bursts is that from one to the next. What arrives while Off is not held.
     """
 
     __slots__ = ()
@@ -101,7 +114,7 @@ class VolatileStream(Stream):
         if self.held is None:
             return NEVER_NS
         grid = self.grid
-        period_ns, quiet_ns = grid.pace.period_ns, QUIET_SOURCE_PERIODS * (self.source.mean_ns or 0)
+        period_ns, quiet_ns = grid.pace.period_ns, QUIET_SOURCE_PERIODS * self.source.weighted_mean_ns
         # This runs for every message, where `max` takes twice as long.
         at_ns = self.held_ns + (max(quiet_ns, period_ns))
         return max(grid.due_ns, at_ns)
@@ -111,6 +124,37 @@ class VolatileStream(Stream):
         super().change_pace(pace, now_ns)
         if pace.is_off:
             self.held = None
+
+
+class PublisherStream(VolatileStream):
+    """All messages of one publisher, which may send several things in turn, or in bursts.
+
+    None of those starves: the messages of a burst are due as if they came one mean gap apart, and the phase
+    of the grid moves wherever something was held back.
+    """
+
+    __slots__ = ("_has_skipped",)
+
+    def __init__(self, pace: Pace, now_ns: int) -> None:
+        super().__init__(pace, now_ns)
+        self._has_skipped = False
+
+    def skip(self, messages: int) -> None:
+        """So many messages came that nobody looked at, before the next one."""
+        super().skip(messages)
+        self._has_skipped = True
+
+    def is_due(self, now_ns: int) -> bool:
+        """Whether a message that came now, and was counted, passes."""
+        grid = self.grid
+        return now_ns - self.source.lag_ns >= grid.due_ns or grid.pace.is_full
+
+    def charge(self, now_ns: int) -> None:
+        """Something passes now."""
+        super().charge(now_ns)
+        if self.held is not None or self._has_skipped:
+            self.grid.move_phase(self.source.step_ns)
+            self._has_skipped = False
 
 
 WHOLE_AT_FIRST_NS = 2 * NS_PER_S
@@ -147,7 +191,6 @@ class LatchedStream(Stream):
         self._first_ns = now_ns
 
     def _passes_whole(self, now_ns: int) -> bool:
-        mean_ns = self.source.mean_ns
-        return (
-            now_ns - self._first_ns <= WHOLE_AT_FIRST_NS or mean_ns is None or mean_ns >= WHOLE_FROM_PERIOD_NS
-        )
+        source = self.source
+        is_slow = not source.count or source.mean_ns >= WHOLE_FROM_PERIOD_NS
+        return is_slow or now_ns - self._first_ns <= WHOLE_AT_FIRST_NS

@@ -81,6 +81,16 @@ class Streams(ABC, Generic[AnyStream]):
         for stream in self._streams.values():
             stream.leave_out()
 
+    @property
+    def come_in_bursts(self) -> bool:
+        """Whether any of them does."""
+        return any(stream.source.comes_in_bursts for stream in self._streams.values())
+
+    def skip(self, messages: int) -> None:
+        """So many messages, which are of all streams, came that nobody looked at."""
+        for stream in self._streams.values():
+            stream.skip(messages)
+
     def finish(self) -> None:
         """No message will come any more."""
         for stream in self._streams.values():
@@ -181,7 +191,7 @@ class NamedStreams(Streams[AnyStream]):
         if sample is None:
             return ()
         for other in {stream, *self._streams_of(sample, now_ns)}:
-            other.grid.charge(now_ns)
+            other.charge(now_ns)
             if other.held is sample:
                 other.held = None
         return (Pass(sample),)

@@ -17,11 +17,12 @@ from smarttestudo.pacing.groups import GroupStream
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.repeat import RepeatStream
 from smarttestudo.pacing.sample import Pacer, Pass, Sample, StreamKind, WhenSlow
-from smarttestudo.pacing.stream import LatchedStream, VolatileStream
+from smarttestudo.pacing.stream import LatchedStream, PublisherStream, VolatileStream
 from smarttestudo.pacing.streams import NamedStreams, PublisherStreams, Streams
 
 AnyStreams = (
     Streams[VolatileStream]
+    | Streams[PublisherStream]
     | Streams[LatchedStream]
     | Streams[RepeatStream]
     | Streams[GroupStream]
@@ -92,16 +93,30 @@ class TopicPacer(Pacer):
         """Whether messages before ``due_ns`` can be skipped, except for the final one."""
         return self._is_plain and not self._notifier.followers
 
-    def hand_over(self) -> dict[bytes, VolatileStream]:
+    @property
+    def comes_in_bursts(self) -> bool:
+        """Whether messages come in bursts, so that which of them passes depends on those before it."""
+        return self._streams.come_in_bursts
+
+    def skipped(self, messages: int) -> None:
+        """So many messages were skipped before the next one."""
+        self._streams.skip(messages)
+
+    def restart(self, now_ns: int) -> None:
+        """Begin anew on a clock that jumped to ``now_ns``; what is held stays held."""
+        self._streams.restart(now_ns)
+        self._now_ns = now_ns
+
+    def hand_over(self) -> dict[bytes, PublisherStream]:
         """Let another pacer go on with these streams, while messages may be skipped; none is left here."""
         streams, self._streams = self._streams, self._make_streams()
-        return cast("Streams[VolatileStream]", streams).by_publisher()
+        return cast("Streams[PublisherStream]", streams).by_publisher()
 
-    def take_back(self, streams: Mapping[bytes, VolatileStream], now_ns: int) -> Sequence[Pass]:
+    def take_back(self, streams: Mapping[bytes, PublisherStream], now_ns: int) -> Sequence[Pass]:
         """Go on with these; where pacing is of another kind by now, what they hold is offered again."""
         self._now_ns = now_ns
         if self._is_plain:
-            cast("Streams[VolatileStream]", self._streams).go_on(streams, now_ns)
+            cast("Streams[PublisherStream]", self._streams).go_on(streams, now_ns)
             return ()
         return self._offer_again([one.held for one in streams.values() if one.held is not None], now_ns)
 
@@ -214,7 +229,7 @@ class TopicPacer(Pacer):
 
     def _see(self, now_ns: int) -> None:
         if now_ns < self._now_ns:
-            self._streams.restart(now_ns)
+            self.restart(now_ns)
         self._now_ns = now_ns
 
     def _make_streams(self) -> AnyStreams:
@@ -235,4 +250,4 @@ class TopicPacer(Pacer):
             return PublisherStreams(GroupStream, self._pace)
         if self._when_slow is WhenSlow.REPEAT:
             return PublisherStreams(partial(RepeatStream, stale_after_ns=self._stale_after_ns), self._pace)
-        return PublisherStreams(VolatileStream, self._pace)
+        return PublisherStreams(PublisherStream, self._pace)

@@ -139,6 +139,7 @@ class CompiledTopics:
         self._until_ns = now_ns
         flows = [flow for topic, (_, use) in self._running.items() for flow in self._flows(topic, use)]
         self._end_all()
+        self._loop.relays.restart_grids(now_ns)
         for flow in flows:
             flow.leave_out(ahead_ns, now_ns)
 
@@ -178,8 +179,7 @@ class CompiledTopics:
             if topic not in self._running:
                 self._begin(relays, topic, ends[topic][0], use, now_ns)
             else:
-                pace = self._pace(topic)
-                self._running[topic][0].set_pace(pace.period_ns, pace.slack_ns)
+                self._running[topic][0].set_pace(self._pace(topic).period_ns)
         return wanted
 
     def _use(self, topic: str, publisher: Publisher | None, *, is_recorded: bool) -> _Use:

@@ -162,7 +162,8 @@ class LiveSampling:
         self._has_changed = True
 
     def _decide(self, name: str, topic: _Topic, sent: int, now_ns: int) -> None:
-        may_rest = self._may_rest and self._loop.may_skip(name) and not self._must_work(name)
+        needs_all = self._must_work(name) or self._loop.relays.comes_in_bursts(name)
+        may_rest = self._may_rest and self._loop.may_skip(name) and not needs_all
         rests = may_rest and topic.choice.should_sample(sent, self._target_hz(name), now_ns)
         if rests and name not in self._resting:
             if self._roused.pop(name, None) is not topic:

@@ -242,8 +242,7 @@ static void *control(void *given) {
         }
         if (topic->is_full || any(&seed, 8)) continue;
         settings.period_ns = any(&seed, 2) ? (int64_t)any(&seed, 20000000) : any(&seed, 3) ? 0 : NEVER_NS;
-        settings.slack_ns = settings.period_ns && settings.period_ns < NEVER_NS ? NS_PER_S / 4 : 0;
-        relay_set_pace(relay, settings.period_ns, settings.slack_ns);
+        relay_set_pace(relay, settings.period_ns);
     }
     end(topic, relay, &settings.counts);
     relay = begin(topic, &settings, relay);

@@ -37,7 +37,7 @@ class SlowRcl(ListedRcl):
 
 def test_what_comes_due_during_its_last_write_is_not_lost(library: RelayLibrary) -> None:
     rcl = SlowRcl()
-    relay = library.new(rcl.settings(period_ns=NS_PER_S, slack_ns=2 * NS_PER_S))
+    relay = library.new(rcl.settings(period_ns=NS_PER_S))
     for at_ms, publisher, number in ((0, FIRST, 1), (300, SECOND, 1), (350, FIRST, 2)):
         rcl.now_ns = at_ms * 10**6
         rcl.to_take.append((publisher, number, publisher + b"%d" % number))

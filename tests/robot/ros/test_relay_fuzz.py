@@ -86,8 +86,7 @@ def test_at_any_pace_and_on_any_clock_what_passes_came_in_that_order(
         rcl.to_take.append((publisher, number, content))
         if chance.random() < 0.2:
             period_ns = chance.choice([0, 1, NS_PER_S, MAX_PERIOD_NS, NEVER_NS, chance.getrandbits(50)])
-            slack_ns = max(2 * period_ns, NS_PER_S // 4) if 0 < period_ns < NEVER_NS else 0
-            library.set_pace(relay, period_ns, slack_ns)
+            library.set_pace(relay, period_ns)
         if chance.random() < 0.8:
             library.step(relay)
         for passed in drained(rcl.published):
@@ -127,7 +126,7 @@ def test_two_hundred_publishers_come_and_go_in_twelve_hours_and_each_is_relayed_
     library: RelayLibrary,
 ) -> None:
     rcl = ListedRcl()
-    relay = library.new(rcl.settings(period_ns=TARGET_NS, slack_ns=2 * TARGET_NS))
+    relay = library.new(rcl.settings(period_ns=TARGET_NS))
     messages = HOURS * 3600 * NS_PER_S // SOURCE_NS // PUBLISHERS
     for publisher in range(PUBLISHERS):
         gid = publisher.to_bytes(GID_BYTES, "little")

@@ -184,7 +184,7 @@ class RclRelay:
         self._publisher = publisher
         self._failed = failed
         self._gid_bytes = gid_bytes
-        self._pace = (0, 0)
+        self._period_ns = 0
         self._errors = 0
         self._has_thread = False
         self._relay: int | None = None
@@ -210,7 +210,7 @@ class RclRelay:
             ended(start)
             source.take_back()
             return False
-        self._pace = (start.period_ns, start.slack_ns)
+        self._period_ns = start.period_ns
         all_settings = self._all_settings(settings, subscription.pointer, start, numbers)
         self._copies.begin(all_settings)
         if self._publisher is not None:
@@ -238,7 +238,6 @@ class RclRelay:
             subscription=subscription,
             publisher=None if publisher is None else publisher.pointer,
             period_ns=c_ns(start.period_ns),
-            slack_ns=start.slack_ns,
             publishes_at_once=publisher is not None
             and not publisher.is_reliable
             and common["takes_on_callback"],
@@ -251,11 +250,11 @@ class RclRelay:
             ),
         )
 
-    def set_pace(self, period_ns: int, slack_ns: int) -> None:
+    def set_pace(self, period_ns: int) -> None:
         """Follow another pace from now on."""
-        if self._relay is not None and (period_ns, slack_ns) != self._pace:
-            self._pace = (period_ns, slack_ns)
-            self._library.set_pace(self._relay, period_ns, slack_ns)
+        if self._relay is not None and period_ns != self._period_ns:
+            self._period_ns = period_ns
+            self._library.set_pace(self._relay, period_ns)
 
     def counts(self) -> RelayCounts:
         """The counts as of now."""
@@ -278,8 +277,7 @@ class RclRelay:
         numbers.go_on({bytes(stream.gid[: self._gid_bytes]): stream.number for stream in streams})
         state = RelayState(
             now_ns=counts.now_ns,
-            period_ns=python_ns(self._pace[0]),
-            slack_ns=self._pace[1],
+            period_ns=python_ns(self._period_ns),
             streams=[stream.paced_stream(self._gid_bytes) for stream in streams if stream.is_open],
             counts=counts.relay_counts(),
         )

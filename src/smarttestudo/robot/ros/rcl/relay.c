@@ -2,7 +2,8 @@
    SPDX-License-Identifier: Apache-2.0
 
    Relays topics without Python: takes serialized messages, drops duplicates, paces, publishes and counts.
-   The law of the pace is that of pacing/grid.py and of VolatileStream in pacing/stream.py, to the nanosecond.
+   The law of the pace is that of pacing/grid.py, source_gaps.py and of PublisherStream in stream.py, to the
+   nanosecond.
 
    All topics share a thread. The middleware calls relay_on_message on a thread of its own, which must never wait:
    it takes and paces there if the topic allows it and its mutex is free, and leaves the rest to the shared thread.
@@ -16,11 +17,13 @@
 #include <string.h>
 #include <time.h>
 
-enum { ABI = 3, GID_BYTES = 24, BEGINNING_BYTES = 16, RCL_ERROR_BYTES = 4096, ERROR_BYTES = 256 };
+enum { ABI = 4, GID_BYTES = 24, BEGINNING_BYTES = 16, RCL_ERROR_BYTES = 4096, ERROR_BYTES = 256 };
 enum { INFO_BYTES = 256, NUMBER_AT = 16, GID_AT = 40, TAKE_FAILED = 401 };
-enum { ARRIVALS_KEPT = 21, MAX_STREAMS = 256, MAX_OUTGOING = 8, MAX_TAKEN_AT_ONCE = 16 };
+enum { BUCKETS = 7, STEP_OF_PERIOD = 10, STEP_PERMILLE = 693, MAX_STREAMS = 256, MAX_OUTGOING = 8, MAX_TAKEN_AT_ONCE = 16 };
 #define NS_PER_S INT64_C(1000000000)
 #define SLOW_NS (NS_PER_S / 100)
+#define BUCKET_NS (10 * NS_PER_S)
+#define LONGEST_NS (2 * NS_PER_S)
 /* After all times; the period of Off, and its negative is when a stream at Full is due. */
 #define NEVER_NS (INT64_C(1) << 62)
 __extension__ typedef __int128 wide;
@@ -53,12 +56,16 @@ typedef struct {
     char error[ERROR_BYTES];            /* the last one */
 } counts_t;
 
-/* One publisher: the number of its last message, and, once `is_open`, its grid. */
+typedef struct { int64_t count, total_ns, squares_us2, longest_ns; } gaps_t;
+
+/* One publisher: the number of its last message, and, once `is_open`, its grid and its gaps; `sum` is of all
+   `buckets`. */
 typedef struct {
     uint8_t gid[GID_BYTES];
     uint64_t number;
-    int64_t due_ns, held_ns, arrivals_ns[ARRIVALS_KEPT];
-    uint32_t arrivals, is_open, is_held, reserved;
+    int64_t due_ns, phase_ns, held_ns, last_ns, lag_ns, step_ns;
+    gaps_t buckets[BUCKETS], sum;
+    uint32_t has_last, is_open, is_held, is_phase_falling;
     message_t held; /* valid until the next call */
 } stream_t;
 
@@ -67,7 +74,7 @@ typedef struct {
     allocator_t allocator;
     const void *subscription, *publisher;
     uint32_t gid_bytes, takes_on_callback, publishes_at_once, gives_gid;
-    int64_t period_ns, slack_ns;
+    int64_t period_ns;
     counts_t counts;
 } settings_t;
 typedef struct outgoing { message_t message; struct outgoing *next; } outgoing_t;
@@ -107,6 +114,15 @@ static int64_t now_ns(const relay_t *relay) {
 }
 
 static int64_t max_ns(int64_t one, int64_t other) { return one > other ? one : other; }
+static int64_t min_ns(int64_t one, int64_t other) { return one < other ? one : other; }
+
+/* Rounded down, also below 0; at least `least`, as else it need not fit. */
+static int64_t scaled_ns(int64_t ns, int64_t by, int64_t divided_by, int64_t least) {
+    wide scaled = (wide)ns * by;
+    scaled = scaled / divided_by - (scaled % divided_by < 0);
+    return scaled < least ? least : (int64_t)scaled;
+}
+
 static void swap(message_t *one, message_t *other) { message_t kept = *one; *one = *other; *other = kept; }
 
 static void free_message(message_t *message) {
@@ -120,14 +136,90 @@ static void record(flow_t *flow, int64_t now, uint64_t size_bytes) {
     flow->size_bytes += size_bytes;
 }
 
+/* The gaps: as SourceGaps, which says what they are for. */
+static int64_t weighted_mean_ns(const stream_t *stream) {
+    int64_t total_us = stream->sum.total_ns / 1000;
+    return total_us ? stream->sum.squares_us2 / total_us * 1000 : 0;
+}
+
+static void add_gap(gaps_t *gaps, int64_t gap_ns) {
+    gaps->count++;
+    gaps->total_ns += gap_ns;
+    gaps->squares_us2 += (gap_ns / 1000) * (gap_ns / 1000);
+    gaps->longest_ns = max_ns(gaps->longest_ns, gap_ns);
+}
+
+static void forget_gaps(stream_t *stream) {
+    memset(stream->buckets, 0, sizeof stream->buckets);
+    memset(&stream->sum, 0, sizeof stream->sum);
+    stream->has_last = 0;
+    stream->lag_ns = stream->step_ns = 0;
+}
+
+static void begin_buckets(stream_t *stream, int64_t last, int64_t number) {
+    for (int64_t begun = max_ns(last, number - BUCKETS) + 1; begun <= number; begun++)
+        memset(&stream->buckets[begun % BUCKETS], 0, sizeof(gaps_t));
+    stream->sum = (gaps_t){0};
+    for (gaps_t *bucket = stream->buckets; bucket < stream->buckets + BUCKETS; bucket++) {
+        stream->sum.count += bucket->count;
+        stream->sum.total_ns += bucket->total_ns;
+        stream->sum.squares_us2 += bucket->squares_us2;
+        stream->sum.longest_ns = max_ns(stream->sum.longest_ns, bucket->longest_ns);
+    }
+}
+
+static void record_arrival(stream_t *stream, int64_t now) {
+    int64_t last_ns = stream->last_ns, number = now / BUCKET_NS;
+    stream->last_ns = now;
+    if (!stream->has_last || now < last_ns) {
+        forget_gaps(stream);
+        stream->has_last = 1;
+        return;
+    }
+    int is_first = number > last_ns / BUCKET_NS;
+    if (is_first) begin_buckets(stream, last_ns / BUCKET_NS, number);
+    int64_t gap_ns = min_ns(now - last_ns, LONGEST_NS);
+    add_gap(&stream->buckets[number % BUCKETS], gap_ns);
+    add_gap(&stream->sum, gap_ns);
+    if (is_first || gap_ns >= stream->step_ns) stream->step_ns = stream->sum.total_ns / stream->sum.count;
+    int64_t step_ns = stream->step_ns, weighted_ns = weighted_mean_ns(stream);
+    int64_t most_ns = min_ns(2 * (weighted_ns - step_ns), stream->sum.longest_ns - step_ns);
+    if (2 * weighted_ns < 3 * step_ns || step_ns == 0) most_ns = 0;
+    stream->lag_ns = max_ns(min_ns(stream->lag_ns + gap_ns - step_ns, most_ns), 0);
+}
+
 /* The grid: each function is the method of that name in pacing/grid.py. */
+static int64_t slack_ns(const settings_t *pace, const stream_t *stream) {
+    if (pace->period_ns == 0 || pace->period_ns == NEVER_NS) return 0;
+    int64_t gap_ns = min_ns(max_ns(stream->sum.longest_ns, NS_PER_S / 4), 2 * NS_PER_S);
+    return max_ns(2 * pace->period_ns, gap_ns);
+}
+
 static void start(const settings_t *pace, stream_t *stream, int64_t now) {
     stream->due_ns = pace->period_ns == NEVER_NS ? NEVER_NS : now - pace->period_ns / 2;
+    stream->phase_ns = stream->is_phase_falling = 0;
+}
+
+static void move_phase(const settings_t *pace, stream_t *stream, int64_t gap_ns) {
+    int64_t period_ns = pace->period_ns;
+    if (gap_ns <= 0 || gap_ns >= period_ns) return;
+    int64_t left_ns = gap_ns * gap_ns / period_ns, range_ns = period_ns - left_ns;
+    int64_t step_ns = min_ns(period_ns / STEP_OF_PERIOD, gap_ns);
+    int64_t before_ns = stream->is_phase_falling ? -stream->phase_ns : stream->phase_ns;
+    int64_t after_ns = before_ns + (step_ns - left_ns * step_ns / period_ns) * STEP_PERMILLE / 1000;
+    int turns = after_ns > range_ns / 2;
+    if (turns) after_ns = max_ns(range_ns - after_ns, -(range_ns / 2));
+    int64_t moved_ns = stream->is_phase_falling ? before_ns - after_ns : after_ns - before_ns;
+    stream->phase_ns += moved_ns;
+    stream->due_ns += moved_ns;
+    stream->is_phase_falling ^= turns;
 }
 
 static void charge(const settings_t *pace, stream_t *stream, int64_t now) {
-    int64_t due_ns = stream->due_ns < now ? stream->due_ns : now;
-    stream->due_ns = max_ns(due_ns, now - pace->slack_ns) + pace->period_ns;
+    int64_t due_ns = min_ns(stream->due_ns, now);
+    stream->due_ns = max_ns(due_ns, now - slack_ns(pace, stream)) + pace->period_ns;
+    if (stream->is_held) move_phase(pace, stream, stream->step_ns);
+    stream->is_held = 0;
 }
 
 static void change_pace(const settings_t *old, const settings_t *pace, stream_t *stream, int64_t now) {
@@ -140,29 +232,18 @@ static void change_pace(const settings_t *old, const settings_t *pace, stream_t 
         start(pace, stream, now);
         stream->due_ns = max_ns(stream->due_ns, after_last_ns);
     } else {
-        wide scaled = (wide)max_ns(stream->due_ns - now, -old->slack_ns) * pace->period_ns;
-        wide ahead_ns = scaled / old->period_ns - (scaled % old->period_ns < 0);
-        /* More credit than the slack counts for nothing, and need not fit. */
-        stream->due_ns = now + (ahead_ns < -pace->slack_ns ? -pace->slack_ns : (int64_t)ahead_ns);
+        int64_t ahead_ns = max_ns(stream->due_ns - now, -slack_ns(old, stream));
+        /* More credit than any slack counts for nothing, and need not fit. */
+        int64_t most_ns = max_ns(2 * pace->period_ns, LONGEST_NS);
+        stream->due_ns = now + scaled_ns(ahead_ns, pace->period_ns, old->period_ns, -most_ns);
+        stream->phase_ns = scaled_ns(stream->phase_ns, pace->period_ns, old->period_ns, -pace->period_ns);
     }
     if (pace->period_ns == NEVER_NS) stream->is_held = 0;
 }
 
-/* The stream: as SourcePeriod and VolatileStream. */
-static void record_arrival(stream_t *stream, int64_t now) {
-    if (stream->arrivals && now < stream->arrivals_ns[stream->arrivals - 1]) stream->arrivals = 0;
-    if (stream->arrivals == ARRIVALS_KEPT)
-        memmove(stream->arrivals_ns, stream->arrivals_ns + 1, --stream->arrivals * sizeof(int64_t));
-    stream->arrivals_ns[stream->arrivals++] = now;
-}
-
 static int64_t release_ns(const settings_t *pace, const stream_t *stream) {
-    int64_t quiet_ns = 0, intervals = (int64_t)stream->arrivals - 1;
     if (!stream->is_held) return NEVER_NS;
-    if (intervals > 0)
-        quiet_ns = (stream->arrivals_ns[intervals] - stream->arrivals_ns[0]) / intervals;
-    /* A clock may jump ahead by a century, and twice that must fit, too. */
-    quiet_ns = quiet_ns < NEVER_NS / 4 ? quiet_ns * 2 : NEVER_NS / 2;
+    int64_t quiet_ns = 2 * weighted_mean_ns(stream);
     return max_ns(stream->due_ns, stream->held_ns + max_ns(quiet_ns, pace->period_ns));
 }
 
@@ -184,7 +265,6 @@ static void note_error(relay_t *relay) {
 
 static void pass(relay_t *relay, stream_t *stream, message_t *message, int64_t now) {
     counts_t *counts = &relay->settings.counts;
-    stream->is_held = 0;
     charge(&relay->settings, stream, now);
     record(&counts->relayed, now, message->length);
     counts->beginning_bytes = message->length < BEGINNING_BYTES ? message->length : BEGINNING_BYTES;
@@ -230,7 +310,7 @@ static void see(relay_t *relay, int64_t now) {
         stream_t *stream = &relay->streams[i];
         if (has_jumped) {
             start(&relay->settings, stream, now);
-            stream->arrivals = 0;
+            forget_gaps(stream);
             stream->held_ns = now;
         }
         if (release_ns(&relay->settings, stream) <= now) pass(relay, stream, &stream->held, now);
@@ -280,7 +360,7 @@ static void offer(relay_t *relay, stream_t *stream, int64_t now) {
         start(pace, stream, now);
     }
     record_arrival(stream, now);
-    if (now >= stream->due_ns) {
+    if (now - stream->lag_ns >= stream->due_ns || !pace->period_ns) {
         pass(relay, stream, &relay->incoming, now);
     } else if (pace->period_ns < NEVER_NS) {
         stream->is_held = 1;
@@ -412,6 +492,7 @@ int relay_add_stream(relay_t *relay, const stream_t *known) {
     if (length) memcpy(held.buffer, known->held.buffer, length);
     *added = *known;
     added->held = held;
+    begin_buckets(added, added->last_ns / BUCKET_NS, added->last_ns / BUCKET_NS);
     return 1;
 }
 
@@ -440,13 +521,12 @@ void relay_on_message(const void *given, size_t count) {
     serve_in(relay, ns, is_unread);
 }
 
-void relay_set_pace(relay_t *relay, int64_t period_ns, int64_t slack_ns) {
+void relay_set_pace(relay_t *relay, int64_t period_ns) {
     pthread_mutex_lock(&relay->mutex);
     settings_t old = relay->settings;
     int64_t now = now_ns(relay);
     see(relay, now);
     relay->settings.period_ns = period_ns;
-    relay->settings.slack_ns = slack_ns;
     for (size_t i = 0; i < relay->stream_count; i++)
         if (relay->streams[i].is_open) change_pace(&old, &relay->settings, &relay->streams[i], now);
     pthread_mutex_unlock(&relay->mutex);

@@ -10,13 +10,13 @@ from pathlib import Path
 
 from smarttestudo.domain.compiled_relay import FlowCounts, PacedStream, RelayCounts
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.source_period import INTERVALS_KEPT
 from smarttestudo.pacing.grid import NEVER_NS
+from smarttestudo.pacing.source_gaps import BUCKETS
 from smarttestudo.robot.ros.rcl.bindings import Allocator, SerializedMessage, bytes_at
 
 LIBRARY = Path(__file__).with_name("relay.so")
 """Where setup.py puts it, if there is a C compiler."""
-ABI = 3
+ABI = 4
 GID_BYTES = 24
 BEGINNING_BYTES = 16
 ERROR_BYTES = 256
@@ -70,6 +70,16 @@ class CCounts(ctypes.Structure):
         )
 
 
+class CGaps(ctypes.Structure):
+    """A gaps_t."""
+
+    _fields_ = tuple((name, c_int64) for name in ("count", "total_ns", "squares_us2", "longest_ns"))
+
+    def numbers(self) -> tuple[int, int, int, int]:
+        """All four."""
+        return self.count, self.total_ns, self.squares_us2, self.longest_ns
+
+
 class CStream(ctypes.Structure):
     """A stream_t; ``held`` is what C or Python holds, for now."""
 
@@ -77,12 +87,17 @@ class CStream(ctypes.Structure):
         ("gid", c_uint8 * GID_BYTES),
         ("number", c_uint64),
         ("due_ns", c_int64),
+        ("phase_ns", c_int64),
         ("held_ns", c_int64),
-        ("arrivals_ns", c_int64 * (INTERVALS_KEPT + 1)),
-        ("arrivals", c_uint32),
+        ("last_ns", c_int64),
+        ("lag_ns", c_int64),
+        ("step_ns", c_int64),
+        ("buckets", CGaps * BUCKETS),
+        ("sum", CGaps),
+        ("has_last", c_uint32),
         ("is_open", c_uint32),
         ("is_held", c_uint32),
-        ("reserved", c_uint32),
+        ("is_phase_falling", c_uint32),
         ("held", SerializedMessage),
     )
 
@@ -92,7 +107,12 @@ class CStream(ctypes.Structure):
         return PacedStream(
             publisher=bytes(self.gid[:gid_bytes]),
             due_ns=python_ns(self.due_ns),
-            arrivals_ns=tuple(self.arrivals_ns[: self.arrivals]),
+            phase_ns=self.phase_ns,
+            is_phase_falling=bool(self.is_phase_falling),
+            last_ns=self.last_ns if self.has_last else None,
+            lag_ns=self.lag_ns,
+            step_ns=self.step_ns,
+            gaps=[bucket.numbers() for bucket in self.buckets],
             held=held,
             held_ns=self.held_ns,
         )
@@ -117,7 +137,6 @@ class RelaySettings(ctypes.Structure):
         ("publishes_at_once", c_uint32),
         ("gives_gid", c_uint32),
         ("period_ns", c_int64),
-        ("slack_ns", c_int64),
         ("counts", CCounts),
     )
 
@@ -139,7 +158,7 @@ class RelayLibrary:
         if tuple(sizes) != (ABI, *map(ctypes.sizeof, (RelaySettings, CStream, CCounts))):
             raise RosError("the compiled relays are of another version", remedy=REMEDY)
         self._new.argtypes, self._new.restype = [c_void_p], c_void_p
-        self._set_pace.argtypes, self._set_pace.restype = [c_void_p, c_int64, c_int64], None
+        self._set_pace.argtypes, self._set_pace.restype = [c_void_p, c_int64], None
         self._add_stream.argtypes = [c_void_p, c_void_p]
         self._streams.argtypes, self._streams.restype = [c_void_p, c_void_p], c_size_t
         self._read.argtypes, self._read.restype = [c_void_p, c_void_p], None
@@ -161,8 +180,11 @@ class RelayLibrary:
         if state is not None:
             stream.is_open = True
             stream.due_ns, stream.held_ns = c_ns(state.due_ns), state.held_ns
-            stream.arrivals = len(state.arrivals_ns)
-            stream.arrivals_ns[: stream.arrivals] = state.arrivals_ns
+            stream.phase_ns, stream.is_phase_falling = state.phase_ns, state.is_phase_falling
+            stream.has_last, stream.last_ns = state.last_ns is not None, state.last_ns or 0
+            stream.lag_ns, stream.step_ns = state.lag_ns, state.step_ns
+            for place, numbers in enumerate(state.gaps):
+                stream.buckets[place] = CGaps(*numbers)
             held = b"" if state.held is None else state.held[:]
             stream.is_held = state.held is not None
             stream.held.buffer = ctypes.cast(ctypes.c_char_p(held), c_void_p)
@@ -176,9 +198,9 @@ class RelayLibrary:
         count: int = self._streams(relay, ctypes.addressof(first))
         return first[:count]
 
-    def set_pace(self, relay: int, period_ns: int, slack_ns: int) -> None:
+    def set_pace(self, relay: int, period_ns: int) -> None:
         """Follow another pace from now on."""
-        self._set_pace(relay, c_ns(period_ns), slack_ns)
+        self._set_pace(relay, c_ns(period_ns))
 
     def step(self, relay: int) -> int | None:
         """Take, pace and publish what there is; in how many ns to do so again at the latest."""
