@@ -64,9 +64,14 @@ def test_of_each_second_the_first_third_passes(type_name: str, when_slow: WhenSl
 
 
 @pytest.mark.parametrize("type_name", MAKERS)
-def test_it_may_neither_be_skipped_nor_relayed_without_python(type_name: str) -> None:
+def test_it_may_neither_be_skipped_but_while_off_nor_relayed_without_python(type_name: str) -> None:
     driver = LoopDriver(RULES, types={"/v": type_name})
     send_video(driver, type_name, range(1))
+    assert not driver.loop.may_leave("/v")
+    assert not driver.loop.may_skip("/v")
+    driver.reload("begin SetFrequency /v Off end")
+    driver.wait_until(3 * SECOND)
+    assert driver.loop.may_skip("/v")
     assert not driver.loop.may_leave("/v")
 
 

@@ -143,16 +143,17 @@ class RelayLoop:
     def may_skip(self, topic: str) -> bool:
         """Whether messages of ``topic`` that are not due may be skipped, except for the last one.
 
-        That is so if it ``may_leave``, and no budget counts it; report to ``relays.skipped`` how many.
+        That is so if no check reads anything of it, its pacer does not hold it back for others, and no budget
+        counts it; report to ``relays.skipped`` how many.
         """
-        return not self.counts_all and self.may_leave(topic)
+        return not self.counts_all and topic not in self._watched and self.relays.may_skip(topic)
 
     def may_leave(self, topic: str) -> bool:
         """Whether messages of ``topic`` may be paced elsewhere.
 
         That is so if no check reads anything of it, and its pacer does not hold it back for others.
         """
-        return topic not in self._watched and self.relays.may_skip(topic)
+        return topic not in self._watched and self.relays.may_leave(topic)
 
     def block_states(self, now_ns: int, most: int | None = None) -> BlockStates:
         """Which conditions hold, of the first ``most`` blocks; to be asked right after a ``WakeInput``."""

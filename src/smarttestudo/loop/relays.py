@@ -76,6 +76,11 @@ class Relays:
         relay = self._relays.get(topic)
         return relay is not None and isinstance(relay.pacer, TopicPacer) and relay.pacer.may_skip
 
+    def may_leave(self, topic: str) -> bool:
+        """Whether another pacer can go on with ``topic``."""
+        relay = self._relays.get(topic)
+        return relay is not None and isinstance(relay.pacer, TopicPacer) and relay.pacer.may_leave
+
     def due_ns(self, topic: str) -> int | None:
         """When the next message of ``topic``, of which some may be skipped, may pass; ``None``: at once."""
         pacer = self._relays[topic].pacer

@@ -90,7 +90,16 @@ class TopicPacer(Pacer):
 
     @property
     def may_skip(self) -> bool:
-        """Whether messages before ``due_ns`` can be skipped, except for the final one."""
+        """Whether messages before ``due_ns`` can be skipped, except for the final one.
+
+        Of coded video, which frame one is must be known, unless none passes.
+        """
+        rests = self._kind is StreamKind.CODED_VIDEO and self._pace.is_off and self._accuracy is None
+        return (self._is_plain or rests) and not self._notifier.followers
+
+    @property
+    def may_leave(self) -> bool:
+        """Whether another pacer can go on with its streams."""
         return self._is_plain and not self._notifier.followers
 
     @property
