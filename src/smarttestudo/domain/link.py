@@ -160,8 +160,8 @@ class Sink(Protocol):
         Returns why they cannot be put here, where that is so.
         """
 
-    def write(self, message: ReceivedMessage) -> None:
-        """A message arrived, or ``is_predicted``."""
+    def write(self, message: ReceivedMessage) -> str | None:
+        """A message arrived, or ``is_predicted``. Returns why it cannot be put here, where that is so."""
 
     def forget(self, robot: str, stream: StreamInfo) -> None:
         """A robot has this stream no more: what it latched is not given to anybody."""

@@ -249,8 +249,10 @@ class OpenTopic:
             self.fail(error)
 
     def _set_problem(self, error: TestudoError | None) -> None:
-        self.problem = None if error is None else error.cause
-        self._on_problem(error)
+        problem = None if error is None else error.cause
+        if problem != self.problem:
+            self.problem = problem
+            self._on_problem(error)
 
     def _publishers_to(self, output: str, source: LiveSource) -> PublisherPool:
         require_publishable(output, self.topic)

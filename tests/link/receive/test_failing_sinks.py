@@ -40,9 +40,10 @@ class Place:
     def open(self, robot: str, stream: StreamInfo) -> None:
         self.does("open", stream.topic)
 
-    def write(self, message: ReceivedMessage) -> None:
+    def write(self, message: ReceivedMessage) -> str | None:
         self.does("write", message.stream.topic)
         self.taken.append(message.stream.topic)
+        return str(self.error) if (self.call, message.stream.topic) == ("open", BAD.topic) else None
 
     def forget(self, robot: str, stream: StreamInfo) -> None:
         self.does("forget", stream.topic)

@@ -23,8 +23,8 @@ class ReceivedTopic:
     """How one topic of a robot arrives: ``age_ms`` is that of its last message, as far as it is known.
 
     ``predicted`` messages were made here; they count as nothing else. ``opened`` are the streams that count,
-    by publisher. ``refused`` says what a second robot of the name has otherwise, ``unopened`` and
-    ``unwritten`` why what arrives is not put where it is wanted.
+    by publisher. ``refused`` says what a second robot of the name has otherwise, ``failure`` why what arrives
+    is not put where it is wanted.
     """
 
     type_name: str
@@ -35,13 +35,12 @@ class ReceivedTopic:
     predicted: int = 0
     opened: dict[int, CountedStream] = field(default_factory=dict)
     refused: str | None = None
-    unopened: str | None = None
-    unwritten: str | None = None
+    failure: str | None = None
 
     @property
     def problem(self) -> str | None:
         """Why not all that arrives is put where it is wanted."""
-        return self.unopened or self.unwritten or self.refused
+        return self.failure or self.refused
 
 
 @dataclass(slots=True)
@@ -135,7 +134,7 @@ class Reception:
         self._tell(message, now_ns)
 
     def _write(self, topic: ReceivedTopic, message: ReceivedMessage) -> None:
-        topic.unwritten = self._each(message.stream.topic, lambda sink: sink.write(message))
+        topic.failure = self._each(message.stream.topic, lambda sink: sink.write(message))
 
     def _each(self, topic: str, act: Callable[[Sink], str | None]) -> str | None:
         """Have each sink act; the first reason why one cannot."""
@@ -196,7 +195,7 @@ class Reception:
     def _open(self, robot: str, topic: ReceivedTopic, stream: CountedStream, now_ns: int) -> None:
         info = stream.info
         topic.type_name = info.type_name
-        topic.unopened = self._each(info.topic, lambda sink: sink.open(robot, info))
+        topic.failure = self._each(info.topic, lambda sink: sink.open(robot, info))
         self._tell(stream.said_by(robot), now_ns)
         held = self._drop_held(robot, stream.key.boot, info)
         if held is not None:

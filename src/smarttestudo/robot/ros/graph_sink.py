@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.errors import TestudoError, error_at
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER, output_name, require_publishable
 from smarttestudo.domain.robot import DataPath, Publisher
@@ -69,17 +69,18 @@ class GraphSink:
         self._open(robot, opened)
         return opened.problem
 
-    def write(self, message: ReceivedMessage) -> None:
+    def write(self, message: ReceivedMessage) -> str | None:
         """Publish the message of a stream that is open. Raises ``RosError``."""
         stream = self._streams.get((message.robot, message.stream.topic, message.stream.publisher))
         if stream is None or stream.publisher is None:
-            return
+            return None if stream is None else stream.problem
         publisher = stream.publisher
         if message.is_predicted:
             if stream.predicting is None:
                 stream.predicting = self._advertise(stream)
             publisher = stream.predicting
         publisher.publish(message.payload)
+        return None
 
     def forget(self, robot: str, stream: StreamInfo) -> None:
         """Publish nothing more of the stream, latched messages included."""
@@ -96,9 +97,10 @@ class GraphSink:
             stream.output = output_name(stream.stream.topic, self._pattern, robot)
             require_publishable(stream.output, stream.stream.topic)
             stream.publisher = self._advertise(stream)
-        except TestudoError as error:
-            stream.problem = error.cause
-            self._say(str(error))
+        except Exception as error:  # noqa: BLE001 - whatever the middleware refuses costs this stream
+            refused = error_at(stream.stream.topic, error)
+            stream.problem = refused.cause
+            self._say(str(refused))
             return
         stream.problem = None
         other = self._robot_of.setdefault(stream.output, robot)
