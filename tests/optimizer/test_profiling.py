@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bags.bag_factory import START_NS, BagContent, BagMessage, BagTopic, cdr, message_of, write_bag
 from smarttestudo.bags.qos import stored_qos
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.cli.main import main
@@ -172,3 +173,32 @@ def test_jitter_is_the_standard_deviation_of_the_intervals(intervals_ns: list[in
 def test_proposed_tiers_never_fall(source_hz: float) -> None:
     tiers = proposed_tiers_hz(source_hz)
     assert list(tiers) == sorted(tiers)
+
+
+def test_a_profile_counts_the_streams_and_the_optimizer_what_they_all_take(
+    tmp_path: Path,
+) -> None:
+    """Ten parts at 10 Hz each and 0.1 KB: at a level of 2 Hz they take ten times what one would."""
+    type_name = "diagnostic_msgs/msg/DiagnosticArray"
+    status = "diagnostic_msgs/msg/DiagnosticStatus"
+    messages = [
+        BagMessage(
+            "/parts",
+            START_NS + number * S // 100,
+            cdr(type_name, message_of(type_name, status=[message_of(status, name=f"part {number % 10}")])),
+        )
+        for number in range(1000)
+    ]
+    bag = write_bag(tmp_path / "bag", BagContent((BagTopic("/parts", type_name),), tuple(messages)))
+    output = tmp_path / "profile.toml"
+    assert main(["profile", "--bag", str(bag), "-o", str(output)]) == 0
+    entry = load_profile(output).topic("/parts")
+    assert (entry.streams, entry.tiers_hz) == (10, tuple(proposed_tiers_hz(10)))
+    assert entry.source_hz == pytest.approx(100, rel=0.01)
+    rules = tmp_path / "rules.adirf"
+    rules.write_text("begin SetFrequency /parts 2 end")
+    needed_kb = 2 * 10 * (entry.message_kb or 0)
+    for budget_kb, exit_code in ((needed_kb * 1.01, 0), (needed_kb * 0.99, 1)):
+        profile = tmp_path / "with_budget.toml"
+        profile.write_text(f"budget_kb_per_s = {budget_kb}\n{output.read_text()}")
+        assert main(["optimize", str(rules), "--profile", str(profile)]) == exit_code

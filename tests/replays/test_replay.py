@@ -402,6 +402,22 @@ def test_the_rate_of_transforms_is_that_of_each_frame(tmp_path: Path) -> None:
     assert to_json(tf)["frames"] == 4
 
 
+def test_a_budget_counts_each_stream_of_a_topic(tmp_path: Path) -> None:
+    """Ten parts at 5 Hz each would take ten times what one does; 2 Hz for each fits."""
+    type_name = "diagnostic_msgs/msg/DiagnosticArray"
+    messages = tuple(
+        BagMessage("/parts", START_NS + (10 * number + part) * SECOND_NS // 100, named(type_name, part))
+        for number in range(400)
+        for part in range(10)
+    )
+    kb = sum(len(message.payload) for message in messages) / len(messages) / 1000
+    content = BagContent((BagTopic("/parts", type_name),), messages)
+    run = replay_content(content, "SetFrequency /parts 5", tmp_path, budget_kb_per_s=20 * kb)
+    parts = run.outcome.topics["/parts"]
+    assert parts.out_kb == pytest.approx(40 * 20 * kb, rel=0.15)
+    assert {message.payload for message in run.messages} == {message.payload for message in messages}
+
+
 def named(type_name: str, part: int) -> bytes:
     """A message of one of several parts; joints come in another order each time."""
     if type_name == "diagnostic_msgs/msg/DiagnosticArray":

@@ -45,7 +45,7 @@ def profile_of_recording(
         for channel in sources.values()
         if channel.topic in chosen and is_topic_name(channel.topic)
     }
-    head_bytes = _HEAD_BYTES if any(one.has_accuracies for one in measures.values()) else 0
+    head_bytes = _HEAD_BYTES if any(one.needs_payload for one in measures.values()) else 0
     for channel, stamp_ns, (size_bytes, head) in recording.heads(head_bytes):
         measure = measures.get(channel.topic)
         if measure is not None and sources[channel.topic] is channel:

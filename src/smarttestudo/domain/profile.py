@@ -24,15 +24,17 @@ class LevelUnit(Enum):
 class TopicProfile:
     """One topic of a profile; every entry is optional until something needs it.
 
-    ``message_kb`` is in KB of 1000 B, ``tiers_hz`` the six rates τ0 … τ5 in Hz, ``min_hz`` the floor of the
-    budget models and ``max_hz`` their ceiling, ``stale_after_s`` the age in seconds at which values of the
-    topic count as unknown, ``paced_with`` the topic whose passed stamps this one follows, ``accuracies`` the
-    levels of bounds.
+    ``message_kb`` is in KB of 1000 B. Messages of some types name ``streams``, each of which has the rate of
+    the topic: so many messages pass at 1 Hz, as far as the source has them. ``tiers_hz`` are the six rates
+    τ0 … τ5 in Hz, ``min_hz`` the floor of the budget models and ``max_hz`` their ceiling, ``stale_after_s``
+    the age in seconds at which values of the topic count as unknown, ``paced_with`` the topic whose passed
+    stamps this one follows, ``accuracies`` the levels of bounds.
     """
 
     type_name: str | None = None
     message_kb: float | None = None
     source_hz: float | None = None
+    streams: float = 1.0
     tiers_hz: tuple[float, ...] | None = None
     priority: float = 1.0
     min_hz: float | None = None
@@ -41,6 +43,16 @@ class TopicProfile:
     paced_with: str | None = None
     level_unit: LevelUnit | None = None
     accuracies: Mapping[LevelledProperty, AccuracyTiers] = field(default_factory=dict)
+
+    @property
+    def kb_per_hz(self) -> float | None:
+        """What 1 Hz of the topic takes, in KB/s."""
+        return None if self.message_kb is None else self.message_kb * self.streams
+
+    @property
+    def stream_hz(self) -> float | None:
+        """The rate from which all messages pass: the source's of each stream."""
+        return None if self.source_hz is None else self.source_hz / self.streams
 
     def accuracy(self, name: str) -> AccuracyTiers | None:
         """The levels of the property ``name``, if there are any."""

@@ -118,6 +118,8 @@ class RelayLoop:
         if wake_ns is not None and wake_ns <= now_ns:
             freed = [*freed, *self.relays.wake(now_ns)]
         relayed = self.relays.offer(given)
+        if self.knowledge.link is not None:
+            self.knowledge.link.set_streams(topic, self.relays.streams(topic))
         if self._freed:
             freed = self._with_freed(freed)
         return [*freed, *relayed] if freed else relayed

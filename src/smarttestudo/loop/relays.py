@@ -93,6 +93,11 @@ class Relays:
         if isinstance(relay.pacer, TopicPacer):
             relay.pacer.skipped(messages)
 
+    def streams(self, topic: str) -> float:
+        """How many messages of ``topic`` pass at 1 Hz, as each stream that they name has that."""
+        relay = self._relays.get(topic)
+        return 1.0 if relay is None else relay.statistics.frames.streams
+
     def comes_in_bursts(self, topic: str) -> bool:
         """Whether messages come in bursts, of which each is to be looked at."""
         pacer = self._relays[topic].pacer

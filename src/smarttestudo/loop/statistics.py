@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection
 
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.pacing.bound import BoundRecords
@@ -61,9 +61,10 @@ class TargetRate:
 class FrameFlows:
     """Flows of each stream that messages name, such as a child frame, in and out, of the first 4096."""
 
-    __slots__ = ("arrived", "relayed")
+    __slots__ = ("_messages", "_named", "arrived", "relayed")
 
     def __init__(self) -> None:
+        self._messages = self._named = 0
         self.arrived: dict[str, Flow] = {}
         self.relayed: dict[str, Flow] = {}
 
@@ -71,8 +72,16 @@ class FrameFlows:
         """How many streams came."""
         return len(self.arrived)
 
-    def record(self, flows: dict[str, Flow], frames: Iterable[str], now_ns: int) -> None:
+    @property
+    def streams(self) -> float:
+        """How many messages pass at 1 Hz: the number of names by how many a message has, 1 without any."""
+        return len(self.arrived) * self._messages / self._named if self._named else 1.0
+
+    def record(self, flows: dict[str, Flow], frames: Collection[str], now_ns: int) -> None:
         """Count, in ``arrived`` or ``relayed``, a message that holds ``frames``."""
+        if flows is self.arrived and frames:
+            self._messages += 1
+            self._named += len(frames)
         for frame in frames:
             flow = flows.get(frame)
             if flow is None:

@@ -77,10 +77,10 @@ class TopicNeeds:
 
     @property
     def size_kb(self) -> float:
-        """The mean message size in KB."""
-        if self.entry.message_kb is None:
+        """What 1 Hz takes, in KB/s: the mean message size in KB, for each stream."""
+        if self.entry.kb_per_hz is None:
             raise self.missing("message_kb", "its mean message size in KB")
-        return self.entry.message_kb
+        return self.entry.kb_per_hz
 
     @property
     def tiers_hz(self) -> Sequence[float]:
@@ -92,17 +92,17 @@ class TopicNeeds:
     @property
     def source_hz(self) -> float:
         """The rate of the robot's topic in Hz."""
-        if self.entry.source_hz is None:
+        if self.entry.stream_hz is None:
             raise self.missing("source_hz", "its rate in Hz, which Full passes on")
-        return self.entry.source_hz
+        return self.entry.stream_hz
 
     @property
     def ceiling_hz(self) -> float:
         """The highest rate of the models without levels: max_hz, else source_hz, else τ5."""
         if self.entry.max_hz is not None:
             return self.entry.max_hz
-        if self.entry.source_hz is not None:
-            return self.entry.source_hz
+        if self.entry.stream_hz is not None:
+            return self.entry.stream_hz
         if self.entry.tiers_hz is not None:
             return self.entry.tiers_hz[-1]
         raise self.missing("max_hz", "the highest useful rate in Hz")
@@ -158,7 +158,8 @@ class BoundNeeds:
     @property
     def tiers_hz(self) -> Sequence[float]:
         """The rates that α0 … α5 need."""
-        return [min(rate_hz, self.limit_hz) for rate_hz in self.accuracy.needs_hz or ()]
+        needs_hz = self.accuracy.needs_hz or ()
+        return [min(rate_hz / self.entry.streams, self.limit_hz) for rate_hz in needs_hz]
 
     @property
     def floor_hz(self) -> float:
@@ -234,7 +235,7 @@ def bounds_hz(model: Model, needs: Needs, tier: Tier) -> tuple[float, float]:
         case Model.BUDGET | Model.PRIORITY:
             low_hz, high_hz = 0.0, needs.ceiling_hz
         case Model.BENEFIT | Model.MAXMIN:
-            source_hz = math.inf if needs.entry.source_hz is None else needs.entry.source_hz
+            source_hz = math.inf if needs.entry.stream_hz is None else needs.entry.stream_hz
             low_hz, high_hz = (min(end, source_hz) for end in interval_hz(tier, needs.tiers_hz))
     low_hz = max(low_hz, needs.floor_hz)
     return low_hz, max(low_hz, min(high_hz, needs.most_hz))

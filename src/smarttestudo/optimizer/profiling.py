@@ -17,6 +17,8 @@ from smarttestudo.domain.units import BYTES_PER_KB, counted
 from smarttestudo.optimizer.accuracy_measure import AccuracyMeasure, levelled_properties
 from smarttestudo.optimizer.wording import kb_text
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
+from smarttestudo.pacing.cdr import STREAM_TYPES, StreamReader
+from smarttestudo.pacing.streams import MAX_STREAMS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,6 +41,7 @@ class TopicMeasure:
         "_accuracy",
         "_flow",
         "_intervals",
+        "_streams",
         "is_declared",
         "largest_bytes",
         "lost_share",
@@ -62,14 +65,22 @@ class TopicMeasure:
         self.lost_share = 0.0
         self._flow = Flow()
         self._intervals = Intervals()
+        self._streams = StreamCount(type_name) if type_name in STREAM_TYPES else None
 
     @property
-    def has_accuracies(self) -> bool:
+    def needs_payload(self) -> bool:
         """Whether messages are to be recorded with their payload."""
-        return self._accuracy is not None
+        return self._accuracy is not None or self._streams is not None
+
+    @property
+    def streams(self) -> float:
+        """How many messages pass at 1 Hz, as each stream that they name has that."""
+        return 1.0 if self._streams is None else self._streams.streams
 
     def record(self, stamp_ns: int, size_bytes: int, payload: bytes | None = None) -> None:
-        """Count a message; its accuracies need the serialized message."""
+        """Count a message; its accuracies and streams need the serialized message."""
+        if self._streams is not None and payload is not None:
+            self._streams.record(payload)
         if self._accuracy is not None and payload is not None:
             self._accuracy.record(stamp_ns, payload)
         self._flow.record(stamp_ns, size_bytes)
@@ -117,6 +128,30 @@ class TopicMeasure:
     def jitter_s(self) -> float | None:
         """The standard deviation of the intervals in seconds; ``None`` below two intervals."""
         return self._intervals.jitter_s
+
+
+class StreamCount:
+    """How many streams the messages of a topic name, for each that one of them names."""
+
+    __slots__ = ("_messages", "_named", "_names", "_reader")
+
+    def __init__(self, type_name: str) -> None:
+        self._reader = StreamReader(type_name)
+        self._names: set[str] = set()
+        self._messages = self._named = 0
+
+    def record(self, payload: bytes) -> None:
+        """Count a message."""
+        names = self._reader.streams(payload)
+        if len(self._names) < MAX_STREAMS:
+            self._names.update(names)
+        self._messages += bool(names)
+        self._named += len(names)
+
+    @property
+    def streams(self) -> float:
+        """The number of names by how many a message has, 1 without any."""
+        return len(self._names) * self._messages / self._named if self._named else 1.0
 
 
 TIER_SHARES = (0.05, 0.1, 0.25, 0.5, 0.8, 1.0)
@@ -188,6 +223,10 @@ def _entries(measure: TopicMeasure, proposal: TierProposal | None) -> Iterator[s
         yield f"# no rate, no levels: {source_hz:g} Hz is none that a source has; did the clock jump?"
         return
     yield f"source_hz = {_number(source_hz)}  # {_intervals(measure)}"
+    if measure.streams > 1:
+        streams = rounded(measure.streams)
+        yield f"streams = {_number(streams)}  # each has the topic's rate, as far as the source sends it"
+        proposal = proposal or _by_shares(rounded(source_hz / streams))
     proposal = proposal or _by_shares(source_hz)
     if min(proposal.tiers_hz) < RATE_STEP_HZ:
         yield f"# too slow for levels: a rate has at least {RATE_STEP_HZ} Hz"

@@ -247,7 +247,7 @@ class _Collector:
             if isinstance(bound, Tier):
                 draft.requirements[needs.name] = Requirement(needs=needs, wanted=bound)
             else:
-                needed_hz = max(accuracy.needed_hz(bound), of_topic.floor_hz)
+                needed_hz = max(accuracy.needed_hz(bound) / of_topic.entry.streams, of_topic.floor_hz)
                 draft.requirements[needs.name] = Requirement(needs=needs, wanted=min(needed_hz, limit_hz))
 
     def _is_measured(self, topic: str, bounds: _Bounds) -> bool:
@@ -292,7 +292,7 @@ class _Collector:
     def _ceiling_hz(self, topic: str, value: _WrittenRate) -> float:
         """The rate that a bound topic never exceeds; infinite for Full of a source of unknown rate."""
         needs = self._needs_of(topic)
-        source_hz = math.inf if needs.entry.source_hz is None else needs.entry.source_hz
+        source_hz = math.inf if needs.entry.stream_hz is None else needs.entry.stream_hz
         if isinstance(value, Tier):
             return max(min(needs.tiers_hz[value.level], source_hz), needs.floor_hz)
         return source_hz if value is RateWord.FULL else self._written_hz(topic, value)

@@ -23,7 +23,8 @@ class TopicRequest:
     """The load of one topic: the rate that the rules ask for, and what was measured.
 
     ``requested_hz`` is infinite for Full. No cut goes below ``floor_hz``. ``source_hz`` is the source's rate,
-    beyond which a request costs nothing; ``size_kb`` the mean message size in KB.
+    beyond which a request costs nothing; ``size_kb`` the mean message size in KB. Where messages name
+    streams, rates are those of a stream, and the size is that of one message of each.
     """
 
     topic: str

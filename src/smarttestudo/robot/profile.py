@@ -185,7 +185,7 @@ class _TopicSampler:
         def receive(payload: Payload, _publisher: Hashable) -> None:
             measure = self.measures[topic]
             self._losses.sizes[topic] = len(payload)
-            serialized = payload[:] if measure.has_accuracies else None
+            serialized = payload[:] if measure.needs_payload else None
             measure.record(_time_ns(self._robot), len(payload), serialized)
 
         return receive

@@ -39,6 +39,7 @@ _SETTLE = _Range(least=0.0, most=1e6, unit=" s")
 _STALE = _Range(least=1e-3, most=1e6, unit=" s")
 _MESSAGE = _Range(least=1e-6, most=1e6, unit=" KB")
 _SOURCE = _Range(least=MIN_SOURCE_HZ, most=MAX_RATE_HZ, unit=" Hz")
+_STREAMS = _Range(least=1.0, most=1e6)
 _PRIORITY = _Range(least=1e-6, most=1e6, remedy="only its ratio to the others counts")
 _ACCURACY = _Range(least=1e-9, most=1e9, remedy="the unit is in the key's name")
 
@@ -74,6 +75,7 @@ class _ProfileReader:
             "type": self._text,
             "message_kb": partial(self._in_range, _MESSAGE),
             "source_hz": partial(self._in_range, _SOURCE),
+            "streams": partial(self._in_range, _STREAMS),
             "tiers_hz": self._tiers,
             "priority": partial(self._in_range, _PRIORITY),
             "min_hz": self._rate,

@@ -158,6 +158,8 @@ class LinkUse:
         self._unmeasured = _unmeasured(rule_set, profile)
         self._entries = _entries(rule_set, profile)
         self._stale_after_ns = _stale_after_ns(rule_set, profile)
+        self._streams: dict[str, float] = {}
+        """How many messages of a topic pass at 1 Hz, where that is more than one."""
         self._asking: dict[str, bool] = {}
         """The topics that asked when it was planned last, and whether they were measured."""
         self._changed_ns: int | None = None
@@ -204,6 +206,11 @@ class LinkUse:
             self._changed_ns = now_ns
         return begins
 
+    def set_streams(self, topic: str, streams: float) -> None:
+        """So many messages of a topic pass at 1 Hz, as they name so many streams."""
+        if streams > 1:
+            self._streams[topic] = streams
+
     def end(self, topic: str, now_ns: int) -> None:
         """The source of a topic no longer has a subscriber or publisher."""
         source = self._sources.get(topic)
@@ -248,7 +255,7 @@ class LinkUse:
             return request
         planned, entry = request.planned, self._entries[topic]
         if can_widen(entry, planned.within):
-            bounds = widened(entry, planned.within, cut_hz)
+            bounds = widened(entry, planned.within, cut_hz * self._streams_of(topic))
             return replace(request, planned=replace(planned, within=bounds, reason=self._reason))
         return replace(request, planned=replace(planned, rate=Rate(cut_hz), reason=self._reason))
 
@@ -270,9 +277,10 @@ class LinkUse:
         load = replace(self._unmeasured[topic], requested_hz=request.planned.rate.hz)
         within, entry = request.planned.within, self._entries[topic]
         if can_widen(entry, within):
-            needed_hz = max(entry.needed_hz(within), load.floor_hz)
+            streams = self._streams_of(topic)
+            needed_hz = max(entry.needed_hz(within) / streams, load.floor_hz)
             load.requested_hz = min(load.requested_hz, needed_hz)
-            load.floor_hz = max(load.floor_hz, entry.needed_hz(widest(entry, within)))
+            load.floor_hz = max(load.floor_hz, entry.needed_hz(widest(entry, within)) / streams)
         if topic not in self._asking:
             load.size_kb = load.source_hz = 0.0
             return load
@@ -284,8 +292,12 @@ class LinkUse:
             measure = source.before
         elif load.size_kb and not math.isinf(load.wanted_hz):
             return load
-        load.size_kb, load.source_hz = measure
+        streams = self._streams_of(topic)
+        load.size_kb, load.source_hz = measure.message_kb * streams, measure.source_hz / streams
         return load
+
+    def _streams_of(self, topic: str) -> float:
+        return self._streams.get(topic, self._entries[topic].streams)
 
 
 def _stale_after_ns(rule_set: RuleSet, profile: Profile) -> dict[str, int | None]:
@@ -306,7 +318,7 @@ def _unmeasured(rule_set: RuleSet, profile: Profile) -> dict[str, TopicRequest]:
             requested_hz=0.0,
             floor_hz=max(rule_set.floors_hz.get(topic, 0.0), entry.min_hz or 0.0),
             priority=entry.priority,
-            size_kb=entry.message_kb or 0.0,
-            source_hz=math.inf if entry.source_hz is None else entry.source_hz,
+            size_kb=entry.kb_per_hz or 0.0,
+            source_hz=math.inf if entry.stream_hz is None else entry.stream_hz,
         )
     return loads

@@ -47,15 +47,16 @@ class Loads:
         """The Hz that the bounds of ``topic`` and its heartbeat need; infinite where that is not known."""
         heartbeat_hz = self.floors_hz.get(topic, 0.0) or HEARTBEAT_HZ
         possible_hz = min(heartbeat_hz, self.source_hz.get(topic, math.inf))
-        return max(self.profile.topic(topic).needed_hz(planned.within), possible_hz)
+        entry = self.profile.topic(topic)
+        return max(entry.needed_hz(planned.within) / entry.streams, possible_hz)
 
 
 def loads_of(rule_set: RuleSet, profile: Profile) -> Loads:
     """The loads of the relayed topics that ``profile`` knows."""
     entries = {topic: profile.topic(topic) for topic in rule_set.relayed}
     return Loads(
-        size_kb={t: entry.message_kb for t, entry in entries.items() if entry.message_kb is not None},
-        source_hz={t: entry.source_hz for t, entry in entries.items() if entry.source_hz is not None},
+        size_kb={t: entry.kb_per_hz for t, entry in entries.items() if entry.kb_per_hz is not None},
+        source_hz={t: entry.stream_hz for t, entry in entries.items() if entry.stream_hz is not None},
         floors_hz=rule_set.floors_hz,
         profile=profile,
     )
