@@ -172,11 +172,11 @@ def test_partners_may_be_paired_and_parted() -> None:
     infos, images = play(10)
     assert infos == images
     # Two seconds of the pause before are made up for.
-    assert 9 <= len(images) <= 9 + 11
+    assert 9 <= len(images) <= 9 + 12
     driver.reload(rules)
     infos, images = play(20)
     # Two seconds of the pause before are made up for.
-    assert 9 <= len(images) <= 9 + 11
+    assert 9 <= len(images) <= 9 + 12
     assert len(infos) >= 39
     assert driver.loop.relays.discarded == {}
 

@@ -31,7 +31,8 @@ def stream_of(state: PacedStream, pace: Pace, now_ns: int) -> PublisherStream:
     stream = PublisherStream(pace, now_ns)
     grid = stream.grid
     grid.due_ns, grid.phase_ns, grid.is_phase_falling = state.due_ns, state.phase_ns, state.is_phase_falling
-    stream.source.restore(state.last_ns, state.lag_ns, state.step_ns, state.gaps)
+    stream.source.restore(state.last_ns, state.gaps)
+    stream.source.lag_ns, stream.source.step_ns = state.lag_ns, state.step_ns
     stream.held_ns = state.held_ns
     if state.held is not None:
         stream.held = Sample(state.held, len(state.held), state.publisher)

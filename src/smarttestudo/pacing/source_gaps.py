@@ -17,6 +17,10 @@ LONGEST_NS = 2 * NS_PER_S
 NS_PER_US = 1000
 
 
+GapNumbers = tuple[int, int, int, int]
+"""The four numbers of a ``Gaps``, in their order."""
+
+
 @dataclass(slots=True)
 class Gaps:
     """So many gaps: their sum, the sum of their squares in µs², and the longest."""
@@ -26,27 +30,106 @@ class Gaps:
     squares_us2: int = 0
     longest_ns: int = 0
 
-    def add(self, count: int, gap_ns: int) -> None:
-        """Count so many gaps of one length."""
-        gap_us = gap_ns // NS_PER_US
-        self.count += count
-        self.total_ns += count * gap_ns
-        self.squares_us2 += count * gap_us * gap_us
-        self.longest_ns = max(self.longest_ns, gap_ns)
-
-    def numbers(self) -> tuple[int, int, int, int]:
+    def numbers(self) -> GapNumbers:
         """All four."""
         return self.count, self.total_ns, self.squares_us2, self.longest_ns
 
 
 class SourceGaps:
-    """Gaps of the last minute, by buckets of ten seconds, and how far a burst is ahead of a steady source."""
+    """Gaps of the last minute, by buckets of ten seconds."""
 
-    __slots__ = ("_buckets", "_skipped", "_sum", "lag_ns", "last_ns", "step_ns")
+    __slots__ = ("_before", "_bucket", "_buckets", "_number", "last_ns")
 
     def __init__(self) -> None:
-        self.last_ns: int | None = None
+        self.restore(None, ())
+
+    def restore(self, last_ns: int | None, gaps: Sequence[GapNumbers]) -> None:
+        """Go on from what another one knew."""
+        self.last_ns = last_ns
         """The last arrival, ``None`` before the first."""
+        self._number = (last_ns or 0) // BUCKET_NS
+        self._buckets = [Gaps(*numbers) for numbers in gaps] or [Gaps() for _ in range(BUCKETS)]
+        self._choose_bucket()
+
+    @property
+    def gaps(self) -> Sequence[GapNumbers]:
+        """All buckets, of which each has the place that its number modulo all of them says."""
+        return [bucket.numbers() for bucket in self._buckets]
+
+    def record(self, now_ns: int) -> None:
+        """Count an arrival; a clock that jumped back starts the count anew."""
+        last_ns = self.last_ns
+        if last_ns is None or now_ns < last_ns:
+            self.restore(now_ns, ())
+            return
+        self.last_ns = now_ns
+        if now_ns // BUCKET_NS != self._number:
+            self._begin_bucket(now_ns // BUCKET_NS)
+        self._add(1, now_ns - last_ns)
+
+    @property
+    def count(self) -> int:
+        """How many gaps there were."""
+        return self._before.count + self._bucket.count
+
+    @property
+    def longest_ns(self) -> int:
+        """The longest gap, 0 before the second arrival."""
+        return max(self._before.longest_ns, self._bucket.longest_ns)
+
+    @property
+    def mean_ns(self) -> int:
+        """The mean gap, 0 before the second arrival."""
+        count = self._before.count + self._bucket.count
+        return (self._before.total_ns + self._bucket.total_ns) // count if count else 0
+
+    @property
+    def weighted_mean_ns(self) -> int:
+        """The mean gap where each weighs as much as it is long.
+
+        It is the period of a steady source, and of bursts the time from one to the next.
+        """
+        total_us = (self._before.total_ns + self._bucket.total_ns) // NS_PER_US
+        squares_us2 = self._before.squares_us2 + self._bucket.squares_us2
+        return squares_us2 // total_us * NS_PER_US if total_us else 0
+
+    def _add(self, count: int, gap_ns: int) -> int:
+        """Count so many gaps of one length, which is given back; this runs for every name in a message."""
+        if gap_ns > LONGEST_NS:  # noqa: PLR1730 - a call takes longer
+            gap_ns = LONGEST_NS
+        gap_us, bucket = gap_ns // NS_PER_US, self._bucket
+        bucket.count += count
+        bucket.total_ns += count * gap_ns
+        bucket.squares_us2 += count * gap_us * gap_us
+        if gap_ns > bucket.longest_ns:  # noqa: PLR1730
+            bucket.longest_ns = gap_ns
+        return gap_ns
+
+    def _begin_bucket(self, number: int) -> None:
+        for begun in range(max(self._number, number - BUCKETS) + 1, number + 1):
+            self._buckets[begun % BUCKETS] = Gaps()
+        self._number = number
+        self._choose_bucket()
+
+    def _choose_bucket(self) -> None:
+        self._bucket = self._buckets[self._number % BUCKETS]
+        others = [bucket for bucket in self._buckets if bucket is not self._bucket]
+        self._before = Gaps(
+            sum(bucket.count for bucket in others),
+            sum(bucket.total_ns for bucket in others),
+            sum(bucket.squares_us2 for bucket in others),
+            max(bucket.longest_ns for bucket in others),
+        )
+
+
+class BurstGaps(SourceGaps):
+    """Gaps of a source that may send in bursts, and by how much each message is late in its burst."""
+
+    __slots__ = ("_skipped", "lag_ns", "step_ns")
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._skipped = 0
         self.lag_ns = 0
         """How long before ``last_ns`` that message would have come, if they came one mean gap apart.
 
@@ -55,21 +138,6 @@ class SourceGaps:
         """
         self.step_ns = 0
         """The mean gap as it was at the last long one: amid a burst, that of all is too short."""
-        self._skipped = 0
-        self.restore(None, 0, 0, [])
-
-    def restore(
-        self, last_ns: int | None, lag_ns: int, step_ns: int, gaps: Sequence[tuple[int, int, int, int]]
-    ) -> None:
-        """Go on from what another one knew."""
-        self.last_ns, self.lag_ns, self.step_ns = last_ns, lag_ns, step_ns
-        self._buckets = [Gaps(*numbers) for numbers in gaps] or [Gaps() for _ in range(BUCKETS)]
-        self._add_up()
-
-    @property
-    def gaps(self) -> Sequence[tuple[int, int, int, int]]:
-        """The numbers of all buckets, of which each has the place that its time modulo all of them says."""
-        return [bucket.numbers() for bucket in self._buckets]
 
     def skip(self, messages: int) -> None:
         """So many messages came that nobody looked at, before the next one that is recorded."""
@@ -80,69 +148,22 @@ class SourceGaps:
         last_ns, count = self.last_ns, self._skipped + 1
         self._skipped = 0
         if last_ns is None or now_ns < last_ns:
-            self.restore(now_ns, 0, 0, [])
+            self.restore(now_ns, ())
+            self.lag_ns = self.step_ns = 0
             return
         self.last_ns = now_ns
-        number = now_ns // BUCKET_NS
-        is_first = number > last_ns // BUCKET_NS
+        is_first = now_ns // BUCKET_NS != self._number
         if is_first:
-            self._forget(last_ns // BUCKET_NS, number)
-        gap_ns = min((now_ns - last_ns) // count, LONGEST_NS)
-        self._buckets[number % BUCKETS].add(count, gap_ns)
-        self._sum.add(count, gap_ns)
+            self._begin_bucket(now_ns // BUCKET_NS)
+        gap_ns = self._add(count, (now_ns - last_ns) // count)
         if is_first or gap_ns >= self.step_ns:
             self.step_ns = self.mean_ns
-        lag_ns = self.lag_ns + count * (gap_ns - self.step_ns)
-        self.lag_ns = max(min(lag_ns, self._most_lag_ns), 0)
-
-    @property
-    def count(self) -> int:
-        """How many gaps there were."""
-        return self._sum.count
-
-    @property
-    def longest_ns(self) -> int:
-        """The longest gap, 0 before the second arrival."""
-        return self._sum.longest_ns
-
-    @property
-    def mean_ns(self) -> int:
-        """The mean gap, 0 before the second arrival."""
-        gaps = self._sum
-        return gaps.total_ns // gaps.count if gaps.count else 0
-
-    @property
-    def weighted_mean_ns(self) -> int:
-        """The mean gap where each weighs as much as it is long.
-
-        It is the period of a steady source, and of bursts the time from one to the next.
-        """
-        gaps = self._sum
-        total_us = gaps.total_ns // NS_PER_US
-        return gaps.squares_us2 // total_us * NS_PER_US if total_us else 0
+        most_ns = 0
+        if self.comes_in_bursts:
+            most_ns = min(2 * (self.weighted_mean_ns - self.step_ns), self.longest_ns - self.step_ns)
+        self.lag_ns = max(min(self.lag_ns + count * (gap_ns - self.step_ns), most_ns), 0)
 
     @property
     def comes_in_bursts(self) -> bool:
         """Whether gaps differ by so much that most of the time passes in the long ones."""
         return 2 * self.weighted_mean_ns >= 3 * self.step_ns > 0
-
-    @property
-    def _most_lag_ns(self) -> int:
-        """Bounded by how much gaps differ, so that one long gap among thousands does not count."""
-        if not self.comes_in_bursts:
-            return 0
-        return min(2 * (self.weighted_mean_ns - self.step_ns), self._sum.longest_ns - self.step_ns)
-
-    def _forget(self, last: int, number: int) -> None:
-        """Begin all buckets after ``last`` up to ``number``."""
-        for begun in range(max(last, number - BUCKETS) + 1, number + 1):
-            self._buckets[begun % BUCKETS] = Gaps()
-        self._add_up()
-
-    def _add_up(self) -> None:
-        self._sum = Gaps(
-            sum(bucket.count for bucket in self._buckets),
-            sum(bucket.total_ns for bucket in self._buckets),
-            sum(bucket.squares_us2 for bucket in self._buckets),
-            max(bucket.longest_ns for bucket in self._buckets),
-        )

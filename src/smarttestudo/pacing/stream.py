@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.grid import NEVER_NS, Grid, Pace
 from smarttestudo.pacing.sample import Pass, Sample
-from smarttestudo.pacing.source_gaps import SourceGaps
+from smarttestudo.pacing.source_gaps import BurstGaps, SourceGaps
 
 
 class Stream(ABC):
@@ -19,7 +19,7 @@ class Stream(ABC):
 
     def __init__(self, pace: Pace, now_ns: int) -> None:
         self.grid = Grid(pace, now_ns)
-        self.source = SourceGaps()
+        self.source = self.new_source()
         self.held: Sample | None = None
         self.held_ns = now_ns
         self.finished = False
@@ -47,9 +47,9 @@ class Stream(ABC):
         self.held = sample
         self.held_ns = now_ns
 
-    def skip(self, messages: int) -> None:
-        """So many messages came that nobody looked at, before the next one."""
-        self.source.skip(messages)
+    def new_source(self) -> SourceGaps:
+        """What is known of the source before its first message."""
+        return SourceGaps()
 
     def charge(self, now_ns: int) -> None:
         """Something passes now that counts for this stream: advance the due time."""
@@ -78,7 +78,7 @@ class Stream(ABC):
     def restart(self, now_ns: int) -> None:
         """Begin anew on a clock that jumped back to ``now_ns``; what is held stays held."""
         self.grid.start(now_ns)
-        self.source = SourceGaps()
+        self.source = self.new_source()
         self.held_ns = now_ns
 
     def leave_out(self) -> None:  # noqa: B027 - only some streams mind
@@ -135,13 +135,19 @@ class PublisherStream(VolatileStream):
 
     __slots__ = ("_has_skipped",)
 
+    source: BurstGaps
+
     def __init__(self, pace: Pace, now_ns: int) -> None:
         super().__init__(pace, now_ns)
         self._has_skipped = False
 
+    def new_source(self) -> BurstGaps:
+        """What is known of the source before its first message."""
+        return BurstGaps()
+
     def skip(self, messages: int) -> None:
         """So many messages came that nobody looked at, before the next one."""
-        super().skip(messages)
+        self.source.skip(messages)
         self._has_skipped = True
 
     def is_due(self, now_ns: int) -> bool:

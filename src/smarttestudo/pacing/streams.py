@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from typing import Generic, TypeVar
 
 from smarttestudo.pacing.cdr import DELETE_ALL
@@ -81,16 +81,6 @@ class Streams(ABC, Generic[AnyStream]):
         for stream in self._streams.values():
             stream.leave_out()
 
-    @property
-    def come_in_bursts(self) -> bool:
-        """Whether any of them does."""
-        return any(stream.source.comes_in_bursts for stream in self._streams.values())
-
-    def skip(self, messages: int) -> None:
-        """So many messages, which are of all streams, came that nobody looked at."""
-        for stream in self._streams.values():
-            stream.skip(messages)
-
     def finish(self) -> None:
         """No message will come any more."""
         for stream in self._streams.values():
@@ -101,6 +91,10 @@ class Streams(ABC, Generic[AnyStream]):
         return list(
             dict.fromkeys(stream.held for stream in self._streams.values() if stream.held is not None)
         )
+
+    def streams(self) -> Collection[AnyStream]:
+        """All there are."""
+        return self._streams.values()
 
     def by_publisher(self) -> dict[bytes, AnyStream]:
         """The streams of publishers that are known."""

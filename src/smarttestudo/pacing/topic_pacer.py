@@ -105,11 +105,12 @@ class TopicPacer(Pacer):
     @property
     def comes_in_bursts(self) -> bool:
         """Whether messages come in bursts, so that which of them passes depends on those before it."""
-        return self._streams.come_in_bursts
+        return any(stream.source.comes_in_bursts for stream in self._plain_streams)
 
     def skipped(self, messages: int) -> None:
         """So many messages were skipped before the next one."""
-        self._streams.skip(messages)
+        for stream in self._plain_streams:
+            stream.skip(messages)
 
     def restart(self, now_ns: int) -> None:
         """Begin anew on a clock that jumped to ``now_ns``; what is held stays held."""
@@ -230,6 +231,10 @@ class TopicPacer(Pacer):
             for sample in held:
                 sample.readings = self._accuracy.picture.read(sample.payload[:], None, now_ns)
         return [passed for sample in held for passed in self.offer(sample, now_ns)]
+
+    @property
+    def _plain_streams(self) -> Sequence[PublisherStream]:
+        return [one for one in self._streams.streams() if isinstance(one, PublisherStream)]
 
     @property
     def _is_plain(self) -> bool:
