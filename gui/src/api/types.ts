@@ -280,9 +280,6 @@ export interface DifferenceRequest {
   new_text: string;
 }
 
-/** Why a topic is not shown as its rate says. */
-export type Doubt = "changes are left out" | "no key frame found" | "no key frame for long";
-
 /**
  * A rule file as an editor holds it, with the text of its profile; findings call them by the names.
  *
@@ -1652,6 +1649,9 @@ export interface TextAnswer {
   text: string;
 }
 
+/** Why a topic is not shown as its rate says. */
+export type ThinningDoubt = "changes are left out" | "no key frame found" | "no key frame for long";
+
 /** A quality level; the value is its name in a rule file, the order that of rising quality. */
 export const TIERS = ["Unacceptable", "Marginal", "Acceptable", "Desirable", "Competitive", "Excessive"] as const;
 export type Tier = (typeof TIERS)[number];
@@ -1782,7 +1782,7 @@ export interface TopicStatus {
   dropped: number;
   frames?: number;
   loss?: LossBeforeRelay;
-  doubt?: Doubt;
+  doubt?: ThinningDoubt;
   link?: TopicOnLink;
   within?: Record<string, number>;
   bound_reasons?: Record<string, BoundReason>;

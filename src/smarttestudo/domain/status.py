@@ -116,7 +116,7 @@ class Silence(Enum):
     SOURCE_SILENT = "source is silent"
 
 
-class Doubt(Enum):
+class ThinningDoubt(Enum):
     """Why a topic is not shown as its rate says."""
 
     PATCHES = "changes are left out"
@@ -126,13 +126,13 @@ class Doubt(Enum):
     @property
     def details(self) -> str:
         """Its consequence, and the remedy."""
-        return _DOUBTS[self]
+        return _DETAILS[self.name]
 
 
-_DOUBTS = {
-    Doubt.PATCHES: "each message changes a part of those before, so what is shown stays wrong; write Full",
-    Doubt.NO_KEY_FRAME: "its frames cannot be told apart, so all of the video passes, whatever its rate",
-    Doubt.KEY_FRAME_OVERDUE: "nothing passes before the next one; have its encoder send one each second",
+_DETAILS = {
+    "PATCHES": "each message changes a part of those before, so what is shown stays wrong; write Full",
+    "NO_KEY_FRAME": "its frames cannot be told apart, so all of the video passes, whatever its rate",
+    "KEY_FRAME_OVERDUE": "nothing passes before the next one; have its encoder send one each second",
 }
 
 
@@ -300,7 +300,7 @@ class TopicStatus:
     counts: Annotated[TopicCounts, JsonEntry(is_merged=True)]
     frames: Annotated[int | None, JsonEntry(omits_default=True)] = None
     loss: Annotated[LossBeforeRelay | None, JsonEntry(omits_default=True)] = None
-    doubt: Annotated[Doubt | None, JsonEntry(is_lenient=True, omits_default=True)] = None
+    doubt: Annotated[ThinningDoubt | None, JsonEntry(is_lenient=True, omits_default=True)] = None
     on_link: Annotated[TopicOnLink | None, JsonEntry(name="link", omits_default=True)] = None
     within: Annotated[Mapping[str, float], JsonEntry(omits_default=True)] = field(default_factory=dict)
     bound_reasons: Annotated[Mapping[str, BoundReason], JsonEntry(omits_default=True)] = field(

@@ -265,10 +265,10 @@ class Relay:
             self._video, self.statistics.video = VideoReader.of(self._type_name), None
         return self._set_kind(self._kind(transient_local=change.transient_local), now_ns)
 
-    def leave_out(self) -> None:
+    def end_groups(self) -> None:
         """Messages of the source do not come from now on."""
         if isinstance(self.pacer, TopicPacer):
-            self.pacer.leave_out()
+            self.pacer.end_groups()
 
     def _read_video(self, video: VideoReader, sample: Sample, now_ns: int) -> Sequence[Relayed]:
         """Find out what ``sample`` is to a decoder; what passes because it is the first of coded video."""

@@ -205,7 +205,7 @@ class RelayLoop:
         relayed += self._woken(now_ns)
         for change in changes:
             if isinstance(change, ListenersChanged) and not change.are_there:
-                self.relays.leave_out(change.topic)
+                self.relays.end_groups(change.topic)
             elif isinstance(change, ListenersChanged):
                 self.relays.resend_to_new_receiver(change.topic, now_ns)
                 relayed += self._woken(now_ns)

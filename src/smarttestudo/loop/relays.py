@@ -139,11 +139,11 @@ class Relays:
             relay.begin_picture(now_ns)
             self.arm(relay)
 
-    def leave_out(self, topic: str) -> None:
+    def end_groups(self, topic: str) -> None:
         """Messages of ``topic`` do not come from now on, as nobody listens to it."""
         relay = self._relays.get(topic)
         if relay is not None:
-            relay.leave_out()
+            relay.end_groups()
 
     def change_topics(
         self,

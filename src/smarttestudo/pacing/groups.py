@@ -83,10 +83,10 @@ class GroupStream(VolatileStream):
     def change_pace(self, pace: Pace, now_ns: int) -> None:
         """Follow another pace from now on; what comes while Off is left out."""
         if pace.is_off:
-            self.leave_out()
+            self.end_groups()
         super().change_pace(pace, now_ns)
 
-    def leave_out(self) -> None:
+    def end_groups(self) -> None:
         """Some frames do not come to this stream from now on."""
         self.group.is_broken = True
 

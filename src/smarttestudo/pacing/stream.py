@@ -81,7 +81,7 @@ class Stream(ABC):
         self.source = self.new_source()
         self.held_ns = now_ns
 
-    def leave_out(self) -> None:  # noqa: B027 - only some streams mind
+    def end_groups(self) -> None:  # noqa: B027 - only some streams mind
         """Some messages do not come to this stream from now on."""
 
     def is_idle(self, now_ns: int) -> bool:

@@ -76,10 +76,10 @@ class Streams(ABC, Generic[AnyStream]):
             stream.restart(now_ns)
         self._arm(now_ns)
 
-    def leave_out(self) -> None:
+    def end_groups(self) -> None:
         """Some messages do not come from now on."""
         for stream in self._streams.values():
-            stream.leave_out()
+            stream.end_groups()
 
     def finish(self) -> None:
         """No message will come any more."""

@@ -197,9 +197,9 @@ class TopicPacer(Pacer):
         self._stale_after_ns = stale_after_ns
         return self._begin_anew(now_ns) if self._when_slow is WhenSlow.REPEAT else ()
 
-    def leave_out(self) -> None:
+    def end_groups(self) -> None:
         """Some messages of the source are not heard from now on: the groups that they are in end."""
-        self._streams.leave_out()
+        self._streams.end_groups()
 
     def forget(self) -> None:
         """The topic has another type now: what is held is of the old one and must not go out."""

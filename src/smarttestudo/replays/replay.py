@@ -28,7 +28,7 @@ from smarttestudo.domain.recording import (
     Storage,
     left_out_of_second,
 )
-from smarttestudo.domain.status import Doubt
+from smarttestudo.domain.status import ThinningDoubt
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_S, counted
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.inputs import GraphInput, MessageInput, WakeInput
@@ -279,14 +279,14 @@ class _Run:
             statistics.arrived.messages,
         )
         left_out = arrived - (statistics.relayed.messages - statistics.repeated)
-        of_all, doubt = f"of {counted(arrived, 'message')}", Doubt.NO_KEY_FRAME
+        of_all, doubt = f"of {counted(arrived, 'message')}", ThinningDoubt.NO_KEY_FRAME
         if video is not None and not video.keys and not math.isinf(statistics.target.rate_hz):
             yield f"{topic}: {doubt.value}: {doubt.details}"
         elif video is not None and left_out:
             groups = counted(video.keys, "group")
             yield f"{topic}: coded video: beginnings of its {groups} pass, without {left_out} {of_all}"
         elif source is not None and is_patch(source.type_name) and left_out:
-            doubt = Doubt.PATCHES
+            doubt = ThinningDoubt.PATCHES
             yield f"{topic}: {left_out} {of_all}: {doubt.value}: {doubt.details}"
 
     def _notices(self) -> Iterator[str]:

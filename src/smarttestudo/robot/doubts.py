@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from smarttestudo.domain.robot import RobotLog
-from smarttestudo.domain.status import Doubt, TopicStatus
+from smarttestudo.domain.status import ThinningDoubt, TopicStatus
 
 
 class LiveDoubts:
@@ -15,7 +15,7 @@ class LiveDoubts:
 
     def __init__(self, log: RobotLog) -> None:
         self._log = log
-        self._said: set[tuple[str, Doubt]] = set()
+        self._said: set[tuple[str, ThinningDoubt]] = set()
 
     def say(self, topics: Mapping[str, TopicStatus]) -> None:
         """Warn of what was not said of these topics yet."""

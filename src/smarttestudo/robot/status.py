@@ -15,12 +15,12 @@ from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate_meter import FlowMeter, RateWindow
 from smarttestudo.domain.status import (
     STATUS_HZ,
-    Doubt,
     LossBeforeRelay,
     ProcessReading,
     RulesInForce,
     RuntimeStatus,
     Silence,
+    ThinningDoubt,
     TopicCounts,
     TopicStatus,
 )
@@ -368,19 +368,19 @@ def _error(meters: _Meters, rates: _Rates, link: TopicLink) -> _Error:
     return _Error(percent, abs(percent) <= TOLERANCE_PERCENT or messages_off <= _MESSAGES_EXPLAINED)
 
 
-def _doubt(link: TopicLink, meters: _Meters, counts: TopicCounts) -> Doubt | None:
+def _doubt(link: TopicLink, meters: _Meters, counts: TopicCounts) -> ThinningDoubt | None:
     if not 0 < meters.target_hz < math.inf:
         return None
     if is_patch(link.type_name or ""):
-        return Doubt.PATCHES if counts.dropped > 0 else None
+        return ThinningDoubt.PATCHES if counts.dropped > 0 else None
     video = meters.statistics.video
     if video is None or meters.measured_ns - video.since_ns < _OVERDUE_NS:
         return None
     if not video.keys:
-        return Doubt.NO_KEY_FRAME
+        return ThinningDoubt.NO_KEY_FRAME
     rests_ns = meters.measured_ns - meters.statistics.relayed.last_ns
     is_overdue = rests_ns * meters.target_hz > 2 * NS_PER_S and rests_ns >= _OVERDUE_NS
-    return Doubt.KEY_FRAME_OVERDUE if is_overdue and not meters.arrived.is_silent else None
+    return ThinningDoubt.KEY_FRAME_OVERDUE if is_overdue and not meters.arrived.is_silent else None
 
 
 def _silence(link: TopicLink, meters: _Meters) -> Silence | None:

@@ -12,7 +12,7 @@ from pacing.bitstreams import IDR, NON_IDR_P, PPS, SPS, compressed_image, compre
 from robot.status.status_driver import StatusDriver
 from smarttestudo.cli.top_table import SortKey, topic_lines
 from smarttestudo.domain.record import from_json, to_json
-from smarttestudo.domain.status import DiagnosticLevel, Doubt, RuntimeStatus
+from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, ThinningDoubt
 from smarttestudo.robot.diagnostics import diagnostics
 from smarttestudo.robot.doubts import LiveDoubts
 
@@ -46,13 +46,13 @@ def group_of(frames: int, make: Callable[..., bytes] = compressed_video) -> Call
     [
         ("10", VIDEO, group_of(30), None),
         ("10", IMAGE, group_of(30, compressed_image), None),
-        ("10", VIDEO, lambda _: compressed_video(b"\xff", "own"), Doubt.NO_KEY_FRAME),
-        ("10", IMAGE, lambda _: compressed_image(DIFFERENCE, "h264"), Doubt.NO_KEY_FRAME),
+        ("10", VIDEO, lambda _: compressed_video(b"\xff", "own"), ThinningDoubt.NO_KEY_FRAME),
+        ("10", IMAGE, lambda _: compressed_image(DIFFERENCE, "h264"), ThinningDoubt.NO_KEY_FRAME),
         ("Full", VIDEO, lambda _: compressed_video(b"\xff", "own"), None),
-        ("10", VIDEO, group_of(100_000), Doubt.KEY_FRAME_OVERDUE),
+        ("10", VIDEO, group_of(100_000), ThinningDoubt.KEY_FRAME_OVERDUE),
         ("Full", VIDEO, group_of(100_000), None),
         ("30", VIDEO, group_of(100_000), None),
-        ("2", PATCHES, lambda _: b"\0\1\0\0", Doubt.PATCHES),
+        ("2", PATCHES, lambda _: b"\0\1\0\0", ThinningDoubt.PATCHES),
         ("Full", PATCHES, lambda _: b"\0\1\0\0", None),
         ("Off", PATCHES, lambda _: b"\0\1\0\0", None),
         ("40", PATCHES, lambda _: b"\0\1\0\0", None),
@@ -60,7 +60,7 @@ def group_of(frames: int, make: Callable[..., bytes] = compressed_video) -> Call
     ],
 )
 def test_a_status_says_why_a_topic_is_not_shown_as_its_rate_says(
-    rate: str, type_name: str, payload: Callable[[int], bytes], doubt: Doubt | None
+    rate: str, type_name: str, payload: Callable[[int], bytes], doubt: ThinningDoubt | None
 ) -> None:
     status = watched(rate, type_name, payload, 25)
     topic = status.topics["/t"]
@@ -92,4 +92,4 @@ def test_the_log_says_each_doubt_once() -> None:
     status = watched("2", PATCHES, lambda _: b"\0\1\0\0", 3)
     for _ in range(3):
         doubts.say(status.topics)
-    assert log.lines == [f"/t: {Doubt.PATCHES.value}: {Doubt.PATCHES.details}"]
+    assert log.lines == [f"/t: {ThinningDoubt.PATCHES.value}: {ThinningDoubt.PATCHES.details}"]
