@@ -78,7 +78,7 @@ def add_zenoh_config(parser: argparse._ActionsContainer) -> None:
 
 
 class LinkWarnings:
-    """What a link warns of, from any thread: on standard error, in the log of a node once that is there."""
+    """Warnings of a link, from any thread: on standard error, in the log of a node once that is there."""
 
     def __init__(self) -> None:
         self._say: Callable[[str], None] = warn

@@ -46,7 +46,7 @@ class TopicProfile:
 
     @property
     def kb_per_hz(self) -> float | None:
-        """What 1 Hz of the topic takes, in KB/s."""
+        """Bandwidth of 1 Hz of the topic, in KB/s."""
         return None if self.message_kb is None else self.message_kb * self.streams
 
     @property

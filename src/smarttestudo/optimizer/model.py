@@ -77,7 +77,7 @@ class TopicNeeds:
 
     @property
     def size_kb(self) -> float:
-        """What 1 Hz takes, in KB/s: the mean message size in KB, for each stream."""
+        """Bandwidth of 1 Hz, in KB/s: the mean message size in KB, for each stream."""
         if self.entry.kb_per_hz is None:
             raise self.missing("message_kb", "its mean message size in KB")
         return self.entry.kb_per_hz

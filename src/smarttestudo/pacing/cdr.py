@@ -21,8 +21,8 @@ from smarttestudo.pacing.cdr_walk import (
     HEADER_BYTES,
     MAX_ITEMS,
     STAMP_BYTES,
+    CdrWalk,
     Payload,
-    Walk,
     aligned,
     byte_order,
     text_at,
@@ -335,7 +335,7 @@ def _header_stamp(payload: Payload) -> tuple[int, int] | None:
     return (sec, nanosec) if nanosec < NS_PER_S else None
 
 
-def _transforms(walk: Walk) -> Iterator[_Place]:
+def _transforms(walk: CdrWalk) -> Iterator[_Place]:
     """By child frame."""
     for _ in walk.items():
         stamp_at = walk.skip(STAMP_BYTES, 4)
@@ -344,7 +344,7 @@ def _transforms(walk: Walk) -> Iterator[_Place]:
         yield _Place(child_frame, frame, stamp_at, names_end, walk.skip(_TRANSFORM_BYTES, 8))
 
 
-def _statuses(walk: Walk) -> Iterator[_Place]:
+def _statuses(walk: CdrWalk) -> Iterator[_Place]:
     """By name."""
     walk.header()
     for _ in walk.items():
@@ -354,7 +354,7 @@ def _statuses(walk: Walk) -> Iterator[_Place]:
         walk.skip_texts(2 * len(walk.items()))
 
 
-def _joints(walk: Walk) -> Iterator[_Place]:
+def _joints(walk: CdrWalk) -> Iterator[_Place]:
     """By the set of names: some of a robot's joints are another stream than its others."""
     walk.header()
     names = {walk.text() for _ in walk.items()}
@@ -364,7 +364,7 @@ def _joints(walk: Walk) -> Iterator[_Place]:
         yield _Place("\0".join(sorted(names)))
 
 
-def _markers(walk: Walk, *, has_files: bool, is_array: bool) -> Iterator[_Place]:
+def _markers(walk: CdrWalk, *, has_files: bool, is_array: bool) -> Iterator[_Place]:
     """By ns and id; from Humble on, markers have textures and files of meshes."""
     for _ in walk.items() if is_array else range(1):
         walk.header()
@@ -392,7 +392,7 @@ def _markers(walk: Walk, *, has_files: bool, is_array: bool) -> Iterator[_Place]
 
 
 _TRANSFORMS = "tf2_msgs/msg/TFMessage"
-_Read = Callable[[Walk], Iterator[_Place]]
+_Read = Callable[[CdrWalk], Iterator[_Place]]
 
 STREAM_TYPES: Mapping[str, Sequence[_Read]] = MappingProxyType(
     {
@@ -419,7 +419,7 @@ def _read_streams(payload: Payload, ways: Sequence[_Read]) -> _Streams:
         return _NO_STREAMS
     for read in ways:
         with suppress(struct.error):
-            walk = Walk(payload, order)
+            walk = CdrWalk(payload, order)
             places = tuple(read(walk))
             layout = walk.layout()
             names = dict.fromkeys(_short(place.stream) for place in places)

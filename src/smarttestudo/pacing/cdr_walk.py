@@ -24,7 +24,7 @@ _LITTLE_ENDIAN = b"\x00\x01"
 Payload = bytes | bytearray | memoryview
 
 
-class Walk:
+class CdrWalk:
     """A way through a message from field to field, which raises ``struct.error`` where it cannot go on.
 
     All lengths on it are kept, and those texts and numbers of which the caller wants to know.
@@ -81,7 +81,7 @@ class Walk:
         self.skip_texts()
 
     def layout(self) -> struct.Struct:
-        """What was kept on the way, as the fields of the whole message."""
+        """Values that were kept on the way, as the fields of the whole message."""
         if self.at > len(self.payload):
             raise struct.error
         fields, end = [], 0
@@ -100,7 +100,7 @@ class Walk:
         return int(length)
 
     def _keep(self, start: int) -> None:
-        """What begins at ``start`` and ends here, together with what was kept just before it."""
+        """Bytes that begin at ``start`` and end here, together with what was kept just before it."""
         last_start, last_end = self._kept[-1]
         if start - last_end < _ALIGNMENT:
             self._kept[-1] = (last_start, self.at)

@@ -48,7 +48,7 @@ class Stream(ABC):
         self.held_ns = now_ns
 
     def new_source(self) -> SourceGaps:
-        """What is known of the source before its first message."""
+        """Gaps of a source before its first message."""
         return SourceGaps()
 
     def charge(self, now_ns: int) -> None:
@@ -142,7 +142,7 @@ class PublisherStream(VolatileStream):
         self._has_skipped = False
 
     def new_source(self) -> BurstGaps:
-        """What is known of the source before its first message."""
+        """Gaps of a source before its first message."""
         return BurstGaps()
 
     def skip(self, messages: int) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the robot's log says of operators that come and go."""
+"""Lines of the robot's log on operators that come and go."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ class CountedStream(NamedTuple):
 
 
 class _Kind(NamedTuple):
-    """What streams of one topic must have in common."""
+    """Properties that streams of one topic must have in common."""
 
     type_name: str
     is_reliable: bool
@@ -88,7 +88,7 @@ class TopicStreams:
         return self.owner is None or boot == self.owner or _kind(info) in self._kinds
 
     def refused(self) -> str | None:
-        """What the first stream that does not count has otherwise than the owner's, if there is one."""
+        """Difference to the owner of the first stream that does not count, if there is one."""
         if len(self._of_boots) < 2:
             return None
         streams = ((boot, info) for boot, known in self._of_boots.items() for info in known.values())
