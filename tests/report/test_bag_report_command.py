@@ -104,7 +104,7 @@ def test_decisions_that_were_cut_off_are_told_of(desk: Desk) -> None:
 def test_the_reports_of_a_replay_and_of_one_recording_read_as_in_the_golden_files(desk: Desk) -> None:
     ran = desk.report("sent", "received", "--rules", "rules.adirf", "--decisions", "log.jsonl")
     assert (ran.code, ran.err) == (0, "")
-    assert ran.out == "report.html: −90 % bandwidth, 4 decisions, /odom error 6.8 cm\n"
+    assert ran.out == "report.html: −90 % bandwidth, 4 decisions, /odom error 7.2 cm\n"
     assert_reads_as(GOLDEN / "page-replay.html", page_lines(desk.html))
     ran = desk.report("sent", "--topics", "/odom", "-o", "one.html")
     assert (ran.code, ran.err) == (0, "")

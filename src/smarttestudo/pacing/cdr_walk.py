@@ -81,7 +81,7 @@ class CdrWalk:
         self.skip_texts()
 
     def layout(self) -> struct.Struct:
-        """Values that were kept on the way, as the fields of the whole message."""
+        """The bytes that were kept on the way, as fields of the whole message."""
         if self.at > len(self.payload):
             raise struct.error
         fields, end = [], 0
@@ -100,7 +100,7 @@ class CdrWalk:
         return int(length)
 
     def _keep(self, start: int) -> None:
-        """Bytes that begin at ``start`` and end here, together with what was kept just before it."""
+        """Keep what begins at ``start`` and ends here, together with what was kept just before it."""
         last_start, last_end = self._kept[-1]
         if start - last_end < _ALIGNMENT:
             self._kept[-1] = (last_start, self.at)

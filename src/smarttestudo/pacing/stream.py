@@ -48,7 +48,7 @@ class Stream(ABC):
         self.held_ns = now_ns
 
     def new_source(self) -> SourceGaps:
-        """Gaps of a source before its first message."""
+        """The gaps of the source, of which nothing is known yet."""
         return SourceGaps()
 
     def charge(self, now_ns: int) -> None:
@@ -142,7 +142,7 @@ class PublisherStream(VolatileStream):
         self._has_skipped = False
 
     def new_source(self) -> BurstGaps:
-        """Gaps of a source before its first message."""
+        """The gaps of the source, of which nothing is known yet."""
         return BurstGaps()
 
     def skip(self, messages: int) -> None:
