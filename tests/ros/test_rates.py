@@ -53,7 +53,7 @@ def most_within(arrivals: list[Arrival], span_s: float) -> int:
 
 
 @pytest.mark.calm
-def test_every_topic_arrives_at_its_rate_within_one_percent(robot: SmallRobot) -> None:
+def test_every_topic_arrives_at_its_rate_within_one_percent_and_a_message(robot: SmallRobot) -> None:
     operator = robot.operator(span_s=RUN_S, **SOURCES)
     robot.runtime(rules(TARGETS_HZ))
     robot.source(**SOURCES)
@@ -61,9 +61,8 @@ def test_every_topic_arrives_at_its_rate_within_one_percent(robot: SmallRobot) -
         operator.line_with(f"heard {attempt}")
         received = calm_window(received_by(operator, "go on"), SPAN_S)
         if received is not None:
-            assert {name: mean_hz(arrivals) for name, arrivals in received.items()} == pytest.approx(
-                TARGETS_HZ, rel=0.01
-            )
+            for name, target_hz in TARGETS_HZ.items():
+                assert mean_hz(received[name]) == pytest.approx(target_hz, abs=0.01 * target_hz + 1 / SPAN_S)
             return
     pytest.fail("machine too slow: in no ten seconds did the messages come promptly")
 
