@@ -66,8 +66,8 @@ def test_of_a_receiver_that_is_killed_all_that_came_is_there(
     assert re.sub(time, "TIME ", "\n".join(said)).splitlines() == [
         f"Receiving at {endpoint}",
         "TIME r1: connected",
-        "TIME r1: sends /odom (nav_msgs/msg/Odometry)",
         f"TIME r1: recording into {left} until the end, then {folder / 'r1'}",
+        "TIME r1: sends /odom (nav_msgs/msg/Odometry)",
     ]
     assert main(["bag", "info", "--json", str(left)]) == 0
     assert json.loads(capsys.readouterr().out)["topics"]["/odom"]["messages"] == len(recorded())

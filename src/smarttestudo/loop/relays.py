@@ -100,8 +100,8 @@ class Relays:
 
     def comes_in_bursts(self, topic: str) -> bool:
         """Whether messages come in bursts, of which each is to be looked at."""
-        pacer = self._relays[topic].pacer
-        return isinstance(pacer, TopicPacer) and pacer.comes_in_bursts
+        relay = self._relays.get(topic)
+        return relay is not None and isinstance(relay.pacer, TopicPacer) and relay.pacer.comes_in_bursts
 
     def restart_grids(self, now_ns: int) -> None:
         """Begin all grids anew: the clock jumped ahead to ``now_ns``, and no credit comes of that."""

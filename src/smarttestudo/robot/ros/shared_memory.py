@@ -59,7 +59,7 @@ def room_for_large_messages() -> Iterator[str | None]:
         problem = None
         try:
             path = _profile(size_bytes, opened)
-            opened.enter_context(environment({PROFILES_FILE: path, PROFILES_FILE_BEFORE_KILTED: path}))
+            opened.enter_context(environment({_profiles_file(): path}))
         except OSError as error:
             problem = f"no profile of Fast DDS can be written: {error}; {_MAY_BE_LOST}"
         yield problem
@@ -83,8 +83,7 @@ def senders_remedy() -> str:
     if knows_ranges() and not is_on_localhost():
         return f"{_TRANSPORTS}='DEFAULT?sockets_size={SEGMENT_BYTES // 2 // 1024 // 1024}MB'"
     # Humble's Fast DDS does not read that, and others do not where nodes stay on their machine.
-    name = PROFILES_FILE if _is_kilted_or_later() else PROFILES_FILE_BEFORE_KILTED
-    return f"{name}={PROFILE}"
+    return f"{_profiles_file()}={PROFILE}"
 
 
 def _profile(size_bytes: int, opened: ExitStack) -> str:
@@ -105,9 +104,10 @@ def _free_bytes() -> int:
         return 0
 
 
-def _is_kilted_or_later() -> bool:
-    """By the name of Fast DDS's library, which changed with version 3."""
+def _profiles_file() -> str:
+    """The variable by the name of Fast DDS's library, which changed with version 3."""
     try:
-        return "/libfastdds.so" in Path("/proc/self/maps").read_text(encoding="utf-8", errors="replace")
+        maps = Path("/proc/self/maps").read_text(encoding="utf-8", errors="replace")
     except OSError:
-        return False
+        return PROFILES_FILE_BEFORE_KILTED
+    return PROFILES_FILE if "/libfastdds.so" in maps else PROFILES_FILE_BEFORE_KILTED
