@@ -83,6 +83,48 @@ def test_an_image_is_no_video_whatever_its_bytes_are(name: str) -> None:
         assert read(VIDEO, compressed_video(stream.data, name)) is VideoFrame.UNKNOWN
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        "jpeg 1264x800",
+        "jpeg;q=265",
+        "image/webp; vp8",
+        "jpeg; stavcam",
+        "bgr8; jpeg 2640x1080",
+        "h264-decoded jpeg",
+    ],
+)
+@pytest.mark.parametrize("beginning", [b"\xff\xd8\xff\xe0", b"\x89PNG\r\n", b"RIFF\0\0\0\0WEBPVP8 "])
+def test_numbers_in_a_format_make_no_video_of_an_image(name: str, beginning: bytes) -> None:
+    assert read(IMAGE, compressed_image(beginning + bytes(100), name)) is None
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "h264",
+        "H.264",
+        "H.264/AVC",
+        "x264",
+        "libx264",
+        "h264_nvenc",
+        "v4l2h264enc",
+        "openh264",
+        "avc",
+        "avc1.42E01E",
+    ],
+)
+def test_coders_of_h264_are_known_by_their_names(name: str) -> None:
+    key = next(one for one in H264 if one.frame is VideoFrame.KEY)
+    assert read(VIDEO, compressed_video(key.data, name)) is VideoFrame.KEY
+
+
+@pytest.mark.parametrize("name", ["jpeg 1264x800", "jpeg; stavcam", "bgr8; jpeg 2640x1080", "800x264"])
+def test_a_size_of_an_image_names_no_coder(name: str) -> None:
+    key = next(one for one in H264 if one.frame is VideoFrame.KEY)
+    assert read(IMAGE, compressed_image(key.data, name)) is None
+
+
 def test_a_type_is_coded_video_whichever_way_it_is_written() -> None:
     for type_name in (VIDEO, PACKET, THEORA):
         assert is_coded_video(type_name)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import itertools
 import math
 import random
+from collections import Counter
 from collections.abc import Sequence
 
 import pytest
@@ -60,11 +61,16 @@ def assert_decodable(arrivals: Sequence[tuple[int, Sample]], relayed: Sequence[R
     passed = {one.sample for one in relayed}
     for publisher in {one.publisher for _, one in arrivals}:
         own = [one for _, one in arrivals if one.publisher == publisher]
-        decodable = has_parameters = False
+        decodable, has_parameters, before = False, True, None
         for one in own:
-            begins = one.frame in (KEY, PARAMETERS) and not has_parameters
-            has_parameters = one.frame is PARAMETERS
-            decodable |= begins
+            if one.frame is UNKNOWN:
+                continue
+            is_first = before is not PARAMETERS
+            before = one.frame
+            if one.frame is PARAMETERS:
+                has_parameters = one in passed and (is_first or has_parameters)
+                continue
+            decodable |= one.frame is KEY and (is_first or has_parameters)
             if one in passed:
                 assert decodable
             else:
@@ -92,6 +98,43 @@ def test_nor_does_one_whatever_the_rates_were_and_whenever_nobody_listened(
             pacer.end_groups()
             continue
         relayed += relay(pacer, [(at_ns, one)], drain=False)
+    assert_decodable(arrivals, relayed)
+
+
+@pytest.mark.parametrize("target_hz", [0.2, 0.5, 0.9, 1, 1.5, 2, 3, 10])
+@pytest.mark.parametrize("before_key", [[], [PARAMETERS], [PARAMETERS, PARAMETERS], [PARAMETERS, UNKNOWN]])
+def test_parameters_in_messages_of_their_own_take_nothing_from_their_key_frame(
+    before_key: list[VideoFrame], target_hz: float
+) -> None:
+    arrivals = [
+        (EPOCH_NS + group * S + at * S // 30, sample(frame))
+        for group in range(60)
+        for at in range(30)
+        for frame in ((*before_key, KEY) if at == 0 else (DIFFERENCE,))
+    ]
+    relayed = relay(paced(target_hz), arrivals, drain=False)
+    passed = Counter(one.sample.frame for one in relayed)
+    # How long groups last is not known of the first one.
+    assert passed[KEY] + passed[DIFFERENCE] == pytest.approx(60 * target_hz, abs=2 + target_hz)
+    assert passed[KEY] == pytest.approx(60 * min(target_hz, 1), abs=2)
+    assert passed[PARAMETERS] == before_key.count(PARAMETERS) * passed[KEY]
+    assert_decodable(arrivals, relayed)
+
+
+def test_parameters_that_are_repeated_amid_a_group_make_no_difference_decodable() -> None:
+    arrivals = [
+        (EPOCH_NS + at * S // 30, sample(frame))
+        for at in range(3000)
+        for frame in (
+            (PARAMETERS, KEY)
+            if at % 150 == 0
+            else (PARAMETERS, DIFFERENCE)
+            if at % 30 == 0
+            else (DIFFERENCE,)
+        )
+    ]
+    relayed = relay(paced(3), arrivals, drain=False)
+    assert sum(one.sample.frame is KEY for one in relayed) == 20
     assert_decodable(arrivals, relayed)
 
 

@@ -8,6 +8,7 @@ does not depend on its size.
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
@@ -48,6 +49,8 @@ _FIELDS: Mapping[str, str] = MappingProxyType(
 says that it is a key frame, and d, the bitstream."""
 _CODERS: Mapping[str, str] = MappingProxyType({"theora_image_transport/Packet": "theora"})
 _IMAGES = "sensor_msgs/CompressedImage"
+_IMAGE_BEGINNINGS = (b"\xff\xd8\xff", b"\x89PNG", b"RIFF", b"II*\0", b"MM\0*")
+"""Of JPEG, PNG, WebP and TIFF, whatever the format says."""
 
 
 def is_coded_video(type_name: str) -> bool:
@@ -85,7 +88,7 @@ class VideoReader:
         except (struct.error, KeyError):
             return None if self._may_be_image else VideoFrame.UNKNOWN
         read = _coder(self._coder or found.coder)
-        if read is None and self._may_be_image:
+        if self._may_be_image and (read is None or found.beginning.startswith(_IMAGE_BEGINNINGS)):
             return None
         if found.is_key:
             return VideoFrame.KEY
@@ -147,7 +150,7 @@ _ReadFrame = Callable[[bytes, int], VideoFrame]
 def _coder(name: str) -> _ReadFrame | None:
     """How to read what a coder of this name made; ``None`` for one that is not known, or codes images."""
     lower = name.lower().replace(".", "")
-    return next((read for part, read in _READERS.items() if part in lower), None)
+    return next((read for pattern, read in _READERS.items() if re.search(pattern, lower)), None)
 
 
 def _h264(data: bytes, size_bytes: int) -> VideoFrame:
@@ -262,20 +265,13 @@ def _other(_: bytes, __: int) -> VideoFrame:
 
 _READERS: Mapping[str, _ReadFrame] = MappingProxyType(
     {
-        "264": _h264,
-        "avc": _h264,
-        "265": _h265,
-        "hevc": _h265,
-        "hev1": _h265,
-        "hvc1": _h265,
-        "av1": _av1,
-        "av01": _av1,
-        "vp9": _vp9,
-        "vp09": _vp9,
-        "vp8": _vp8,
-        "theora": _theora,
-        "mpeg2": _other,
-        "mpeg4": _other,
+        r"(h|(?<!\d)x)264(?!\d)|(?<![0-9a-z])avc(?![a-z])": _h264,
+        r"(h|(?<!\d)x)265(?!\d)|hevc|(?<![0-9a-z])(hev1|hvc1)": _h265,
+        r"(?<![0-9a-z])(lib)?(svt)?av0?1": _av1,
+        r"(?<![0-9a-z])vp0?9": _vp9,
+        r"(?<![0-9a-z])vp0?8": _vp8,
+        r"theora": _theora,
+        r"(?<![0-9a-z])mpeg[24]": _other,
     }
 )
-"""By what stands in the names of coders, of their encoders and of their formats, without dots."""
+"""By patterns of the names of coders, encoders and formats, without dots, that sizes of images do not fit."""

@@ -18,22 +18,28 @@ _FORGOTTEN_AFTER_NS = 60 * NS_PER_S
 class VideoGroup:
     """Whether the next frame of a stream can be decoded by who has the frames that were not left out.
 
-    Unless it ``is_known``, no key frame came yet, and none is worth less than another.
+    Unless it ``is_known``, no key frame came yet, and none is worth less than another. While it
+    ``awaits_key``, there were parameters last, and what else stands before a key frame.
     """
 
-    __slots__ = ("_has_parameters", "is_broken", "is_known")
+    __slots__ = ("_was_broken", "awaits_key", "is_broken", "is_known")
 
     def __init__(self) -> None:
         self.is_known = False
         self.is_broken = False
-        self._has_parameters = False
+        self.awaits_key = False
+        self._was_broken = False
 
     def take(self, frame: VideoFrame | None) -> bool:
         """Have ``frame``, or an image by itself, as the next one; whether a group begins with it."""
-        begins = begins_group(frame) and not self._has_parameters
-        self._has_parameters = frame is VideoFrame.PARAMETERS
+        awaited_key = self.awaits_key
+        begins = begins_group(frame) and not awaited_key
+        self.awaits_key = frame is VideoFrame.PARAMETERS or (awaited_key and frame is VideoFrame.UNKNOWN)
         if begins:
-            self.is_known, self.is_broken = True, False
+            self._was_broken, self.is_known, self.is_broken = self.is_broken, True, False
+        elif awaited_key and frame is VideoFrame.DIFFERENCE:
+            # Some coders repeat their parameters where no group begins.
+            self.is_broken |= self._was_broken
         return begins
 
 
@@ -46,7 +52,8 @@ class GroupStream(VolatileStream):
     """Passes whole beginnings of groups: a key frame, and what follows it until one is not due.
 
     A group has what the rate gives for as long as the groups before it lasted, however soon its frames come.
-    Before the first key frame all passes. Of what did not pass only a key frame is held.
+    Parameters before a key frame count with it. Before the first key frame all passes. Of what did not pass
+    only a key frame is held.
     """
 
     __slots__ = ("_began_ns", "_came_ns", "_lasted_ns", "group")
@@ -101,7 +108,9 @@ class GroupStream(VolatileStream):
         return is_forgotten and super().is_idle(now_ns)
 
     def _pass(self, now_ns: int) -> None:
-        if self.grid.due_ns > now_ns and self.group.is_known:
+        if self.group.awaits_key:
+            self.held = None
+        elif self.grid.due_ns > now_ns and self.group.is_known:
             self.grid.due_ns += self.grid.pace.period_ns
             self.held = None
         else:
