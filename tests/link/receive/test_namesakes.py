@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import pytest
@@ -40,6 +41,12 @@ class Graph:
         self.closed = 0
 
     def open(self, robot: str, stream: StreamInfo) -> None:
+        others = [
+            one
+            for (topic, publisher), one in self.opened.items()
+            if topic == stream.topic and publisher != stream.publisher
+        ]
+        assert {kind(one) for one in others} <= {kind(stream)}, "the topic is there with another type"
         self.opened[stream.topic, stream.publisher] = stream
 
     def write(self, message: ReceivedMessage) -> None:
@@ -102,6 +109,22 @@ class Robots:
     def is_taken(self, boot: str, number: int) -> bool:
         message = self.sends(boot, number)
         return self.graph.taken[-1:] == [message]
+
+
+@pytest.mark.parametrize("publishers", list(itertools.permutations(range(1, 5), 2)))
+@pytest.mark.parametrize("what", OTHERS)
+def test_the_other_type_is_opened_once_the_first_is_gone_whatever_publishers_are_called(
+    what: str, publishers: tuple[int, int]
+) -> None:
+    robots = Robots()
+    robots.comes(FIRST)
+    robots.says(FIRST, 1, replace(SCAN, publisher=publishers[0]))
+    robots.comes(SECOND)
+    robots.says(SECOND, 1, replace(OTHERS[what], publisher=publishers[1]))
+    said = list(robots.said)
+    robots.leaves(FIRST)
+    assert robots.said == said
+    assert robots.is_taken(SECOND, 1)
 
 
 @pytest.mark.parametrize("what", OTHERS)

@@ -182,11 +182,16 @@ class Reception:
         now_ns: int,
     ) -> None:
         """Open the streams of ``publishers`` that count now, and forget those that count no more."""
-        for publisher in publishers:
-            before, now = topic.opened.pop(publisher, None), topic.streams.counted(publisher)
+        changes = [
+            (publisher, topic.opened.pop(publisher, None), topic.streams.counted(publisher))
+            for publisher in publishers
+        ]
+        # Another type can be opened only once all of the one before are gone.
+        for _, before, now in changes:
             if before is not None and (now is None or now.is_of_another_kind(before)):
                 self._each(before.info.topic, partial(_forget, robot, before.info))
                 self._tell(before.said_by(robot, has_it=False), now_ns)
+        for publisher, before, now in changes:
             if now is not None:
                 topic.opened[publisher] = now
                 if now != before or publisher == said_again:
