@@ -221,7 +221,7 @@ class NaiveStream:
             self.lag_ns = max(min(self.lag_ns + gap_ns - self.step_ns, most_ns), 0)
 
     def slack_ns(self, period_ns: int) -> int:
-        longest_ns = max(self.gaps(), default=0)
+        longest_ns = max(self.gaps(), default=0) + self.lag_ns
         held_within = min(max(longest_ns, NS_PER_S // 4), 2 * NS_PER_S)
         return max(2 * period_ns, held_within) if 0 < period_ns < NEVER_NS else 0
 

@@ -76,6 +76,28 @@ def test_no_part_of_a_burst_starves_and_the_mean_is_exact(
 
 
 @given(
+    st.lists(st.tuples(st.floats(0, 0.9), st.integers(1, 9)), min_size=1, max_size=4),
+    st.floats(0.2, 1.5),
+    st.floats(0.05, 0.9),
+)
+@example([(0, 1), (0.5, 9)], 1.0, 0.4)
+@example([(0, 1), (0.5, 9)], 1.0, 0.6)
+@example([(0, 2), (0.5, 5)], 1.0, 5 / 7)
+def test_the_mean_is_exact_where_bursts_of_a_period_differ(
+    parts: list[tuple[float, int]], period_s: float, share: float
+) -> None:
+    period = [(offset, i) for offset, count in sorted(parts) for i in range(count)]
+    times_ns = [
+        EPOCH_NS + round(S * period_s * (number + offset)) + i * 1000
+        for number in range(200)
+        for offset, i in period
+    ]
+    target_hz = share * len(period) / period_s
+    indices = passed(sorted(times_ns), target_hz)
+    assert abs(len(indices) - target_hz * 200 * period_s) <= 3 + 2 * target_hz * period_s
+
+
+@given(
     st.integers(2, 10),
     st.floats(1, 100),
     st.one_of(st.sampled_from([1 / n for n in range(2, 11)]), st.floats(0.05, 0.9)),

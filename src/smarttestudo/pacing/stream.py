@@ -150,6 +150,11 @@ class PublisherStream(VolatileStream):
         self.source.skip(messages)
         self._has_skipped = True
 
+    @property
+    def slack_ns(self) -> int:
+        """How much unused time counts as credit: more where a message counts as if it had come earlier."""
+        return self.grid.pace.slack_ns(self.source.longest_ns + self.source.lag_ns)
+
     def is_due(self, now_ns: int) -> bool:
         """Whether a message that came now, and was counted, passes."""
         grid = self.grid

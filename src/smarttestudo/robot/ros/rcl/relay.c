@@ -191,7 +191,8 @@ static void record_arrival(stream_t *stream, int64_t now) {
 /* The grid: each function is the method of that name in pacing/grid.py. */
 static int64_t slack_ns(const settings_t *pace, const stream_t *stream) {
     if (pace->period_ns == 0 || pace->period_ns == NEVER_NS) return 0;
-    int64_t gap_ns = min_ns(max_ns(stream->sum.longest_ns, NS_PER_S / 4), 2 * NS_PER_S);
+    int64_t longest_ns = stream->sum.longest_ns + stream->lag_ns;
+    int64_t gap_ns = min_ns(max_ns(longest_ns, NS_PER_S / 4), 2 * NS_PER_S);
     return max_ns(2 * pace->period_ns, gap_ns);
 }
 
