@@ -46,7 +46,7 @@ MARKERS = (
     "journey: a panel of the page in a real browser; `make test` runs it",
     "contract: a promise of a document or a port, with real nodes or compiled code; `make test` runs it",
     "full: `make test-all` only; all that starts processes is it unless it says otherwise",
-    "calm: judges rates of real messages, so that nothing runs beside it; always full",
+    "calm: judges rates of real messages or a quiet graph, so that nothing runs beside it; always full",
 )
 
 

@@ -118,6 +118,7 @@ def wait_for_quiet(robot: Robot, looks: list[GraphChange]) -> None:
     wait_until(robot, is_quiet)
 
 
+@pytest.mark.calm
 def test_publishers_and_subscribers_that_come_and_go_are_looked_at_and_nothing_else_is(robot: Robot) -> None:
     looks: list[GraphChange] = []
     counts: list[tuple[int, int]] = []
@@ -142,6 +143,7 @@ def test_publishers_and_subscribers_that_come_and_go_are_looked_at_and_nothing_e
     assert all(told[1:]), "only the first look is not one at a change"
 
 
+@pytest.mark.calm
 @pytest.mark.usefixtures("robot")
 def test_an_operator_in_another_domain_is_looked_at_when_it_comes(
     other_domain: int, monkeypatch: pytest.MonkeyPatch
@@ -164,6 +166,7 @@ def test_an_operator_in_another_domain_is_looked_at_when_it_comes(
 
 
 # Kilted's rclpy warns by a method that it has deprecated itself.
+@pytest.mark.calm
 @pytest.mark.filterwarnings("ignore:Deprecated in favor:DeprecationWarning")
 def test_after_a_quiet_time_rclpy_warns_of_a_subscriber_that_an_output_does_not_suit(
     robot: Robot, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
