@@ -19,6 +19,7 @@ from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER, output_name
 from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.say_once import SayOnce
 from smarttestudo.files.outputs import require_new, write_error
 from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, OutputFileError, whole_file
@@ -65,7 +66,7 @@ class RecordingSink:
         self._pattern = pattern
         self._types = TypeLibrary()
         self._recordings: dict[str, _RobotRecording | None] = {}
-        self._said: set[str] = set()
+        self._warn_once = SayOnce(warn)
 
     def open(self, robot: str, stream: StreamInfo) -> None:
         """List the stream's topic, with another type where that is another one than before."""
@@ -161,10 +162,7 @@ class RecordingSink:
         recording.give_up()
 
     def _say(self, error: TestudoError) -> None:
-        line = str(error)
-        if line not in self._said:
-            self._said.add(line)
-            self._warn(line)
+        self._warn_once(str(error))
 
 
 class _RobotRecording:

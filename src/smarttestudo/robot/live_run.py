@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from smarttestudo.domain.errors import error_at
 from smarttestudo.domain.observation import ClockJumped, LinkBudget
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import GraphChange, Robot
+from smarttestudo.domain.say_once import SayOnce
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.files.own_process import read_own_process
 from smarttestudo.loop.block_states import BlockStates
@@ -23,13 +23,12 @@ from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.clock_jumps import ClockJumps
 from smarttestudo.robot.compiled_topics import CompiledTopics
 from smarttestudo.robot.decisions import LiveDecisions
-from smarttestudo.robot.doubts import LiveDoubts
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.losses import LiveLosses
 from smarttestudo.robot.part import Part
 from smarttestudo.robot.sampling import LiveSampling
-from smarttestudo.robot.status import LiveStatus
+from smarttestudo.robot.status import LiveStatus, doubt_lines
 from smarttestudo.robot.status_topics import StatusPublisher, StatusTelling, StatusTimer
 from smarttestudo.robot.topics import LiveTopics
 
@@ -56,7 +55,7 @@ class LiveRun:
         self._robot = robot
         self._inputs = inputs
         now_ns = robot.now_ns()
-        self._said: set[str] = set()
+        self._warn_once = SayOnce(robot.log.warning)
         self._clock = ClockJumps(robot)
         self.loop = loop = inputs.loop(rules, now_ns)
         self._parts = parts
@@ -74,7 +73,6 @@ class LiveRun:
         self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._losses = LiveLosses(robot.log.warning, self._topics.publishers, robot.senders_remedy)
-        self._doubts = LiveDoubts(robot.log)
         needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
         compiled = None if needs_all or inputs.is_recording else robot.data_path.compiled
         self._sampling = LiveSampling(
@@ -201,19 +199,10 @@ class LiveRun:
     def _tell_parts(self, topic: str, payload: Payload, publisher: Hashable, stamp_ns: int) -> None:
         subscription = self._topics.subscription(topic)
         for on_message in self._on_message:
-            with self._costing_a_part(topic):
+            try:
                 on_message(topic, payload, publisher, stamp_ns, subscription)
-
-    @contextmanager
-    def _costing_a_part(self, topic: str) -> Iterator[None]:
-        """Whatever a part fails of for ``topic`` is said once, and costs neither its relay nor others."""
-        try:
-            yield
-        except Exception as error:  # noqa: BLE001 - see above
-            line = str(error_at(topic, error))
-            if line not in self._said:
-                self._said.add(line)
-                self._robot.log.warning(line)
+            except Exception as error:  # noqa: BLE001, PERF203 - it costs neither the relay nor other parts
+                self._warn_once(str(error_at(topic, error)))
 
     def _poll(self, graph: GraphChange) -> None:
         # What is due goes out before a topic is opened anew, perhaps with another type.
@@ -225,8 +214,10 @@ class LiveRun:
             self._handle(GraphInput(stamp_ns=now_ns, sources=sources))
         for topic, source in self._topics.heard():
             for part in self._parts:
-                with self._costing_a_part(topic):
+                try:
                     part.on_source(topic, source, now_ns)
+                except Exception as error:  # noqa: BLE001, PERF203 - as of a message
+                    self._warn_once(str(error_at(topic, error)))
         if listeners := tuple(self._topics.listeners()):
             self._handle(GraphInput(stamp_ns=now_ns, listeners=listeners))
         self._compiled.choose(self._topics, now_ns, is_quiet=graph is GraphChange.NONE)
@@ -297,7 +288,8 @@ class LiveRun:
             lost=self._losses.lost(),
             status_hz=self._timer.status_hz,
         )
-        self._doubts.say(status.topics)
+        for line in doubt_lines(status.topics):
+            self._warn_once(line)
         for part in self._parts:
             status = part.added_to(status)
         for part in self._parts:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 import secrets
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from smarttestudo.domain.decision import PlannedRate
@@ -381,6 +381,13 @@ def _doubt(link: TopicLink, meters: _Meters, counts: TopicCounts) -> ThinningDou
     rests_ns = meters.measured_ns - meters.statistics.relayed.last_ns
     is_overdue = rests_ns * meters.target_hz > 2 * NS_PER_S and rests_ns >= _OVERDUE_NS
     return ThinningDoubt.KEY_FRAME_OVERDUE if is_overdue and not meters.arrived.is_silent else None
+
+
+def doubt_lines(topics: Mapping[str, TopicStatus]) -> Iterator[str]:
+    """A line for each topic that is not shown as its rate says."""
+    for topic, status in topics.items():
+        if status.doubt is not None:
+            yield f"{topic}: {status.doubt.value}: {status.doubt.details}"
 
 
 def _silence(link: TopicLink, meters: _Meters) -> Silence | None:

@@ -13,6 +13,7 @@ from smarttestudo.domain.names import MAX_NAME_LENGTH
 from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Undecodable
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Endpoint, GraphChange, Robot, Subscription
+from smarttestudo.domain.say_once import SayOnce
 from smarttestudo.domain.visible_topics import relaying_nodes
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.endpoint_cache import EndpointCache
@@ -65,7 +66,7 @@ class LiveTopics:
         )
         self._heard: Mapping[str, frozenset[bytes]] = {}
         self._testudos: frozenset[str] = frozenset()
-        self._said: set[str] = set()
+        self._warn_once = SayOnce(robot.log.warning)
         self._settled = self._settled_now()
         self._wanted_by: SettledTopics | None = None
         """Those of which the wanted ones are subscribed to."""
@@ -369,8 +370,3 @@ class LiveTopics:
         self._settled = self._settled_now()
         if error is not None:
             self._warn_once(str(error))
-
-    def _warn_once(self, message: str) -> None:
-        if message not in self._said:
-            self._said.add(message)
-            self._robot.log.warning(message)

@@ -12,9 +12,10 @@ from pacing.bitstreams import IDR, NON_IDR_P, PPS, SPS, compressed_image, compre
 from robot.status.status_driver import StatusDriver
 from smarttestudo.cli.top_table import SortKey, topic_lines
 from smarttestudo.domain.record import from_json, to_json
+from smarttestudo.domain.say_once import SayOnce
 from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, ThinningDoubt
 from smarttestudo.robot.diagnostics import diagnostics
-from smarttestudo.robot.doubts import LiveDoubts
+from smarttestudo.robot.status import doubt_lines
 
 KEY, DIFFERENCE = nal(SPS, PPS, IDR), nal(NON_IDR_P)
 VIDEO, IMAGE = "foxglove_msgs/msg/CompressedVideo", "sensor_msgs/msg/CompressedImage"
@@ -88,8 +89,9 @@ class Log:
 
 def test_the_log_says_each_doubt_once() -> None:
     log = Log()
-    doubts = LiveDoubts(log)
+    say = SayOnce(log.warning)
     status = watched("2", PATCHES, lambda _: b"\0\1\0\0", 3)
     for _ in range(3):
-        doubts.say(status.topics)
+        for line in doubt_lines(status.topics):
+            say(line)
     assert log.lines == [f"/t: {ThinningDoubt.PATCHES.value}: {ThinningDoubt.PATCHES.details}"]

@@ -20,6 +20,7 @@ from smarttestudo.domain import recording
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import PortError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
+from smarttestudo.domain.say_once import SayOnce
 
 MOST_LATCHED = 100
 """Messages that are kept of one publisher, whatever depth it announces."""
@@ -67,12 +68,11 @@ class FoxgloveSink:
     def __init__(
         self, port: int, warn: Callable[[str], None], now_ns: Callable[[], int], *, host: str = "127.0.0.1"
     ) -> None:
-        self._warn = warn
+        self._say = SayOnce(warn)
         self._now_ns = now_ns
         self._types = TypeLibrary()
         self._topics: dict[tuple[str, str], _Topic] = {}
         self._robots: set[str] = set()
-        self._said: set[str] = set()
         self._unknown_channels: deque[int] = deque(maxlen=MOST_UNKNOWN)
         # Clients subscribe in the SDK's thread. It is never held where the SDK might wait for that thread.
         self._lock = threading.Lock()
@@ -201,11 +201,6 @@ class FoxgloveSink:
             for topic in self._topics.values():
                 if topic.channel.id() == channel_number:
                     _send_latched(topic)
-
-    def _say(self, line: str) -> None:
-        if line not in self._said:
-            self._said.add(line)
-            self._warn(line)
 
 
 def _send_latched(topic: _Topic) -> None:

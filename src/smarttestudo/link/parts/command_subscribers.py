@@ -12,6 +12,7 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import Publisher, Qos, Robot
+from smarttestudo.domain.say_once import SayOnce
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.live_rules import LiveRules
@@ -43,7 +44,7 @@ class CommandSubscribers(Part):
         self._commands = commands
         self._served = {topic.topic: _Served() for topic in commands.topics}
         self._too_old = TooOld()
-        self._said: set[str] = set()
+        self._say = SayOnce(robot.log.warning)
         self._without_ns: dict[str, int] = {}
 
     def follow(self, rules: LiveRules, now_ns: int) -> None:  # noqa: ARG002 - a part's
@@ -123,8 +124,3 @@ class CommandSubscribers(Part):
                 )
         for topic in sorted(named - self._served.keys()):
             self._say(f"An operator sends {topic}, which is not accepted: name it in 'testudo run --accept'")
-
-    def _say(self, sentence: str) -> None:
-        if sentence not in self._said:
-            self._said.add(sentence)
-            self._robot.log.warning(sentence)

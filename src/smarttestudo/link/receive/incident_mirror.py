@@ -19,6 +19,7 @@ from smarttestudo.domain.remote_incidents import (
     RemoteIncidents,
     SilentRobotError,
 )
+from smarttestudo.domain.say_once import SayOnce
 from smarttestudo.files.whole_file import not_written
 from smarttestudo.incidents.partial_incident import incident_there, remove_begun_fetches
 from smarttestudo.link.worker import Worker
@@ -111,14 +112,13 @@ class IncidentMirror:
         self._incidents = incidents
         self._folders = folders
         self._say = say
-        self._warn = warn
+        self._warn = SayOnce(warn)
         self._steady_s = steady_s
         self._worker = Worker("link-mirror", lambda error: warn(said(error)), self.poll)
         self._rests: dict[tuple[str, str], int] = {}
         self._there: frozenset[str] = frozenset()
         self._came_s: dict[str, float] = {}
         self._has_more = False
-        self._warned: set[str] = set()
 
     @contextmanager
     def running(self) -> Iterator[None]:
@@ -184,7 +184,4 @@ class IncidentMirror:
     def _rest(self, robot: str, name: str, why: str) -> None:
         """Try it again a minute later."""
         self._rests[robot, name] = _AGAIN_AFTER_POLLS
-        sentence = f"{f'{robot} {name}'.rstrip()}: {why}"
-        if sentence not in self._warned:
-            self._warned.add(sentence)
-            self._warn(sentence)
+        self._warn(f"{f'{robot} {name}'.rstrip()}: {why}")

@@ -12,6 +12,7 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import error_at, said
 from smarttestudo.domain.link import ReceivedMessage, Sink, StreamInfo
 from smarttestudo.domain.rate_meter import Flow, FlowMeter
+from smarttestudo.domain.say_once import SayOnce
 from smarttestudo.domain.units import NS_PER_MS
 from smarttestudo.link.receive.prediction import Predictor
 from smarttestudo.link.receive.topic_streams import CountedStream, StreamKey, TopicStreams
@@ -82,9 +83,8 @@ class Reception:
         self.robots: dict[str, ReceivedRobot] = {}
         self._sinks = sinks
         self._predictor = predictor
-        self._warn = warn
+        self._say = SayOnce(warn, most=_MOST_SAID)
         self._note = note
-        self._said: set[str] = set()
         self._held: dict[tuple[str, str, str, int], ReceivedMessage] = {}
         self._held_bytes = 0
 
@@ -237,11 +237,6 @@ class Reception:
         if known.boots:
             for key in [key for key in known.streams if key.boot not in known.boots]:
                 self._follow(robot, key, None, 0)
-
-    def _say(self, line: str) -> None:
-        if line not in self._said and len(self._said) < _MOST_SAID:
-            self._said.add(line)
-            self._warn(line)
 
 
 def _forget(robot: str, stream: StreamInfo, sink: Sink) -> None:

@@ -13,6 +13,7 @@ from smarttestudo.domain.errors import TestudoError, error_at
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER, output_name, require_publishable
 from smarttestudo.domain.robot import DataPath, Publisher
+from smarttestudo.domain.say_once import SayOnce
 
 MAX_DEPTH = 1000
 """Messages that a publisher keeps at most, whatever depth a robot announces."""
@@ -52,11 +53,10 @@ class GraphSink:
     ) -> None:
         output_name("/topic", pattern, "robot")
         self._path = path
-        self._warn = warn
+        self._say = SayOnce(warn)
         self._pattern = pattern
         self._streams: dict[_StreamKey, _OpenStream] = {}
         self._robot_of: dict[str, str] = {}
-        self._said: set[str] = set()
 
     def open(self, robot: str, stream: StreamInfo) -> str | None:
         """Publish the stream, anew where its type or QoS is another one than before."""
@@ -132,8 +132,3 @@ class GraphSink:
                     closing.callback(publisher.close)
         except TestudoError as error:
             self._say(str(error))
-
-    def _say(self, line: str) -> None:
-        if line not in self._said:
-            self._said.add(line)
-            self._warn(line)

@@ -9,6 +9,7 @@ from typing import Any
 
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher, Qos, Receive, Subscription
+from smarttestudo.domain.say_once import SayOnce
 from smarttestudo.robot.ros.byte_topics import ByteTopics
 from smarttestudo.robot.ros.message_types import decoded, is_installed, message_type
 from smarttestudo.robot.ros.qos import qos_profile
@@ -40,7 +41,7 @@ class RclpyPath:
         self._operators = operators
         self._executor = executor
         self._byte_topics = byte_topics
-        self._said: set[str] = set()
+        self._warn_once = SayOnce(lambda line: node.get_logger().warning(line))
 
     def knows(self, type_name: str) -> bool:
         """Whether the message type is installed."""
@@ -80,10 +81,7 @@ class RclpyPath:
             self._executor.spin_once(timeout_sec=SameTimeout(timeout_s))
         except RuntimeError as error:
             # What rcl cannot take costs its topic, which alone is in its callback group.
-            line = f"a message cannot be taken: {(str(error).splitlines() or [''])[0]}"
-            if line not in self._said:
-                self._said.add(line)
-                self._node.get_logger().warning(line)
+            self._warn_once(f"a message cannot be taken: {(str(error).splitlines() or [''])[0]}")
 
     def close(self) -> None:
         """Deliver nothing more."""
