@@ -7,7 +7,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from smarttestudo.domain.type_names import TypeName
+from smarttestudo.domain.type_names import TypeName, short_type_name
 
 _PARTS = re.compile(r"^---[ \t]*$", re.MULTILINE)
 _SECTION = re.compile(r"^={80}\n(?:MSG|SRV|ACTION): *(\S+)[ \t]*\n", re.MULTILINE)
@@ -46,8 +46,7 @@ def _messages(section: str, text: str, name: TypeName) -> Iterator[tuple[str, st
         for part, one in zip(_NAMES[len(parts)], parts, strict=True):
             yield f"{name.package}/{name.defined_in}_{part}", one
     else:
-        package, *_, last = section.split("/")
-        yield f"{package}/{last}", text
+        yield short_type_name(section), text
 
 
 def _of_service(of: str) -> dict[str, str]:

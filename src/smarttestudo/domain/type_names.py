@@ -18,6 +18,12 @@ _TYPE = re.compile(
 )
 
 
+def short_type_name(type_name: str) -> str:
+    """``std_srvs/SetBool_Event`` for ``std_srvs/srv/SetBool_Event``; a name of two parts stays."""
+    package, _, rest = type_name.partition("/")
+    return f"{package}/{rest.rpartition('/')[2]}" if rest else type_name
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TypeName:
     """``std_srvs/srv/SetBool_Event``: of ``kind`` srv (or msg, action), and ``defined_in`` SetBool."""

@@ -16,12 +16,13 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.type_names import short_type_name
+from smarttestudo.pacing.cdr_walk import HEADER_BYTES, aligned, byte_order
 
 READ_BYTES = 16_384
 """So much of a bitstream is read: parameters and notes stand before the first slice, and are short."""
 _MOST_UNITS = 64
 _MOST_NAME_BYTES = 256
-_ORDERS = MappingProxyType({b"\x00\x00": ">", b"\x00\x01": "<"})
 
 
 class VideoFrame(Enum):
@@ -55,14 +56,16 @@ _IMAGE_BEGINNINGS = (b"\xff\xd8\xff", b"\x89PNG", b"RIFF", b"II*\0", b"MM\0*")
 
 def is_coded_video(type_name: str) -> bool:
     """Whether all messages of a type are coded video; those of CompressedImage may be."""
-    short = _short(type_name)
+    short = short_type_name(type_name)
     return short in _FIELDS and short != _IMAGES
 
 
 def may_be_coded_video(type_name: str, topic: str) -> bool:
     """The same, where of a CompressedImage the last name of its topic names a coder, as transports do."""
     last_name = topic.rpartition("/")[2]
-    return is_coded_video(type_name) or (_short(type_name) == _IMAGES and _coder(last_name) is not None)
+    return is_coded_video(type_name) or (
+        short_type_name(type_name) == _IMAGES and _coder(last_name) is not None
+    )
 
 
 class VideoReader:
@@ -71,7 +74,7 @@ class VideoReader:
     __slots__ = ("_coder", "_fields", "_may_be_image")
 
     def __init__(self, type_name: str) -> None:
-        short = _short(type_name)
+        short = short_type_name(type_name)
         self._fields = _FIELDS[short]
         self._coder = _CODERS.get(short, "")
         self._may_be_image = short == _IMAGES
@@ -79,13 +82,13 @@ class VideoReader:
     @staticmethod
     def of(type_name: str) -> VideoReader | None:
         """The reader for a type whose messages may be coded video."""
-        return VideoReader(type_name) if _short(type_name) in _FIELDS else None
+        return VideoReader(type_name) if short_type_name(type_name) in _FIELDS else None
 
     def frame(self, payload: Payload) -> VideoFrame | None:
         """The frame in ``payload``; ``None`` for an image that stands by itself."""
         try:
-            found = _bitstream(payload, self._fields, _ORDERS[payload[:2]])
-        except (struct.error, KeyError):
+            found = _bitstream(payload, self._fields)
+        except struct.error:
             return None if self._may_be_image else VideoFrame.UNKNOWN
         read = _coder(self._coder or found.coder)
         if self._may_be_image and (read is None or found.beginning.startswith(_IMAGE_BEGINNINGS)):
@@ -95,11 +98,6 @@ class VideoReader:
         frame = VideoFrame.UNKNOWN if read is None else read(found.beginning, found.size_bytes)
         # Who says of a packet whether it is a key frame knows it of all.
         return VideoFrame.DIFFERENCE if frame is VideoFrame.UNKNOWN and "k" in self._fields else frame
-
-
-def _short(type_name: str) -> str:
-    """The name as ROS 1 writes it."""
-    return type_name.replace("/msg/", "/")
 
 
 class _Bitstream(NamedTuple):
@@ -115,19 +113,22 @@ _SIZES = MappingProxyType({"t": (4, 8), "i": (4, 4), "q": (8, 8), "b": (1, 1)})
 """Alignment and size of what is skipped."""
 
 
-def _bitstream(payload: Payload, fields: str, order: str) -> _Bitstream:
-    """Raises ``struct.error`` where ``payload`` ends before its fields do."""
-    at, coder, is_key, beginning, size_bytes = 4, "", False, b"", 0
+def _bitstream(payload: Payload, fields: str) -> _Bitstream:
+    """Raises ``struct.error`` where ``payload`` is no CDR, or ends before its fields do."""
+    order = byte_order(payload[:2])
+    if order is None:
+        raise struct.error
+    at, coder, is_key, beginning, size_bytes = HEADER_BYTES, "", False, b"", 0
     for field in fields:
         if field in _SIZES:
             alignment, size = _SIZES[field]
-            at = _aligned(at, alignment) + size
+            at = aligned(at, alignment) + size
         elif field == "k":
             (flags,) = struct.unpack("B", payload[at : at + 1])
             is_key = bool(flags & 1)
             at += 1
         else:
-            at = _aligned(at, 4)
+            at = aligned(at, 4)
             (size,) = struct.unpack(f"{order}I", payload[at : at + 4])
             at += 4
             if field == "d":
@@ -138,10 +139,6 @@ def _bitstream(payload: Payload, fields: str, order: str) -> _Bitstream:
     if at > len(payload):
         raise struct.error
     return _Bitstream(coder, is_key, beginning, size_bytes)
-
-
-def _aligned(at: int, alignment: int) -> int:
-    return at + (4 - at) % alignment
 
 
 _ReadFrame = Callable[[bytes, int], VideoFrame]

@@ -10,6 +10,7 @@ from typing import NamedTuple, Protocol
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.type_names import short_type_name
 from smarttestudo.pacing.cdr import STREAM_TYPES
 from smarttestudo.pacing.coded_video import VideoFrame, is_coded_video
 from smarttestudo.pacing.reckoning.gauges import Reading
@@ -57,7 +58,7 @@ _PATCHES = frozenset(
 
 def is_patch(type_name: str) -> bool:
     """Whether messages of a type change a part of what those before showed: without one, it stays wrong."""
-    return type_name.replace("/msg/", "/") in _PATCHES
+    return short_type_name(type_name) in _PATCHES
 
 
 @dataclass(slots=True, eq=False)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.type_names import short_type_name
 from smarttestudo.robot.ros.message_types import message_type, nested_types
 
 _SEPARATOR = "=" * 80
@@ -31,7 +32,7 @@ def message_definition(type_name: str) -> str:
     except RosError:
         return ""
     main = texts.pop(type_name)
-    parts = [f"{_SEPARATOR}\nMSG: {_short(name)}\n{text}" for name, text in texts.items()]
+    parts = [f"{_SEPARATOR}\nMSG: {short_type_name(name)}\n{text}" for name, text in texts.items()]
     return "\n".join([main, *parts])
 
 
@@ -46,12 +47,6 @@ def _texts(type_name: str) -> Iterator[tuple[str, str]]:
         within = dict.fromkeys(nested_types(kind))
         waiting += [one for one in within if one not in met]
         met |= within
-
-
-def _short(type_name: str) -> str:
-    """``std_srvs/SetBool_Request``, as fields tell it."""
-    package, _, name = type_name.split("/")
-    return f"{package}/{name}"
 
 
 def _file_text(type_name: str) -> str | None:
