@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.pacing.bound import BoundRecords
 from smarttestudo.pacing.coded_video import VideoFrame
+from smarttestudo.pacing.streams import messages_per_hz
 
 MAX_FRAMES = 4096
 
@@ -74,8 +75,8 @@ class FrameFlows:
 
     @property
     def streams(self) -> float:
-        """How many messages pass at 1 Hz: the number of names by how many a message has, 1 without any."""
-        return len(self.arrived) * self._messages / self._named if self._named else 1.0
+        """How many messages pass at 1 Hz."""
+        return messages_per_hz(len(self.arrived), messages=self._messages, named=self._named)
 
     def record(self, flows: dict[str, Flow], frames: Collection[str], now_ns: int) -> None:
         """Count, in ``arrived`` or ``relayed``, a message that holds ``frames``."""

@@ -18,7 +18,7 @@ from smarttestudo.optimizer.accuracy_measure import AccuracyMeasure, levelled_pr
 from smarttestudo.optimizer.wording import kb_text
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
 from smarttestudo.pacing.cdr import STREAM_TYPES, StreamReader
-from smarttestudo.pacing.streams import MAX_STREAMS
+from smarttestudo.pacing.streams import MAX_STREAMS, messages_per_hz
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,8 +150,8 @@ class StreamCount:
 
     @property
     def streams(self) -> float:
-        """The number of names by how many a message has, 1 without any."""
-        return len(self._names) * self._messages / self._named if self._named else 1.0
+        """How many messages pass at 1 Hz."""
+        return messages_per_hz(len(self._names), messages=self._messages, named=self._named)
 
 
 TIER_SHARES = (0.05, 0.1, 0.25, 0.5, 0.8, 1.0)

@@ -19,6 +19,14 @@ MAX_STREAMS = 4096
 OPENS_TO_PRUNE = 64
 
 
+def messages_per_hz(names: int, *, messages: int, named: int) -> float:
+    """How many messages pass at 1 Hz, which each of ``names`` has: their number by how many a message names.
+
+    So many were ``named`` in so many ``messages``; it is 1 where none was.
+    """
+    return names * messages / named if named else 1.0
+
+
 class _Rest:
     """The key that all streams beyond ``MAX_STREAMS`` share."""
 
