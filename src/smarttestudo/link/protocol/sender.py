@@ -51,7 +51,7 @@ class LinkSender(Generic[_Request]):
         self._outbox = Outbox(self._encoded)
         self._outbox.open(CONTROL_STREAM)
         self._infos: dict[int, StreamInfo] = {}
-        self._video: dict[int, VideoReader | None] = {}
+        self._video: dict[int, VideoReader] = {}
         self._ending: dict[int, None] = {}
         """Streams whose publisher is gone, of which something waits, the first first."""
         self._closed: set[int] = set()
@@ -87,7 +87,8 @@ class LinkSender(Generic[_Request]):
             return None
         self._closed.discard(number)
         self._infos[number] = replace(info, prediction=self._predictions.get(info.topic))
-        self._video[number] = VideoReader.of(info.type_name)
+        if (video := VideoReader.of(info.type_name)) is not None:
+            self._video[number] = video
         # Of coded video, what was kept for a late receiver could not be decoded.
         is_latched = info.qos.transient_local and not is_coded_video(info.type_name)
         self._outbox.open(number, depth=info.qos.depth if is_latched else None)
@@ -304,6 +305,7 @@ class LinkSender(Generic[_Request]):
     def _close(self, stream: int, now_ns: int) -> None:
         """Send nothing more of a stream; what waits in it overflows."""
         info = self._infos.pop(stream)
+        self._video.pop(stream, None)
         del self._ending[stream]
         had = self._counts_closed.get(info.topic, StreamCounts())
         self._counts_closed[info.topic] = had + self._outbox.close(stream, now_ns)
