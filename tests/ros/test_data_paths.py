@@ -210,14 +210,14 @@ def test_a_type_that_is_not_installed_is_named(robot: Robot) -> None:
 def test_a_type_that_was_built_for_another_python_is_named(
     robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    package = tmp_path / "half_msgs" / "msg"
+    package = tmp_path / "half_built" / "msg"
     package.mkdir(parents=True)
     generated = Path(sys.modules["std_msgs.msg._string"].__file__ or "").read_text("utf-8")
     (package / "_string.py").write_text(generated.replace("std_msgs", package.parent.name), "utf-8")
-    for file in ("__init__.py", "msg/__init__.py", "half_msgs_s__rosidl_typesupport_c.cpython-27-arm.so"):
-        (tmp_path / "half_msgs" / file).touch()
+    for file in ("__init__.py", "msg/__init__.py", "half_built_s__rosidl_typesupport_c.cpython-27-arm.so"):
+        (tmp_path / "half_built" / file).touch()
     monkeypatch.syspath_prepend(tmp_path)
-    path, kind = robot.data_path, "half_msgs/msg/String"
+    path, kind = robot.data_path, "half_built/msg/String"
     assert not path.knows(kind)
     uses: list[Callable[[], object]] = [
         lambda: path.advertise("/half", kind, RELIABLE),
@@ -225,9 +225,9 @@ def test_a_type_that_was_built_for_another_python_is_named(
         lambda: path.decode("/half", kind, text("half")),
     ]
     for use in uses:
-        with pytest.raises(RosError, match=r"/half: .*type half_msgs/msg/String cannot be used") as error:
+        with pytest.raises(RosError, match=r"/half: .*type half_built/msg/String cannot be used") as error:
             use()
-        assert error.value.remedy == "build the ROS package half_msgs with the Python that runs SmartTestudo"
+        assert error.value.remedy == "build the ROS package half_built with the Python that runs SmartTestudo"
 
 
 @only_librcl
