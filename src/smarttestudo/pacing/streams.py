@@ -124,14 +124,16 @@ class Streams(ABC, Generic[AnyStream]):
         known = self._streams
         return [known.get(key) or self._open_stream(key, now_ns) for key in keys]
 
-    def _open_stream(self, key: Hashable, now_ns: int) -> AnyStream:
+    def _open_stream(
+        self, key: Hashable, now_ns: int, open_stream: Callable[[Pace, int], AnyStream] | None = None
+    ) -> AnyStream:
         self._opens_to_prune -= 1
         if self._opens_to_prune == 0:
             self._streams = {k: stream for k, stream in self._streams.items() if not stream.is_idle(now_ns)}
             self._opens_to_prune = max(OPENS_TO_PRUNE, len(self._streams))
         if len(self._streams) >= MAX_STREAMS:
             key = _Rest
-        return self._streams.setdefault(key, self._open(self._pace, now_ns))
+        return self._streams.setdefault(key, (open_stream or self._open)(self._pace, now_ns))
 
     def _arm(self, now_ns: int) -> None:
         first_ns = min((stream.release_ns for stream in self._streams.values()), default=NEVER_NS)
@@ -143,11 +145,22 @@ class NamedStreams(Streams[AnyStream]):
 
     It counts for all its streams, yet none is ever due later than one period after it, so that one that
     passed along with others does not starve once they are gone. The final message is that of each stream;
-    one that is final for several passes once. Messages that name none are those of their publisher. One that
-    deletes markers passes in any case, behind what is held of them: after it, that would show them again.
+    one that is final for several passes once. No message passes behind a newer one of a name in it: what is
+    held for other names goes first. Messages that name none are those of their publisher, whose streams
+    ``open_unnamed`` opens. One that deletes markers passes in any case.
     """
 
-    __slots__ = ()
+    __slots__ = ("_open_unnamed",)
+
+    def __init__(
+        self,
+        open_stream: Callable[[Pace, int], AnyStream],
+        pace: Pace,
+        *,
+        open_unnamed: Callable[[Pace, int], AnyStream],
+    ) -> None:
+        super().__init__(open_stream, pace)
+        self._open_unnamed = open_unnamed
 
     def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
         """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
@@ -159,34 +172,52 @@ class NamedStreams(Streams[AnyStream]):
                 is_due = True
             elif stream.grid.due_ns < first_due_ns:
                 first_due_ns = stream.grid.due_ns
+        if sample.deletion == DELETE_ALL:
+            for stream in self._streams.values():
+                stream.held = None
         if is_due:
-            before = self._held_of_deleted(sample, now_ns) if sample.deletion else ()
+            before = self._release_older(sample, now_ns, now_ns)
             for stream in streams:
                 stream.settle(now_ns)
             return (*before, Pass(sample))
         for stream in streams:
             stream.hold(sample, now_ns)
         # What is held waits until it is due or longer; wake finds out.
-        self.wake_ns = min(self.wake_ns, first_due_ns)
+        self.wake_ns = min(self.wake_ns, max(first_due_ns, now_ns))
         return ()
+
+    def wake(self, now_ns: int) -> Sequence[Pass]:
+        """Samples that pass now without a new one, the older ones first."""
+        if now_ns < self.wake_ns:
+            return ()
+        passes: list[Pass] = []
+        due = [stream for stream in self._streams.values() if stream.release_ns <= now_ns]
+        for stream in sorted(due, key=lambda one: one.held_ns):
+            if stream.held is not None:
+                passes += self._release_older(stream.held, stream.held_ns, now_ns)
+                passes += self._release(stream, now_ns)
+        self._arm(now_ns)
+        return passes
 
     def holds(self, sample: Sample) -> bool:
         """Whether ``sample`` did not pass, but still may."""
         return any(stream.held is sample for stream in self._streams.values())
 
-    def _held_of_deleted(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
-        """Let go of what is held of markers that ``sample`` deletes; what of it is about others, too."""
-        if sample.deletion == DELETE_ALL:
-            for stream in self._streams.values():
-                stream.held = None
-            return ()
-        names = set(sample.frames)
-        return [
-            one
-            for stream in sorted(self._streams.values(), key=lambda each: each.held_ns)
-            if stream.held is not None and not names.isdisjoint(stream.held.frames)
-            for one in self._release(stream, now_ns)
-        ]
+    def _release_older(self, sample: Sample, came_ns: int, now_ns: int) -> Sequence[Pass]:
+        """Relay what is held and shares a name with ``sample``, or with what goes before it, in its order."""
+        held = {
+            stream.held: stream
+            for name, stream in self._streams.items()
+            if stream.held is not None and stream.held_ns <= came_ns and name not in sample.frames
+        }
+        held.pop(sample, None)
+        names, before = set(sample.frames), list[AnyStream]()
+        while found := [other for other in held if not names.isdisjoint(other.frames)]:
+            for other in found:
+                before.append(held.pop(other))
+                names.update(other.frames)
+        before.sort(key=lambda stream: stream.held_ns)
+        return [passed for stream in before for passed in self._release(stream, now_ns)]
 
     def _release(self, stream: AnyStream, now_ns: int) -> Sequence[Pass]:
         sample = stream.held
@@ -197,6 +228,12 @@ class NamedStreams(Streams[AnyStream]):
             if other.held is sample:
                 other.held = None
         return (Pass(sample),)
+
+    def _streams_of(self, sample: Sample, now_ns: int) -> list[AnyStream]:
+        if sample.frames:
+            return super()._streams_of(sample, now_ns)
+        key = sample.publisher
+        return [self._streams.get(key) or self._open_stream(key, now_ns, self._open_unnamed)]
 
 
 class PublisherStreams(Streams[AnyStream]):

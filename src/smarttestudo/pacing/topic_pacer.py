@@ -257,9 +257,9 @@ class TopicPacer(Pacer):
                 heartbeat_hz=accuracy.heartbeat_hz,
             )
         if self._kind is StreamKind.NAMED:
-            return NamedStreams(VolatileStream, self._pace)
+            return NamedStreams(VolatileStream, self._pace, open_unnamed=PublisherStream)
         if self._kind is StreamKind.TRANSIENT_LOCAL:
-            return NamedStreams(LatchedStream, self._pace)
+            return NamedStreams(LatchedStream, self._pace, open_unnamed=LatchedStream)
         if self._kind is StreamKind.CODED_VIDEO:
             return PublisherStreams(GroupStream, self._pace)
         if self._when_slow is WhenSlow.REPEAT:
