@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import queue
+import re
+import signal
 import subprocess
 import sys
 import threading
@@ -32,11 +35,32 @@ def threads_of(pid: int) -> set[str]:
     return {task.name for task in Path(f"/proc/{pid}/task").iterdir()}
 
 
+def shared_memory_of(pid: int) -> set[Path]:
+    """The memory of Fast DDS that a process shares, its own and what it reads of others."""
+    maps = Path(f"/proc/{pid}/maps")
+    text = maps.read_text(encoding="utf-8") if maps.exists() else ""
+    return {Path(name) for name in re.findall(r"/dev/shm/fast(?:dds|rtps)_[0-9a-f]{16}", text)}
+
+
+def remove_left(shared: set[Path]) -> None:
+    """Remove the memory of processes that were killed, 16 MB of a run's: nobody has the lock beside it."""
+    for path in shared:
+        lock = path.with_name(f"{path.name}_el")
+        try:
+            with lock.open("rb") as opened:
+                fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                path.unlink()
+                lock.unlink()
+        except (BlockingIOError, FileNotFoundError):
+            continue
+
+
 class Process:
     """A process whose output, stderr included, is read line by line; it never outlives the block."""
 
     def __init__(self, command: list[str], environment: dict[str, str]) -> None:
         self.output: list[str] = []
+        self._shared: set[Path] = set()
         self._process = started(command, environment)
         self._lines: queue.Queue[str | None] = queue.Queue()
         self._reader = threading.Thread(target=self._read, daemon=True)
@@ -79,6 +103,8 @@ class Process:
         return self._process.pid
 
     def signal(self, number: int) -> None:
+        if number == signal.SIGKILL:
+            self._shared = shared_memory_of(self.pid)
         self._process.send_signal(number)
 
     def exit_code(self, *, within_s: float = LINE_TIMEOUT_S) -> int:
@@ -87,8 +113,10 @@ class Process:
         return code
 
     def end(self) -> None:
+        self._shared |= shared_memory_of(self.pid)
         self._process.kill()
         self._process.wait()
+        remove_left(self._shared)
         self._reader.join()
         for stream in (self._process.stdin, self._process.stdout):
             assert stream is not None
