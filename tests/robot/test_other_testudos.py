@@ -9,10 +9,9 @@ import pytest
 from robot.small_graph import SmallGraph
 from robot.test_live_topics import DRIVER, OTHER, Live, lines_with
 from smarttestudo.domain.names import DECISIONS_TOPIC
-from smarttestudo.domain.visible_topics import receiving_node
+from smarttestudo.domain.visible_topics import UNKNOWN_NODE, receiving_node
 from smarttestudo.robot.fallback import FallbackTopics
 from smarttestudo.robot.output_topics import OutputTopic
-from smarttestudo.robot.topics import UNKNOWN_NODE
 
 RECEIVES = f"/{receiving_node(7)}"
 
@@ -77,6 +76,20 @@ def test_it_is_no_topic_to_relay_without_rules_either() -> None:
     fallback = FallbackTopics(graph, output_topic=OutputTopic(), topic_prefix="")
     assert fallback.poll()
     assert fallback.rules().output_topics == {"/imu": "/testudo/imu"}
+
+
+def test_it_is_given_up_again_if_its_node_was_discovered_late() -> None:
+    graph, unknown = FedGraph(), f"_NODE_NAMESPACE_UNKNOWN_{UNKNOWN_NODE}"
+    graph.joins("/imu", DRIVER, node=unknown)
+    graph.joins("/op/imu", OTHER, node=unknown)
+    fallback = FallbackTopics(graph, output_topic=OutputTopic(), topic_prefix="")
+    assert fallback.poll()
+    for topic, gid, node in (("/imu", DRIVER, "/driver"), ("/op/imu", OTHER, RECEIVES)):
+        graph.leaves(topic, gid)
+        graph.joins(topic, gid, node=node)
+    assert fallback.poll()
+    assert fallback.rules().output_topics == {"/imu": "/testudo/imu"}
+    assert not fallback.poll()
 
 
 def test_where_publishers_are_told_apart_only_the_robots_own_messages_are_relayed() -> None:

@@ -10,6 +10,8 @@ from smarttestudo.domain.names import DECISIONS_TOPIC, NAME_OPTION
 from smarttestudo.domain.robot import Endpoint, Robot
 
 _OF_ROS = frozenset({"/rosout", "/parameter_events"})
+UNKNOWN_NODE = "/_NODE_NAME_UNKNOWN_"
+"""How the name ends that an endpoint has until its node is discovered, too."""
 
 
 def receiving_node(receiver: int) -> str:

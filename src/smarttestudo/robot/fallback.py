@@ -14,7 +14,7 @@ from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.rate import MAX_RATE_HZ, Rate
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import Fallback
-from smarttestudo.domain.visible_topics import is_visible, relaying_nodes
+from smarttestudo.domain.visible_topics import UNKNOWN_NODE, is_visible, relaying_nodes
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import fallback_rules
@@ -85,6 +85,8 @@ def readable_rates(texts: Mapping[str, str], resolve: Resolve) -> ReadableRates:
 class FallbackTopics:
     """The topics of a robot that its own nodes publish, below ``topic_prefix``; once seen, they stay.
 
+    A node may be discovered later than its topics: one that turns out to be SmartTestudo's takes them along.
+
     Hidden topics, those of every node, the clock and what SmartTestudo nodes publish are left out, and with
     a warning those for which ``output_topic`` makes no name of their own; ``UsageError`` where it never does.
     """
@@ -98,6 +100,7 @@ class FallbackTopics:
         self._topic_prefix = topic_prefix
         self._readable = ReadableRates()
         self._output_topics: dict[str, str] = {}
+        self._of_unknown_nodes: set[str] = set()
         self._refused: set[str] = set()
         output_topics(fallback_rules({"/any": Rate.full()}), output_topic)
 
@@ -107,17 +110,22 @@ class FallbackTopics:
         return self.relays is Fallback.READABLE and before != readable
 
     def poll(self) -> bool:
-        """Whether there are more topics than at the last poll."""
+        """Whether the topics are others than at the last poll."""
         if self.relays is Fallback.OFF:
             return False
-        seen = len(self._output_topics)
+        before = len(self._output_topics)
         unknown = [topic for topic in self._robot.topics() if self._may_join(topic)]
-        if unknown:
-            testudos = relaying_nodes(self._robot)
-            for topic in sorted(unknown):
-                if self._nodes(topic) - testudos:
-                    self._join(topic)
-        return len(self._output_topics) > seen
+        if not unknown and not self._of_unknown_nodes:
+            return False
+        testudos = relaying_nodes(self._robot)
+        left = self._leave(testudos)
+        for topic in sorted(unknown):
+            nodes = self._nodes(topic)
+            if nodes - testudos:
+                self._join(topic)
+            if _has_unknown(nodes):
+                self._of_unknown_nodes.add(topic)
+        return left or len(self._output_topics) > before
 
     def rules(self) -> LiveRules:
         """All of them at their rates."""
@@ -144,6 +152,15 @@ class FallbackTopics:
                     f"{LEAST_HZ:g} Hz, and all other topics have {LEAST_HZ:g} Hz{here}"
                 )
 
+    def _leave(self, testudos: frozenset[str]) -> bool:
+        """Whether topics are given up, as they turn out to be of SmartTestudo nodes alone."""
+        nodes_of = {topic: self._nodes(topic) for topic in self._of_unknown_nodes}
+        self._of_unknown_nodes = {topic for topic, nodes in nodes_of.items() if _has_unknown(nodes)}
+        left = [topic for topic, nodes in nodes_of.items() if nodes and nodes <= testudos]
+        for topic in left:
+            self._output_topics.pop(topic, None)
+        return bool(left)
+
     def _join(self, topic: str) -> None:
         try:
             in_use = self._output_topics.values()
@@ -165,3 +182,7 @@ class FallbackTopics:
 
     def _nodes(self, topic: str) -> frozenset[str]:
         return frozenset(endpoint.node for endpoint in self._robot.publishers(topic))
+
+
+def _has_unknown(nodes: frozenset[str]) -> bool:
+    return any(node.endswith(UNKNOWN_NODE) for node in nodes)

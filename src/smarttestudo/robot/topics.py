@@ -14,16 +14,13 @@ from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Und
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Endpoint, GraphChange, Robot, Subscription
 from smarttestudo.domain.say_once import SayOnce
-from smarttestudo.domain.visible_topics import relaying_nodes
+from smarttestudo.domain.visible_topics import UNKNOWN_NODE, relaying_nodes
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.endpoint_cache import EndpointCache
 from smarttestudo.robot.settled_topics import Ends, SettledTopics
 from smarttestudo.robot.status_topics import DIAGNOSTICS_TOPIC
 from smarttestudo.robot.topic import LiveSource, OpenTopic, live_source, suits
 from smarttestudo.robot.topic_link import TopicLink, instead_of, not_offered
-
-UNKNOWN_NODE = "/_NODE_NAME_UNKNOWN_"
-"""How the name ends that an endpoint has until its node is discovered, too."""
 
 _OF_EVERY_RUN = frozenset({"/rosout", "/parameter_events", DIAGNOSTICS_TOPIC})
 """What each SmartTestudo node publishes beside others."""
