@@ -75,7 +75,7 @@ class BagContent:
     topics: tuple[BagTopic, ...]
     messages: tuple[BagMessage, ...] = field(default=())
 
-    def between(self, first: int, last: int) -> BagContent:
+    def between(self, first: int, last: int | None) -> BagContent:
         return BagContent(self.topics, self.messages[first:last])
 
 

@@ -28,6 +28,16 @@ from bags.bag_factory import (
 )
 from bags.bag_reading import read_bag
 from bags.damaged_files import MISSION, assert_each_is_an_original_at_most_once, read_or_refuse, storage_file
+from smarttestudo.bags.mcap.record_bytes import (
+    ChunkPlace,
+    Op,
+    StoredChannel,
+    channel_record,
+    chunk_start,
+    file_start,
+    record,
+    schema_record,
+)
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 
@@ -181,3 +191,26 @@ def test_a_cut_bag_of_simulated_time_starts_at_zero(tmp_path: Path, storage: Sto
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     with open_recording(path) as recording:
         assert recording.start_ns == 0
+
+
+@pytest.mark.parametrize("has_schema", [True, False])
+@pytest.mark.parametrize("in_chunk", [True, False])
+def test_a_cut_file_may_have_its_schema_behind_its_channel_or_nowhere(
+    tmp_path: Path, *, has_schema: bool, in_chunk: bool
+) -> None:
+    channel = StoredChannel(topic="/odom", type_name="nav_msgs/msg/Odometry", definition="float64 x\n")
+    message = record(Op.MESSAGE, struct.pack("<HIQQ", 1, 0, START_NS, START_NS) + b"payload")
+    records = channel_record(1, 7, channel) + message
+    if has_schema:
+        records += schema_record(7, channel)
+    if in_chunk:
+        records = chunk_start(ChunkPlace(start=0, record_bytes=len(records))) + records
+    path = tmp_path / "cut.mcap"
+    path.write_bytes(file_start() + records + b"\x05\x99")
+    with open_recording(path) as recording:
+        ((read, _, payload),) = recording.messages()
+        assert payload == b"payload"
+        assert (read.topic, read.type_name) == ("/odom", channel.type_name if has_schema else "")
+        assert read.definition == (channel.definition if has_schema else None)
+        lacks = f"{path}: /odom: the file has no schema for it, so its type is not known"
+        assert (lacks in recording.notices()) != has_schema

@@ -127,6 +127,17 @@ def test_a_link_in_a_recording_does_not_lead_out_of_the_project(page: Page, fold
     assert page.post("/api/recording", {"bag": "runs/wednesday.db3"}).json["topics"]
 
 
+def test_metadata_do_not_lead_a_recording_out_of_the_project(page: Page, folder: Path, bag: bytes) -> None:
+    outside, inside = folder.parent / "outside.db3", folder / "runs" / "monday"
+    inside.mkdir()
+    metadata = inside / "metadata.yaml"
+    for path, is_outside in ((outside, True), (folder / "tuesday.db3", False)):
+        path.write_bytes(bag)
+        metadata.write_text(f"rosbag2_bagfile_information: {{relative_file_paths: ['{path}']}}")
+        answer = page.post("/api/recording", {"bag": "runs/monday"})
+        assert answer.status == (403 if is_outside else 200)
+
+
 @pytest.mark.parametrize("kind", ["text/plain", "application/x-www-form-urlencoded", None])
 def test_a_form_of_another_site_sends_no_recording(page: Page, folder: Path, kind: str | None) -> None:
     answer = page.request("PUT", "/api/recording?name=monday.mcap", b"bytes", {"Content-Type": kind})

@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
 
 from smarttestudo.bags import magic
 from smarttestudo.bags.metadata import BagMetadata, read_metadata, require_known_formats
 from smarttestudo.bags.metadata_text import METADATA_NAME
+from smarttestudo.bags.remote_path import is_remote
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.files.input_file import require_file
@@ -17,6 +19,8 @@ _MAGIC_BY_SUFFIX = {".db3": magic.SQLITE, ".mcap": magic.MCAP}
 _ROS1_MAGIC = b"#ROSBAG V"
 ROS1_SUFFIX = ".bag"
 _MAGIC_BYTES = 16
+_CONTINUED = " - "
+"""An entry that is indented further than the one before goes on with its text, as YAML has it."""
 _EXPECTED = "give a rosbag2 folder, a .db3 or an .mcap file"
 
 
@@ -94,12 +98,50 @@ def _in_folder(folder: Path) -> BagFiles:
         notice = f"{folder}: {error.cause}; the files in the folder were read instead"
         return BagFiles(paths=paths, metadata=BagMetadata(), notices=(notice,))
     require_known_formats(metadata, folder)
-    named = [folder / name for name in metadata.file_names]
-    present = tuple(path for path in named if path.is_file())
-    missing = tuple(path for path in named if path not in present)
-    notices = tuple(f"{path}: missing, but named in the metadata" for path in missing)
-    paths = present or _storage_files(folder)
-    return BagFiles(paths=paths, missing=missing, metadata=metadata, notices=notices)
+    present: dict[str, Path] = {}
+    missing: list[Path] = []
+    names = [*reversed(dict.fromkeys(metadata.file_names))]
+    while names:
+        name = names.pop()
+        places = (one for one in _places(folder, name) if str(one) not in present and one.is_file())
+        place = next(places, None)
+        if place is not None:
+            present[str(place)] = place
+        elif _CONTINUED in name:
+            names += reversed(name.split(_CONTINUED))
+        else:
+            missing.append(folder / name)
+    lost = (f"{path}: missing, but named in the metadata" for path in missing)
+    return BagFiles(
+        paths=tuple(present.values()) or _storage_files(folder),
+        missing=tuple(missing),
+        metadata=metadata,
+        notices=(*(f"{folder}: {notice}" for notice in metadata.notices), *lost),
+    )
+
+
+def _places(folder: Path, name: str) -> Iterator[Path]:
+    """Where the file that the metadata in ``folder`` call ``name`` may be, the likeliest place first."""
+    plain = name.replace("\\", "/")
+    # Up to version 3, names began with the bag's folder, which may have another name by now.
+    places = (
+        _joined(folder, name),
+        _joined(folder, plain),
+        folder / PurePosixPath(plain).name,
+        _joined(folder.parent, plain),
+    )
+    yield from places
+    for place in places:
+        # It was packed or unpacked since.
+        yield place.with_suffix("") if is_packed(place) else place.with_name(place.name + magic.ZSTD_SUFFIX)
+
+
+def _joined(folder: Path, name: str) -> Path:
+    if not is_remote(folder):
+        return folder / name
+    for part in PurePosixPath(name).parts:
+        folder = folder.parent if part == ".." else folder / part
+    return folder
 
 
 def _storage_files(folder: Path) -> tuple[Path, ...]:

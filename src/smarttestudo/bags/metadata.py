@@ -8,7 +8,7 @@ import os
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import field
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
@@ -33,7 +33,8 @@ _WRONG_SHAPE = (YAMLError, LookupError, TypeError, ValueError, AttributeError, R
 class BagMetadata:
     """The storage files in order, the channels with their QoS, and the author's own notes.
 
-    ``message_count`` is 0 where it does not tell.
+    ``file_names`` are as they are written, ``notices`` what of it makes no sense. ``message_count`` is 0
+    where it does not tell.
     """
 
     file_names: tuple[str, ...] = ()
@@ -42,6 +43,7 @@ class BagMetadata:
     custom_data: Mapping[str, str] = field(default_factory=dict)
     storage: str = ""
     compression: str = ""
+    notices: tuple[str, ...] = ()
 
 
 def read_metadata(folder: Path) -> BagMetadata:
@@ -76,7 +78,7 @@ def embedded_metadata(path: Path) -> BagMetadata | None:
 
 def require_known_formats(metadata: BagMetadata, folder: Path) -> None:
     """Raise ``RecordingError`` where the bag needs a plugin for its storage or compression."""
-    if metadata.storage not in {storage.value for storage in Storage}:
+    if metadata.storage not in {"", *(storage.value for storage in Storage)}:
         cause = f"unknown storage {metadata.storage!r}"
         remedy = "convert it to sqlite3 or mcap with `ros2 bag convert`"
         raise RecordingError(cause, place=str(folder), remedy=remedy)
@@ -120,28 +122,44 @@ def _loaded(text: str) -> Any:
 
 
 def _metadata(values: Mapping[str, Any]) -> BagMetadata:
+    """The metadata in ``values``; all but the list of files may be missing, as where people wrote it."""
     qos = QosReader()
-    topics = [entry["topic_metadata"] for entry in values["topics_with_message_count"]]
+    topics = values.get("topics_with_message_count")
     notes = values.get("custom_data")
+    channels = [_channel(entry, qos) for entry in ([] if topics in _NOTHING else topics)]
     return BagMetadata(
-        # Up to version 3, the names began with the bag's folder.
-        file_names=tuple(PurePosixPath(str(name)).name for name in values["relative_file_paths"]),
-        message_count=int(values.get("message_count") or 0),
-        channels=tuple(_channel(topic, qos.read(topic.get("offered_qos_profiles"))) for topic in topics),
+        file_names=tuple(str(name) for name in values["relative_file_paths"]),
+        message_count=_count(values.get("message_count")),
+        channels=tuple(channel for channel in channels if channel is not None),
         custom_data={} if notes in _NOTHING else {key: str(value) for key, value in notes.items()},
-        storage=str(values["storage_identifier"]),
+        storage=_text(values.get("storage_identifier")),
         compression=_text(values.get("compression_format")).lower(),
+        notices=(
+            *qos.notices,
+            *([f"a topic of {METADATA_NAME} makes no sense and was left out"] if None in channels else []),
+        ),
     )
 
 
-def _channel(entry: Mapping[str, Any], qos: tuple[object, ...]) -> Channel:
+def _count(stored: object) -> int:
+    text = _text(stored)
+    return int(text) if text.isdecimal() else 0
+
+
+def _channel(stored: object, qos: QosReader) -> Channel | None:
+    """The channel of an entry, ``None`` where that has none."""
+    entry = stored.get("topic_metadata") if isinstance(stored, Mapping) else None
+    if not isinstance(entry, Mapping) or not entry.get("name") or not entry.get("type"):
+        return None
+    topic = str(entry["name"])
+    profiles = qos.read_or_note(topic, entry.get("offered_qos_profiles"))
     return Channel(
-        topic=str(entry["name"]),
+        topic=topic,
         type_name=str(entry["type"]),
         digest=_text(entry.get("type_description_hash")),
-        qos=qos,
-        serialization_format=str(entry["serialization_format"]),
-        transient_local=is_transient_local(qos),
+        qos=profiles,
+        serialization_format=_text(entry.get("serialization_format")) or "cdr",
+        transient_local=is_transient_local(profiles),
     )
 
 

@@ -68,23 +68,27 @@ def _parsed_text(stored: str) -> tuple[Qos, ...]:
 def _parse(stored: Any) -> tuple[Qos, ...]:
     try:
         entries = YAML(typ="base").load(stored) if isinstance(stored, str) and stored else stored
-        return tuple(map(_profile, entries)) if stored else ()
+        profiles = [entries] if isinstance(entries, Mapping) else entries
+        return tuple(map(_profile, profiles)) if stored else ()
     except (YAMLError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError("these are no QoS profiles") from error
 
 
 def _profile(entry: Mapping[str, Any]) -> Qos:
-    """The profile in an entry of texts; a policy of another name or number is unknown."""
+    """The profile in an entry of texts; a policy that is missing, or of another name or number, is unknown.
+
+    What else is missing, as where somebody wrote it, is as rosbag2 has it where nobody set it.
+    """
     return Qos(
         history=_policy(QosHistory, entry, "history"),
-        depth=int(entry["depth"]),
+        depth=int(entry.get("depth", "0")),
         reliability=_policy(QosReliability, entry, "reliability"),
         durability=_policy(QosDurability, entry, "durability"),
-        deadline=_time(entry["deadline"]),
-        lifespan=_time(entry["lifespan"]),
+        deadline=_time(entry.get("deadline")),
+        lifespan=_time(entry.get("lifespan")),
         liveliness=_policy(QosLiveliness, entry, "liveliness"),
-        liveliness_lease_duration=_time(entry["liveliness_lease_duration"]),
-        avoid_ros_namespace_conventions=entry["avoid_ros_namespace_conventions"].lower() == "true",
+        liveliness_lease_duration=_time(entry.get("liveliness_lease_duration")),
+        avoid_ros_namespace_conventions=entry.get("avoid_ros_namespace_conventions", "").lower() == "true",
     )
 
 
@@ -96,8 +100,8 @@ def _policy(kind: type[_Policy], entry: Mapping[str, Any], name: str) -> _Policy
         return kind["UNKNOWN"]
 
 
-def _time(entry: Mapping[str, Any]) -> QosTime:
-    return QosTime(int(entry["sec"]), int(entry["nsec"]))
+def _time(entry: Mapping[str, Any] | None) -> QosTime:
+    return _UNLIMITED if entry is None else QosTime(int(entry["sec"]), int(entry["nsec"]))
 
 
 def is_transient_local(profiles: Iterable[object]) -> bool:

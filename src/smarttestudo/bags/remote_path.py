@@ -76,6 +76,11 @@ class RemotePath:
         return self._url.rstrip("/").rpartition("/")[2]
 
     @property
+    def parent(self) -> RemotePath:
+        """The folder that it is in."""
+        return self._at(self._url.rstrip("/").rpartition("/")[0])
+
+    @property
     def stem(self) -> str:
         """The last part without its suffix."""
         return Path(self.name).stem

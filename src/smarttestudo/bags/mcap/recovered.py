@@ -27,7 +27,7 @@ from smarttestudo.bags.stored_file import (
 )
 from smarttestudo.bags.time_index import TimeIndex
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel, RecordedMessage, RecordedSize
+from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS, counted, grouped
 
 _NO_SCHEMA = 0
@@ -45,15 +45,21 @@ class RecoveredMcapFile:
     def __init__(self, path: Path, whole_bytes: int | None = None) -> None:
         self._whole_bytes = whole_bytes
         self._schemas: dict[int, Schema] = {}
+        self._described: dict[int, ChannelRecord] = {}
         self._counts: Counter[int] = Counter()
         self._timeless = 0
         self._qos = QosReader()
-        self.channels: dict[int, Channel] = {}
+        self.channels: ChannelsByNumber = {}
         self._spans: dict[int, tuple[int, int]] = {}
         with ExitStack() as opened:
             self._records = RecordReader(opened.enter_context(path.open("rb")))
             self._index = opened.enter_context(closing(TimeIndex()))
             self._find_messages()
+            # A schema may come after its channel, or be lost.
+            self.channels = {
+                number: stored_channel(record, self._schemas.get(record.schema_id), self._qos)
+                for number, record in self._described.items()
+            }
             if not self.channels and self._records.cut_off_at is not None:
                 raise RecordingError("no rosbag2 topics can be found in it", place=str(path))
             self._resources = opened.pop_all()
@@ -88,6 +94,11 @@ class RecoveredMcapFile:
             )
         if self._records.damaged_chunks:
             notices.append(f"damaged chunks: {grouped(self._records.damaged_chunks)}; {read_so_far(self)}")
+        notices.extend(
+            f"{record.topic}: the file has no schema for it, so its type is not known"
+            for record in self._described.values()
+            if record.schema_id not in {_NO_SCHEMA, *self._schemas}
+        )
         homeless = self._counts.total() - self.message_count
         if homeless:
             notices.append(left_out(homeless, HOMELESS))
@@ -131,10 +142,8 @@ class RecoveredMcapFile:
         match record:
             case Schema():
                 self._schemas.setdefault(record.id, record)
-            case ChannelRecord() if record.id not in self.channels:
-                schema = self._schemas.get(record.schema_id)
-                if schema is not None or record.schema_id == _NO_SCHEMA:
-                    self.channels[record.id] = stored_channel(record, schema, self._qos)
+            case ChannelRecord():
+                self._described.setdefault(record.id, record)
             case MessageHeader() if record.log_time > LAST_STAMP_NS:
                 self._timeless += 1
             case MessageHeader():

@@ -15,9 +15,10 @@ from enum import Enum
 from itertools import islice
 from pathlib import Path, PurePosixPath
 
+from smarttestudo.bags.bag_files import find_bag_files
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.files.input_file import read_input, require_file
 from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import OutputFileError
@@ -136,9 +137,14 @@ class ProjectFolder:
         mode = _mode(path)
         if mode is None:
             raise MissingFileError("there is no such recording in the project", place=name)
-        # SQLite reads a log beside a file.
-        for one in _entries(path) if stat.S_ISDIR(mode) else (path.with_name(f"{path.name}-wal"),):
+        is_folder = stat.S_ISDIR(mode)
+        for one in _entries(path) if is_folder else ():
             self.require_inside(Path(one), name)
+        with suppress(RecordingError):
+            # Metadata may name files anywhere, and SQLite reads a log beside a file.
+            for file in find_bag_files(path).paths if is_folder else (path,):
+                self.require_inside(file, name)
+                self.require_inside(file.with_name(f"{file.name}-wal"), name)
         return path
 
     def new_bag(self, name: str) -> Path:
