@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import itertools
 import math
+import struct
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -18,10 +20,12 @@ from smarttestudo.accuracy.curve import (
     LossCurve,
     curve_rates_hz,
     loss_curve,
+    measure_curves,
     proposed_breakpoints,
 )
 from smarttestudo.accuracy.reconstruction import field_error
 from smarttestudo.accuracy.samples import Field, TopicSamples
+from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.units import NS_PER_S
 
@@ -152,3 +156,18 @@ def test_what_never_changes_has_no_curve() -> None:
         samples.add(number * NS_PER_S, 8)
         samples.read(SimpleNamespace(data=1.0))
     assert loss_curve(samples, 9 * NS_PER_S) is None
+
+
+def test_a_field_that_was_added_half_way_has_a_curve_beside_the_others(tmp_path: Path) -> None:
+    with create_recording(tmp_path / "bag") as writer:
+        for at in range(200):
+            definition, values = "float64 level\n", [math.sin(at / 20)]
+            if at >= 100:
+                definition, values = f"{definition}float64 voltage\n", [*values, math.cos(at / 20)]
+            channel = Channel(topic="/level", type_name="demo/msg/Level", definition=definition)
+            payload = b"\0\1\0\0" + struct.pack(f"<{len(values)}d", *values)
+            writer.write(channel, at * NS_PER_S // 10, payload)
+    measured = measure_curves(tmp_path / "bag")
+    (curve,) = measured.curves
+    assert measured.notices == ()
+    assert [field.name for field in curve.fields] == ["level", "voltage"]

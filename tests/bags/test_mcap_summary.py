@@ -66,7 +66,7 @@ def assert_as_mcap_reads_it(data: bytes) -> None:
         assert ours.statistics.message_count == theirs.statistics.message_count
         assert ours.statistics.message_start_time == theirs.statistics.message_start_time
         assert ours.statistics.message_end_time == theirs.statistics.message_end_time
-        assert ours.statistics.channels == tuple(theirs.statistics.channel_message_counts)
+        assert ours.statistics.channels == theirs.statistics.channel_message_counts
 
 
 @pytest.mark.parametrize("compression", CompressionType)

@@ -35,6 +35,7 @@ from bags.bag_reading import read_with_mcap, read_with_rosbags
 from pacing.bitstreams import IDR, NON_IDR_P, PPS, SPS, compressed_image, nal
 from replays.replay_runs import replay_bag, replay_content
 from smarttestudo.bags.definition_text import SEPARATOR
+from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.decision import Reason
@@ -252,13 +253,44 @@ def test_of_a_topic_with_two_types_the_second_is_left_out_and_counted(tmp_path: 
     assert notice in run.outcome.notices
 
 
-def test_of_a_type_that_was_redefined_the_first_definition_counts(tmp_path: Path) -> None:
+@pytest.mark.parametrize("storage", Storage)
+def test_of_a_type_that_was_redefined_each_message_is_read_and_written_by_its_own_definition(
+    tmp_path: Path, storage: Storage
+) -> None:
     definitions = ("float64 a\nfloat64 b\n", "float64 b\nfloat64 a\n")
-    bag = write_pairs(tmp_path / "redefined.mcap", definitions)
-    run = replay_bag(bag, "SetFrequency /pair Full", tmp_path)
-    assert len(run.messages) == 1
-    notice = "/pair: recorded with two definitions of my_msgs/msg/Pair; left out of the second: 1 message"
-    assert notice in run.outcome.notices
+    bag = write_pairs(tmp_path / "redefined.mcap", [*definitions, definitions[0]])
+    rules = "SetFrequency /pair Off\nIf (CheckValue /pair msg.a = 1) Then SetFrequency /pair Full"
+    with open_recording(bag) as recording:
+        written = {(channel.definition, stamp, data) for channel, stamp, data in recording.messages()}
+    replay_bag(bag, rules, tmp_path, storage=storage)
+    with open_recording(tmp_path / "monitored") as recording:
+        read = {(channel.definition, stamp, data) for channel, stamp, data in recording.messages()}
+        assert read == written
+        assert recording.notices() == []
+        decoder = RosbagDecoder()
+        decoded = [decoder.decode(channel, data) for channel, _, data in recording.messages()]
+        assert [getattr(one, "a") for one in decoded] == [1.0] * 3  # noqa: B009
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_a_type_that_is_only_announced_does_not_displace_the_one_that_is_there(
+    tmp_path: Path, storage: StoragePlugin
+) -> None:
+    announced = BagContent((BagTopic("/odom", "geometry_msgs/msg/PoseStamped"),))
+    few = BagContent((MAP_NAME,), (BagMessage("/map_name", START_NS, b"\0\1\0\0"),))
+    bag = write_split_bag(tmp_path / "bag", [announced, MISSION, few], storage=storage)
+    run = replay_bag(bag, "SetFrequency /odom Full", tmp_path)
+    sent = [one for one in MISSION.messages if one.topic == "/odom"]
+    assert len(run.on("/odom")) == len(sent)
+    assert "/odom: announced as geometry_msgs/msg/PoseStamped, too, without messages" in run.outcome.notices
+
+
+def test_of_two_types_the_one_with_the_most_messages_counts(tmp_path: Path) -> None:
+    text = BagContent((BagTopic("/odom", MAP_NAME.type_name),), (BagMessage("/odom", START_NS, b"\0\1\0\0"),))
+    bag = write_split_bag(tmp_path / "bag", [text, MISSION])
+    run = replay_bag(bag, "SetFrequency /odom Full", tmp_path)
+    assert len(run.on("/odom")) == len([one for one in MISSION.messages if one.topic == "/odom"])
+    assert "/odom: recorded with two types; left out of the second: 1 message" in run.outcome.notices
 
 
 def test_a_type_that_nobody_defines_is_refused_where_a_check_reads_it_and_passed_elsewhere(

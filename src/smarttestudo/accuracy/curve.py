@@ -31,6 +31,7 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import RATE_STEP_HZ
+from smarttestudo.domain.recording import types_of_topics
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.optimizer.profiling import TierProposal, rounded
 
@@ -272,7 +273,7 @@ def measure_curves(
     with open_recording(bag) as recording:
         if not recording.message_count:
             raise RecordingError("the recording holds no message", place=str(bag))
-        types = {channel.topic: channel.type_name for channel in reversed(recording.channels)}
+        types = types_of_topics(recording.channels)
         patterns = [*topics, *fields]
         chosen = sorted(select_topics(patterns, types, place=str(bag)) if patterns else types)
         readings = {topic: _reading(fields.get(topic, ()), profile.topic(topic)) for topic in chosen}

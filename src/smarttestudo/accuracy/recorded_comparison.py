@@ -29,7 +29,7 @@ from smarttestudo.accuracy.samples import IMAGE_TYPES, TopicSamples
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import Channel, RecordingReader
+from smarttestudo.domain.recording import Channel, RecordingReader, first_of_topics
 from smarttestudo.language.properties import accuracy_properties_of, properties_for_bounds
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.pacing.bound import BoundRecord
@@ -86,7 +86,7 @@ class ComparisonMeasurement:
 
     def __init__(self, request: AccuracyRequest, recording: RecordingReader) -> None:
         self._request, self._recording = request, recording
-        self._channels = {channel.topic: channel for channel in reversed(recording.channels)}
+        self._channels = first_of_topics(recording.channels)
         self._bounds = [bounds_of(one.rule_set) for one in request.rules]
         relayed = dict.fromkeys(topic for one in request.rules for topic in one.rule_set.relayed)
         self._compared = [

@@ -14,7 +14,7 @@ from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import LevelUnit
-from smarttestudo.domain.recording import Channel, RecordingReader, left_out_of_second
+from smarttestudo.domain.recording import TWO_TYPES, Channel, RecordingReader
 from smarttestudo.domain.units import LAST_STAMP_NS, counted
 from smarttestudo.pacing.cdr import STREAM_TYPES, StreamReader
 
@@ -77,7 +77,8 @@ class SampleTaker:
         self._readers: dict[str, StreamReader] = {}
         self._undecided: dict[str, Callable[[str, object], Sequence[Field]]] = {}
         self._undefined: list[TopicSamples] = []
-        self._left_out: Counter[tuple[str, str]] = Counter()
+        self._of_second_type: Counter[str] = Counter()
+        self._looked_at: set[tuple[str, str | None]] = set()
         self.samples: dict[str, TopicSamples] = {}
         """The samples taken, by topic."""
 
@@ -95,6 +96,7 @@ class SampleTaker:
                 self._undecided[topic] = reading.choose_fields
             else:
                 self._undefined.append(samples)
+        self._looked_at.add((topic, channel.definition))
 
     def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """Take a message as the writer of a replay."""
@@ -107,9 +109,10 @@ class SampleTaker:
         if samples is None or stamp_ns > self._end_ns:
             return False
         if samples.channel is not channel:
-            if counts:
-                self._left_out[topic, left_out_of_second(samples.channel, channel)] += 1
-            return False
+            if samples.channel.type_name != channel.type_name:
+                self._of_second_type[topic] += counts
+                return False
+            self._look_again(channel)
         track = samples.track
         if not counts and not track.is_used:
             return False
@@ -123,6 +126,16 @@ class SampleTaker:
             if has_fields:
                 self._read(samples, message)
         return counts
+
+    def _look_again(self, channel: Channel) -> None:
+        """Take the fields, too, that another definition has than the first one of the topic."""
+        topic, key = channel.topic, (channel.topic, channel.definition)
+        if key not in self._looked_at:
+            self._looked_at.add(key)
+            choose = self._readings[topic].choose_fields
+            is_read = topic in self._undecided or bool(self.samples[topic].fields)
+            if is_read and choose is not None and self._decoder.can_decode(channel):
+                self._undecided[topic] = choose
 
     def _read(self, samples: TopicSamples, message: object | None) -> None:
         """Take the fields of the message that was added last; the first one says which there are."""
@@ -152,8 +165,8 @@ class SampleTaker:
                 verb = "was" if samples.undecodable == 1 else "were"
                 messages = counted(samples.undecodable, "message")
                 yield f"{name}: {messages} could not be decoded and {verb} left out"
-        for (name, why), count in self._left_out.items():
-            yield f"{name}: {why}: {counted(count, 'message')}"
+        for name, count in (+self._of_second_type).items():
+            yield f"{name}: {TWO_TYPES}: {counted(count, 'message')}"
 
 
 def read_samples(

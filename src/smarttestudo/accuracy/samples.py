@@ -186,11 +186,13 @@ class TopicSamples:
         return StreamKind.of(type_name=self.channel.type_name, transient_local=self.channel.transient_local)
 
     def look_at(self, fields: Sequence[Field], level_unit: LevelUnit | None) -> None:
-        """Keep ``fields`` of every message from now on; what came before is not known."""
+        """Keep ``fields``, too, of every message from now on; what came before is not known."""
         type_name = self.channel.type_name
-        self.fields = tuple(fields)
-        self._readers = [value_reader(type_name, field.name, level_unit) for field in fields]
-        self.columns = [self._unknown() for _ in fields]
+        known = {field.name for field in self.fields}
+        new = [field for field in fields if field.name not in known]
+        self.fields += tuple(new)
+        self._readers += [value_reader(type_name, field.name, level_unit) for field in new]
+        self.columns += [self._unknown() for _ in new]
 
     def add(self, stamp_ns: int, size_bytes: int, frames: tuple[str, ...] = ()) -> None:
         """Count a message; its fields are not known until ``read``."""

@@ -181,11 +181,9 @@ class _Robot:
 def _sizes_noting_latency(
     recording: RecordingReader, types: MessageTypes, counters: Mapping[str, TopicCounter]
 ) -> Iterator[RecordedSize]:
-    stamped = {
-        (channel.topic, channel.type_name) for channel in recording.channels if types.has_header(channel)
-    }
+    stamped = {id(channel) for channel in recording.channels if types.has_header(channel)}
     for channel, stamp_ns, (size_bytes, head) in recording.heads(STAMPED_BYTES):
-        if (channel.topic, channel.type_name) in stamped:
+        if id(channel) in stamped:
             counters[channel.topic].add_stamp(stamp_ns, head)
         yield channel, stamp_ns, size_bytes
 

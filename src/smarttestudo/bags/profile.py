@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import Channel, RecordingReader, left_out_of_second
+from smarttestudo.domain.recording import TWO_TYPES, RecordingReader, first_of_topics
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.optimizer.profiling import TierProposal, TopicMeasure, profile_text
 
@@ -32,7 +32,7 @@ def profile_of_recording(
     the accuracies in ``levels`` are measured in place of proposed ones.
     """
     declared_bytes = recording.declared_bytes
-    sources = _sources(recording)
+    sources = first_of_topics(recording.channels)
     chosen = select_topics(patterns, sources.keys(), place=name) if patterns else sources.keys()
     measures = {
         channel.topic: TopicMeasure(
@@ -48,7 +48,7 @@ def profile_of_recording(
     head_bytes = _HEAD_BYTES if any(one.needs_payload for one in measures.values()) else 0
     for channel, stamp_ns, (size_bytes, head) in recording.heads(head_bytes):
         measure = measures.get(channel.topic)
-        if measure is not None and sources[channel.topic] is channel:
+        if measure is not None and sources[channel.topic].type_name == channel.type_name:
             measure.record(stamp_ns, declared_bytes.get(channel.topic, size_bytes), head)
     duration_s = (recording.end_ns - recording.start_ns) / NS_PER_S
     by_name = dict(sorted(measures.items()))
@@ -57,15 +57,9 @@ def profile_of_recording(
 
 def profile_notices(recording: RecordingReader) -> Iterator[str]:
     """Notices of what a profile of ``recording`` leaves out, a line each."""
-    sources = _sources(recording)
+    sources = first_of_topics(recording.channels)
     for channel in recording.channels:
-        first = sources[channel.topic]
         if not is_topic_name(channel.topic):
             yield f"{channel.topic}: no name of a ROS topic; left out"
-        elif channel is not first:
-            yield f"{channel.topic}: {left_out_of_second(first, channel)}: all messages"
-
-
-def _sources(recording: RecordingReader) -> dict[str, Channel]:
-    """The channel of each topic; of a topic with two types, the first counts."""
-    return {channel.topic: channel for channel in reversed(recording.channels)}
+        elif channel.type_name != sources[channel.topic].type_name:
+            yield f"{channel.topic}: {TWO_TYPES}: all messages"

@@ -156,7 +156,7 @@ class RosbagRecording:
         self.storage = Storage.MCAP if parts[0].storage_path.suffix == ".mcap" else Storage.SQLITE3
         announced = (channel for part in parts for channel in part.file.channels.values())
         self._channels = MergedChannels(chain(metadata.channels, announced))
-        self.channels: Sequence[Channel] = self._channels.all()
+        self.channels: Sequence[Channel] = self._used_channels()
         self.custom_data: Mapping[str, str] = metadata.custom_data
         self.declared_bytes: Mapping[str, int] = self._declared_bytes()
 
@@ -211,6 +211,33 @@ class RosbagRecording:
         if self._between_files is None:
             self._between_files = [*self._notices_between_files()] if self._is_order_known else []
         return [*self._notices, *lost, *self._between_files, *broken]
+
+    def _used_channels(self) -> Sequence[Channel]:
+        """The channels, those with messages first where a topic has several; of another type no others."""
+        channels = self._channels.all()
+        by_topic: dict[str, list[Channel]] = {}
+        for channel in channels:
+            by_topic.setdefault(channel.topic, []).append(channel)
+        if len(by_topic) == len(channels):
+            return channels
+        counts: Counter[ChannelKey] = Counter()
+        of_types: Counter[tuple[str, str]] = Counter()
+        for file in self._filled:
+            for number, channel in self._channels_of(file).items():
+                if len(by_topic[channel.topic]) > 1:
+                    count = file.count_of(number)
+                    counts[key_of(channel)] += count
+                    of_types[channel.topic, channel.type_name] += count
+        used: list[Channel] = []
+        for topic, alike in by_topic.items():
+            alike.sort(key=lambda one: (-of_types[one.topic, one.type_name], not counts[key_of(one)]))
+            first = alike[0]
+            for channel in alike:
+                if not counts[key_of(first)] or counts[key_of(channel)]:
+                    used.append(channel)
+                elif channel.type_name != first.type_name and channel.type_name:
+                    self._notices.append(f"{topic}: announced as {channel.type_name}, too, without messages")
+        return used
 
     def _notices_between_files(self) -> Iterator[str]:
         """Where stamps go back from one file to the next."""

@@ -44,6 +44,9 @@ class StoredFile(Protocol):
     def message_count(self) -> int:
         """Messages that can be read."""
 
+    def count_of(self, number: int) -> int:
+        """Messages of the channel ``number``, as far as that is known."""
+
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """The messages of ``channels`` in time order, by number, with their payloads as stored."""
 

@@ -167,6 +167,23 @@ class _Sqlite3Storage(Sqlite3Writer):
         super().add_connection(_without_unknown(connection), offered_qos_profiles)
 
 
+class _TypeName(str):
+    """The name of a type, which is another one where its definition is: rosbags takes one for each name."""
+
+    definition: str
+
+    def __new__(cls, name: str, definition: str) -> _TypeName:
+        made = super().__new__(cls, name)
+        made.definition = definition
+        return made
+
+    def __eq__(self, other: object) -> bool:
+        is_same = isinstance(other, _TypeName) and self.definition == other.definition
+        return is_same and str.__eq__(self, other)
+
+    __hash__ = str.__hash__
+
+
 class _McapStorage(McapWriter):
     def add_msgtype(self, connection: Connection) -> None:
         if connection.msgdef.data:
@@ -198,7 +215,7 @@ class RosbagWriter(Writer):
         """Announce a topic; give the connection that its messages are written to."""
         connection = self.add_connection(
             topic,
-            type_name,
+            _TypeName(type_name, definition),
             msgdef=definition,
             rihs01=digest or _UNKNOWN_DIGEST,
             serialization_format=serialization_format,
@@ -206,6 +223,11 @@ class RosbagWriter(Writer):
         )
         self.connections[-1] = _without_unknown(connection)
         return self.connections[-1]
+
+    def close(self) -> None:
+        """Write what is kept, and the metadata."""
+        self.connections = [one._replace(msgtype=str(one.msgtype)) for one in self.connections]
+        super().close()
 
     def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
         """Append a message of a connection of ours; rosbags would look for it among all of them each time."""

@@ -30,7 +30,7 @@ from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import RecordingReader, Storage
+from smarttestudo.domain.recording import RecordingReader, Storage, types_of_topics
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import make_folder, require_separate
 from smarttestudo.files.whole_file import whole_file
@@ -167,7 +167,7 @@ class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
 
         profile = _profile(arguments)
         with open_recording(arguments.bag) as recording:
-            bag_topics = {channel.topic: channel.type_name for channel in recording.channels}
+            bag_topics = types_of_topics(recording.channels)
             rules = load_rules(arguments.rules, profile=profile, bag_topics=bag_topics)
             rules.refuse_errors()
             return _replay(arguments, recording, profile or Profile(), rules, progress)

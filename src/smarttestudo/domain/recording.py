@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from enum import Enum
 from typing import Protocol
 
@@ -37,11 +37,24 @@ class Channel:
     transient_local: bool = False
 
 
-def left_out_of_second(first: Channel, second: Channel) -> str:
-    """Why messages of ``second`` were left out: of a topic that means two things, the first one counts."""
-    is_redefined = first.type_name == second.type_name
-    meanings = f"two definitions of {first.type_name}" if is_redefined else "two types"
-    return f"recorded with {meanings}; left out of the second"
+TWO_TYPES = "recorded with two types; left out of the second"
+"""Why messages were left out: of a topic that has two types, that with the most messages counts."""
+
+
+def first_of_topics(channels: Iterable[Channel]) -> dict[str, Channel]:
+    """The channel of each topic; of one with several, the first, whose type counts.
+
+    Others of that type count, too, each by its own definition.
+    """
+    first: dict[str, Channel] = {}
+    for channel in channels:
+        first.setdefault(channel.topic, channel)
+    return first
+
+
+def types_of_topics(channels: Iterable[Channel]) -> dict[str, str]:
+    """The name of the type of each topic that counts."""
+    return {topic: channel.type_name for topic, channel in first_of_topics(channels).items()}
 
 
 RecordedMessage = tuple[Channel, int, bytes]
@@ -69,7 +82,7 @@ class RecordingReader(Protocol):
 
     @property
     def channels(self) -> Sequence[Channel]:
-        """Every topic with its type, one entry each."""
+        """Every topic with its type and its definition; those of a topic that count come first."""
 
     @property
     def custom_data(self) -> Mapping[str, str]:

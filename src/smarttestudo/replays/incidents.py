@@ -71,9 +71,13 @@ class IncidentCutter:
         """Begin an incident when a block of the loop does."""
         loop.triggered = self._recorder.begin
 
+    def keeps(self, topic: str) -> bool:
+        """Whether messages of ``topic`` may go into an incident."""
+        return self._recorder.keeps(topic)
+
     def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """A message of the recording, before the loop is given it."""
-        if self._recorder.keeps(channel.topic):
+        if self.keeps(channel.topic):
             self._recorder.on_message(channel.topic, stamp_ns, payload)
 
     def finish(self, now_ns: int) -> None:

@@ -9,7 +9,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import field
+from dataclasses import field, replace
 from pathlib import Path
 
 from smarttestudo.bags.definitions import RosbagDecoder
@@ -21,12 +21,12 @@ from smarttestudo.domain.names import TOPIC_PLACEHOLDER
 from smarttestudo.domain.observation import SourceChanged, Undecodable
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import (
+    TWO_TYPES,
     Channel,
     MessageDecoder,
     RecordingReader,
     RecordingWriter,
     Storage,
-    left_out_of_second,
 )
 from smarttestudo.domain.status import ThinningDoubt
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_S, counted
@@ -46,6 +46,7 @@ from smarttestudo.replays.topics import (
 )
 
 _REPORTS = 200
+_REDEFINED_INCIDENT = "incidents hold messages of its first definition only; left out of them"
 
 
 def _ignore(_: object) -> None:
@@ -143,6 +144,17 @@ def _output(
     )
 
 
+class _Redefined(bytes):
+    """A message that means what another definition says than the first one of its topic."""
+
+    channel: Channel
+
+    def __new__(cls, payload: bytes, channel: Channel) -> _Redefined:
+        made = super().__new__(cls, payload)
+        made.channel = channel
+        return made
+
+
 class _Run:
     """Drives the loop of one request with the messages of the recording and the time between them."""
 
@@ -218,14 +230,14 @@ class _Run:
         topic, request, loop = channel.topic, self._request, self._loop
         if request.arrived is not None:
             request.arrived(channel, stamp_ns, payload)
-        if self._cutter is not None and self._topics.sources.get(topic) is channel:
-            self._wake_before(stamp_ns)
-            self._cutter.on_message(channel, stamp_ns, payload)
+        if self._cutter is not None:
+            self._cut(self._cutter, channel, stamp_ns, payload)
         source = self._needed.get(topic)
         if source is not channel:
-            if source is not None:
-                self._left_out[topic, left_out_of_second(source, channel)] += 1
-            return
+            if source is None or source.type_name != channel.type_name:
+                self._left_out[topic, TWO_TYPES] += source is not None
+                return
+            payload = _Redefined(payload, channel)
         if stamp_ns >= self._report_ns:
             self._report_ns = stamp_ns + self._report(stamp_ns)
         wake_ns = loop.next_wake_ns
@@ -238,6 +250,15 @@ class _Run:
             self._write(relayed)
         if request.stepped is not None:
             request.stepped(stamp_ns, loop)
+
+    def _cut(self, cutter: IncidentCutter, channel: Channel, stamp_ns: int, payload: bytes) -> None:
+        """Let incidents have the message, if it means what they say of the topic."""
+        source = self._topics.sources[channel.topic]
+        if source is channel:
+            self._wake_before(stamp_ns)
+            cutter.on_message(channel, stamp_ns, payload)
+        elif source.type_name == channel.type_name and cutter.keeps(channel.topic):
+            self._left_out[channel.topic, _REDEFINED_INCIDENT] += 1
 
     def end(self) -> None:
         """The recording ended: let go what was held back, each at its time."""
@@ -295,7 +316,7 @@ class _Run:
             yield from self._cutter.notices()
         if self._loop.knowledge.floors_broke_budget:
             yield "the floors alone took more than the budget at times; floors win"
-        for (topic, why), count in self._left_out.items():
+        for (topic, why), count in (+self._left_out).items():
             yield f"{topic}: {why}: {counted(count, 'message')}"
         for topic, count in self._loop.knowledge.undecodable.items():
             yield f"{topic}: {counted(count, 'message')} could not be decoded; what checks read was unknown"
@@ -329,8 +350,11 @@ class _Run:
 
     def _write(self, relayed: Iterable[Relayed]) -> None:
         for topic, stamp_ns, payload, *_ in relayed:
+            output = self._topics.outputs[topic]
+            if isinstance(payload, _Redefined):
+                output = replace(payload.channel, topic=output.topic)
             # What was held back goes out after the last message, where there may be no time left.
-            self._writer.write(self._topics.outputs[topic], min(stamp_ns, LAST_STAMP_NS), payload[:])
+            self._writer.write(output, min(stamp_ns, LAST_STAMP_NS), payload[:])
 
     def _report(self, stamp_ns: int) -> int:
         """Hand on decisions and progress; how many ns of the recording to go until the next time."""

@@ -11,7 +11,7 @@ from dataclasses import replace
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.names import output_name
-from smarttestudo.domain.recording import Channel, MessageDecoder
+from smarttestudo.domain.recording import Channel, MessageDecoder, first_of_topics
 from smarttestudo.domain.signal import ArrivalProperty, Signal
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
 from smarttestudo.language.rule_set import RuleSet
@@ -21,9 +21,10 @@ _INDEX = re.compile(r"\[[^\]]*\]")
 
 def require_decodable(channels: Sequence[Channel], rule_set: RuleSet, decoder: MessageDecoder) -> None:
     """Raise ``RecordingError`` for a topic that a check reads and whose type has no definition."""
-    read = topics_decoded(rule_set)
+    read, first = topics_decoded(rule_set), first_of_topics(channels)
     for channel in channels:
-        if channel.topic in read and not decoder.can_decode(channel):
+        is_read = channel.topic in read and channel.type_name == first[channel.topic].type_name
+        if is_read and not decoder.can_decode(channel):
             raise RecordingError(
                 f"a check reads it, and the recording does not define its type {channel.type_name}",
                 place=channel.topic,
@@ -54,13 +55,11 @@ class ReplayTopics:
 def replay_topics(
     channels: Sequence[Channel], rule_set: RuleSet, decoder: MessageDecoder, output_topic: str
 ) -> ReplayTopics:
-    """The topics of a replay; of a topic with two types, the first counts.
+    """The topics of a replay.
 
     Raises ``UsageError`` where ``output_topic`` gives several topics one name, or a name that is none.
     """
-    sources: dict[str, Channel] = {}
-    for channel in channels:
-        sources.setdefault(channel.topic, channel)
+    sources = first_of_topics(channels)
     names = {topic: output_name(topic, output_topic) for topic in rule_set.relayed}
     outputs = {
         topic: replace(sources[topic], topic=name) for topic, name in names.items() if topic in sources

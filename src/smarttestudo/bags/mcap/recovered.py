@@ -68,6 +68,10 @@ class RecoveredMcapFile:
         self.start_ns = min((first_ns for first_ns, _ in spans), default=0)
         self.end_ns = max((last_ns for _, last_ns in spans), default=0)
 
+    def count_of(self, number: int) -> int:
+        """Messages of the channel."""
+        return self._counts[number]
+
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """Every message of ``channels`` that is whole, in time order."""
         for stamp_ns, number, payload in in_time_order(self._index.places(), self._payloads_at):

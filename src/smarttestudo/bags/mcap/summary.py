@@ -69,12 +69,12 @@ class ChunkEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StatisticsEntry:
-    """How many messages of which channels there are, and their stamps in ns."""
+    """How many messages there are, of each of the ``channels`` by number, too, and their stamps in ns."""
 
     message_count: int
     message_start_time: int
     message_end_time: int
-    channels: tuple[int, ...]
+    channels: dict[int, int]
 
 
 @dataclass(slots=True, kw_only=True)
@@ -178,7 +178,7 @@ def _statistics(content: bytes) -> StatisticsEntry:
         message_count=count,
         message_start_time=first_ns,
         message_end_time=last_ns,
-        channels=tuple(number for number, _ in _PLACE.iter_unpack(content[_STATISTICS.size : end])),
+        channels=dict(_PLACE.iter_unpack(content[_STATISTICS.size : end])),
     )
 
 

@@ -90,6 +90,7 @@ class McapFile(ContinuedFile):
         assert index.statistics is not None
         self._path = path
         self._qos = QosReader()
+        self._counts = index.statistics.channels
         self.channels: ChannelsByNumber = {
             number: stored_channel(channel, index.schemas[channel.schema_id], self._qos)
             for number, channel in index.channels.items()
@@ -103,6 +104,10 @@ class McapFile(ContinuedFile):
             start_ns=index.statistics.message_start_time,
             end_ns=index.statistics.message_end_time,
         )
+
+    def count_of(self, number: int) -> int:
+        """Messages of the channel, as the file says."""
+        return self._counts.get(number, 0)
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``; of chunks that are not compressed, large payloads are not read."""

@@ -164,28 +164,37 @@ def read_topics(database: apsw.Connection, qos: QosReader) -> dict[int, Channel]
     return channels
 
 
-def _channel(columns: dict[str, apsw.SQLiteValue], definitions: dict[str, str], qos: QosReader) -> Channel:
+def _channel(
+    columns: dict[str, apsw.SQLiteValue], definitions: dict[tuple[str, str], str], qos: QosReader
+) -> Channel:
     topic, type_name = str(columns["name"]), str(columns["type"])
+    digest = str(columns.get("type_description_hash") or "")
     profiles = qos.read_or_note(topic, columns.get("offered_qos_profiles"))
     return Channel(
         topic=topic,
         type_name=type_name,
-        definition=definitions.get(type_name),
-        digest=str(columns.get("type_description_hash") or ""),
+        definition=definitions.get((type_name, digest), definitions.get((type_name, ""))),
+        digest=digest,
         qos=profiles,
         serialization_format=str(columns["serialization_format"]),
         transient_local=is_transient_local(profiles),
     )
 
 
-def _definitions(database: apsw.Connection) -> dict[str, str]:
-    """Definitions by type name; none in a bag of Humble or older, which has no such table."""
-    definitions: dict[str, str] = {}
+def _definitions(database: apsw.Connection) -> dict[tuple[str, str], str]:
+    """Definitions by type name and digest, and the first of each name without one.
+
+    There are none in a bag of Humble or older, which has no such table.
+    """
+    definitions: dict[tuple[str, str], str] = {}
     with suppress(apsw.Error):
-        for name, encoding, text in database.execute(
-            "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
-        ):
-            definition = normal_definition(str(text), type_name=str(name), is_idl=encoding == "ros2idl")
+        rows = database.execute("SELECT * FROM message_definitions ORDER BY id")
+        for row in rows:
+            columns = dict(zip((column[0] for column in rows.description), row, strict=True))
+            name, text = str(columns["topic_type"]), str(columns["encoded_message_definition"])
+            is_idl = columns["encoding"] == "ros2idl"
+            definition = normal_definition(text, type_name=name, is_idl=is_idl)
             if definition is not None:
-                definitions[str(name)] = definition
+                definitions.setdefault((name, str(columns.get("type_description_hash") or "")), definition)
+                definitions.setdefault((name, ""), definition)
     return definitions

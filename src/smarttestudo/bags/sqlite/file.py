@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import apsw
@@ -33,6 +33,7 @@ FROM messages ORDER BY timestamp, id
 _HEADS = _SIZES.replace("END", "END, substr(data, 1, ?)")
 _NO_MESSAGE = "a row without topic, stamp or payload"
 _SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages WHERE typeof(timestamp) = 'integer'"
+_COUNT = "SELECT count(*) FROM messages WHERE topic_id = ?"
 _MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestamp, id"
 
 _MESSAGES_PER_SAMPLE = 1000
@@ -75,6 +76,13 @@ class SqliteFile(ContinuedFile):
             raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
         self._promised = int(count)
         super().__init__(message_count=self._promised, start_ns=int(start_ns or 0), end_ns=int(end_ns or 0))
+
+    def count_of(self, number: int) -> int:
+        """Messages of the channel; all rows are read for it."""
+        with suppress(apsw.Error), open_database(self._path, self._log) as database:
+            ((count,),) = database.execute(_COUNT, (number,))
+            return int(count)
+        return 0
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``, without reading payloads."""

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -46,11 +47,16 @@ class RecoveredSqliteFile:
                 raise RecordingError("not a SQLite file", place=str(path)) from error
             self._index = opened.enter_context(closing(TimeIndex()))
             self.channels: ChannelsByNumber = _read_topics(path, log, self._qos)
+            self._counts: Counter[int] = Counter()
             self.start_ns = self.end_ns = self.message_count = self._damaged = 0
             self._homeless = self._last_row = 0
             self._find_messages()
             self._resources = opened.pop_all()
         self._present_bytes = file.present_bytes
+
+    def count_of(self, number: int) -> int:
+        """Messages of the channel."""
+        return self._counts[number]
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """Every message of ``channels`` that is whole, in time order."""
@@ -130,6 +136,7 @@ class RecoveredSqliteFile:
         self.start_ns = min(self.start_ns, stamp_ns) if self.message_count else stamp_ns
         self.end_ns = max(self.end_ns, stamp_ns) if self.message_count else stamp_ns
         self.message_count += 1
+        self._counts[number] += 1
 
 
 def _as_message(row: SqliteRow) -> tuple[int, int, bytes] | None:

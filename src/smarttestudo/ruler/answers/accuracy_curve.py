@@ -15,6 +15,7 @@ from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.recording import types_of_topics
 from smarttestudo.optimizer.accuracy_measure import PROPOSED_BOUNDS, bounds_need_hz, levelled_properties
 
 
@@ -49,7 +50,7 @@ class AccuracyNeeds(Struct, frozen=True, kw_only=True):
 def measured_needs(bag: Path, topic: str, report: Callable[[float], None]) -> AccuracyNeeds:
     """Measure what ``topic`` needs; ``report`` gets the share done. Raises ``RecordingError``."""
     with open_recording(bag) as recording:
-        types = {one.topic: one.type_name for one in recording.channels}
+        types = types_of_topics(recording.channels)
     if topic not in types:
         raise RecordingError(
             f"the recording has no topic {topic}", place=str(bag), remedy="choose another one"

@@ -10,7 +10,7 @@ from smarttestudo.bags.floor import PathPoint
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel, MessageDecoder, RecordingReader
+from smarttestudo.domain.recording import Channel, MessageDecoder, RecordingReader, first_of_topics
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
@@ -24,7 +24,7 @@ MAX_POINTS = 1000
 class ArrivalWatch:
     """Counts the messages of ``recording`` as they are read, and follows its odometry.
 
-    Of a topic with two types the first counts, as in the replay.
+    Of a topic with two types one counts, as in the replay.
     """
 
     def __init__(self, recording: RecordingReader, decoder: MessageDecoder, loss: LossWatch) -> None:
@@ -33,7 +33,7 @@ class ArrivalWatch:
         self._declared_bytes = recording.declared_bytes
         self._start_ns = self._due_ns = recording.start_ns
         self._step_ns = max((recording.end_ns - recording.start_ns) // MAX_POINTS, 1)
-        self._sources = {channel.topic: channel for channel in reversed(recording.channels)}
+        self._sources = first_of_topics(recording.channels)
         self.traces = {topic: TraceAccumulator() for topic in self._sources}
         self.path: list[PathPoint] = []
         odometry = [channel.topic for channel in recording.channels if channel.type_name == ODOMETRY]
@@ -43,7 +43,7 @@ class ArrivalWatch:
         """Take one message of the recording."""
         topic = channel.topic
         self._loss.arrived(channel, stamp_ns, payload)
-        if self._sources[topic] is not channel:
+        if self._sources[topic].type_name != channel.type_name:
             return
         self.traces[topic].add(stamp_ns, self._declared_bytes.get(topic, len(payload)))
         if topic == self._odometry and stamp_ns >= self._due_ns:

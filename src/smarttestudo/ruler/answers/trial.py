@@ -17,7 +17,7 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import RecordingReader
+from smarttestudo.domain.recording import RecordingReader, types_of_topics
 from smarttestudo.domain.units import NS_PER_S, counted, grouped
 from smarttestudo.editing import read_document
 from smarttestudo.language.rule_set import RuleSet, compile_rules
@@ -180,7 +180,7 @@ class _Watches:
 def compiled_for(draft: Draft, recording: RecordingReader) -> RuleSet:
     """The rules of ``draft`` for the topics of ``recording``; ``RefusedTextError`` if they have errors."""
     profile = draft.profile()
-    bag_topics = {channel.topic: channel.type_name for channel in recording.channels}
+    bag_topics = types_of_topics(recording.channels)
     document = read_document(draft.text, draft.name)
     rules = check_again([document.result], CheckContext(profile=profile, bag_topics=bag_topics), None)
     checked = CheckedText(document=document, rules=rules)
