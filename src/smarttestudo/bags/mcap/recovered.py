@@ -9,14 +9,13 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
 
 from mcap.records import Channel as ChannelRecord
 from mcap.records import McapRecord, Message, Schema
 
 from smarttestudo.bags.mcap.channels import stored_channel
 from smarttestudo.bags.mcap.records import MessageHeader, RecordReader
-from smarttestudo.bags.mcap.time_order import in_time_order
+from smarttestudo.bags.mcap.time_order import FoundMessage, in_time_order
 from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.stored_file import (
     HOMELESS,
@@ -31,9 +30,6 @@ from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS, counted, grouped
 
 _NO_SCHEMA = 0
-_T = TypeVar("_T")
-_Found = tuple[int, int, _T]
-"""Stamp in ns, number of the channel, content."""
 
 
 class RecoveredMcapFile:
@@ -74,14 +70,14 @@ class RecoveredMcapFile:
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """Every message of ``channels`` that is whole, in time order."""
-        for stamp_ns, number, payload in in_time_order(self._index.places(), self._payloads_at):
+        for stamp_ns, number, _, payload in in_time_order(self._index.places(), self._payloads_at):
             if number in channels:
                 yield channels[number], stamp_ns, payload
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``; chunks are unpacked, messages outside of them are not read."""
         read = partial(self._heads_at, head_bytes=head_bytes)
-        for stamp_ns, number, (size_bytes, head) in in_time_order(self._index.places(), read):
+        for stamp_ns, number, size_bytes, head in in_time_order(self._index.places(), read):
             if number in channels:
                 yield channels[number], stamp_ns, size_bytes, head
 
@@ -121,15 +117,15 @@ class RecoveredMcapFile:
         """Let go of the file."""
         self._resources.close()
 
-    def _payloads_at(self, offset: int) -> Iterator[_Found[bytes]]:
+    def _payloads_at(self, offset: int) -> Iterator[FoundMessage]:
         for record in self._records.at(offset):
             if isinstance(record, Message) and self._is_to_be_told(record):
-                yield record.log_time, record.channel_id, record.data
+                yield record.log_time, record.channel_id, len(record.data), record.data
 
-    def _heads_at(self, offset: int, *, head_bytes: int) -> Iterator[_Found[tuple[int, bytes]]]:
+    def _heads_at(self, offset: int, *, head_bytes: int) -> Iterator[FoundMessage]:
         for record in self._records.heads_at(offset, head_bytes):
             if isinstance(record, MessageHeader) and self._is_to_be_told(record):
-                yield record.log_time, record.channel_id, (record.payload_bytes, record.head)
+                yield record.log_time, record.channel_id, record.payload_bytes, record.head
 
     def _is_to_be_told(self, message: Message | MessageHeader) -> bool:
         return message.log_time <= LAST_STAMP_NS and message.channel_id in self.channels

@@ -21,7 +21,7 @@ from smarttestudo.bags.mcap.record_bytes import (
     record_places,
 )
 from smarttestudo.bags.mcap.summary import ChunkEntry, McapSummary, StatisticsEntry, read_summary
-from smarttestudo.bags.mcap.time_order import in_time_order
+from smarttestudo.bags.mcap.time_order import FoundMessage, in_time_order
 from smarttestudo.bags.mcap.written_order import furthest_back_in, overlap
 from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.remote_path import is_remote
@@ -42,12 +42,6 @@ _SMALL_RECORD_BYTES = 4096
 
 _BROKEN = (struct.error, ValueError, MemoryError)
 """What damaged bytes raise, but for those of compressed chunks."""
-
-_Found = tuple[int, int, bytes, int, int]
-"""Stamp in ns and channel of a message, bytes that hold it, and where in them its payload begins and ends.
-
-Of one that was hopped over, the bytes are the first of its payload only.
-"""
 
 
 def full_index(path: Path) -> McapSummary | None:
@@ -113,8 +107,8 @@ class McapFile(ContinuedFile):
         """The outlines of ``messages``; of chunks that are not compressed, large payloads are not read."""
         read = partial(self._heads_in, channels=channels, head_bytes=head_bytes)
         try:
-            for stamp_ns, number, records, start, end in self._in_time_order(read):
-                yield channels[number], stamp_ns, end - start, records[start : min(start + head_bytes, end)]
+            for stamp_ns, number, size_bytes, head in self._in_time_order(read):
+                yield channels[number], stamp_ns, size_bytes, head
         except _BROKEN as error:
             raise OutlineError(str(error)) from error
 
@@ -122,8 +116,8 @@ class McapFile(ContinuedFile):
         """The sizes of ``messages``, read as ``outlines`` are."""
         read = partial(self._heads_in, channels=channels, head_bytes=0)
         try:
-            for stamp_ns, number, _, start, end in self._in_time_order(read):
-                yield channels[number], stamp_ns, end - start
+            for stamp_ns, number, size_bytes, _ in self._in_time_order(read):
+                yield channels[number], stamp_ns, size_bytes
         except _BROKEN as error:
             raise OutlineError(str(error)) from error
 
@@ -143,14 +137,14 @@ class McapFile(ContinuedFile):
             self._opened = self._path.open("rb")
         return self._opened
 
-    def _in_time_order(self, read: Callable[[ChunkEntry], list[_Found]]) -> Iterator[_Found]:
+    def _in_time_order(self, read: Callable[[ChunkEntry], list[FoundMessage]]) -> Iterator[FoundMessage]:
         yield from in_time_order(self._places, read)
         self.close()
 
     def _as_stored(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         read = partial(self._messages_in, channels=channels)
-        for stamp_ns, number, records, start, end in self._in_time_order(read):
-            yield channels[number], stamp_ns, records[start:end]
+        for stamp_ns, number, _, payload in self._in_time_order(read):
+            yield channels[number], stamp_ns, payload
 
     def _back_ns(self) -> int:
         chunks = sorted((chunk for _, chunk in self._places), key=attrgetter("chunk_start_offset"))
@@ -169,8 +163,10 @@ class McapFile(ContinuedFile):
 
         return RecoveredMcapFile(self._path)
 
-    def _messages_in(self, chunk: ChunkEntry, channels: ChannelsByNumber) -> list[_Found]:
-        """The messages of ``channels`` in a chunk."""
+    def _messages_in(
+        self, chunk: ChunkEntry, channels: ChannelsByNumber, head_bytes: int | None = None
+    ) -> list[FoundMessage]:
+        """The messages of ``channels`` in a chunk, with the first ``head_bytes`` or all of each payload."""
         self._file.seek(chunk.chunk_start_offset)
         data = self._file.read(chunk.chunk_length)
         if FRAME.unpack_from(data) != (Op.CHUNK, chunk.chunk_length - FRAME.size):
@@ -178,23 +174,25 @@ class McapFile(ContinuedFile):
         if chunk.compression:
             from smarttestudo.bags.mcap.records import whole_chunk_content  # noqa: PLC0415  slow to import
 
-            return _messages_of(whole_chunk_content(data[FRAME.size :]), 0, channels)
+            return _messages_of(whole_chunk_content(data[FRAME.size :]), 0, channels, head_bytes)
         if len(data) != CHUNK_START.size + chunk.uncompressed_size:
             raise OutlineError("a chunk is of another size than its index says")
         if is_altered(data):
             raise OutlineError("a chunk is not that of its checksum")
-        return _messages_of(data, CHUNK_START.size, channels)
+        return _messages_of(data, CHUNK_START.size, channels, head_bytes)
 
-    def _heads_in(self, chunk: ChunkEntry, channels: ChannelsByNumber, head_bytes: int) -> list[_Found]:
+    def _heads_in(self, chunk: ChunkEntry, channels: ChannelsByNumber, head_bytes: int) -> list[FoundMessage]:
         """The same, with the first bytes of each at least."""
         messages = chunk.message_index_length // _INDEX_ENTRY_BYTES
         if chunk.compression or chunk.uncompressed_size <= messages * _SMALL_RECORD_BYTES:
-            return self._messages_in(chunk, channels)
+            return self._messages_in(chunk, channels, head_bytes)
         first = chunk.chunk_start_offset + CHUNK_START.size
         return self._hopped(first, first + chunk.uncompressed_size, channels, head_bytes)
 
-    def _hopped(self, start: int, end: int, channels: ChannelsByNumber, head_bytes: int) -> list[_Found]:
-        found: list[_Found] = []
+    def _hopped(
+        self, start: int, end: int, channels: ChannelsByNumber, head_bytes: int
+    ) -> list[FoundMessage]:
+        found: list[FoundMessage] = []
         header_bytes, next_start = MESSAGE_HEADER.size, start
         for op, at, next_start, data in record_places(self._file, start, end, header_bytes + head_bytes):
             if next_start > end:
@@ -204,15 +202,17 @@ class McapFile(ContinuedFile):
             number, _, stamp_ns, _ = MESSAGE_HEADER.unpack_from(data)
             if number in channels:
                 payload_bytes = next_start - at - FRAME.size - header_bytes
-                found.append((stamp_ns, number, data[header_bytes:], 0, payload_bytes))
+                found.append((stamp_ns, number, payload_bytes, data[header_bytes:]))
         if next_start < end:
             raise OutlineError("a record is cut off")
         return found
 
 
-def _messages_of(records: bytes, at: int, channels: ChannelsByNumber) -> list[_Found]:
+def _messages_of(
+    records: bytes, at: int, channels: ChannelsByNumber, head_bytes: int | None
+) -> list[FoundMessage]:
     """The messages of ``channels`` among the records of a chunk, of which the first begins at byte ``at``."""
-    found: list[_Found] = []
+    found: list[FoundMessage] = []
     end = len(records)
     # Attributes of classes and enumerations would take half of the time.
     frame_at, frame_bytes, message = FRAME.unpack_from, FRAME.size, int(Op.MESSAGE)
@@ -228,7 +228,9 @@ def _messages_of(records: bytes, at: int, channels: ChannelsByNumber) -> list[_F
                 raise OutlineError("a message is shorter than its header")
             number, _, stamp_ns, _ = header_at(records, content)
             if number in channels:
-                found.append((stamp_ns, number, records, content + header_bytes, at))
+                start = content + header_bytes
+                read_to = at if head_bytes is None else min(at, start + head_bytes)
+                found.append((stamp_ns, number, at - start, records[start:read_to]))
     if at < end:
         raise OutlineError("a record is cut off")
     return found
