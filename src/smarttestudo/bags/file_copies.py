@@ -11,6 +11,7 @@ from tempfile import gettempdir
 
 from smarttestudo.bags import zstd_files
 from smarttestudo.bags.bag_files import is_packed, require_bag_file
+from smarttestudo.bags.unpacking import MAX_RATIO, TooLargeError
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.files.removal import temporary_folder
 
@@ -46,6 +47,11 @@ def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
         cause = f"it cannot be decompressed into {gettempdir()}: {error.strerror}"
         remedy = "free some space there, or set TMPDIR to a folder that has more"
         raise RecordingError(cause, place=str(path), remedy=remedy) from error
+    except TooLargeError as error:
+        cause = f"it is not decompressed: {error} and than {MAX_RATIO} times the file"
+        raise RecordingError(
+            cause, place=str(path), remedy="unpack it with zstd -d if it is right"
+        ) from error
     try:
         require_bag_file(target)
     except RecordingError as error:

@@ -4,21 +4,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import io
 from pathlib import Path
-from typing import BinaryIO
 
 import zstandard
 
+from smarttestudo.bags.unpacking import (
+    MAX_RATIO,
+    MAX_UNPACKED_BYTES,
+    Decompressor,
+    TooLargeError,
+    require_at_most,
+    unpack_frames,
+)
+
 HEADER_BYTES = 18
 """The longest header of a frame (RFC 8878, 3.1.1)."""
-_READ_BYTES = 1 << 20
 
 
 def unpack(source: Path, target: Path) -> bool:
-    """Decompress ``source`` into ``target`` as far as it goes; false if it is cut off or damaged."""
+    """Decompress ``source`` into ``target`` as far as it goes; false if it is cut off or damaged.
+
+    Raises ``TooLargeError`` where it would be implausibly long.
+    """
     with source.open("rb") as packed, target.open("wb") as unpacked:
-        return _copy(packed, unpacked)
+        most_bytes = max(MAX_UNPACKED_BYTES, MAX_RATIO * packed.seek(0, 2))
+        packed.seek(0)
+        require_at_most(most_bytes, unpacked_file_bytes(source))
+        try:
+            return unpack_frames(packed, unpacked, begin_frame, most_bytes)
+        except zstandard.ZstdError:
+            return False
 
 
 def unpacked_file_bytes(path: Path) -> int | None:
@@ -28,13 +44,19 @@ def unpacked_file_bytes(path: Path) -> int | None:
 
 
 def unpack_message(packed: bytes) -> bytes | None:
-    """The payload in ``packed``, ``None`` where it is cut off or damaged."""
-    frame = zstandard.ZstdDecompressor().decompressobj()
+    """The payload in ``packed``, ``None`` where it is cut off, damaged or too long."""
+    payload = io.BytesIO()
     try:
-        payload = frame.decompress(packed)
-    except (zstandard.ZstdError, MemoryError):
+        require_at_most(MAX_UNPACKED_BYTES, unpacked_bytes(packed[:HEADER_BYTES]))
+        is_whole = unpack_frames(io.BytesIO(packed), payload, begin_frame, MAX_UNPACKED_BYTES)
+    except (zstandard.ZstdError, TooLargeError, MemoryError):
         return None
-    return payload if frame.eof else None
+    return payload.getvalue() if is_whole else None
+
+
+def begin_frame() -> Decompressor:
+    """Decompressor of a frame."""
+    return zstandard.ZstdDecompressor().decompressobj()
 
 
 def unpacked_bytes(head: bytes) -> int | None:
@@ -44,23 +66,3 @@ def unpacked_bytes(head: bytes) -> int | None:
     except zstandard.ZstdError:
         return None
     return size_bytes if size_bytes >= 0 else None
-
-
-def _copy(packed: BinaryIO, unpacked: BinaryIO) -> bool:
-    frame = zstandard.ZstdDecompressor().decompressobj()
-    try:
-        for data in _blocks(packed):
-            remaining = data
-            while remaining:
-                if frame.eof:
-                    frame = zstandard.ZstdDecompressor().decompressobj()
-                unpacked.write(frame.decompress(remaining))
-                remaining = frame.unused_data if frame.eof else b""
-    except zstandard.ZstdError:
-        return False
-    return frame.eof
-
-
-def _blocks(file: BinaryIO) -> Iterator[bytes]:
-    while data := file.read(_READ_BYTES):
-        yield data

@@ -28,6 +28,8 @@ from smarttestudo.bags.mcap.record_bytes import (
     record_places,
 )
 from smarttestudo.bags.stored_file import OutlineError
+from smarttestudo.bags.unpacking import TooLargeError, unpacked_content
+from smarttestudo.bags.zstd_files import begin_frame
 from smarttestudo.domain.dataclass import dataclass
 
 _CONTENT = frozenset({Op.SCHEMA, Op.CHANNEL, Op.MESSAGE, Op.CHUNK})
@@ -59,12 +61,14 @@ class RecordReader:
     """Walks over the records of a file and reads those that hold messages or describe them.
 
     ``cut_off_at`` is the byte at which the file stops making sense, ``None`` while it does.
+    ``too_large_chunks`` were not unpacked.
     """
 
     def __init__(self, file: BinaryIO) -> None:
         self._file = file
         self.file_bytes = file.seek(0, 2)
         self.cut_off_at: int | None = None
+        self.too_large_chunks = 0
         self._damaged_bytes_at: dict[int, int] = {}
 
     @property
@@ -105,7 +109,9 @@ class RecordReader:
             return
         try:
             records = chunk_content(content, is_whole=is_whole)
-        except BROKEN:
+        except BROKEN as error:
+            if isinstance(error, TooLargeError):
+                self.too_large_chunks += 1
             self._damaged_bytes_at[start] = len(content)
             return
         left_bytes = yield from _records_in(records)
@@ -186,7 +192,8 @@ def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
     if len(chunk) < CHUNK_HEADER.size + name_bytes:
         return b""
     compression = chunk[32 : 32 + name_bytes].decode()
-    content = _decompress(compression, chunk[CHUNK_HEADER.size + name_bytes :])
+    declared_bytes = int.from_bytes(chunk[16:24], "little")
+    content = _decompress(compression, chunk[CHUNK_HEADER.size + name_bytes :], declared_bytes)
     checksum = int.from_bytes(chunk[24:28], "little")
     if is_whole and not has_checksum(content, checksum):
         raise ValueError("checksum mismatch")
@@ -201,14 +208,13 @@ def whole_chunk_content(chunk: bytes) -> bytes:
         raise OutlineError(str(error)) from error
 
 
-def _decompress(compression: str, data: bytes) -> bytes:
+def _decompress(compression: str, data: bytes, declared_bytes: int) -> bytes:
     if compression == "":
         return data
     if compression == "zstd":
-        return zstandard.ZstdDecompressor().decompressobj().decompress(data)
+        return unpacked_content(data, begin_frame, declared_bytes)
     if compression == "lz4":
-        content: bytes = lz4.frame.LZ4FrameDecompressor().decompress(data)
-        return content
+        return unpacked_content(data, lz4.frame.LZ4FrameDecompressor, declared_bytes)
     raise ValueError(f"unknown compression {compression!r}")
 
 

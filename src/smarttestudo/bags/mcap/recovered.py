@@ -25,6 +25,7 @@ from smarttestudo.bags.stored_file import (
     read_so_far,
 )
 from smarttestudo.bags.time_index import TimeIndex
+from smarttestudo.bags.unpacking import MAX_UNPACKED_BYTES
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS, counted, grouped
@@ -99,6 +100,9 @@ class RecoveredMcapFile:
             for record in self._described.values()
             if record.schema_id not in {_NO_SCHEMA, *self._schemas}
         )
+        if self._records.too_large_chunks:
+            limit = f"longer than declared or than {grouped(MAX_UNPACKED_BYTES)} bytes"
+            notices.append(f"{counted(self._records.too_large_chunks, 'chunk')} {limit} not decompressed")
         homeless = self._counts.total() - self.message_count
         if homeless:
             notices.append(left_out(homeless, HOMELESS))

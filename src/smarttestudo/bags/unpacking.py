@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Compressed content, unpacked no further than is declared or ever done: KB may unpack to GB."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from typing import BinaryIO, Protocol
+
+from smarttestudo.domain.units import grouped
+
+MAX_UNPACKED_BYTES = 1_000_000_000
+"""A message or a chunk is not unpacked if it is longer; a file may be that long whatever its ratio is."""
+MAX_RATIO = 1000
+"""A file longer than that is at most so many times as long as its packed form."""
+# Of Zstandard, so many bytes become 128 MB at most.
+_PIECE_BYTES = 1 << 12
+
+
+class TooLargeError(ValueError):
+    """Content is longer than it declares, or than is ever unpacked."""
+
+
+class Decompressor(Protocol):
+    """Decompressor of one frame."""
+
+    @property
+    def eof(self) -> bool:
+        """Whether the frame is whole."""
+
+    @property
+    def unused_data(self) -> bytes | None:
+        """The bytes that came behind it."""
+
+    def decompress(self, data: bytes, /) -> bytes:
+        """What more bytes of the frame unpack to."""
+
+
+def unpack_frames(
+    packed: BinaryIO, unpacked: BinaryIO, begin: Callable[[], Decompressor], most_bytes: int
+) -> bool:
+    """Unpack all frames, one after the other, each by one that ``begin`` makes: whether the last is whole.
+
+    Raises ``TooLargeError`` beyond ``most_bytes``, and what the decompressor raises on damage.
+    """
+    frame = begin()
+    unpacked_bytes = 0
+    while data := packed.read(_PIECE_BYTES):
+        while data:
+            if frame.eof:
+                frame = begin()
+            piece = frame.decompress(data)
+            unpacked_bytes += len(piece)
+            require_at_most(most_bytes, unpacked_bytes)
+            unpacked.write(piece)
+            data = (frame.unused_data or b"") if frame.eof else b""
+    return frame.eof
+
+
+def unpacked_content(packed: bytes, begin: Callable[[], Decompressor], declared_bytes: int) -> bytes:
+    """The content as far as it goes. Raises as ``unpack_frames``, and for a length that is never unpacked."""
+    require_at_most(MAX_UNPACKED_BYTES, declared_bytes)
+    content = io.BytesIO()
+    unpack_frames(io.BytesIO(packed), content, begin, declared_bytes)
+    return content.getvalue()
+
+
+def require_at_most(most_bytes: int, content_bytes: int | None) -> None:
+    """Raise ``TooLargeError`` for content that is longer, or declares to be."""
+    if content_bytes is not None and content_bytes > most_bytes:
+        raise TooLargeError(f"its content is longer than {grouped(most_bytes)} bytes")
