@@ -22,13 +22,12 @@ from pacing.reckoning.ros_messages import ODOMETRY, odometry, planar
 from replays.replay_runs import ReplayRun, replay_content
 from replays.test_replay_bounds import driven, recorded
 from report.golden_files import assert_reads_as
-from smarttestudo.accuracy.arms import Receiver
+from smarttestudo.accuracy.arms import Receiver, with_later
 from smarttestudo.accuracy.bounds import BoundLoss, BoundWatch
 from smarttestudo.accuracy.track import Message
 from smarttestudo.cli.main import main
 from smarttestudo.language.properties import gauges_for
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3
-from smarttestudo.pacing.reckoning.picture import Picture
 
 GOLDEN = Path(__file__).parent / "golden"
 S = 1_000_000_000
@@ -50,10 +49,10 @@ def judged(
         readings = tuple(gauge.read(b"", SimpleNamespace(data=value), at) for gauge in gauges)
         return Message(at, readings, digest=hash(str(value)))
 
-    receiver = Receiver(Picture(gauges, reckons=False), [message(*one) for one in received])
+    receiver = Receiver(gauges, [message(*one) for one in received], reckons=False)
     watch = BoundWatch(receiver, changes, {}, reckons=False, start_ns=0)
-    for one in sent:
-        watch.sent(message(*one))
+    for one, later in with_later(message(*one) for one in sent):
+        watch.sent(one, later)
     return list(watch.losses("/level", {}, end_ns))
 
 

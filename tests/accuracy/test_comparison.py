@@ -15,7 +15,6 @@ from smarttestudo.accuracy.arms import PacedPicture, Receiver, picture_errors
 from smarttestudo.accuracy.track import Message
 from smarttestudo.language.properties import gauges_for
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3
-from smarttestudo.pacing.reckoning.picture import Picture
 
 SECOND_NS = 1_000_000_000
 GAUGES = gauges_for(ODOMETRY, ["position"])
@@ -26,13 +25,14 @@ def at(t_s: float, x_m: float, speed_m_per_s: float = 0.0) -> Message:
     stamp_ns = round(t_s * SECOND_NS)
     twist = Twist(Vector3(speed_m_per_s, 0, 0), Vector3(0, 0, 0))
     payload = odometry(stamp_ns + 1, planar(x_m, 0, 0), twist)
-    return Message(stamp_ns, tuple(gauge.read(payload, None, stamp_ns) for gauge in GAUGES))
+    readings = tuple(gauge.read(payload, None, stamp_ns) for gauge in GAUGES)
+    return Message(stamp_ns, readings, hash(payload))
 
 
 def errors_of(
     sent: Sequence[Message], received: Sequence[Message], end_s: float, *, reckons: bool
 ) -> dict[str, PacedPicture]:
-    receiver = Receiver(Picture(GAUGES, reckons=reckons), received)
+    receiver = Receiver(GAUGES, received, reckons=reckons)
     (errors,) = picture_errors(sent, [receiver], round(end_s * SECOND_NS))
     return errors
 

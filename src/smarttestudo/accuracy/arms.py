@@ -5,12 +5,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
+from operator import attrgetter
 
 from smarttestudo.accuracy.track import Message
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record import JsonObject
 from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecords
+from smarttestudo.pacing.reckoning.gauges import Gauge
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind
 from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
@@ -67,29 +71,72 @@ class ErrorOverTime:
         self._now_ns = now_ns
 
 
+Later = Mapping[int, int]
+"""How many messages of one stamp are still to come, by digest."""
+
+_stamp_of = attrgetter("stamp_ns")
+
+
+def with_later(sent: Iterable[Message]) -> Iterator[tuple[Message, Later]]:
+    """Each message with those of its stamp that come after it; valid until the next one is taken."""
+    for _, group in groupby(sent, key=_stamp_of):
+        of_stamp = list(group)
+        later = Counter(message.digest for message in of_stamp)
+        for message in of_stamp:
+            later[message.digest] -= 1
+            yield message, later
+
+
 class Receiver:
-    """The picture of who gets the messages ``received``, compared with each message that the robot sends."""
+    """The picture of who gets the messages ``received``, compared with each message that the robot sends.
 
-    __slots__ = ("_coming", "_next", "_picture", "last", "messages")
+    With ``reckons`` it shows dead reckoning. A message that was received at the stamp at which it was sent is
+    shown from then on, and not already with one of the same stamp that was sent before it.
+    """
 
-    def __init__(self, picture: Picture, received: Iterable[Message]) -> None:
-        self._picture = picture
+    __slots__ = ("_coming", "_next", "_picture", "_reckons", "last", "messages")
+
+    def __init__(self, gauges: Sequence[Gauge], received: Iterable[Message], *, reckons: bool) -> None:
+        self._picture = Picture(gauges, reckons=reckons)
+        self._reckons = reckons
         self._coming = iter(received)
         self._next = next(self._coming, None)
         self.last: Message | None = None
         self.messages = 0
 
-    def catch_up(self, now_ns: int) -> None:
-        """Show what was received until ``now_ns``."""
-        while self._next is not None and self._next.stamp_ns <= now_ns:
-            self.last, self._next = self._next, next(self._coming, None)
-            self.messages += 1
-            self._picture.show(self.last.readings, None)
+    def catch_up(self, sent: Message, later: Later) -> None:
+        """Show what was received until ``sent``, which ``later`` messages of its stamp follow."""
+        is_due = True
+        while self._next is not None and self._next.stamp_ns <= sent.stamp_ns:
+            if self._next.stamp_ns == sent.stamp_ns:
+                if is_due and self._next.digest == sent.digest:
+                    is_due = False
+                elif later.get(self._next.digest):
+                    return
+            self._show_next(self._next)
 
-    def errors(self, sent: Message) -> dict[str, float]:
+    def finish(self, end_ns: int) -> None:
+        """Show what was received until ``end_ns``."""
+        while self._next is not None and self._next.stamp_ns <= end_ns:
+            self._show_next(self._next)
+
+    def errors(self, sent: Message, later: Later) -> dict[str, float]:
         """How far each property that a message of the robot says is off in the picture after it."""
-        self.catch_up(sent.stamp_ns)
-        return self._picture.judged_errors(sent.readings, None)
+        self.catch_up(sent, later)
+        errors = self._picture.judged_errors(sent.readings, None)
+        return dict.fromkeys(errors, 0.0) if self._has_just_shown(sent) else errors
+
+    def _show_next(self, message: Message) -> None:
+        self.last, self._next = message, next(self._coming, None)
+        self.messages += 1
+        self._picture.show(message.readings, None)
+
+    def _has_just_shown(self, sent: Message) -> bool:
+        """Whether the picture was made from this very message: it is right then, whatever is in it."""
+        last = self.last
+        if last is None or last.digest != sent.digest:
+            return False
+        return not self._reckons or last.stamp_ns == sent.stamp_ns
 
 
 def picture_errors(
@@ -97,13 +144,15 @@ def picture_errors(
 ) -> list[dict[str, PacedPicture]]:
     """For each receiver, the error of each property until ``end_ns``; none of one that is never known."""
     found: list[dict[str, ErrorOverTime]] = [{} for _ in receivers]
-    for message in sent:
+    for message, later in with_later(sent):
         now_ns = message.stamp_ns
         for receiver, properties in zip(receivers, found, strict=True):
-            errors = receiver.errors(message)
+            errors = receiver.errors(message, later)
             for name in {**properties, **errors}:
                 error = errors.get(name, math.inf)
                 properties.setdefault(name, ErrorOverTime(now_ns)).add(error, now_ns)
+    for receiver in receivers:
+        receiver.finish(end_ns)
     return [
         {name: one.finish(end_ns, receiver.messages) for name, one in properties.items() if one.is_known}
         for receiver, properties in zip(receivers, found, strict=True)

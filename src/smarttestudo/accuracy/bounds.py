@@ -8,7 +8,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from operator import itemgetter
 
-from smarttestudo.accuracy.arms import Receiver
+from smarttestudo.accuracy.arms import Later, Receiver
 from smarttestudo.accuracy.track import Message
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
@@ -155,16 +155,17 @@ class BoundWatch:
             (name, bound): _Tally(start_ns) for name in sorted(written) for bound in sorted(written[name])
         }
 
-    def sent(self, message: Message) -> None:
-        """Count a message that the robot sent, by how far the picture is off from it."""
+    def sent(self, message: Message, later: Later) -> None:
+        """Count a message that the robot sent, by how far the picture is off from it.
+
+        ``later`` messages of its stamp follow.
+        """
         now_ns = message.stamp_ns
-        self._receiver.catch_up(now_ns)
+        self._receiver.catch_up(message, later)
         self._advance(now_ns)
         if not self._bounds:
             return
-        errors = self._receiver.errors(message)
-        if self._just_received(message):
-            errors = dict.fromkeys(errors, 0.0)
+        errors = self._receiver.errors(message, later)
         for name, bound in self._bounds.items():
             tally = self._tally(name, bound)
             if name in errors:
@@ -194,13 +195,6 @@ class BoundWatch:
                 stretch_count=tally.stretch_count,
                 stretches=tuple(tally.stretches),
             )
-
-    def _just_received(self, message: Message) -> bool:
-        """Whether the picture was made from this very message: it is right then, whatever is in it."""
-        last = self._receiver.last
-        if last is None or last.digest != message.digest:
-            return False
-        return not self._reckons or last.stamp_ns == message.stamp_ns
 
     def _advance(self, now_ns: int) -> None:
         """Take the bounds that came into force until ``now_ns``."""

@@ -33,7 +33,6 @@ from smarttestudo.domain.recording import Channel, RecordingReader, first_of_top
 from smarttestudo.language.properties import accuracy_properties_of, properties_for_bounds
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.pacing.bound import BoundRecord
-from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.replays.replay import ReplayRequest, replay_together
 
 FIXED = "fixed rates"
@@ -201,8 +200,9 @@ class ComparisonMeasurement:
         names = self.properties[topic]
         receivers = [
             Receiver(
-                Picture(track.gauges(names), reckons=run.view is View.RECKONED),
+                track.gauges(names),
                 run.topics[topic].track.messages(names) if topic in run.topics else (),
+                reckons=run.view is View.RECKONED,
             )
             for run in runs
         ]

@@ -10,7 +10,7 @@ from dataclasses import field
 from functools import partial
 from pathlib import Path
 
-from smarttestudo.accuracy.arms import Receiver
+from smarttestudo.accuracy.arms import Receiver, with_later
 from smarttestudo.accuracy.bounds import (
     BoundLoss,
     BoundsFrom,
@@ -45,10 +45,9 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import NS_PER_S, grouped
 from smarttestudo.language.properties import accuracy_properties_of
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.pacing.reckoning.picture import Picture
 
 _ENDS_EARLY_S = 2.0
 _BEGINS_LATE_S = 2.0
@@ -166,7 +165,13 @@ class LossMeasurement:
                 received_bytes=sum(shared.received.size_bytes for shared in topics),
                 fixed_bytes=sum(shared.fixed.size_bytes for shared in topics),
             ),
-            notices=(*sent.notices, *received.notices, *self._notices(topics), *_late_notices(carried)),
+            notices=(
+                *sent.notices,
+                *received.notices,
+                *self._notices(topics),
+                *self._after_end(received.after_end),
+                *_late_notices(carried),
+            ),
         )
 
     def _bounds_in_force(self) -> dict[str, Sequence[BoundsFrom]]:
@@ -191,16 +196,17 @@ class LossMeasurement:
         is_same = received.channel.type_name == type_name
         watch = BoundWatch(
             Receiver(
-                Picture(sent.track.gauges(properties), reckons=reckons),
+                sent.track.gauges(properties),
                 received.track.messages(properties) if is_same else (),
+                reckons=reckons,
             ),
             self._in_force[topic],
             self._written[topic],
             reckons=reckons,
             start_ns=self._a.span.start_ns,
         )
-        for message in sent.track.messages(properties):
-            watch.sent(message)
+        for message, later in with_later(sent.track.messages(properties)):
+            watch.sent(message, later)
         units = {name: spec.unit for name, spec in accuracy_properties_of(type_name).items()}
         return watch.losses(topic, units, self._a.span.end_ns)
 
@@ -292,6 +298,13 @@ class LossMeasurement:
         for topic in sorted({one.signal.topic for one in self._thresholds}.difference(self._partners)):
             yield f"{topic}: a check reads it, which {self._b.name} lacks; its crossings are left out"
         yield from self._bound_notices()
+
+    def _after_end(self, messages: Mapping[str, int]) -> Iterator[str]:
+        """Messages of B that came when A had ended, as what was held back does after a replay."""
+        shown = {topic: messages[self._partners[topic]] for topic in sorted(self._asked)}
+        listed = [f"{grouped(count)} of {topic}" for topic, count in shown.items() if count]
+        if listed:
+            yield f"{self._b.name}: after the end of {self._a.name} came {', '.join(listed)}: not counted"
 
     def _bound_notices(self) -> Iterator[str]:
         for topic in sorted(self._written):

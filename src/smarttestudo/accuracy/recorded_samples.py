@@ -7,7 +7,7 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import field, replace
 
 from smarttestudo.accuracy.samples import Field, TopicSamples
 from smarttestudo.bags.definitions import RosbagDecoder
@@ -47,9 +47,13 @@ def joined(*plans: Mapping[str, TopicReading]) -> dict[str, TopicReading]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordedSamples:
-    """The samples of each topic that was to be read, by name; ``notices`` say what was left out."""
+    """The samples of each topic that was to be read, by name; ``notices`` say what was left out.
+
+    ``after_end`` counts messages that came after the time that was asked for, by topic.
+    """
 
     topics: Mapping[str, TopicSamples]
+    after_end: Mapping[str, int] = field(default_factory=dict)
     notices: tuple[str, ...] = ()
 
 
@@ -81,6 +85,8 @@ class SampleTaker:
         self._looked_at: set[tuple[str, str | None]] = set()
         self.samples: dict[str, TopicSamples] = {}
         """The samples taken, by topic."""
+        self.after_end: Counter[str] = Counter()
+        """Messages that came after ``end_ns``, by topic."""
 
     def add(self, channel: Channel) -> None:
         """Expect messages of ``channel``."""
@@ -106,7 +112,10 @@ class SampleTaker:
         """Take a message, if it is one of those wanted; whether it is."""
         topic = channel.topic
         samples, counts = self.samples.get(topic), stamp_ns >= self._start_ns
-        if samples is None or stamp_ns > self._end_ns:
+        if samples is None:
+            return False
+        if stamp_ns > self._end_ns:
+            self.after_end[topic] += 1
             return False
         if samples.channel is not channel:
             if samples.channel.type_name != channel.type_name:
@@ -194,7 +203,8 @@ def read_samples(
         if number % _MESSAGES_PER_REPORT == 0 and recording.message_count:
             report(number / recording.message_count)
         taker.on_message(*message)
-    return RecordedSamples(topics=taker.samples, notices=(*recording.notices(), *taker.notices()))
+    notices = (*recording.notices(), *taker.notices())
+    return RecordedSamples(topics=taker.samples, after_end=taker.after_end, notices=notices)
 
 
 def require_numbers(topics: Mapping[str, TopicSamples], asked: Mapping[str, Sequence[str]]) -> None:
