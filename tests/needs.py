@@ -27,7 +27,7 @@ from smarttestudo.robot.ros.rcl.relay_library import LIBRARY
 from smarttestudo.ruler.server.page import is_page_built
 
 _TESTS = Path(__file__).parent
-_FILES_WITH_EXTRAS = ("docs/test_site.py", "docs/test_site_search.py", "fleet/test_executors.py")
+_FILES_WITH_EXTRAS = ("docs/test_site.py", "docs/test_site_search.py", "fleet/test_workers.py")
 _CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
 _LEFT_OUT = "testudo_left_out"
 

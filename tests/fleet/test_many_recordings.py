@@ -5,16 +5,23 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import shlex
 import shutil
+import signal
+import time
+from collections.abc import Callable, Sequence
+from multiprocessing import active_children
 from pathlib import Path
+from threading import Thread
 
 import pytest
 
 from bags.bag_factory import small_mission, write_mcap_file
 from docs.code_blocks import blocks_of
 from fleet.commands import COMMANDS, Command
-from fleet.dask_processes import DaskProcesses
+from fleet.dask_processes import DaskProcesses, dask_processes
 from report.bag_desk import Ran
 
 pytestmark = pytest.mark.full
@@ -66,6 +73,48 @@ def test_a_dask_cluster_gives_the_same_numbers_to_the_last_digit(
     assert (there.code, there.err) == (here.code, here.err) == (0, "")
     assert list(map(timeless, there.out.splitlines())) == list(map(timeless, here.out.splitlines()))
     assert len(there.out.splitlines()) == 3
+
+
+@pytest.fixture(scope="module")
+def twenty(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("twenty")
+    for number in range(20):
+        write_mcap_file(folder / f"{number:02}.mcap", small_mission(2 + number % 3))
+    return folder
+
+
+def killed_soon(workers: Callable[[], Sequence[int]]) -> Thread:
+    """A thread that kills the first of ``workers`` as soon as there is one."""
+
+    def kill() -> None:
+        end_s = time.monotonic() + 30
+        while not (running := workers()):
+            assert time.monotonic() < end_s
+            time.sleep(0.01)
+        os.kill(running[0], signal.SIGKILL)
+
+    thread = Thread(target=kill)
+    thread.start()
+    return thread
+
+
+@pytest.mark.parametrize("where", ["processes", "dask"])
+def test_a_worker_that_is_killed_costs_no_number(
+    where: str, twenty: Path, testudo: Command, tmp_path: Path
+) -> None:
+    command = ("bag", "rates", f"{twenty}/*.mcap", "--json")
+    here = testudo(*command, "--workers", "1")
+    if where == "processes":
+        thread = killed_soon(lambda: [child.pid or 0 for child in active_children()])
+        ran = testudo(*command, "--workers", "2")
+    else:
+        with dask_processes(tmp_path) as started:
+            thread = killed_soon(lambda: [started.workers[0].pid])
+            ran = testudo(*command, "--dask", started.address)
+    thread.join()
+    assert (ran.code, ran.out) == (0, here.out)
+    again = r"\d+ recordings? tried once more, each in a process of its own"
+    assert re.fullmatch(rf"(note: a worker ended without an answer: {again}\n)?", ran.err)
 
 
 def test_a_path_that_is_another_place_for_each_worker_is_refused(testudo: Command, fleet: Path) -> None:

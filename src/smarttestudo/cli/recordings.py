@@ -24,8 +24,8 @@ from smarttestudo.files.outputs import require_separate
 from smarttestudo.fleet.row_tables import RowTable
 
 if TYPE_CHECKING:
-    from smarttestudo.fleet.executor import Executor
     from smarttestudo.fleet.parquet import ParquetFolder
+    from smarttestudo.fleet.workers import Workers
 
 EXIT_ERROR = 1
 _CLUSTER_TIMEOUT_S = 10.0
@@ -172,21 +172,21 @@ def each_recording(
         return 0
     failed = 0
     there = [one for one in asked if not isinstance(one, TestudoError)]
-    with _executor(arguments, there) as executor:
-        with closing(_outcomes(executor, arguments, asked, command)) as outcomes:
+    with _workers(arguments, there) as workers:
+        with closing(_outcomes(workers, arguments, asked, command)) as outcomes:
             for one, outcome in outcomes:
                 error = outcome if isinstance(outcome, TestudoError) else output.failure(one, outcome)
                 if error is not None:
                     failed += 1
                     command.failed(_print_error(one, error))
-        print_notices(executor.notices)
-        if executor.failure is not None:
-            _print_error(arguments, executor.failure)
+        print_notices(workers.notices)
+        if workers.failure is not None:
+            _print_error(arguments, workers.failure)
     if _is_text(arguments) and command.prints_each:
         failures = f", {failed} with an error" if failed else ""
         sums = [f"{counted(len(asked), 'recording')}{failures}", command.sum()]
         print(f"\n{': '.join(filter(None, sums))}")  # noqa: T201
-    return EXIT_ERROR if failed or executor.failure else 0
+    return EXIT_ERROR if failed or workers.failure else 0
 
 
 def _parquet_folder(arguments: argparse.Namespace, asked: Sequence[Asked]) -> ParquetFolder | None:
@@ -207,7 +207,7 @@ def _with(arguments: argparse.Namespace, one: Mapping[str, object]) -> argparse.
 
 
 def _outcomes(
-    executor: Executor,
+    workers: Workers,
     arguments: argparse.Namespace,
     asked: Sequence[Asked],
     command: RecordingCommand[Result],
@@ -218,7 +218,7 @@ def _outcomes(
     task: Callable[[Mapping[str, Path | str | None]], Result] = partial(
         _measure_one, command.measure, _from_the_root(arguments)
     )
-    with closing(executor.map(task, there)) as results:
+    with closing(workers.map(task, there)) as results:
         for number, one in enumerate(asked):
             if isinstance(one, TestudoError):
                 yield arguments, one
@@ -252,13 +252,15 @@ def _measure_one(
 
 
 @contextmanager
-def _executor(arguments: argparse.Namespace, there: Sequence[Mapping[str, object]]) -> Iterator[Executor]:
-    """The executor that the options ask for."""
+def _workers(arguments: argparse.Namespace, there: Sequence[Mapping[str, object]]) -> Iterator[Workers]:
+    """The workers that the options ask for."""
+    from smarttestudo.fleet.workers import Workers  # noqa: PLC0415  as above
+
     # A process takes longer to begin than a short recording.
     usual = min(len(os.sched_getaffinity(0)), len(there) // 2)
-    local = _local_executor(min(arguments.workers or usual, len(there)))
+    processes = max(1, min(arguments.workers or usual, len(there)))
     if arguments.dask is None:
-        yield local
+        yield Workers(processes)
         return
     for one in there:
         for path in recordings_in(one).values():
@@ -267,18 +269,8 @@ def _executor(arguments: argparse.Namespace, there: Sequence[Mapping[str, object
                 raise UsageError(cause, place="--dask", remedy="name recordings from the root, or by a URL")
     from smarttestudo.fleet.dask_cluster import open_cluster  # noqa: PLC0415  as above
 
-    with open_cluster(arguments.dask, timeout_s=_CLUSTER_TIMEOUT_S, otherwise=local) as cluster:
-        yield cluster
-
-
-def _local_executor(workers: int) -> Executor:
-    if workers <= 1:
-        from smarttestudo.fleet.executor import InProcess  # noqa: PLC0415  as above
-
-        return InProcess()
-    from smarttestudo.fleet.processes import Processes  # noqa: PLC0415  as above
-
-    return Processes(workers)
+    with open_cluster(arguments.dask, timeout_s=_CLUSTER_TIMEOUT_S) as cluster:
+        yield Workers(processes, cluster)
 
 
 def _print_error(one: argparse.Namespace, error: TestudoError) -> str:

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Many recordings: those that a text names, and executors that work on them."""
+"""Many recordings: those that a text names, and the workers that read them."""

@@ -6,23 +6,17 @@ from __future__ import annotations
 
 import logging
 import time
-from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Iterator
+from concurrent.futures import Executor
 from contextlib import contextmanager, suppress
-from functools import partial
-from itertools import islice
-from typing import Any
 
-from distributed import CancelledError, Client, Future, KilledWorker
+from distributed import Client
 from distributed import TimeoutError as DaskTimeoutError
 
 from smarttestudo import __version__
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.units import counted
-from smarttestudo.fleet.executor import Executor, Item, Result, WorkerError, attempt
 
-_AHEAD_PER_THREAD = 4
-"""Items that may be finished or under way behind one that takes long."""
 _POLL_S = 1.0
 _WITHOUT_WORKERS_S = 10.0
 _LOGGERS = ("distributed", "tornado")
@@ -33,11 +27,8 @@ class ClusterError(TestudoError):
 
 
 @contextmanager
-def open_cluster(address: str, *, timeout_s: float, otherwise: Executor) -> Iterator[DaskCluster]:
-    """The cluster whose scheduler is at ``address``, once a worker is there.
-
-    What is left when the scheduler or all workers are lost goes to ``otherwise``. Raises ``ClusterError``.
-    """
+def open_cluster(address: str, *, timeout_s: float) -> Iterator[DaskCluster]:
+    """The cluster whose scheduler is at ``address``, once a worker is there. Raises ``ClusterError``."""
     _silence()
     try:
         client = Client(address, timeout=timeout_s, set_as_default=False)
@@ -49,89 +40,47 @@ def open_cluster(address: str, *, timeout_s: float, otherwise: Executor) -> Iter
         ) from error
     try:
         _require_workers(client, address, timeout_s)
-        yield DaskCluster(client, address, otherwise)
+        yield DaskCluster(client, address)
     finally:
         with suppress(OSError, DaskTimeoutError):
             client.close(timeout=_POLL_S)
 
 
 class DaskCluster:
-    """An ``Executor`` on the workers of a Dask cluster."""
+    """Workers of a Dask cluster as an executor of ``concurrent.futures``."""
 
-    def __init__(self, client: Client, address: str, otherwise: Executor) -> None:
+    def __init__(self, client: Client, address: str) -> None:
         self._client = client
         self._address = address
-        self._otherwise = otherwise
-        self.failure: TestudoError | None = None
+        self._loss = ""
+        self._alone_since_s: float | None = None
+        self.threads = max(1, sum(client.nthreads().values()))
 
-    @property
-    def notices(self) -> Sequence[str]:
-        """Notices of the executor that took over."""
-        return self._otherwise.notices
+    def open_pool(self) -> Executor:
+        """An executor; where several workers are lost with an item, its future has an exception."""
+        pool: Executor = self._client.get_executor(pure=False)
+        return pool
 
-    def map(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Generator[Result | TestudoError]:
-        """The results in order; what is under way is given up where it is closed."""
-        work = partial(attempt, task)
-        waiting = iter(items)
-        ahead = _AHEAD_PER_THREAD * max(1, sum(self._client.nthreads().values()))
-        futures: deque[Future[Any]] = deque()
-        done = 0
-        try:
-            while done < len(items):
-                futures += (self._submit(work, item) for item in islice(waiting, ahead - len(futures)))
-                try:
-                    answer = self._answer(futures.popleft())
-                except KilledWorker:
-                    answer = self._again(work, items[done])
-                yield answer
-                done += 1
-        except _LostError as error:
-            rest = items[done:]
-            self.failure = ClusterError(
-                f"{error}; {counted(len(rest), 'recording')} went to this machine instead",
-                place=self._address,
-                remedy="look at the cluster's own log",
-            )
-            yield from self._otherwise.map(task, rest)
-        finally:
-            with suppress(Exception):
-                self._client.cancel([*futures])
+    def loss(self) -> str:
+        """Why nobody works on what was submitted any more; "" while somebody does."""
+        if self._client.status != "running":
+            self._loss = "its scheduler is gone"
+        elif self._has_workers():
+            self._alone_since_s = None
+        elif self._alone_since_s is None:
+            self._alone_since_s = time.monotonic()
+        elif time.monotonic() - self._alone_since_s > _WITHOUT_WORKERS_S:
+            self._loss = "it has no worker any more"
+        return self._loss
 
-    def _submit(self, work: Callable[[Item], object], item: Item) -> Future[Any]:
-        try:
-            return self._client.submit(work, item, pure=False)
-        except Exception as error:  # a closed client raises all kinds
-            raise _LostError("its scheduler is gone") from error
-
-    def _again(self, work: Callable[[Item], object], item: Item) -> Result | TestudoError:
-        """The result of another try: Dask blames each item of a worker that is ended, at work or not."""
-        try:
-            return self._answer(self._submit(work, item))
-        except KilledWorker:
-            return WorkerError(
-                "each worker that worked on it was ended",
-                remedy="read it alone, without --dask; if memory was short, use fewer workers a machine",
-            )
-
-    def _answer(self, future: Future[Any]) -> Result | TestudoError:
-        """The result that ``future`` stands for.
-
-        Raises ``KilledWorker``, and ``_LostError`` where nobody works on it any more.
-        """
-        seen_s = time.monotonic()
-        try:
-            while True:
-                # A worker may be lost with a result that it had, so that this waits anew.
-                with suppress(DaskTimeoutError):
-                    future.exception(timeout=_POLL_S)
-                    answer: Result | TestudoError = future.result(timeout=_WITHOUT_WORKERS_S)
-                    return answer
-                if self._has_workers():
-                    seen_s = time.monotonic()
-                elif time.monotonic() - seen_s > _WITHOUT_WORKERS_S:
-                    raise _LostError("it has no worker any more")
-        except CancelledError as error:
-            raise _LostError("its scheduler is gone") from error
+    def failure(self, rest: int) -> ClusterError:
+        """The error that ``rest`` recordings are worked on without it."""
+        loss = self._loss or "its scheduler is gone"
+        return ClusterError(
+            f"{loss}; {counted(rest, 'recording')} went to this machine instead",
+            place=self._address,
+            remedy="look at the cluster's own log",
+        )
 
     def _has_workers(self) -> bool:
         scheduler = self._client.scheduler
@@ -141,10 +90,6 @@ class DaskCluster:
             )
         except (OSError, DaskTimeoutError):
             return False
-
-
-class _LostError(Exception):
-    """Nobody works on what is left."""
 
 
 def _require_workers(client: Client, address: str, timeout_s: float) -> None:

@@ -1,185 +1,86 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tasks in processes of this machine."""
+"""Pools of processes of this machine that end with a block."""
 
 from __future__ import annotations
 
+import os
 import signal
-from collections import deque
-from collections.abc import Callable, Generator, Sequence
-from contextlib import suppress
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager, suppress
 from multiprocessing import get_context
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
+from multiprocessing.connection import Connection
+from threading import Thread
 from types import FrameType
-from typing import Generic, cast
+from typing import ParamSpec, TypeVar
 
-from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.units import counted
-from smarttestudo.fleet.executor import Item, Result, WorkerError, attempt
-
-_AHEAD_PER_WORKER = 4
-"""Items that may be finished or under way behind one that takes long."""
-_TRIES = 2
+_P = ParamSpec("_P")
+_Answer = TypeVar("_Answer")
+OpenPool = Callable[[int], Executor]
+"""Opens a pool of so many processes."""
 _END_S = 5.0
 
 
-@dataclass(slots=True, kw_only=True)
-class _Worker:
-    """A process, and the place of the item that it works on."""
+@contextmanager
+def process_pools() -> Iterator[OpenPool]:
+    """Yield what opens pools; their processes end with the block, and where this process is killed.
 
-    process: BaseProcess
-    connection: Connection
-    place: int | None = None
-
-    def end(self) -> None:
-        # It may have to remove what it did not finish.
-        self.process.terminate()
-        self.process.join(_END_S)
-        self.process.kill()
-        self.process.join()
-        self.process.close()
-        self.connection.close()
-
-
-class Processes:
-    """An ``Executor`` with ``workers`` processes, each with one item, so it is known which item ends one."""
-
-    failure: TestudoError | None = None
-
-    def __init__(self, workers: int) -> None:
-        self._workers = workers
-        self._lost = 0
-
-    @property
-    def notices(self) -> Sequence[str]:
-        """The number of lost workers."""
-        if not self._lost:
-            return ()
-        were = "was" if self._lost == 1 else "were"
-        return (f"{counted(self._lost, 'worker')} ended without an answer and {were} replaced",)
-
-    def map(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Generator[Result | TestudoError]:
-        """The results in order; processes end with it."""
-        run = _Run(task, items, min(self._workers, len(items)))
-        try:
-            yield from run.results()
-        finally:
-            self._lost += run.lost
-            run.end()
-
-
-class _Run(Generic[Item, Result]):
-    """One pass over items."""
-
-    def __init__(self, task: Callable[[Item], Result], items: Sequence[Item], workers: int) -> None:
-        self._task = task
-        self._items = items
-        self._waiting = deque(range(len(items)))
-        self._tries = [0] * len(items)
-        self._finished: dict[int, Result | TestudoError] = {}
-        self._ahead = _AHEAD_PER_WORKER * workers
-        self._workers: list[_Worker] = []
-        self._count = workers
-        self.lost = 0
-
-    def results(self) -> Generator[Result | TestudoError]:
-        for due in range(len(self._items)):
-            self._hand_out(due)
-            while due not in self._finished:
-                self._await_answer()
-                # Nobody is idle while the caller works on what it is given.
-                self._hand_out(due)
-            yield self._finished.pop(due)
-
-    def end(self) -> None:
-        for worker in self._workers:
-            worker.process.terminate()
-        while self._workers:
-            self._workers.pop().end()
-
-    def _hand_out(self, due: int) -> None:
-        """Give each idle worker an item, none that is too far behind the one that is ``due``."""
-        while self._waiting and self._waiting[0] < due + self._ahead:
-            worker = self._idle()
-            if worker is None:
-                return
-            worker.place = self._waiting.popleft()
-            # One that is gone is noticed when it is to answer.
-            with suppress(OSError):
-                worker.connection.send(self._items[worker.place])
-
-    def _idle(self) -> _Worker | None:
-        for worker in self._workers:
-            if worker.place is None:
-                return worker
-        if len(self._workers) == self._count:
-            return None
-        self._workers.append(_start(self._task))
-        return self._workers[-1]
-
-    def _await_answer(self) -> None:
-        busy = {worker.connection: worker for worker in self._workers if worker.place is not None}
-        for connection in wait([*busy]):
-            worker = busy[cast("Connection", connection)]
-            place, worker.place = cast("int", worker.place), None
-            try:
-                answer = worker.connection.recv()
-            except (EOFError, OSError):
-                self._replace(worker, place)
-                continue
-            if isinstance(answer, ModuleNotFoundError):
-                raise answer
-            self._finished[place] = answer
-
-    def _replace(self, worker: _Worker, place: int) -> None:
-        """Try the item of a lost worker once more."""
-        self.lost += 1
-        self._workers.remove(worker)
-        worker.process.join()
-        code = worker.process.exitcode or 0
-        worker.end()
-        self._tries[place] += 1
-        if self._tries[place] < _TRIES:
-            self._waiting.appendleft(place)
-        else:
-            self._finished[place] = WorkerError(
-                f"the process that worked on it {_ending(code)}, {_TRIES} times",
-                remedy="read it alone with --workers 1; if memory was short, use fewer workers",
-            )
-
-
-def _ending(code: int) -> str:
-    return f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with {code}"
-
-
-def _start(task: Callable[[Item], Result]) -> _Worker:
+    A task that is under way then may remove what it did not finish.
+    """
     # No state of this process is in them, whichever threads it has.
     context = get_context("spawn")
-    ours, theirs = context.Pipe()
-    process = context.Process(target=_work, args=(theirs, task), daemon=True)
-    process.start()
-    theirs.close()
-    return _Worker(process=process, connection=ours)
+    lifeline, own_end = context.Pipe(duplex=False)
+    pools: list[_Pool] = []
+
+    def opened(workers: int) -> _Pool:
+        pools.append(_Pool(workers, mp_context=context, initializer=_begin, initargs=(lifeline,)))
+        return pools[-1]
+
+    try:
+        yield opened
+    finally:
+        own_end.close()
+        for pool in pools:
+            pool.shutdown(cancel_futures=True)
+        lifeline.close()
 
 
-def _work(connection: Connection, task: Callable[[Item], Result]) -> None:
-    """Answer items until the other end is closed; Ctrl-C is the other end's business."""
+class _Pool(ProcessPoolExecutor):
+    def submit(
+        self, task: Callable[_P, _Answer], /, *arguments: _P.args, **options: _P.kwargs
+    ) -> Future[_Answer]:
+        return super().submit(_work, task, *arguments, **options)
+
+
+def _begin(lifeline: Connection) -> None:
+    """Prepare a process of a pool; Ctrl-C is the business of the one that opened it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+
+
+def _work(task: Callable[_P, _Answer], /, *arguments: _P.args, **options: _P.kwargs) -> _Answer:
+    """The answer of ``task``, which may clean up where its process is ended."""
     signal.signal(signal.SIGTERM, _leave)
-    with suppress(EOFError, OSError):
-        while True:
-            item = connection.recv()
-            answer: object
-            try:
-                answer = attempt(task, item)
-            except ModuleNotFoundError as error:
-                answer = error
-            connection.send(answer)
+    try:
+        return task(*arguments, **options)
+    except SystemExit:
+        # The pool would take it for an answer.
+        os._exit(1)
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def _leave(number: int, _frame: FrameType | None) -> None:
     # Another one must not break off the removal of what is not finished.
     signal.signal(number, signal.SIG_IGN)
     raise SystemExit
+
+
+def _end_with(lifeline: Connection) -> None:
+    with suppress(EOFError, OSError):
+        lifeline.recv()
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(_END_S)
+    os._exit(1)

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What every executor promises, and what each does where a worker is lost."""
+"""What workers promise in this process, in others and on a cluster, and what a lost one costs."""
 
 from __future__ import annotations
 
 import re
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
@@ -17,44 +17,43 @@ import pytest
 from fleet import tasks
 from fleet.dask_processes import DaskProcesses, dask_processes
 from smarttestudo.domain.errors import RecordingError, TestudoError
-from smarttestudo.fleet.dask_cluster import ClusterError, DaskCluster, open_cluster
-from smarttestudo.fleet.executor import Executor, InProcess
-from smarttestudo.fleet.processes import Processes
+from smarttestudo.fleet.dask_cluster import ClusterError, open_cluster
+from smarttestudo.fleet.workers import Workers
 
 pytestmark = pytest.mark.full
 TIMEOUT_S = 60
 
 
 @contextmanager
-def on_dask(cluster: DaskProcesses) -> Iterator[DaskCluster]:
+def on_dask(cluster: DaskProcesses) -> Iterator[Workers]:
     """The cluster once all its workers are there, so that another is when one is lost."""
     from distributed import Client  # noqa: PLC0415  only full tests need it
 
     with Client(cluster.address, timeout=TIMEOUT_S, set_as_default=False) as client:
         client.wait_for_workers(len(cluster.workers), timeout=TIMEOUT_S)
-    with open_cluster(cluster.address, timeout_s=TIMEOUT_S, otherwise=InProcess()) as executor:
-        yield executor
+    with open_cluster(cluster.address, timeout_s=TIMEOUT_S) as opened:
+        yield Workers(1, opened)
 
 
 @pytest.fixture(params=["in_process", "in_processes", "on_dask"])
-def executor(request: pytest.FixtureRequest) -> Iterator[Executor]:
+def workers(request: pytest.FixtureRequest) -> Iterator[Workers]:
     if request.param == "on_dask":
         with on_dask(request.getfixturevalue("cluster")) as opened:
             yield opened
     else:
-        yield InProcess() if request.param == "in_process" else Processes(2)
+        yield Workers(1 if request.param == "in_process" else 2)
 
 
-def test_results_are_in_the_order_of_the_items(executor: Executor) -> None:
-    assert list(executor.map(tasks.square, range(40))) == [number**2 for number in range(40)]
-    assert list(executor.map(tasks.slow_first, range(20))) == list(range(20))
-    assert list(executor.map(tasks.square, [])) == []
-    assert list(executor.notices) == []
-    assert executor.failure is None
+def test_results_are_in_the_order_of_the_items(workers: Workers) -> None:
+    assert list(workers.map(tasks.square, range(40))) == [number**2 for number in range(40)]
+    assert list(workers.map(tasks.slow_first, range(20))) == list(range(20))
+    assert list(workers.map(tasks.square, [])) == []
+    assert list(workers.notices) == []
+    assert workers.failure is None
 
 
-def test_what_fails_costs_no_other(executor: Executor) -> None:
-    results = list(executor.map(tasks.odd_ones_fail, range(8)))
+def test_what_fails_costs_no_other(workers: Workers) -> None:
+    results = list(workers.map(tasks.odd_ones_fail, range(8)))
     assert [one for one in results if not isinstance(one, TestudoError)] == [0, 2, 4, 6]
     assert [str(one) for one in results if isinstance(one, TestudoError)] == [
         "bag 1: error: odd; even it out",
@@ -65,23 +64,21 @@ def test_what_fails_costs_no_other(executor: Executor) -> None:
     assert isinstance(results[1], RecordingError)
 
 
-def test_a_missing_package_is_raised_since_every_item_would_lack_it(executor: Executor) -> None:
+def test_a_missing_package_is_raised_since_every_item_would_lack_it(workers: Workers) -> None:
     with pytest.raises(ModuleNotFoundError) as raised:
-        list(executor.map(tasks.needs_a_package, range(3)))
+        list(workers.map(tasks.needs_a_package, range(3)))
     assert raised.value.name == "zzz"
 
 
-def test_no_more_than_a_bounded_number_is_begun_behind_a_slow_item(
-    executor: Executor, tmp_path: Path
-) -> None:
-    with closing(executor.map(partial(tasks.noted, tmp_path), range(200))) as results:
+def test_no_more_than_a_bounded_number_is_begun_behind_a_slow_item(workers: Workers, tmp_path: Path) -> None:
+    with closing(workers.map(partial(tasks.noted, tmp_path), range(200))) as results:
         assert next(results) == 0
         begun = sum(1 for _ in tmp_path.iterdir())
     assert begun <= 20
 
 
 def test_no_worker_waits_until_the_caller_is_done_with_a_result(tmp_path: Path) -> None:
-    with closing(Processes(1).map(partial(tasks.noted, tmp_path), range(200))) as results:
+    with closing(Workers(2).map(partial(tasks.noted, tmp_path), range(200))) as results:
         assert next(results) == 0
         end_s = time.monotonic() + 30
         while not (tmp_path / "1").exists():
@@ -89,33 +86,41 @@ def test_no_worker_waits_until_the_caller_is_done_with_a_result(tmp_path: Path) 
             time.sleep(0.01)
 
 
-def test_it_can_be_closed_before_the_end_and_used_again(executor: Executor) -> None:
-    with closing(executor.map(tasks.square, range(100))) as results:
+def test_it_can_be_closed_before_the_end_and_used_again(workers: Workers) -> None:
+    with closing(workers.map(tasks.square, range(100))) as results:
         assert next(results) == 0
-    assert list(executor.map(tasks.square, range(3))) == [0, 1, 4]
+    assert list(workers.map(tasks.square, range(3))) == [0, 1, 4]
+
+
+def failures(results: Sequence[object]) -> dict[int, str]:
+    return {place: str(one) for place, one in enumerate(results) if isinstance(one, TestudoError)}
+
+
+NAMED = (
+    "error: each process that worked on it was ended; "
+    "read it alone with --workers 1; if memory was short, use fewer workers"
+)
 
 
 def test_a_process_that_is_lost_costs_time_and_a_note(tmp_path: Path) -> None:
-    executor = Processes(2)
-    assert list(executor.map(partial(tasks.dies_once, tmp_path), range(20))) == list(range(20))
-    assert executor.notices == ("1 worker ended without an answer and was replaced",)
-
-
-def test_an_item_that_ends_each_worker_is_named_and_alone() -> None:
-    executor = Processes(2)
-    results = list(executor.map(tasks.always_dies, range(20)))
-    (failed,) = [one for one in results if isinstance(one, TestudoError)]
-    assert results.index(failed) == 5
-    assert str(failed) == (
-        "error: the process that worked on it was ended by SIGKILL, 2 times; "
-        "read it alone with --workers 1; if memory was short, use fewer workers"
+    workers = Workers(2)
+    assert list(workers.map(partial(tasks.dies_once, tmp_path), range(20))) == list(range(20))
+    (notice,) = workers.notices
+    assert re.fullmatch(
+        r"a worker ended without an answer: \d recordings? tried once more, each in a process of its own",
+        notice,
     )
-    assert [one for one in results if one is not failed] == [n for n in range(20) if n != 5]
-    assert executor.notices == ("2 workers ended without an answer and were replaced",)
+
+
+@pytest.mark.parametrize("culprits", [{0}, {5}, {19}, {5, 6}, {1, 11, 18}], ids=str)
+def test_each_item_that_ends_its_process_is_named_and_costs_no_other(culprits: set[int]) -> None:
+    results = list(Workers(2).map(partial(tasks.dies, culprits), range(20)))
+    assert failures(results) == dict.fromkeys(sorted(culprits), NAMED)
+    assert [one for one in results if isinstance(one, int)] == [n for n in range(20) if n not in culprits]
 
 
 def test_workers_that_are_ended_clean_up(tmp_path: Path) -> None:
-    with closing(Processes(2).map(partial(tasks.waits_to_be_ended, tmp_path), range(5))) as results:
+    with closing(Workers(2).map(partial(tasks.waits_to_be_ended, tmp_path), range(5))) as results:
         assert next(results) == 0
         end_s = time.monotonic() + 30
         while not any(tmp_path.iterdir()):
@@ -125,26 +130,25 @@ def test_workers_that_are_ended_clean_up(tmp_path: Path) -> None:
 
 
 def test_a_dask_worker_that_is_lost_costs_time(tmp_path: Path) -> None:
-    with dask_processes(tmp_path) as started, on_dask(started) as executor:
-        assert list(executor.map(partial(tasks.dies_once, tmp_path), range(20))) == list(range(20))
-        assert executor.failure is None
+    with dask_processes(tmp_path) as started, on_dask(started) as workers:
+        assert list(workers.map(partial(tasks.dies_once, tmp_path), range(20))) == list(range(20))
+        assert workers.failure is None
 
 
-def test_an_item_that_ends_dask_workers_is_named_and_alone(tmp_path: Path) -> None:
-    # Two are ended at the first try and two at the second. Nobody waits for one to be replaced.
-    with dask_processes(tmp_path, workers=5) as started, on_dask(started) as executor:
-        results = list(executor.map(tasks.always_dies, range(20)))
-    assert [str(one) for one in results if isinstance(one, TestudoError)] == [
-        "error: each worker that worked on it was ended; "
-        "read it alone, without --dask; if memory was short, use fewer workers a machine"
-    ]
-    assert [one for one in results if not isinstance(one, TestudoError)] == [n for n in range(20) if n != 5]
+@pytest.mark.parametrize("count", [1, 3])
+def test_an_item_that_ends_dask_workers_is_named_and_costs_no_other(count: int, tmp_path: Path) -> None:
+    # A worker that is ended is not replaced: it may be the last.
+    with dask_processes(tmp_path, workers=count) as started, on_dask(started) as workers:
+        results = list(workers.map(partial(tasks.dies, {5}), range(20)))
+    assert failures(results) == {5: NAMED}
+    assert [one for one in results if isinstance(one, int)] == [n for n in range(20) if n != 5]
+    assert (workers.failure is None) is (count > 2)
 
 
 @pytest.mark.parametrize("lost", ["scheduler", "workers", "scheduler that stands still"])
 def test_what_a_lost_cluster_leaves_is_worked_on_in_another_way(lost: str, tmp_path: Path) -> None:
-    with dask_processes(tmp_path) as started, on_dask(started) as executor:
-        with closing(executor.map(tasks.slow_first, range(200))) as results:
+    with dask_processes(tmp_path) as started, on_dask(started) as workers:
+        with closing(workers.map(tasks.slow_first, range(200))) as results:
             assert [next(results), next(results)] == [0, 1]
             if lost == "scheduler that stands still":
                 started.scheduler.send_signal(signal.SIGSTOP)
@@ -153,18 +157,18 @@ def test_what_a_lost_cluster_leaves_is_worked_on_in_another_way(lost: str, tmp_p
                     process.kill()
                     process.wait()
             assert list(results) == list(range(2, 200))
-        assert isinstance(executor.failure, ClusterError)
+        assert isinstance(workers.failure, ClusterError)
         assert re.fullmatch(
             rf"{started.address}: error: (its scheduler is gone|it has no worker any more); "
             r"\d+ recordings went to this machine instead; look at the cluster's own log",
-            str(executor.failure),
+            str(workers.failure),
         )
 
 
 def refused(address: str, timeout_s: float) -> str:
     """Why there is no cluster."""
     try:
-        with open_cluster(address, timeout_s=timeout_s, otherwise=InProcess()):
+        with open_cluster(address, timeout_s=timeout_s):
             return ""
     except ClusterError as error:
         return str(error)

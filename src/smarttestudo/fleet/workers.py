@@ -1,0 +1,216 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""One task for each of many recordings: in this process, in others, or on a cluster."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from smarttestudo.domain.errors import TestudoError, testudo_error
+from smarttestudo.domain.units import counted
+from smarttestudo.fleet.processes import OpenPool, process_pools
+
+if TYPE_CHECKING:
+    from smarttestudo.fleet.dask_cluster import DaskCluster
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+_AHEAD_PER_WORKER = 4
+"""Items that may be finished or under way behind one that takes long."""
+_POLL_S = 1.0
+
+
+class WorkerError(TestudoError):
+    """Workers ended without an answer."""
+
+
+class Workers:
+    """Work on one task for each of many items.
+
+    With one process and without a cluster this process works itself. What is unfinished when a pool of
+    processes breaks, or when the cluster loses it, is tried once more in a process of its own, so that it is
+    known which item ends a worker. What a lost cluster leaves goes to ``processes`` of this machine.
+    """
+
+    def __init__(self, processes: int, cluster: DaskCluster | None = None) -> None:
+        self._processes = processes
+        self._cluster = cluster
+        self._tried_again = 0
+        self.failure: TestudoError | None = None
+        """Why the cluster could not go on."""
+
+    @property
+    def notices(self) -> Sequence[str]:
+        """Losses that were made good, a line each."""
+        if not self._tried_again:
+            return ()
+        count = counted(self._tried_again, "recording")
+        return (f"a worker ended without an answer: {count} tried once more, each in a process of its own",)
+
+    def map(self, task: Callable[[Item], Result], items: Sequence[Item]) -> Generator[Result | TestudoError]:
+        """The result of ``task`` for each item, or the error that it ended with, in order.
+
+        It is given as soon as it is known. A bounded number of items is worked on ahead, so memory does not
+        grow with their number. All is let go of where it is closed. ``task`` is a function of a module, or a
+        ``partial`` of one. Raises ``ModuleNotFoundError`` for a package that a worker lacks.
+        """
+        if self._cluster is None and self._processes <= 1:
+            yield from (attempt(task, item) for item in items)
+            return
+        threads = ThreadPoolExecutor(self._processes)
+        try:
+            with process_pools() as open_pool:
+                run = _Run(
+                    partial(attempt, task),
+                    items,
+                    open_pool=open_pool,
+                    threads=threads,
+                    processes=self._processes,
+                    cluster=self._cluster,
+                )
+                try:
+                    yield from run.results()
+                finally:
+                    run.end()
+                    self._tried_again += run.tried_again
+                    self.failure = run.failure
+        finally:
+            threads.shutdown(cancel_futures=True)
+
+
+def attempt(task: Callable[[Item], Result], item: Item) -> Result | TestudoError:
+    """The result of ``task`` for ``item``, or the error that it ended with; a missing package is raised."""
+    try:
+        return task(item)
+    except ModuleNotFoundError:
+        raise
+    except Exception as error:  # noqa: BLE001 - one recording costs no other
+        return testudo_error(error)
+
+
+class _Run(Generic[Item, Result]):
+    """One pass over items."""
+
+    def __init__(
+        self,
+        work: Callable[[Item], Result | TestudoError],
+        items: Sequence[Item],
+        *,
+        open_pool: OpenPool,
+        threads: ThreadPoolExecutor,
+        processes: int,
+        cluster: DaskCluster | None,
+    ) -> None:
+        self._work = work
+        self._items = items
+        self._open_pool = open_pool
+        self._threads = threads
+        self._processes = processes
+        self._cluster = cluster
+        self._pool: Executor | None = None
+        self._ahead = _AHEAD_PER_WORKER * (processes if cluster is None else cluster.threads)
+        self._begun = 0
+        self._under_way: deque[Future[Result | TestudoError]] = deque()
+        self._alone: set[Future[Result | TestudoError]] = set()
+        self.tried_again = 0
+        self.failure: TestudoError | None = None
+
+    def results(self) -> Generator[Result | TestudoError]:
+        for _ in self._items:
+            self._submit_more()
+            self._await_first()
+            if self._is_lost(self._under_way[0]):
+                self._try_again()
+            answer = self._under_way.popleft().result()
+            # Nobody is idle while the caller works on what it is given.
+            self._submit_more()
+            yield answer
+
+    def end(self) -> None:
+        """Let a cluster go on without what is under way; processes end with their pools."""
+        if self._cluster is not None and self._pool is not None:
+            with suppress(Exception):
+                self._pool.shutdown(wait=False)
+
+    def _submit_more(self) -> None:
+        """Submit what is next; what a broken pool left comes before another pool is opened."""
+        while (
+            self._begun < len(self._items)
+            and len(self._under_way) < self._ahead
+            and (self._pool is not None or not self._under_way)
+        ):
+            future = self._submitted(self._items[self._begun])
+            if future is not None:
+                self._under_way.append(future)
+                self._begun += 1
+
+    def _submitted(self, item: Item) -> Future[Result | TestudoError] | None:
+        """The future of ``item``; None where the pool is broken."""
+        try:
+            if self._pool is None:
+                self._pool = (
+                    self._open_pool(self._processes) if self._cluster is None else self._cluster.open_pool()
+                )
+            return self._pool.submit(self._work, item)
+        except BrokenExecutor:
+            pass
+        except Exception:  # a closed client raises all kinds
+            if self._cluster is None:
+                raise
+        self._give_up_pool()
+        return None
+
+    def _await_first(self) -> None:
+        """Wait until the first is done, or its pool is lost."""
+        while not wait([self._under_way[0]], _POLL_S).done:
+            if self._cluster is not None and self._cluster.loss():
+                return
+
+    def _is_lost(self, future: Future[Result | TestudoError]) -> bool:
+        """Whether a worker or its pool owes the answer; an error of the task is an answer."""
+        if future in self._alone:
+            return False
+        return (
+            not future.done()
+            or future.cancelled()
+            or not isinstance(future.exception(), ModuleNotFoundError | None)
+        )
+
+    def _try_again(self) -> None:
+        """Try what is lost once more, each in a process of its own."""
+        first, start = self._under_way[0], self._begun - len(self._under_way)
+        is_broken = not first.done() or first.cancelled() or isinstance(first.exception(), BrokenExecutor)
+        if is_broken:
+            self._give_up_pool()
+        for place, future in enumerate(self._under_way):
+            if self._is_lost(future) and (is_broken or future.done()):
+                again = self._threads.submit(self._work_alone, self._items[start + place])
+                self._under_way[place] = again
+                self._alone.add(again)
+                self.tried_again += 1
+
+    def _give_up_pool(self) -> None:
+        self._pool = None
+        if self._cluster is not None:
+            rest = len(self._items) - self._begun + len(self._under_way)
+            self.failure, self._cluster = self._cluster.failure(rest), None
+            self._ahead = _AHEAD_PER_WORKER * self._processes
+
+    def _work_alone(self, item: Item) -> Result | TestudoError:
+        try:
+            with self._open_pool(1) as pool:
+                return pool.submit(self._work, item).result()
+        except BrokenExecutor:
+            return WorkerError(
+                "each process that worked on it was ended",
+                remedy="read it alone with --workers 1; if memory was short, use fewer workers",
+            )
+        except ModuleNotFoundError:
+            raise
+        except Exception as error:  # noqa: BLE001 - an answer that no process can send
+            return testudo_error(error)
