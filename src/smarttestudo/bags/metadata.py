@@ -4,13 +4,10 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
-from contextlib import closing
 from dataclasses import field
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
@@ -104,14 +101,14 @@ def _text_in_mcap(path: Path) -> str | None:
 
 
 def _text_in_sqlite(path: Path) -> str | None:
-    import sqlite3  # noqa: PLC0415  slow to import
+    from smarttestudo.bags.sqlite.database import BROKEN, open_database, require_tables  # noqa: PLC0415
 
-    address = f"file:{quote(os.fsencode(path.absolute()))}?mode=ro&immutable=1"
     try:
-        with closing(sqlite3.connect(address, uri=True)) as database:
+        with open_database(path) as database:
             database.execute("PRAGMA writable_schema=ON")
+            require_tables(database, "metadata")
             row = database.execute("SELECT metadata FROM metadata ORDER BY id DESC LIMIT 1").fetchone()
-    except (sqlite3.Error, *_WRONG_SHAPE):
+    except (RecordingError, *BROKEN):
         return None
     return None if row is None else str(row[0])
 

@@ -16,9 +16,15 @@ import apsw
 from smarttestudo.bags.definition_text import normal_definition
 from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.bags.sqlite.log import WriteAheadLog
+from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel
 
 _FLAGS = apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI
+_STEPS_PER_BYTE = 50
+"""The shortest row has some ten bytes, and no query takes more than a hundred steps for one."""
+_LEAST_STEPS = 10_000_000
+_STEPS_BETWEEN_CHECKS = 10_000
+_READABLE_KINDS = ("table", "view")
 
 
 class DatabaseFile:
@@ -97,7 +103,35 @@ def open_database(path: Path, log: WriteAheadLog | None = None) -> Iterator[apsw
             # SQLite does not say why: too many open files are no damage.
             path.open("rb").close()
             raise
-        yield opened.enter_context(closing(database))
+        opened.enter_context(closing(database))
+        _limit_work(database, path.stat().st_size if system is None else file.file_bytes)
+        yield database
+
+
+def _limit_work(database: apsw.Connection, file_bytes: int) -> None:
+    """Interrupt queries that take many times the steps of a file's rows: its pages may point in circles."""
+    checks = iter(range((_LEAST_STEPS + _STEPS_PER_BYTE * file_bytes) // _STEPS_BETWEEN_CHECKS))
+    database.set_progress_handler(lambda: next(checks, None) is None, _STEPS_BETWEEN_CHECKS)
+
+
+def require_tables(database: apsw.Connection, *names: str) -> None:
+    """Raise ``RecordingError`` where one of ``names`` is there and is more than a table of stored values.
+
+    A view, or a column that is computed, may be a query without an end.
+    """
+    for name, kind, root_page in database.execute(
+        "SELECT name, type, rootpage FROM sqlite_master"
+    ).fetchall():
+        if kind not in _READABLE_KINDS or str(name).lower() not in names:
+            continue
+        is_computed = database.execute("SELECT 1 FROM pragma_table_xinfo(?) WHERE hidden > 0", (name,))
+        if kind == "view" or not root_page or is_computed.fetchall():
+            what = "a view" if kind == "view" else "computed"
+            raise RecordingError(
+                f"its {name} is {what}: only tables of stored values are read",
+                place=database.filename,
+                remedy="copy its rows into a table",
+            )
 
 
 @contextmanager
@@ -152,8 +186,9 @@ BROKEN = (apsw.Error, LookupError, TypeError, ValueError)
 def read_topics(database: apsw.Connection, qos: QosReader) -> dict[int, Channel]:
     """The channels that SQLite can read, by their numbers.
 
-    Raises one of ``BROKEN`` where it finds no table of them.
+    Raises one of ``BROKEN`` where it finds no table of them, and as ``require_tables``.
     """
+    require_tables(database, "topics", "messages", "message_definitions")
     definitions = _definitions(database)
     channels: dict[int, Channel] = {}
     rows = database.execute("SELECT * FROM topics ORDER BY id")
