@@ -168,6 +168,10 @@ def test_an_empty_profile_knows_nothing(tmp_path: Path) -> None:
             '[topics."odom"]\n[topics."/odom"]\npriority = 2',
             ":2:1: error: the topic /odom has a table already; keep one of the two tables",
         ),
+        *(
+            (f"\n{key} = 1", ":2:1: error: a key has more than 10 parts; is it the right file?")
+            for key in ("a." * 20_000 + "a", "[" + "a . " * 20_000 + "a]", '"a".' * 20_000 + "'a'")
+        ),
         ('topics = "x"', ':1:1: error: topics must be tables such as [topics."/odom"]'),
     ],
 )

@@ -21,6 +21,10 @@ else:
 MAX_PROFILE_BYTES = 1_000_000
 KeyPath = tuple[str, ...]
 _KEY = re.compile(r"\s*([A-Za-z0-9_.\"'/-]+)\s*=")
+MAX_KEY_PARTS = 10
+_KEY_PART = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
+# A reader of TOML takes time by the square of the parts of a key.
+_DEEP_KEY = re.compile(rf"(?<![A-Za-z0-9_-])(?:{_KEY_PART}[ \t]*\.[ \t]*){{{MAX_KEY_PARTS}}}")
 _MANY_DIGITS = re.compile(r"\d[\d_]{999}")
 _AT_LINE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)\Z", re.DOTALL)
 
@@ -33,6 +37,12 @@ def parse_toml(text: str, path: Path) -> tuple[dict[str, object], dict[KeyPath, 
     Raises ``ProfileError`` with the place for what is no TOML.
     """
     _, text = without_mark(text)
+    if deep := _DEEP_KEY.search(text):
+        raise ProfileError(
+            f"a key has more than {MAX_KEY_PARTS} parts",
+            place=_place(text, deep, path),
+            remedy="is it the right file?",
+        )
     try:
         values: dict[str, object] = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -52,11 +62,14 @@ def parse_toml(text: str, path: Path) -> tuple[dict[str, object], dict[KeyPath, 
 
 def _too_many_digits(text: str, path: Path) -> ProfileError:
     """Error for a whole number of so many digits that Python does not read it."""
-    matched = _MANY_DIGITS.search(text)
-    line = "" if matched is None else f":{text.count(chr(10), 0, matched.start()) + 1}:1"
+    place = _place(text, _MANY_DIGITS.search(text), path)
     return ProfileError(
-        "a number has thousands of digits", place=f"{path}{line}", remedy="write it shorter, as in 1500.0"
+        "a number has thousands of digits", place=place, remedy="write it shorter, as in 1500.0"
     )
+
+
+def _place(text: str, found: re.Match[str] | None, path: Path) -> str:
+    return str(path) if found is None else f"{path}:{text.count(chr(10), 0, found.start()) + 1}:1"
 
 
 def read_toml_text(path: Path) -> str:
