@@ -78,7 +78,7 @@ _stamp_of = attrgetter("stamp_ns")
 
 
 def with_later(sent: Iterable[Message]) -> Iterator[tuple[Message, Later]]:
-    """Each message with those of its stamp that come after it; valid until the next one is taken."""
+    """Messages, each with those of its stamp that come after it; valid until the next one is taken."""
     for _, group in groupby(sent, key=_stamp_of):
         of_stamp = list(group)
         later = Counter(message.digest for message in of_stamp)

@@ -13,7 +13,7 @@ from smarttestudo.accuracy.track import Message
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.record import JsonObject
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import FIRST_STAMP_NS, NS_PER_S
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.decision_log import with_run_starts
 
@@ -118,7 +118,7 @@ def bounds_in_force(rule_set: RuleSet, topic: str, decisions: Sequence[Decision]
     These are in the order in which they were taken, of one run after the other.
     """
     if not needs_decisions(rule_set, topic):
-        return ((0, rule_set.bounds.get(topic, {})),)
+        return ((FIRST_STAMP_NS, rule_set.bounds.get(topic, {})),)
     found: list[BoundsFrom] = []
     run_ns: int | None = None
     for began_ns, one in with_run_starts(decisions):

@@ -15,7 +15,7 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.recording import TWO_TYPES, Channel, RecordingReader
-from smarttestudo.domain.units import LAST_STAMP_NS, counted
+from smarttestudo.domain.units import FIRST_STAMP_NS, LAST_STAMP_NS, counted
 from smarttestudo.pacing.cdr import STREAM_TYPES, StreamReader
 
 _MESSAGES_PER_REPORT = 4096
@@ -70,7 +70,7 @@ class SampleTaker:
         readings: Mapping[str, TopicReading],
         declared_bytes: Mapping[str, int],
         *,
-        start_ns: int = 0,
+        start_ns: int = FIRST_STAMP_NS,
         end_ns: int = LAST_STAMP_NS,
     ) -> None:
         self._readings = readings

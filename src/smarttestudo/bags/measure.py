@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from itertools import groupby, islice
+from itertools import chain, groupby, islice
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,7 +28,7 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.intervals import Intervals
 from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader
-from smarttestudo.domain.units import grouped
+from smarttestudo.domain.units import counted, grouped
 from smarttestudo.pacing.cdr import STAMPED_BYTES, header_stamp_ns
 
 if TYPE_CHECKING:
@@ -115,7 +115,8 @@ def measure_bag(path: Path, report: Callable[[float], None], *, with_latency: bo
         counters = {channel.topic: TopicCounter(with_latency=with_latency) for channel in recording.channels}
         sizes = _sizes_noting_latency(recording, types, counters) if with_latency else recording.sizes()
         _count(path, recording, sizes, counters, report)
-        return _summary(path, recording, counters, _undefined(recording, types))
+        notices = chain(_undefined(recording, types), _clock_notices(counters))
+        return _summary(path, recording, counters, notices)
 
 
 def measure_run(
@@ -246,6 +247,24 @@ def _incident(path: Path, span: RecordingSpan) -> tuple[IncidentRecord | None, t
     except RecordingError as error:
         return None, (f"what happened is not known: {error}",)
     return record, () if record is None else tuple(incident_notices(record, span))
+
+
+def _clock_notices(counters: Mapping[str, TopicCounter]) -> Iterator[str]:
+    """Topics whose headers are stamped by another clock than that of their reception."""
+    latencies = {topic: one.latencies for topic, one in sorted(counters.items()) if one.latencies}
+    others = {topic: one for topic, one in latencies.items() if one.of_other_clocks}
+    wholly = [topic for topic, one in others.items() if one.of_other_clocks == one.messages]
+    if wholly:
+        yield (
+            f"{', '.join(wholly)}: the clocks differ: header.stamp is of another clock than the reception, "
+            "as simulated time or the time since a start, so there is no latency"
+        )
+    for topic, one in others.items():
+        if topic not in wholly:
+            yield (
+                f"{topic}: the clocks differ in {grouped(one.of_other_clocks)} of "
+                f"{counted(one.messages, 'message')}, which are left out of its latency"
+            )
 
 
 def _undefined(recording: RecordingReader, types: MessageTypes) -> Iterator[str]:

@@ -25,7 +25,8 @@ _NO_DESCRIPTOR = (errno.EMFILE, errno.ENFILE)
 def open_recording(path: Path) -> Iterator[RecordingReader]:
     """The recording at ``path``: a rosbag2 folder, a .db3 or an .mcap file, also packed as ``.zstd``.
 
-    A file of several that cannot be read costs what is in it, and a notice.
+    A file of several that cannot be read costs what is in it, and a notice, and so do messages whose stamps
+    are of another time than the others.
 
     Raises:
         RecordingError: there is no bag at ``path``, or nothing of it can be read.
@@ -36,7 +37,9 @@ def open_recording(path: Path) -> Iterator[RecordingReader]:
         parts = _open_parts(bag, opened, notices)
         metadata = bag.metadata if bag.metadata.file_names else _metadata_within(parts)
         lacks_files = bool(bag.missing) or len(parts) < len(bag.paths)
-        yield RosbagRecording(parts, metadata, notices, lacks_files=lacks_files)
+        recording = RosbagRecording(parts, metadata, notices, lacks_files=lacks_files)
+        recording.leave_out_strays()
+        yield recording
 
 
 def _open_parts(bag: BagFiles, opened: ExitStack, notices: list[str]) -> Sequence[RecordingPart]:

@@ -19,6 +19,7 @@ from typing import TypeVar
 from smarttestudo.bags import magic
 from smarttestudo.bags.metadata import BagMetadata
 from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
+from smarttestudo.bags.stray_stamps import YEAR_NS, StrayStamps, stray_stamps
 from smarttestudo.bags.written_order import LEAST_BACK_NS, notices_of_back
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
@@ -159,21 +160,33 @@ class RosbagRecording:
         self.channels: Sequence[Channel] = self._used_channels()
         self.custom_data: Mapping[str, str] = metadata.custom_data
         self.declared_bytes: Mapping[str, int] = self._declared_bytes()
+        self._strays: StrayStamps | None = None
+
+    def leave_out_strays(self) -> None:
+        """Leave out messages of another time from now on; a recording of over a year is read for it."""
+        if self.end_ns - self.start_ns > YEAR_NS:
+            self._strays = stray_stamps(self.sizes())
+            self._broken.clear()
 
     @property
     def start_ns(self) -> int:
         """Stamp of the first message that can be read, as far as that is known."""
+        if self._strays is not None:
+            return self._strays.start_ns
         return min((file.start_ns for file in self._filled), default=0)
 
     @property
     def end_ns(self) -> int:
         """Stamp of the last message that can be read, as far as that is known."""
+        if self._strays is not None:
+            return self._strays.end_ns
         return max((file.end_ns for file in self._filled), default=0)
 
     @property
     def message_count(self) -> int | None:
         """Messages that can be read, as far as that is known."""
-        return sum(part.file.message_count for part in self._parts)
+        strays = 0 if self._strays is None else self._strays.total
+        return sum(part.file.message_count for part in self._parts) - strays
 
     @property
     def readable_share(self) -> float | None:
@@ -210,7 +223,8 @@ class RosbagRecording:
         ]
         if self._between_files is None:
             self._between_files = [*self._notices_between_files()] if self._is_order_known else []
-        return [*self._notices, *lost, *self._between_files, *broken]
+        strays = [] if self._strays is None else [self._strays.notice()]
+        return [*self._notices, *lost, *self._between_files, *broken, *strays]
 
     def _used_channels(self) -> Sequence[Channel]:
         """The channels, those with messages first where a topic has several; of another type no others."""
@@ -278,9 +292,10 @@ class RosbagRecording:
     def _in_time_order(
         self, read: Callable[[StoredFile], Iterator[tuple[Channel, int, _T]]]
     ) -> Iterator[tuple[Channel, int, _T]]:
-        """Results of ``read`` of all files, merged."""
+        """Results of ``read`` of all files, merged, without those of another time."""
         filled = self._filled
-        return read(filled[0]) if len(filled) == 1 else _merged(filled, read)
+        entries = read(filled[0]) if len(filled) == 1 else _merged(filled, read)
+        return entries if self._strays is None else self._strays.left_out_of(entries)
 
     def _messages_of(
         self, file: StoredFile, *, topics: Collection[str] | None = None

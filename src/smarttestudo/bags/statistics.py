@@ -103,7 +103,7 @@ _P95_PERCENT = 95
 class Latency:
     """Receive time minus ``header.stamp``: its mean, the least that 95 % do not exceed, and the largest.
 
-    ``None`` where no message has a stamp. Below zero, or years, where the two come from different clocks.
+    ``None`` where no message has a stamp of the clock of its reception.
     """
 
     mean_s: Annotated[float | None, JsonEntry(name="latency_mean_s")] = None
@@ -111,17 +111,33 @@ class Latency:
     max_s: Annotated[float | None, JsonEntry(name="latency_max_s")] = None
 
 
-class LatencyAccumulator:
-    """Takes a topic's latencies one by one; memory grows by 8 bytes for each."""
+_ONE_CLOCK_NS = range(-60 * NS_PER_S, 86_400 * NS_PER_S)
+"""A message that is older, or that comes so long before it was sent, has a stamp of another clock."""
 
-    __slots__ = ("_latencies_ns",)
+
+class LatencyAccumulator:
+    """Takes a topic's latencies one by one; memory grows by 8 bytes for each.
+
+    ``of_other_clocks`` counts messages that no clock of both ends stamped: those have no latency.
+    """
+
+    __slots__ = ("_latencies_ns", "of_other_clocks")
 
     def __init__(self) -> None:
         self._latencies_ns = array("q")
+        self.of_other_clocks = 0
+
+    @property
+    def messages(self) -> int:
+        """Messages that have a stamp."""
+        return len(self._latencies_ns) + self.of_other_clocks
 
     def add(self, latency_ns: int) -> None:
         """Count one message."""
-        self._latencies_ns.append(latency_ns)
+        if latency_ns in _ONE_CLOCK_NS:
+            self._latencies_ns.append(latency_ns)
+        else:
+            self.of_other_clocks += 1
 
     def latency(self) -> Latency:
         """The numbers over all messages so far."""

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from smarttestudo.bags.stray_stamps import YEAR_NS
 from smarttestudo.domain.units import NS_PER_S
 
 LEAST_BACK_NS = NS_PER_S
@@ -13,8 +14,11 @@ SAMPLES = 2000
 
 
 def notices_of_back(back_ns: int) -> list[str]:
-    """The notice that stamps of a topic go back by so much, if that is worth one."""
-    if back_ns <= LEAST_BACK_NS:
+    """The notice that stamps of a topic go back by so much, if that is worth one.
+
+    Those that go back by years are left out of the recording, which says so itself.
+    """
+    if not LEAST_BACK_NS < back_ns <= 2 * YEAR_NS:
         return []
     return [
         f"stamps go back by up to {back_ns / NS_PER_S:.1f} s, as where a clock was set: "

@@ -15,6 +15,8 @@ BYTES_PER_GB = 1_000_000_000
 
 LAST_STAMP_NS = 2**63 - 1
 """The latest time that ROS and recordings can represent, in the year 2262."""
+FIRST_STAMP_NS = -(2**63)
+"""The earliest one, before 1970."""
 
 
 def ns_from_s(seconds: float) -> int:
