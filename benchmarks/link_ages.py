@@ -21,14 +21,13 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from typing import Any
 
-from smarttestudo.demo.network_namespaces import ThinLink, require_links, thin_link
-from smarttestudo.domain.errors import NetworkError
 from thin_link.cases import CASES, WARM_S, Arrival, Case, Seen, Target
 from thin_link.ends import role
 from thin_link.fleet import be_fleet, be_router, be_stuck
 from thin_link.limits import LIMITS, TRAFFIC, measure_limit
+from thin_link.network_namespaces import NetworkError, ThinLink, require_links, thin_link
 from thin_link.roles import Topic, be_flow_sink, be_flow_source, be_operator, be_robot
-from thin_link.tables import print_arrivals, print_limits, print_targets
+from thin_link.tables import print_ages, print_limits, print_rates, print_targets
 
 CONTENDERS = {"testudo": "SmartTestudo", "zenoh": "plain Zenoh", "fastdds": "Fast DDS"}
 GRACE_S = 0.5
@@ -135,7 +134,8 @@ def compare(arguments: argparse.Namespace) -> None:
         # Whatever ends it, an hour's figures are not lost.
         names = {one: CONTENDERS[one] for one in contenders}
         if seen:
-            print_arrivals(seen, names)
+            print_rates(seen, names)
+            print_ages(seen, names)
             print_targets(seen, names)
         if limits:
             print_limits({LIMITS[name][0]: runs for name, runs in limits.items() if runs})

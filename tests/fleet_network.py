@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from smarttestudo.demo.network_namespaces import in_namespace
+from thin_link.network_namespaces import in_namespace
 
 SERVER = "server"
 SERVER_ADDRESS = "10.98.0.1"

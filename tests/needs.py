@@ -21,10 +21,9 @@ from pathlib import Path
 import pytest
 
 from axe import AXE
-from smarttestudo.demo.network_namespaces import require_links
-from smarttestudo.domain.errors import NetworkError
 from smarttestudo.robot.ros.rcl.relay_library import LIBRARY
 from smarttestudo.ruler.server.page import is_page_built
+from thin_link.network_namespaces import NetworkError, require_links
 
 _TESTS = Path(__file__).parent
 _FILES_WITH_EXTRAS = ("docs/test_site.py", "docs/test_site_search.py", "fleet/test_workers.py")

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from smarttestudo.demo.network_namespaces import ThinLink, thin_link
+from thin_link.network_namespaces import ThinLink, thin_link
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from live.processes import Process
-from smarttestudo.demo.network_namespaces import in_namespace
 from thin_link.fast_dds import ENVIRONMENT
+from thin_link.network_namespaces import in_namespace
 
 _SCRIPT = Path(__file__).parents[1] / "link_ages.py"
 

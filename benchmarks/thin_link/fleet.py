@@ -10,11 +10,11 @@ import threading
 import time
 from contextlib import ExitStack
 
-from smarttestudo.demo.network_namespaces import OPERATOR_ADDRESS
 from smarttestudo.domain.link import LinkNeeds, StreamInfo
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.security import LinkOptions
+from thin_link.network_namespaces import OPERATOR_ADDRESS
 from thin_link.roles import ENDPOINT, warn
 
 ROUTER = f"tcp/{OPERATOR_ADDRESS}:7449"

@@ -16,10 +16,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from live.processes import Process
-from smarttestudo.demo.network_namespaces import ThinLink, thin_link
 from thin_link.cases import IMAGE, SMALL, Target
 from thin_link.ends import process, role
 from thin_link.fleet import FLEET_BYTES_PER_S, ROUTER
+from thin_link.network_namespaces import ThinLink, thin_link
 from thin_link.roles import ENDPOINT, Topic
 
 STOPPED_S, STOP_AT_S, GO_ON_S = 30.0, 5.0, 20.0

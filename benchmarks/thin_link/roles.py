@@ -21,8 +21,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 
-from smarttestudo.demo.network_namespaces import OPERATOR_ADDRESS
 from thin_link.fast_dds import fast_dds_operator, fast_dds_robot
+from thin_link.network_namespaces import OPERATOR_ADDRESS
 
 ENDPOINT = f"tcp/{OPERATOR_ADDRESS}:7447"
 FLOW_PORT = 7448
@@ -219,7 +219,7 @@ def _testudo_operator(note: Note, endpoint: str) -> Iterator[None]:
 
 @contextmanager
 def _zenoh_robot(topics: Sequence[Topic], endpoint: str) -> Iterator[_Publishing]:
-    from smarttestudo.link.zenoh.plain import plain_robot  # noqa: PLC0415  needs zenoh
+    from thin_link.plain_zenoh import plain_robot  # noqa: PLC0415  needs zenoh
 
     priorities = {one.name: one.zenoh_priority for one in topics}
     with plain_robot(endpoint, priorities, compresses=_compresses(topics)) as (puts, is_connected):
@@ -228,7 +228,7 @@ def _zenoh_robot(topics: Sequence[Topic], endpoint: str) -> Iterator[_Publishing
 
 @contextmanager
 def _zenoh_operator(note: Note, topics: Sequence[Topic], endpoint: str) -> Iterator[None]:
-    from smarttestudo.link.zenoh.plain import plain_operator  # noqa: PLC0415  needs zenoh
+    from thin_link.plain_zenoh import plain_operator  # noqa: PLC0415  needs zenoh
 
     with plain_operator(endpoint, note, compresses=_compresses(topics)):
         yield

@@ -16,28 +16,39 @@ Runs = Mapping[str, Sequence[Seen]]
 """What each contender brought in each run."""
 
 
-def print_arrivals(seen: Mapping[Case, Runs], names: Mapping[str, str]) -> None:
-    """The rate and the ages of each topic."""
+def print_rates(seen: Mapping[Case, Runs], names: Mapping[str, str]) -> None:
+    """How often each topic came, and which share of the link that took."""
     print(
-        "\n| link and traffic | topic, offered Hz |",
-        *(f"{one}: Hz | age in s: p50, p95, max |" for one in names.values()),
+        "\n| link and traffic | rate at the operator of | offered Hz |",
+        *(f"{one}: Hz |" for one in names.values()),
     )
-    print("| --- | --- |" + " ---: |" * 2 * len(names))
+    print("| --- | --- |" + " ---: |" * (1 + len(names)))
     for case, runs in seen.items():
         for number, topic in enumerate(case.topics):
-            cells = [case.title if not number else "", f"`{topic.name}` {topic.hz:.3g}"]
-            for contender in names:
-                cells += _topic_cells(runs.get(contender, ()), topic)
-            print(_row(cells))
+            rates = (_spread([one.rate_hz(topic) for one in runs.get(each, ())], ".2f") for each in names)
+            print(_row([case.title if not number else "", f"`{topic.name}`", f"{topic.hz:.3g}", *rates]))
+        used = (_spread([one.used for one in runs.get(each, ())], ".0%") for each in names)
+        print(_row(["", "share of the link used", "", *used]))
 
 
-def _topic_cells(runs: Sequence[Seen], topic: Topic) -> list[str]:
-    rates_hz = [one.rate_hz(topic) for one in runs]
+def print_ages(seen: Mapping[Case, Runs], names: Mapping[str, str]) -> None:
+    """How old messages were when they arrived: median, 95th percentile and maximum."""
+    print(
+        "\n| link and traffic | age at the operator of |",
+        *(f"{one}: p50, p95, max in s |" for one in names.values()),
+    )
+    print("| --- | --- |" + " ---: |" * len(names))
+    for case, runs in seen.items():
+        for number, topic in enumerate(case.topics):
+            ages = (_ages(runs.get(each, ()), topic) for each in names)
+            print(_row([case.title if not number else "", f"`{topic.name}`", *ages]))
+
+
+def _ages(runs: Sequence[Seen], topic: Topic) -> str:
     ages_s = [ages for one in runs if (ages := one.ages_s([topic]))]
     if not ages_s:
-        return ["0", "–"]
-    spreads = (_spread([quantile(ages, share) for ages in ages_s], ".3f") for share in _SHARES)
-    return [_spread(rates_hz, ".2f"), ", ".join(spreads)]
+        return "–"
+    return ", ".join(_spread([quantile(ages, share) for ages in ages_s], ".3f") for share in _SHARES)
 
 
 def print_targets(seen: Mapping[Case, Runs], names: Mapping[str, str]) -> None:
@@ -52,20 +63,8 @@ def print_targets(seen: Mapping[Case, Runs], names: Mapping[str, str]) -> None:
             first = next(each[0] for each in found.values() if each)
             cells = [case.title if not number else "", first.wanted]
             print(_row([*cells, *(_judged(each) for each in found.values())]))
-        for name, costs in _costs(runs, names).items():
-            print(_row(["", name, *costs]))
-
-
-def _costs(runs: Runs, names: Mapping[str, str]) -> Mapping[str, list[str]]:
-    """What no target is about."""
-    return {
-        "share of the link used": [
-            _spread([one.used for one in runs.get(each, ())], ".0%") for each in names
-        ],
-        "s of CPU for a MB sent": [
-            _spread([one.cpu_s_per_mb for one in runs.get(each, ())], ".3f") for each in names
-        ],
-    }
+        costs = (_spread([one.cpu_s_per_mb for one in runs.get(each, ())], ".3f") for each in names)
+        print(_row(["", "s of CPU for a MB sent", *costs]))
 
 
 def print_limits(limits: Mapping[str, Sequence[Sequence[Target]]]) -> None:

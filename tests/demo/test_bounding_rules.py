@@ -122,15 +122,6 @@ def test_the_screen_and_the_report_show_the_ways_beside_each_other(
         assert text in page
 
 
-def test_a_mission_is_not_driven_over_a_link(tmp_path: Path) -> None:
-    ran: Ran = run_testudo(
-        "demo", "--mission", EXAMPLES / "errands.mission.toml", "--link", "2mbit", "--out", tmp_path / "out"
-    )
-
-    assert ran.code == 2
-    assert "--mission" in ran.stderr
-
-
 @pytest.mark.full
 def test_a_robot_that_never_stops_is_held_no_better_within_a_bound_than_at_a_fixed_rate(
     demo_out: Path, whole_demo: Ran, tmp_path: Path

@@ -6,11 +6,9 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 import shlex
 import shutil
 import sys
-from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,7 +24,6 @@ from smarttestudo.domain.robot import DiscoveryRange, Robot
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.report.comparison_tables import bandwidth_table, frequency_table
-from smarttestudo.report.link_comparison import arrival_ages_table, arrival_rates_table
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.discovery import discovery_variables
 
@@ -37,11 +34,6 @@ if TYPE_CHECKING:
 
 _DEFAULT_OUT = Path("demo-out")
 _DEFAULT_SECONDS = 200.0
-_DEFAULT_LINK_SECONDS = 60.0
-_LEAST_LINK_SECONDS = 5.0
-_RATE = re.compile(r"(\d{1,9}(?:\.\d{1,6})?)(k|m|g)?bit", re.ASCII | re.IGNORECASE)
-_BITS: Mapping[str, int] = {"": 1, "k": 1_000, "m": 1_000_000, "g": 1_000_000_000}
-_LEAST_BIT_PER_S, _MOST_BIT_PER_S = 64_000, 100_000_000
 
 
 def add_arguments(parser: CommandParser) -> None:
@@ -62,11 +54,10 @@ def add_arguments(parser: CommandParser) -> None:
         "--seconds",
         metavar="S",
         type=seconds,
-        help="length of the mission; a round takes about 200 s "
-        f"(default: {_DEFAULT_SECONDS:g}, with --link {_DEFAULT_LINK_SECONDS:g})",
+        default=_DEFAULT_SECONDS,
+        help="length of the mission; a round takes about 200 s (default: %(default)g)",
     )
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument(
+    parser.add_argument(
         "--live",
         action="store_true",
         help="in real time over a real ROS graph: the robot, the runtime and a recorder as processes",
@@ -76,13 +67,6 @@ def add_arguments(parser: CommandParser) -> None:
         action="store_true",
         help="with --live: the robot has masses, wheels that slip and odometry that drifts (needs the extra "
         "physics)",
-    )
-    where.add_argument(
-        "--link",
-        metavar="RATE",
-        type=link_bit_per_s,
-        help="in real time across a link that carries so much, as in 2mbit: robot and operator in two "
-        "network namespaces, then the same over plain Zenoh and over Fast DDS (needs root and iproute2)",
     )
     add_simulation(
         parser,
@@ -104,24 +88,8 @@ def run(arguments: argparse.Namespace) -> int:
     from smarttestudo.demo.demo import DemoRequest, run_demo  # noqa: PLC0415  needs packages a robot lacks
 
     require_separate({"--out": arguments.out})
-    if arguments.link is not None and arguments.full_images:
-        raise UsageError(
-            "with --link, frames have a size of their own", place="--full-images", remedy="leave one out"
-        )
-    if arguments.link is not None and arguments.mission is not None:
-        raise UsageError(
-            "with --link, the robot drives the patrol", place="--mission", remedy="leave one out"
-        )
     if arguments.physics and not arguments.live:
         raise UsageError("a robot with physics drives in real time", place="--physics", remedy="add --live")
-    usual_s = _DEFAULT_SECONDS if arguments.link is None else _DEFAULT_LINK_SECONDS
-    length_s = usual_s if arguments.seconds is None else arguments.seconds
-    if arguments.link is not None and length_s < _LEAST_LINK_SECONDS:
-        raise UsageError(
-            "the first seconds of a drive over a link do not count",
-            place="--seconds",
-            remedy=f"give it at least {_LEAST_LINK_SECONDS:g}",
-        )
     with ExitStack() as opened:
         if arguments.physics:
             load_physics()
@@ -129,13 +97,12 @@ def run(arguments: argparse.Namespace) -> int:
         outcome = run_demo(
             DemoRequest(
                 out=arguments.out,
-                seconds=length_s,
+                seconds=arguments.seconds,
                 seed=arguments.seed,
                 full_images=arguments.full_images,
                 when_slow=WhenSlow(arguments.when_slow),
                 progress=progress,
                 robot=robot,
-                link_bit_per_s=arguments.link,
                 mission=arguments.mission,
                 physics=arguments.physics,
                 with_thesis=arguments.thesis,
@@ -143,17 +110,6 @@ def run(arguments: argparse.Namespace) -> int:
         )
     _print(outcome, arguments.out, with_thesis=arguments.thesis)
     return 0
-
-
-def link_bit_per_s(text: str) -> float:
-    """A link's rate as tc writes it, in bit/s; ``ArgumentTypeError`` for another, or one out of bounds."""
-    match = _RATE.fullmatch(text)
-    rate = float(match[1]) * _BITS[(match[2] or "").lower()] if match else 0.0
-    if not _LEAST_BIT_PER_S <= rate <= _MOST_BIT_PER_S:
-        raise argparse.ArgumentTypeError(
-            f"a link carries 64kbit to 100mbit a second, written as in 500kbit or 2mbit, not {text!r:.40}"
-        )
-    return rate
 
 
 def _recorder(opened: ExitStack) -> Robot:
@@ -173,10 +129,6 @@ def _print(outcome: DemoOutcome, out: Path, *, with_thesis: bool) -> None:
         print()  # noqa: T201
     _print_loss(outcome.loss)
     _print_accuracy(outcome.accuracy)
-    if outcome.arrivals:
-        for table in (arrival_rates_table(outcome.arrivals), arrival_ages_table(outcome.arrivals)):
-            print_table(table)
-            print()  # noqa: T201
     print(f"{declared_sentence(outcome.comparison)}\n")  # noqa: T201
     for notice in outcome.notices:
         print(f"note: {notice}", file=sys.stderr)  # noqa: T201

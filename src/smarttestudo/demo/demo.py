@@ -15,7 +15,7 @@ from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules
 from smarttestudo.bags.comparison import Comparison
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.demo import linked, thesis
+from smarttestudo.demo import thesis
 from smarttestudo.demo.folder import MARKER, demo_folder
 from smarttestudo.demo.live import LOGS, LiveDemoRequest, record_live
 from smarttestudo.demo.mission import bytes_per_second, record_mission, route_of
@@ -30,7 +30,6 @@ from smarttestudo.replays.outcome import ReplayOutcome
 from smarttestudo.replays.replay import ReplayRequest, replay
 from smarttestudo.report.bag_report import Progress, ReportRequest, bag_report
 from smarttestudo.report.document import render_report
-from smarttestudo.report.link_comparison import LinkArrivals
 from smarttestudo.report.run_report import Fact, RunReport
 from smarttestudo.simulation.route import Route
 from smarttestudo.simulation.tour import Tour
@@ -59,9 +58,8 @@ class DemoRequest:
 
     ``full_images`` asks for whole camera frames, about 0.2 GB each second, instead of small ones. With a
     ``robot``, the node that records, the mission takes place in real time on a real ROS graph, with
-    ``physics`` by a robot that has masses and forces; with ``link_bit_per_s`` across a link that carries so
-    much, once for each contender. ``mission`` is the file of a tour; without one the robot drives the patrol
-    of the thesis. ``with_thesis`` asks for the tables and figures of the thesis, too.
+    ``physics`` by a robot that has masses and forces. ``mission`` is the file of a tour; without one the
+    robot drives the patrol of the thesis. ``with_thesis`` asks for the tables and figures of the thesis, too.
     """
 
     out: Path
@@ -71,7 +69,6 @@ class DemoRequest:
     when_slow: WhenSlow
     progress: Progress
     robot: Robot | None = None
-    link_bit_per_s: float | None = None
     mission: Path | None = None
     physics: bool = False
     with_thesis: bool = False
@@ -81,8 +78,7 @@ class DemoRequest:
 class DemoOutcome:
     """Both runs compared, what the operator lost, the number of decisions, and what was odd, a line each.
 
-    ``accuracy`` has the same drive at fixed rates and under rules with bounds. ``arrivals`` is what each
-    contender brought over a link.
+    ``accuracy`` has the same drive at fixed rates and under rules with bounds.
     """
 
     comparison: Comparison
@@ -90,7 +86,6 @@ class DemoOutcome:
     accuracy: AccuracyComparison | None
     decisions: int
     notices: tuple[str, ...]
-    arrivals: tuple[LinkArrivals, ...] = ()
 
 
 def run_demo(request: DemoRequest) -> DemoOutcome:
@@ -104,18 +99,14 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         RuleFileError: the edited rules cannot be used.
         MissionError: the mission cannot be read or driven.
         RecordingError: a recording cannot be written.
-        NetworkError: there can be no link on this machine.
     """
-    arrivals: tuple[LinkArrivals, ...] = ()
     route = route_of(request.mission)
     also_write = thesis.thesis_writer() if request.with_thesis else None
-    with demo_folder(request.out, needed_bytes=_needed_bytes(request), made=_MADE, filled=_FILLED) as folder:
+    needed_bytes = round(bytes_per_second(full_images=request.full_images) * request.seconds)
+    with demo_folder(request.out, needed_bytes=needed_bytes, made=_MADE, filled=_FILLED) as folder:
         rules = put_rules(folder, request.out)
         bounding = [put_rules(folder, request.out, name) for name in (WITHIN, PREDICTED)]
-        if request.link_bit_per_s is not None:
-            arrivals, notices = _over_link(request, folder, request.link_bit_per_s)
-            decisions = _recorded_decisions(folder)
-        elif request.robot is None:
+        if request.robot is None:
             decisions, notices = _in_virtual_time(request, folder, rules, route)
         else:
             notices = _in_real_time(request, folder, request.robot)
@@ -131,13 +122,7 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         accuracy=report.accuracy,
         decisions=len(decisions),
         notices=(*_rule_notices(request, (rules, *bounding)), *notices),
-        arrivals=arrivals,
     )
-
-
-def _needed_bytes(request: DemoRequest) -> int:
-    usual = bytes_per_second(full_images=request.full_images)
-    return round((usual if request.link_bit_per_s is None else linked.BYTES_PER_SECOND) * request.seconds)
 
 
 def _rule_notices(request: DemoRequest, rules: Sequence[DemoRules]) -> tuple[str, ...]:
@@ -164,26 +149,6 @@ def _in_virtual_time(
         )
     outcome, decisions = _replay(request, folder, rules)
     return decisions, outcome.notices
-
-
-def _over_link(
-    request: DemoRequest, folder: Path, rate_bit_per_s: float
-) -> tuple[tuple[LinkArrivals, ...], tuple[str, ...]]:
-    """Record the robot and its operator at both ends of a link; what each contender brought, and notices."""
-    return linked.compare_over_link(
-        linked.LinkDemoRequest(
-            rate_bit_per_s=rate_bit_per_s,
-            seconds=request.seconds,
-            seed=request.seed,
-            rules=folder / RULES,
-            when_slow=request.when_slow,
-            baseline=folder / BASELINE,
-            adaptive=folder / ADAPTIVE,
-            decisions=folder / DECISIONS,
-            workshop=folder,
-            progress=request.progress,
-        )
-    )
 
 
 def _in_real_time(request: DemoRequest, folder: Path, robot: Robot) -> tuple[str, ...]:
@@ -253,7 +218,7 @@ def _compared(
 
     With whole images it would read them again and again, to say the same as without.
     """
-    if request.full_images or request.link_bit_per_s is not None:
+    if request.full_images:
         return None
     within, predicted = bounding
     is_replay = request.robot is None
@@ -280,7 +245,7 @@ def _write_report(
             a=folder / BASELINE,
             b=folder / ADAPTIVE,
             title=_TITLE,
-            explanation=_explanation(request),
+            explanation=_EXPLANATION,
             rule_set=rules.rule_set,
             rule_texts={RULES: rules.text},
             decisions=decisions,
@@ -306,29 +271,15 @@ def _provenance(request: DemoRequest) -> list[Fact]:
         Fact(label="Length", value=f"{request.seconds:g} s"),
         Fact(label="Time", value=_time(request)),
         Fact(label="Seed", value=str(request.seed)),
-        Fact(label="Camera frames", value=_frames(request)),
+        Fact(label="Camera frames", value="whole" if request.full_images else "small, with declared sizes"),
         Fact(label="Where a target is above its source", value=request.when_slow.value),
     ]
 
 
-def _explanation(request: DemoRequest) -> str:
-    if request.link_bit_per_s is None:
-        return _EXPLANATION
-    return f"{_EXPLANATION} Between both was a link of {request.link_bit_per_s / 1e6:g} Mbit/s."
-
-
 def _time(request: DemoRequest) -> str:
-    if request.link_bit_per_s is not None:
-        return f"real, over a link of {request.link_bit_per_s / 1e6:g} Mbit/s"
     if request.robot is None:
         return "virtual"
     return "real, over ROS 2, by a robot with physics" if request.physics else "real, over ROS 2"
-
-
-def _frames(request: DemoRequest) -> str:
-    if request.link_bit_per_s is not None:
-        return "compressed, of 960 × 540 pixels"
-    return "whole" if request.full_images else "small, with declared sizes"
 
 
 def _settings(request: DemoRequest) -> dict[str, object]:
@@ -340,6 +291,5 @@ def _settings(request: DemoRequest) -> dict[str, object]:
         "when_slow": request.when_slow.value,
         "live": request.robot is not None,
         "physics": request.physics,
-        "link_bit_per_s": request.link_bit_per_s,
         "mission": None if request.mission is None else request.mission.read_text("utf-8-sig"),
     }

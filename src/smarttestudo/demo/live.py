@@ -4,16 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.demo.mission import DECLARED_BYTES
-from smarttestudo.demo.processes import ChildProcess, child_process, testudo_command
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.errors import RosError
+from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.domain.names import DECISIONS_TOPIC, output_name
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.recording import Channel, RecordingWriter
@@ -75,6 +77,7 @@ LOGS = ("runtime.log", "robot.log")
 _LOST_TIME = "s of real time so far, in which the robot stood still"
 _POLL_S = 0.1
 _START_TIMEOUT_S = 40.0
+_END_TIMEOUT_S = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,18 +108,16 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
         RecordingError: a recording cannot be written.
     """
     blind = _camera_problem() if request.physics else None
-    channels, left_out = robot_channels(robot, full_images=request.full_images, camera_problem=blind)
+    channels, left_out = _robot_channels(robot, full_images=request.full_images, camera_problem=blind)
     declared_bytes = {} if request.full_images else DECLARED_BYTES
     runtime_log, robot_log = (request.logs / name for name in LOGS)
     with (
         recorded(robot, request.baseline, channels, declared_bytes) as baseline,
-        recorded(robot, request.adaptive, channels, declared_bytes, relayed_name) as adaptive,
-        child_process("runtime", testudo_command(*_run_arguments(request)), runtime_log) as runtime,
+        recorded(robot, request.adaptive, channels, declared_bytes, _relayed_name) as adaptive,
+        _testudo("runtime", _run_arguments(request), runtime_log) as runtime,
     ):
         _await_publisher(robot, DECISIONS_TOPIC, runtime)
-        with child_process(
-            "simulated robot", testudo_command(*_simulate_arguments(request)), robot_log
-        ) as driver:
+        with _testudo("simulated robot", _simulate_arguments(request), robot_log) as driver:
             _await_publisher(robot, Topic.ODOM.value, driver)
             end_ns = robot.now_ns() + ns_from_s(request.seconds)
             while (left_ns := end_ns - robot.now_ns()) > 0 and runtime.is_running() and driver.is_running():
@@ -144,7 +145,7 @@ def _camera_problem() -> str | None:
     return camera_problem()
 
 
-def robot_channels(
+def _robot_channels(
     robot: Robot, *, full_images: bool, camera_problem: str | None = None
 ) -> tuple[list[Channel], tuple[str, ...]]:
     """The topics that the robot will publish, and why it will not publish the others."""
@@ -161,7 +162,7 @@ def robot_channels(
     return channels, tuple(left_out)
 
 
-def _await_publisher(robot: Robot, topic: str, process: ChildProcess) -> None:
+def _await_publisher(robot: Robot, topic: str, process: _Process) -> None:
     deadline_ns = robot.now_ns() + ns_from_s(_START_TIMEOUT_S)
     while not robot.publishers(topic):
         if not process.is_running() or robot.now_ns() > deadline_ns:
@@ -169,7 +170,7 @@ def _await_publisher(robot: Robot, topic: str, process: ChildProcess) -> None:
         robot.wait(None, _POLL_S)
 
 
-def relayed_name(topic: str) -> str:
+def _relayed_name(topic: str) -> str:
     """The topic on which the runtime relays ``topic``."""
     return output_name(topic, DEFAULT_OUTPUT_TOPIC)
 
@@ -190,3 +191,49 @@ def _simulate_arguments(request: LiveDemoRequest) -> list[str]:
     if request.mission is not None:
         arguments += ["--mission", str(request.mission)]
     return [*arguments, "--full-images"] if request.full_images else arguments
+
+
+class _Process:
+    """A running process, whose output goes to the file ``log``."""
+
+    def __init__(self, name: str, process: subprocess.Popen[bytes], log: Path) -> None:
+        self._name = name
+        self._process = process
+        self._log = log
+
+    def is_running(self) -> bool:
+        """Whether it still runs. Raises ``TestudoError`` with the last line of its log where it failed."""
+        code = self._process.poll()
+        if code in (None, 0):
+            return code is None
+        lines = self._log.read_text("utf-8", "replace").splitlines()
+        said = lines[-1] if lines else f"exit code {code}"
+        raise TestudoError(f"the {self._name} failed: {said}")
+
+    def end(self) -> None:
+        """Ask it to end as by Ctrl-C, and make it if it does not."""
+        self._process.send_signal(signal.SIGINT)
+        try:
+            self._process.wait(_END_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+
+@contextmanager
+def _testudo(name: str, arguments: Sequence[str], log: Path) -> Iterator[_Process]:
+    """``testudo`` with ``arguments`` while the block lasts, then ended."""
+    with log.open("wb") as output:
+        process = subprocess.Popen(  # noqa: S603  our own programs, with arguments that we make
+            [sys.executable, "-m", "smarttestudo", *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            # Ctrl-C in the terminal ends this process, which ends the others in order.
+            start_new_session=True,
+        )
+        child = _Process(name, process, log)
+        try:
+            yield child
+        finally:
+            child.end()

@@ -68,10 +68,6 @@ class LinkError(TestudoError):
     """The link to an operator or a robot cannot be opened, or what came over it is not understood."""
 
 
-class NetworkError(TestudoError):
-    """A network of this machine that cannot be made, or that did not carry what it should."""
-
-
 class PortError(TestudoError):
     """An address that cannot be listened on."""
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import field
 from pathlib import Path
 
@@ -19,7 +19,6 @@ from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.status_json import status_from_text
 from smarttestudo.domain.units import NS_PER_S, counted
-from smarttestudo.report.link_comparison import quantile
 from smarttestudo.report.series import Series, SeriesPoint, coarser
 from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
 
@@ -228,7 +227,7 @@ def link_table(history: LinkHistory) -> Table:
 
 def _row(topic: TopicOverLink) -> Row:
     ages_ms = topic.sorted_ages_ms
-    ages = (Number(quantile(ages_ms, share) if ages_ms else None, decimals=0) for share in _SHARES)
+    ages = (Number(_quantile(ages_ms, share) if ages_ms else None, decimals=0) for share in _SHARES)
     counts = (topic.counts.sent, topic.counts.replaced, topic.counts.overflowed)
     return Row(cells=(Text(topic.topic), *ages, *(Number(count, decimals=0) for count in counts)))
 
@@ -269,3 +268,8 @@ def link_history(
 
 def _is_status(channel: Channel) -> bool:
     return channel.topic == STATUS_TOPIC and channel.type_name == _TEXT_TYPE
+
+
+def _quantile(ordered: Sequence[float], share: float) -> float:
+    """The value that ``share`` of the values do not exceed. Raises ``IndexError`` where there is none."""
+    return ordered[min(len(ordered) - 1, int(len(ordered) * share))]

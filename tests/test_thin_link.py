@@ -8,20 +8,22 @@ import os
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
-from smarttestudo.demo.network_namespaces import (
+from thin_link.network_namespaces import (
     OPERATOR_ADDRESS,
+    NetworkError,
     ThinLink,
     in_namespace,
     require_links,
     thin_link,
 )
-from smarttestudo.domain.errors import NetworkError
 from thin_links import link, namespaces
 
 __all__ = ["link"]
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 BITS_PER_S = 4e6
 FLOW_BYTES = 400_000
 RECEIVE = f"""
@@ -42,8 +44,7 @@ with socket.create_connection(("{OPERATOR_ADDRESS}", 5000)) as flow:
 # As nobody, after all is imported, because such a user may not read this folder.
 AS_NOBODY = """
 import os
-from smarttestudo.demo.network_namespaces import require_links
-from smarttestudo.domain.errors import NetworkError
+from thin_link.network_namespaces import NetworkError, require_links
 os.seteuid(65534)
 try:
     require_links()
@@ -100,5 +101,11 @@ def test_without_the_tools_it_says_which_to_install(monkeypatch: pytest.MonkeyPa
 
 
 def test_whoever_is_not_root_is_told_so() -> None:
-    said = subprocess.run([sys.executable, "-c", AS_NOBODY], capture_output=True, text=True, check=True)
+    said = subprocess.run(
+        [sys.executable, "-c", AS_NOBODY],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(BENCHMARKS)},
+    )
     assert said.stdout == "error: making a link needs root on Linux; run it with sudo\n"

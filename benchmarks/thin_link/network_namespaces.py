@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from smarttestudo.domain.errors import NetworkError
+from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.units import grouped
 
 ROBOT_ADDRESS, OPERATOR_ADDRESS = "10.99.0.1", "10.99.0.2"
@@ -20,6 +20,10 @@ _QUEUE = ("burst", "16kb", "latency", "400ms")
 _TOOLS = ("ip", "tc")
 _UP_TIMEOUT_S = 10.0
 _POLL_S = 0.02
+
+
+class NetworkError(TestudoError):
+    """A network of this machine that cannot be made, or that did not carry what it should."""
 
 
 class ThinLink:
@@ -98,7 +102,7 @@ def thin_link() -> Iterator[ThinLink]:
         yield ThinLink(*names)
     finally:
         for name in names:
-            subprocess.run(["ip", "netns", "del", name], capture_output=True, check=False)  # noqa: S603, S607
+            subprocess.run(["ip", "netns", "del", name], capture_output=True, check=False)
 
 
 def _await_up(namespaces: Sequence[str]) -> None:
@@ -111,7 +115,7 @@ def _await_up(namespaces: Sequence[str]) -> None:
 
 
 def _run(*command: str) -> str:
-    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603  our own words
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         said = " ".join(done.stderr.split()) or f"exit code {done.returncode}"
         raise NetworkError(
