@@ -143,8 +143,8 @@ def test_a_turned_map_is_framed_whole() -> None:
 class Decoded:
     """A decoder of messages that are decoded already."""
 
-    def can_decode(self, channel: Channel) -> bool:
-        return True
+    def why_undecodable(self, channel: Channel) -> str | None:
+        return None
 
     def unread(self, channel: Channel) -> list[str]:
         return []

@@ -26,7 +26,6 @@ NEVER = {
     "numpy",
     "rich",
     "rosbags.rosbag2",
-    "rosbags.typesys",
     "smarttestudo.bags.comparison",
     "smarttestudo.bags.file_copies",
     "smarttestudo.bags.time_index",

@@ -52,7 +52,7 @@ class Cdr:
 def values(type_name: str, definition: str, payload: bytes, *paths: str) -> list[Any]:
     """What rules read: a number or a text, ``None`` where it is unknown."""
     decoder, channel = RosbagDecoder(), Channel(topic="/t", type_name=type_name, definition=definition)
-    assert decoder.can_decode(channel)
+    assert decoder.why_undecodable(channel) is None
     message = decoder.decode(channel, payload)
     return [part_reader(path)(message) for path in paths]
 
@@ -223,4 +223,4 @@ def test_what_a_file_does_not_describe_is_not_read(type_name: str) -> None:
     definition = (
         f"{SEPARATOR}IDL: p/srv/Add\nmodule p {{ module srv {{ struct Add_Request {{ int64 a; }}; }}; }};\n"
     )
-    assert not RosbagDecoder().can_decode(Channel(topic="/t", type_name=type_name, definition=definition))
+    assert RosbagDecoder().why_undecodable(Channel(topic="/t", type_name=type_name, definition=definition))

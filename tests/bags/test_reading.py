@@ -148,7 +148,9 @@ def test_a_humble_file_defines_no_types_yet_its_standard_types_decode(tmp_path: 
     with open_recording(write_humble_file(tmp_path / "humble.db3", MISSION)) as recording:
         channels = {channel.topic: channel for channel in recording.channels}
         assert {channel.definition for channel in channels.values()} == {None}
-        assert [name for name, channel in channels.items() if not decoder.can_decode(channel)] == ["/gripper"]
+        assert [name for name, channel in channels.items() if decoder.why_undecodable(channel)] == [
+            "/gripper"
+        ]
         payload = next(payload for channel, _, payload in recording.messages() if channel.topic == "/odom")
     assert decoder.decode(channels["/odom"], payload).pose.pose.position.y == 0.0  # type: ignore[attr-defined]
 
@@ -186,7 +188,7 @@ def test_a_channel_without_a_schema_is_read_like_any_other(tmp_path: Path) -> No
     assert len(read.messages) == 5
     assert read.notices == []
     assert measure_bag(path, lambda _: None).notices == (
-        "/plain: recorded without a type; its messages are counted, but cannot be decoded",
+        "/plain: recorded as json, not as cdr; its messages are counted, but cannot be decoded",
     )
 
 

@@ -305,8 +305,8 @@ def test_a_type_that_nobody_defines_is_refused_where_a_check_reads_it_and_passed
     with pytest.raises(RecordingError) as refused:
         replay_bag(bag, rules.format("msg.value"), tmp_path)
     assert str(refused.value) == (
-        "/odd: error: a check reads it, and the recording does not define its type nobody_msgs/msg/Odd; "
-        "record it again with a ROS 2 that stores definitions, or leave out the check"
+        "/odd: error: a check reads it, and it cannot be decoded: "
+        "neither the recording nor ROS 2 defines nobody_msgs/msg/Odd; leave out the check"
     )
     assert not (tmp_path / "monitored").exists()
     assert len(replay_bag(bag, rules.format("rate"), tmp_path).messages) == 5

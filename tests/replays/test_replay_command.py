@@ -248,8 +248,8 @@ def test_a_type_that_the_bag_does_not_define_where_a_check_reads_it(desk: Desk) 
         writer.write(Channel(topic="/odd", type_name="nobody_msgs/msg/Odd"), START_NS, b"\x00\x01\x00\x00")
     desk.write_rules("begin SetFrequency /odd 1 If (CheckValue /odd value > 1) Then SetFrequency /odd 2 end")
     assert desk.refuses(bag="odd") == (
-        "/odd: error: a check reads it, and the recording does not define its type nobody_msgs/msg/Odd; "
-        "record it again with a ROS 2 that stores definitions, or leave out the check"
+        "/odd: error: a check reads it, and it cannot be decoded: "
+        "neither the recording nor ROS 2 defines nobody_msgs/msg/Odd; leave out the check"
     )
     desk.write_rules("begin SetFrequency /odd 1 end")
     assert desk.replay(bag="odd").code == 0

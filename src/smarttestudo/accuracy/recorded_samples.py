@@ -80,7 +80,7 @@ class SampleTaker:
         self._decoder = RosbagDecoder()
         self._readers: dict[str, StreamReader] = {}
         self._undecided: dict[str, Callable[[str, object], Sequence[Field]]] = {}
-        self._undefined: list[TopicSamples] = []
+        self._undefined: list[tuple[TopicSamples, str]] = []
         self._of_second_type: Counter[str] = Counter()
         self._looked_at: set[tuple[str, str | None]] = set()
         self.samples: dict[str, TopicSamples] = {}
@@ -98,10 +98,11 @@ class SampleTaker:
         if channel.type_name in STREAM_TYPES:
             self._readers[topic] = StreamReader(channel.type_name)
         if reading.choose_fields is not None and channel.type_name not in reading.undecoded_types:
-            if self._decoder.can_decode(channel):
+            why = self._decoder.why_undecodable(channel)
+            if why is None:
                 self._undecided[topic] = reading.choose_fields
             else:
-                self._undefined.append(samples)
+                self._undefined.append((samples, why))
         self._looked_at.add((topic, channel.definition))
 
     def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
@@ -143,7 +144,7 @@ class SampleTaker:
             self._looked_at.add(key)
             choose = self._readings[topic].choose_fields
             is_read = topic in self._undecided or bool(self.samples[topic].fields)
-            if is_read and choose is not None and self._decoder.can_decode(channel):
+            if is_read and choose is not None and self._decoder.why_undecodable(channel) is None:
                 self._undecided[topic] = choose
 
     def _read(self, samples: TopicSamples, message: object | None) -> None:
@@ -165,10 +166,9 @@ class SampleTaker:
 
     def notices(self) -> Iterator[str]:
         """Notices of what was left out, a line each."""
-        for samples in self._undefined:
+        for samples, why in self._undefined:
             messages = counted(len(samples.stamps_ns), "message")
-            channel = samples.channel
-            yield f"{channel.topic}: {messages} not decoded: nobody defines the type {channel.type_name}"
+            yield f"{samples.channel.topic}: {messages} not decoded: {why}"
         for name, samples in self.samples.items():
             if samples.undecodable:
                 verb = "was" if samples.undecodable == 1 else "were"

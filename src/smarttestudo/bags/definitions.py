@@ -5,30 +5,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from rosbags.interfaces import Nodetype
-from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_typestore
 
-from smarttestudo.bags.definition_text import SEPARATOR, is_idl_definition
-from smarttestudo.bags.generated_types import generated_texts, texts_within
-from smarttestudo.bags.readable_types import BROKEN_MESSAGE, ReadableType, types_within, with_inner
+from smarttestudo.bags.definition_text import Section, is_idl_definition, sections
+from smarttestudo.bags.generated_types import generated_sections, messages_within
+from smarttestudo.bags.msg_fields import DefinitionError, msg_fields
+from smarttestudo.bags.readable_types import BROKEN_MESSAGE, ReadableType, types_within
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.type_names import TypeName
+from smarttestudo.domain.type_names import TypeName, full_type_name
 
 if TYPE_CHECKING:
-    from rosbags.interfaces.typing import FieldDesc, Typesdict
+    from rosbags.interfaces.typing import Typesdict
     from rosbags.typesys.store import Typestore
 
-_STORES_KEPT = 256
+_DEFINITIONS_KEPT = 256
 _INCLUDE = re.compile(r"^[ \t]*#.*", re.MULTILINE)
-_WIDE_CONSTANT = re.compile(r"^[ \t]*wstring(?:<=\d+)?(?=[ \t]+\w+[ \t]*=)", re.MULTILINE)
-_WIDE_FIELD = re.compile(r"^[ \t]*wstring(?:<=\d+)?(?=[ \t\[])", re.MULTILINE)
-_WIDE, _WIDE_NAME = "testudo/WideText", "testudo/msg/WideText"
-_WIDE_TEXT: FieldDesc = (Nodetype.BASE, ("wstring", 0))
 # A bag without definitions was recorded by Humble or an older release, so Humble's come first.
 _STORES = (
     Stores.ROS2_HUMBLE,
@@ -40,116 +36,136 @@ _STORES = (
 )
 # Registering a definition runs rosbags' parser and code generator, which fail in these ways on a broken one.
 _BROKEN_DEFINITION = (TypesysError, ValueError, KeyError, SyntaxError, AssertionError, RecursionError)
+_DECODED_FORMAT = "cdr"
 
 
 class TypeLibrary:
-    """The types of ROS 2's standard packages, release by release, each loaded when first asked for."""
+    """The types of recordings, by their own definitions, else by those of ROS 2's standard packages."""
 
-    def __init__(self) -> None:
-        self._stores: dict[Stores, Typestore] = {}
-
-    def store_for(self, channel: Channel) -> Typestore | None:
-        """A store that holds the channel's type, from its own definition if it has one."""
-        if channel.definition is not None:
-            return _store_of(channel.definition, channel.type_name)
-        for release in _STORES:
-            store = self._release(release)
-            if channel.type_name in store.fielddefs:
-                return store
-        return None
+    def types_for(self, channel: Channel) -> Typesdict | None:
+        """The channel's type and those within it; ``None`` where its messages cannot be decoded."""
+        known = _known(channel)
+        return None if isinstance(known, str) else known
 
     def readable(self, channel: Channel) -> ReadableType | None:
-        """The channel's type, to read its messages; ``None`` where nobody defines it."""
-        if channel.definition is not None:
-            return _readable_of(channel.definition, channel.type_name)
-        store = self.store_for(channel)
-        return None if store is None else ReadableType(store.fielddefs, channel.type_name, is_idl=False)
+        """The channel's type, to read its messages; ``None`` where they cannot be decoded."""
+        types, definition = self.types_for(channel), channel.definition
+        if types is None:
+            return None
+        is_own = definition is not None and not isinstance(_types_in(definition, channel.type_name), str)
+        try:
+            return ReadableType(
+                types, channel.type_name, is_idl=is_own and is_idl_definition(definition or "")
+            )
+        except _BROKEN_DEFINITION:
+            return None
+
+    def why_undecodable(self, channel: Channel) -> str | None:
+        """Why no message of the channel can be decoded; ``None`` where they can."""
+        known = _known(channel)
+        return known if isinstance(known, str) else None
 
     def definition_and_digest(self, channel: Channel) -> tuple[str, str]:
         """Definition and digest of the channel's type in a bag; empty strings where nobody knows."""
         if channel.definition is not None and channel.digest:
             return channel.definition, channel.digest
-        store = self.store_for(channel)
-        if store is None:
+        types = self.types_for(channel)
+        if types is None:
             return channel.definition or "", channel.digest
+        store = _store(types)
         definition = channel.definition
         if definition is None:
             definition, _ = store.generate_msgdef(channel.type_name, ros_version=2)
         return definition, channel.digest or _digest(store, channel.type_name)
 
-    def _release(self, release: Stores) -> Typestore:
-        if release not in self._stores:
-            self._stores[release] = get_typestore(release)
-        return self._stores[release]
+
+def _known(channel: Channel) -> Typesdict | str:
+    """The types of a channel, or why they are not known."""
+    name, definition, form = channel.type_name, channel.definition, channel.serialization_format
+    if form != _DECODED_FORMAT:
+        return f"recorded as {form or 'no known format'}, not as cdr"
+    if not name:
+        return "recorded without a type"
+    own = None if definition is None else _types_in(definition, name)
+    if own is not None and not isinstance(own, str):
+        return own
+    for release in _STORES:
+        known = _release(release).fielddefs
+        if name in known:
+            return types_within(known, name)
+    if own is not None:
+        return f"its definition of {name} is not understood: {own}"
+    schema = channel.foreign_schema
+    if schema is not None:
+        return f"its type {name} is defined in {schema.encoding or 'no known language'}, not by ROS 2"
+    return f"neither the recording nor ROS 2 defines {name}"
+
+
+@lru_cache(maxsize=len(_STORES))
+def _release(release: Stores) -> Typestore:
+    return get_typestore(release)
 
 
 # Every reader of a recording asks for the same few.
-@lru_cache(maxsize=_STORES_KEPT)
-def _store_of(definition: str, type_name: str) -> Typestore | None:
-    store = get_typestore(Stores.EMPTY)
+@lru_cache(maxsize=_DEFINITIONS_KEPT)
+def _types_in(definition: str, type_name: str) -> Typesdict | str:
+    """The type and those within it, or what of the definition is not understood.
+
+    What the definition names and does not define is as in ROS 2.
+    """
     try:
-        store.register(types_within(_parse(definition, type_name), type_name))
-    except _BROKEN_DEFINITION:
-        return None
-    return store
+        types = _parsed(definition, type_name)
+    except _BROKEN_DEFINITION as error:
+        return str(error)
+    lacks = type_name
+    for release in (None, *_STORES):
+        known = types if release is None else {**_release(release).fielddefs, **types}
+        try:
+            return types_within(known, type_name) if type_name in types else f"it does not define {lacks}"
+        except KeyError as error:
+            lacks = str(error.args[0])
+    return f"it does not define {lacks}"
 
 
-@lru_cache(maxsize=_STORES_KEPT)
-def _readable_of(definition: str, type_name: str) -> ReadableType | None:
-    store = _store_of(definition, type_name)
-    if store is None:
-        return None
-    try:
-        return ReadableType(store.fielddefs, type_name, is_idl=is_idl_definition(definition))
-    except _BROKEN_DEFINITION:
-        return None
-
-
-def _parse(definition: str, type_name: str) -> Typesdict:
-    name, definition = TypeName.read(type_name), definition.replace("\r\n", "\n")
-    generated = None if name is None or name.kind == "msg" else name
-    if is_idl_definition(definition):
-        types: Typesdict = {}
-        for part in definition.split(SEPARATOR)[1:]:
-            types.update(get_types_from_idl(_INCLUDE.sub("", part.partition("\n")[2])))
-    elif generated is not None:
-        types = _types_of(texts_within(definition, generated), generated)
-    else:
-        types = _types_from_msg(definition, type_name)
-    return types if generated is None else {**_types_of(generated_texts(generated), generated), **types}
-
-
-def _types_of(texts: Mapping[str, str], name: TypeName) -> Typesdict:
-    """Types by their names of two parts, as those within the service or action of ``name``."""
+def _parsed(definition: str, type_name: str) -> Typesdict:
+    """The types that a definition defines. Raises one of ``_BROKEN_DEFINITION``."""
+    name = TypeName.read(type_name)
+    is_generated = name is not None and name.kind != "msg"
+    own = sections(definition, type_name)
     types: Typesdict = {}
-    for one, text in texts.items():
-        types.update(_types_from_msg(text, one))
+    for section in (*(generated_sections(name) if name else ()), *own):
+        if section.is_idl:
+            types.update(_types_of_idl(section))
+            continue
+        for part in messages_within(section, name) if name and is_generated else (section,):
+            of = full_type_name(part.name, "", name.kind if name else "msg")
+            try:
+                types[of] = [], msg_fields(part, of.partition("/")[0], name.kind if name else "msg")
+            except DefinitionError:
+                if of == type_name or not _is_standard(of):
+                    raise
+    if not own[0].is_idl and not is_generated:
+        # The first text is that of the type, whatever its header calls it.
+        types.setdefault(type_name, types[full_type_name(own[0].name, "")])
+    return types
 
-    def renamed(type_name: str) -> str:
-        # rosbags makes each a name of msg.
-        package, *_, last = type_name.split("/")
-        generated = f"{package}/{name.kind}/{last}"
-        return type_name if TypeName.read(generated) is None else generated
 
-    return _with_names(types, lambda one: (Nodetype.NAME, renamed(one)), renamed)
-
-
-def _types_from_msg(text: str, name: str) -> Typesdict:
-    """As rosbags, which knows no wstring."""
-    types = get_types_from_msg(_WIDE_FIELD.sub(_WIDE, _WIDE_CONSTANT.sub("string", text)), name)
-    return _with_names(types, lambda one: _WIDE_TEXT if one == _WIDE_NAME else (Nodetype.NAME, one))
+def _types_of_idl(section: Section) -> Typesdict:
+    try:
+        return get_types_from_idl(_INCLUDE.sub("", section.text))
+    except _BROKEN_DEFINITION as error:
+        raise DefinitionError(f"the text from line {section.line} on is no IDL") from error
 
 
-def _with_names(
-    types: Typesdict, field_type: Callable[[str], FieldDesc], type_name: Callable[[str], str] = str
-) -> Typesdict:
-    def replace(inner: FieldDesc) -> FieldDesc:
-        return field_type(inner[1]) if inner[0] == Nodetype.NAME else inner
+def _is_standard(type_name: str) -> bool:
+    return any(type_name in _release(release).fielddefs for release in _STORES)
 
-    return {
-        type_name(name): (constants, [(field, with_inner(desc, replace)) for field, desc in fields])
-        for name, (constants, fields) in types.items()
-    }
+
+def _store(types: Typesdict) -> Typestore:
+    """A store that knows the fields of ``types``, and reads no messages."""
+    store = get_typestore(Stores.EMPTY)
+    store.fielddefs.update(types)
+    return store
 
 
 def _digest(store: Typestore, type_name: str) -> str:
@@ -161,11 +177,8 @@ def _digest(store: Typestore, type_name: str) -> str:
 
 def digest_of(definition: str | None, type_name: str) -> str:
     """The digest of the fields of a type; an empty string where the definition is none."""
-    store = _store_of(definition or "", type_name)
-    return "" if store is None else _digest(store, type_name)
-
-
-_DECODED_FORMAT = "cdr"
+    types = _types_in(definition or "", type_name)
+    return "" if isinstance(types, str) else _digest(_store(types), type_name)
 
 
 class RosbagDecoder:
@@ -173,11 +186,11 @@ class RosbagDecoder:
 
     def __init__(self) -> None:
         self._library = TypeLibrary()
-        self._types: dict[tuple[str, str | None], ReadableType | None] = {}
+        self._types: dict[tuple[str, str, str | None], ReadableType | None] = {}
 
-    def can_decode(self, channel: Channel) -> bool:
-        """Whether the channel's messages are CDR of a type that the bag defines or ROS 2 knows."""
-        return channel.serialization_format == _DECODED_FORMAT and self._type(channel) is not None
+    def why_undecodable(self, channel: Channel) -> str | None:
+        """As ``TypeLibrary``: of a type that the bag defines or ROS 2 knows, CDR is decoded."""
+        return self._library.why_undecodable(channel)
 
     def unread(self, channel: Channel) -> Sequence[str]:
         """The paths, without indices, of fields that stay unknown, as ROS 2 lacks them in Python."""
@@ -187,18 +200,19 @@ class RosbagDecoder:
     def decode(self, channel: Channel, payload: bytes) -> object:
         """The message in ``payload``.
 
-        Raises ``RecordingError`` for an unknown type, or bytes that are not a message of it.
+        Raises ``RecordingError`` for what cannot be decoded at all, or bytes that are not a message of it.
         """
         kind = self._type(channel)
         if kind is None:
-            raise RecordingError(f"the type {channel.type_name} is unknown", place=channel.topic)
+            why = self.why_undecodable(channel) or f"the type {channel.type_name} cannot be read"
+            raise RecordingError(why, place=channel.topic)
         try:
             return kind.read(payload)
         except BROKEN_MESSAGE as error:
             raise RecordingError(f"not a {channel.type_name}: {error}", place=channel.topic) from error
 
     def _type(self, channel: Channel) -> ReadableType | None:
-        key = (channel.type_name, channel.definition)
+        key = (channel.type_name, channel.serialization_format, channel.definition)
         if key not in self._types:
             self._types[key] = self._library.readable(channel)
         return self._types[key]

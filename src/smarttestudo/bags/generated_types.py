@@ -7,10 +7,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from smarttestudo.domain.type_names import TypeName, short_type_name
+from smarttestudo.bags.definition_text import Section
+from smarttestudo.domain.type_names import TypeName
 
 _PARTS = re.compile(r"^---[ \t]*$", re.MULTILINE)
-_SECTION = re.compile(r"^={80}\n(?:MSG|SRV|ACTION): *(\S+)[ \t]*\n", re.MULTILINE)
 _NAMES = {2: ("Request", "Response"), 3: ("Goal", "Result", "Feedback")}
 _UUID = "unique_identifier_msgs/UUID"
 _KNOWN = {
@@ -22,31 +22,27 @@ _KNOWN = {
 }
 
 
-def texts_within(definition: str, name: TypeName) -> dict[str, str]:
-    """The text of each message type of ``definition``, by its name of two parts.
+def messages_within(section: Section, name: TypeName) -> Iterator[Section]:
+    """The parts of a section that is the file of a service or action, that of ``name``; else the section."""
+    parts = _PARTS.split(section.text)
+    if len(parts) not in _NAMES:
+        yield section
+        return
+    line = section.line
+    for part, text in zip(_NAMES[len(parts)], parts, strict=True):
+        yield Section(name=f"{name.package}/{name.defined_in}_{part}", text=text, line=line, is_idl=False)
+        line += text.count("\n")
 
-    The first text, which has no name there, is that of ``name`` or of the file that defines it.
+
+def generated_sections(name: TypeName) -> list[Section]:
+    """Texts of what rosidl adds to the parts of the service or action of ``name``, and of the types in it.
+
+    There are none for a message.
     """
-    main, *others = _SECTION.split(definition)
-    sections = [*zip(others[::2], others[1::2], strict=True)]
-    if main.strip() or not sections:
-        sections.insert(0, (f"{name.package}/{name.name}", main))
-    return dict(text for section in sections for text in _messages(*section, name))
-
-
-def generated_texts(name: TypeName) -> dict[str, str]:
-    """Texts of what rosidl adds to the parts of the service or action of ``name``, and of the types in it."""
     of = f"{name.package}/{name.defined_in}"
-    return {**_KNOWN, **(_of_service(of) if name.kind == "srv" else _of_action(of))}
-
-
-def _messages(section: str, text: str, name: TypeName) -> Iterator[tuple[str, str]]:
-    parts = _PARTS.split(text)
-    if len(parts) in _NAMES:
-        for part, one in zip(_NAMES[len(parts)], parts, strict=True):
-            yield f"{name.package}/{name.defined_in}_{part}", one
-    else:
-        yield short_type_name(section), text
+    texts = {"msg": {}, "srv": _of_service(of), "action": _of_action(of)}[name.kind]
+    texts = {**_KNOWN, **texts} if texts else {}
+    return [Section(name=one, text=text, line=1, is_idl=False) for one, text in texts.items()]
 
 
 def _of_service(of: str) -> dict[str, str]:

@@ -115,7 +115,7 @@ def measure_bag(path: Path, report: Callable[[float], None], *, with_latency: bo
         counters = {channel.topic: TopicCounter(with_latency=with_latency) for channel in recording.channels}
         sizes = _sizes_noting_latency(recording, types, counters) if with_latency else recording.sizes()
         _count(path, recording, sizes, counters, report)
-        notices = chain(_undefined(recording, types), _clock_notices(counters))
+        notices = chain(types.notices(recording.channels), _clock_notices(counters))
         return _summary(path, recording, counters, notices)
 
 
@@ -135,7 +135,12 @@ def measure_run(
         robot = _Robot(recording, by_transforms=by_transforms) if with_places else None
         _count(path, recording, robot.sizes() if robot else recording.sizes(), counters, report)
         return MeasuredRun(
-            summary=_summary(path, recording, counters, robot.notices() if robot else ()),
+            summary=_summary(
+                path,
+                recording,
+                counters,
+                (*MessageTypes().notices(recording.channels), *(robot.notices() if robot else ())),
+            ),
             channels=tuple(recording.channels),
             topics=counters,
             path=robot.path if robot else (),
@@ -265,11 +270,3 @@ def _clock_notices(counters: Mapping[str, TopicCounter]) -> Iterator[str]:
                 f"{topic}: the clocks differ in {grouped(one.of_other_clocks)} of "
                 f"{counted(one.messages, 'message')}, which are left out of its latency"
             )
-
-
-def _undefined(recording: RecordingReader, types: MessageTypes) -> Iterator[str]:
-    for channel in recording.channels:
-        if not types.is_defined(channel):
-            why = f"neither the recording nor ROS 2 defines {channel.type_name}"
-            why = why if channel.type_name else "recorded without a type"
-            yield f"{channel.topic}: {why}; its messages are counted, but cannot be decoded"

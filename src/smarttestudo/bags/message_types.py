@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -18,16 +19,19 @@ _HEADER = "std_msgs/msg/Header"
 class MessageTypes:
     """Types by the recording's own definitions, or else by those of ROS 2."""
 
-    def is_defined(self, channel: Channel) -> bool:
-        """Whether the recording or ROS 2 defines the channel's type; the definition itself is not read."""
-        return channel.definition is not None or self._types.store_for(channel) is not None
+    def notices(self, channels: Iterable[Channel]) -> Iterator[str]:
+        """A notice of each channel whose messages cannot be decoded."""
+        for channel in channels:
+            why = self._types.why_undecodable(channel)
+            if why is not None:
+                yield f"{channel.topic}: {why}; its messages are counted, but cannot be decoded"
 
     def has_header(self, channel: Channel) -> bool:
         """Whether messages begin with a std_msgs/Header; false if no definition says so."""
-        store = self._types.store_for(channel)
-        if store is None:
+        types = self._types.types_for(channel)
+        if types is None:
             return False
-        fields = store.fielddefs[channel.type_name][1]
+        fields = types[channel.type_name][1]
         return bool(fields) and fields[0][1][1] == _HEADER
 
     @cached_property

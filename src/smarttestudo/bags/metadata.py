@@ -17,6 +17,7 @@ from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, Storage
+from smarttestudo.domain.type_names import ros_type_name
 from smarttestudo.files.input_file import require_file
 
 MAX_BYTES = 50_000_000
@@ -149,13 +150,14 @@ def _channel(stored: object, qos: QosReader) -> Channel | None:
     if not isinstance(entry, Mapping) or not entry.get("name") or not entry.get("type"):
         return None
     topic = str(entry["name"])
+    serialization_format = _text(entry.get("serialization_format")) or "cdr"
     profiles = qos.read_or_note(topic, entry.get("offered_qos_profiles"))
     return Channel(
         topic=topic,
-        type_name=str(entry["type"]),
+        type_name=ros_type_name(str(entry["type"]), serialization_format),
         digest=_text(entry.get("type_description_hash")),
         qos=profiles,
-        serialization_format=_text(entry.get("serialization_format")) or "cdr",
+        serialization_format=serialization_format,
         transient_local=is_transient_local(profiles),
     )
 

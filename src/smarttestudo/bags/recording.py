@@ -87,6 +87,7 @@ def _filled_in(known: Channel, other: Channel) -> Channel:
         known,
         definition=known.definition or other.definition,
         digest=known.digest or other.digest,
+        foreign_schema=known.foreign_schema or other.foreign_schema,
         qos=other.qos if takes_qos else known.qos,
         transient_local=other.transient_local if takes_qos else known.transient_local,
     )

@@ -176,7 +176,7 @@ def places_in(
     That is a topic whose poses are in the frame ``map``, ``/amcl_pose`` before others. Else it is the
     odometry, ``/odom`` before others, else the transforms; ``by_transforms`` takes those before any topic.
     """
-    known = [channel for channel in channels if decoder.can_decode(channel)]
+    known = [channel for channel in channels if decoder.why_undecodable(channel) is None]
     transforms = [channel for channel in known if channel.type_name == _TRANSFORMS]
     if transforms and by_transforms:
         return TransformPlaces(transforms, decoder, start_ns)

@@ -18,7 +18,7 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 from smarttestudo.bags.definitions import TypeLibrary
 from smarttestudo.bags.recording import ChannelKey, key_of, with_declared_bytes
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel, RecordingWriter, Storage
+from smarttestudo.domain.recording import Channel, ForeignSchema, RecordingWriter, Storage
 from smarttestudo.files.outputs import require_new, write_error
 from smarttestudo.files.removal import temporary_folder
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX
@@ -81,6 +81,8 @@ class _RosbagRecordingWriter:
         if key_of(channel) in self._connections:
             return
         definition, digest = self._types.definition_and_digest(channel)
+        if channel.foreign_schema is not None and not definition:
+            definition = _ForeignText(channel.foreign_schema)
         with _errors_at(self._path):
             self._connections[key_of(channel)] = self._writer.add_channel(
                 channel.topic,
@@ -123,7 +125,26 @@ def _without_unknown(connection: Connection) -> Connection:
     return connection._replace(digest="") if connection.digest == _UNKNOWN_DIGEST else connection
 
 
+class _ForeignText(str):
+    """A schema of another language, which rosbags takes for a text that it stores as UTF-8."""
+
+    def __new__(cls, schema: ForeignSchema) -> _ForeignText:
+        text = super().__new__(cls, schema.data.decode("utf-8", "replace"))
+        text.schema = schema
+        return text
+
+    schema: ForeignSchema
+
+    def encode(self, *_: str) -> bytes:
+        """The bytes as they were."""
+        return self.schema.data
+
+
 _STAMPS = 1 << 63
+_ADD_FOREIGN = (
+    "INSERT INTO message_definitions"
+    " (topic_type, encoding, encoded_message_definition, type_description_hash) VALUES (?, ?, ?, ?)"
+)
 _MOST_ROWS = 256
 _MOST_ROWS_BYTES = 1_000_000
 
@@ -160,8 +181,12 @@ class _Sqlite3Storage(Sqlite3Writer):
         self.cursor.executemany("INSERT INTO messages (topic_id, timestamp, data) VALUES (?, ?, ?)", rows)
 
     def add_msgtype(self, connection: Connection) -> None:
-        if connection.msgdef.data:
-            super().add_msgtype(_without_unknown(connection))
+        definition, known = connection.msgdef.data, _without_unknown(connection)
+        if isinstance(definition, _ForeignText):
+            row = connection.msgtype, definition.schema.encoding, definition.schema.data, known.digest
+            self.cursor.execute(_ADD_FOREIGN, row)
+        elif definition:
+            super().add_msgtype(known)
 
     def add_connection(self, connection: Connection, offered_qos_profiles: str) -> None:
         super().add_connection(_without_unknown(connection), offered_qos_profiles)
@@ -186,10 +211,12 @@ class _TypeName(str):
 
 class _McapStorage(McapWriter):
     def add_msgtype(self, connection: Connection) -> None:
-        if connection.msgdef.data:
+        definition = connection.msgdef.data
+        if definition and not isinstance(definition, _ForeignText):
             super().add_msgtype(connection)
             return
-        schema = Schema(len(self.schemas) + 1, connection.msgtype, "", "")
+        encoding = definition.schema.encoding if isinstance(definition, _ForeignText) else ""
+        schema = Schema(len(self.schemas) + 1, connection.msgtype, encoding, definition)
         self.schemas.append(schema)
         write_schema(self.chunk.bio, schema)
 

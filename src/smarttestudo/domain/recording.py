@@ -20,12 +20,21 @@ class Storage(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ForeignSchema:
+    """A type's definition in another language than ROS 2's, such as ``jsonschema``, as a file holds it."""
+
+    encoding: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Channel:
     """One topic of a recording with one type and one definition of it.
 
     ``definition`` is the type's definition with those of its parts, as rosbag2 stores it, ``None`` where the
-    recording has none; ``digest`` its ``RIHS01_…`` hash or empty; ``qos`` the offered profiles, opaque to
-    everything but the adapter that read them. ``transient_local`` says whether any of them is.
+    recording has none, but perhaps a ``foreign_schema``; ``digest`` its ``RIHS01_…`` hash or empty; ``qos``
+    the offered profiles, opaque to everything but the adapter that read them. ``transient_local`` says
+    whether any of them is.
     """
 
     topic: str
@@ -35,6 +44,7 @@ class Channel:
     qos: tuple[object, ...] = ()
     serialization_format: str = "cdr"
     transient_local: bool = False
+    foreign_schema: ForeignSchema | None = None
 
 
 TWO_TYPES = "recorded with two types; left out of the second"
@@ -144,8 +154,8 @@ class RecordingWriter(Protocol):
 class MessageDecoder(Protocol):
     """Turns serialized messages into objects with the fields of their type as attributes."""
 
-    def can_decode(self, channel: Channel) -> bool:
-        """Whether the channel's type is known."""
+    def why_undecodable(self, channel: Channel) -> str | None:
+        """Why no message of the channel can be decoded; ``None`` where they can."""
 
     def unread(self, channel: Channel) -> Collection[str]:
         """The paths, without indices, of fields that stay unknown, as ROS 2 lacks them in Python."""
@@ -154,5 +164,5 @@ class MessageDecoder(Protocol):
         """The message in ``payload``.
 
         Raises:
-            RecordingError: the type is unknown, or the bytes are not a message of it.
+            RecordingError: it cannot be decoded, or the bytes are not a message of its type.
         """

@@ -24,6 +24,35 @@ def short_type_name(type_name: str) -> str:
     return f"{package}/{rest.rpartition('/')[2]}" if rest else type_name
 
 
+def full_type_name(name: str, package: str, kind: str = "msg") -> str:
+    """``std_msgs/msg/Header`` for ``std_msgs/Header``, or for ``Header`` in that package.
+
+    The name is that of a type of ``kind`` where it can be one, else that of a message.
+    """
+    of, _, rest = name.rpartition("/")
+    if "/" in of:
+        return name
+    wanted = f"{of or package}/{kind}/{rest}"
+    return wanted if TypeName.read(wanted) else f"{of or package}/msg/{rest}"
+
+
+def ros_type_name(text: str, serialization_format: str) -> str:
+    """The name as ROS 2 has it of a type that DDS, IDL or an exporter calls otherwise.
+
+    Such are ``nav_msgs/Odometry`` and ``nav_msgs::msg::dds_::Odometry_``; what is none of these stays, and so
+    does the type of messages that are not CDR.
+    """
+    if serialization_format != "cdr":
+        return text
+    parts = text.replace("::", "/").split("/")
+    if "dds_" in parts:
+        parts = [part.removesuffix("_") for part in parts if part != "dds_"]
+    # Of an action's messages, some may be a service's as well.
+    kinds = ("action", "srv", "msg") if len(parts) == 2 else ()
+    names = ("/".join(parts), *(f"{parts[0]}/{kind}/{parts[1]}" for kind in kinds))
+    return next((one for one in names if TypeName.read(one)), text)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TypeName:
     """``std_srvs/srv/SetBool_Event``: of ``kind`` srv (or msg, action), and ``defined_in`` SetBool."""

@@ -20,16 +20,14 @@ _INDEX = re.compile(r"\[[^\]]*\]")
 
 
 def require_decodable(channels: Sequence[Channel], rule_set: RuleSet, decoder: MessageDecoder) -> None:
-    """Raise ``RecordingError`` for a topic that a check reads and whose type has no definition."""
+    """Raise ``RecordingError`` for a topic that a check reads and that cannot be decoded."""
     read, first = topics_decoded(rule_set), first_of_topics(channels)
     for channel in channels:
         is_read = channel.topic in read and channel.type_name == first[channel.topic].type_name
-        if is_read and not decoder.can_decode(channel):
-            raise RecordingError(
-                f"a check reads it, and the recording does not define its type {channel.type_name}",
-                place=channel.topic,
-                remedy="record it again with a ROS 2 that stores definitions, or leave out the check",
-            )
+        why = decoder.why_undecodable(channel) if is_read else None
+        if why is not None:
+            cause = f"a check reads it, and it cannot be decoded: {why}"
+            raise RecordingError(cause, place=channel.topic, remedy="leave out the check")
 
 
 def topics_decoded(rule_set: RuleSet) -> frozenset[str]:

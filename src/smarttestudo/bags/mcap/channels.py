@@ -7,18 +7,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from smarttestudo.bags.definition_text import normal_definition
+from smarttestudo.bags.definition_text import stored_definition
 from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.type_names import ros_type_name
 
 if TYPE_CHECKING:
     from mcap.records import Channel as ChannelRecord
     from mcap.records import Schema
 
     from smarttestudo.bags.mcap.summary import ChannelEntry, SchemaEntry
-
-_IDL_ENCODINGS = frozenset({"ros2idl", "omgidl"})
-_DEFINED_ENCODINGS = frozenset({"ros2msg"}) | _IDL_ENCODINGS
 
 
 def stored_channel(
@@ -27,11 +25,10 @@ def stored_channel(
     """The channel of a record, with its type if the file has a ``schema`` for it."""
     metadata: Mapping[str, str] = record.metadata
     qos = qos_reader.read_or_note(record.topic, metadata.get("offered_qos_profiles"))
-    type_name, definition = "", None
+    type_name, definition, foreign = "", None, None
     if schema is not None:
-        type_name = schema.name
-        text = schema.data.decode("utf-8", "replace") if schema.encoding in _DEFINED_ENCODINGS else ""
-        definition = normal_definition(text, type_name=type_name, is_idl=schema.encoding in _IDL_ENCODINGS)
+        type_name = ros_type_name(schema.name, record.message_encoding)
+        definition, foreign = stored_definition(type_name, schema.encoding, bytes(schema.data))
     return Channel(
         topic=record.topic,
         type_name=type_name,
@@ -40,4 +37,5 @@ def stored_channel(
         qos=qos,
         serialization_format=record.message_encoding,
         transient_local=is_transient_local(qos),
+        foreign_schema=foreign,
     )

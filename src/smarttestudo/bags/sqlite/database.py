@@ -13,11 +13,12 @@ from urllib.parse import quote
 
 import apsw
 
-from smarttestudo.bags.definition_text import normal_definition
+from smarttestudo.bags.definition_text import stored_definition
 from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.bags.sqlite.log import WriteAheadLog
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.recording import Channel, ForeignSchema
+from smarttestudo.domain.type_names import ros_type_name
 
 _FLAGS = apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI
 _STEPS_PER_BYTE = 50
@@ -199,37 +200,44 @@ def read_topics(database: apsw.Connection, qos: QosReader) -> dict[int, Channel]
     return channels
 
 
+_Definition = tuple[str | None, ForeignSchema | None]
+
+
 def _channel(
-    columns: dict[str, apsw.SQLiteValue], definitions: dict[tuple[str, str], str], qos: QosReader
+    columns: dict[str, apsw.SQLiteValue], definitions: dict[tuple[str, str], _Definition], qos: QosReader
 ) -> Channel:
     topic, type_name = str(columns["name"]), str(columns["type"])
     digest = str(columns.get("type_description_hash") or "")
+    serialization_format = str(columns["serialization_format"])
     profiles = qos.read_or_note(topic, columns.get("offered_qos_profiles"))
+    any_digest = definitions.get((type_name, ""), (None, None))
+    definition, foreign = definitions.get((type_name, digest), any_digest)
     return Channel(
         topic=topic,
-        type_name=type_name,
-        definition=definitions.get((type_name, digest), definitions.get((type_name, ""))),
+        type_name=ros_type_name(type_name, serialization_format),
+        definition=definition,
         digest=digest,
         qos=profiles,
-        serialization_format=str(columns["serialization_format"]),
+        serialization_format=serialization_format,
         transient_local=is_transient_local(profiles),
+        foreign_schema=foreign,
     )
 
 
-def _definitions(database: apsw.Connection) -> dict[tuple[str, str], str]:
+def _definitions(database: apsw.Connection) -> dict[tuple[str, str], _Definition]:
     """Definitions by type name and digest, and the first of each name without one.
 
     There are none in a bag of Humble or older, which has no such table.
     """
-    definitions: dict[tuple[str, str], str] = {}
+    definitions: dict[tuple[str, str], _Definition] = {}
     with suppress(apsw.Error):
         rows = database.execute("SELECT * FROM message_definitions ORDER BY id")
         for row in rows:
             columns = dict(zip((column[0] for column in rows.description), row, strict=True))
-            name, text = str(columns["topic_type"]), str(columns["encoded_message_definition"])
-            is_idl = columns["encoding"] == "ros2idl"
-            definition = normal_definition(text, type_name=name, is_idl=is_idl)
-            if definition is not None:
+            name, stored = str(columns["topic_type"]), columns["encoded_message_definition"]
+            data = stored if isinstance(stored, bytes) else str(stored or "").encode("utf-8", "replace")
+            definition = stored_definition(name, str(columns["encoding"] or ""), data)
+            if definition != (None, None):
                 definitions.setdefault((name, str(columns.get("type_description_hash") or "")), definition)
                 definitions.setdefault((name, ""), definition)
     return definitions
