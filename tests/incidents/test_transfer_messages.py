@@ -124,11 +124,6 @@ def test_random_bytes_are_a_list_or_a_plan_or_refused(
     assert messages.from_bytes(messages.to_bytes(found)) == found
 
 
-def test_a_name_that_moves_the_cursor_of_a_terminal_does_not() -> None:
-    (found,) = list_from_bytes(list_to_bytes([incident("i", rule="a\x1b[2J")]), "ada")
-    assert found.rule == "a?[2J"
-
-
 def test_a_plan_is_what_travelled() -> None:
     plan = TransferPlan(
         token=TOKEN,

@@ -91,7 +91,7 @@ def test_the_profile_of_a_recording_with_a_strange_name_reads_back(tmp_path: Pat
     bag.rename(strange)
     assert main(["profile", "--bag", str(strange), "-o", str(output)]) == 0
     assert load_profile(output).topic("/map").message_kb == 1
-    assert output.read_text().startswith("# Measured by testudo profile in two?lines ?: ")
+    assert output.read_text().startswith(r"# Measured by testudo profile in two\nlines \u0001: ")
 
 
 def test_publishers_are_said_where_the_recording_lists_what_each_of_them_offered(

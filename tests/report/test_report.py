@@ -29,13 +29,13 @@ from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Rectangle
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.document import render_report
 from smarttestudo.report.markup import tag
 from smarttestudo.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS
 from smarttestudo.report.run_report import Fact, RuleText, RunReport, TopicHistory, TopicSeries
 from smarttestudo.report.scripts import style
 from smarttestudo.report.series import SeriesPoint, bandwidth_series, rate_series
-from smarttestudo.report.table import printable
 from smarttestudo.report.time_chart import MOST_LAYERS
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -164,10 +164,10 @@ def test_a_report_can_be_written_as_utf_8_and_is_small(name: str) -> None:
 
 def test_strangers_texts_are_shown_as_they_are() -> None:
     html = html_of("hostile")
-    shown = " ".join(printable(HOSTILE).split())
+    shown = " ".join(visible(HOSTILE).split())
     assert "\x1b" not in html
     assert "\u202e" not in html
-    assert printable(HOSTILE) in {element.get("data-name") for element in tree(html).iter("polygon")}
+    assert visible(HOSTILE) in {element.get("data-name") for element in tree(html).iter("polygon")}
     # Title, heading, chart, two tables, zone, two legends, decision (4), rules (3), fact (2).
     assert all_text(html).count(shown) >= 17
 
@@ -192,8 +192,8 @@ def test_any_text_comes_back_from_a_browser_as_it_was(text: str) -> None:
     reader = Reader()
     reader.feed(tag("p", text, aria_label=text).html)
     reader.close()
-    assert reader.text == printable(text)
-    assert reader.elements == [{"aria-label": printable(text)}]
+    assert reader.text == visible(text)
+    assert reader.elements == [{"aria-label": visible(text)}]
 
 
 def test_pages_read_as_in_the_golden_files() -> None:

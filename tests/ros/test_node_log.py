@@ -56,13 +56,13 @@ def test_a_line_has_the_level_and_the_place_that_rclpy_would_give_it(robot: Robo
     assert ours[0].file == __file__
 
 
-def test_a_file_name_that_is_not_utf_8_is_logged(robot: Robot) -> None:
+def test_names_of_others_are_logged_as_text_on_one_line(robot: Robot) -> None:
     rclpy_logging = importlib.import_module("rclpy.logging")
-    name = os.fsdecode(b"r\xe9gles.adirf")
+    name = os.fsdecode(b"r\xe9gles.adirf") + "\x1b[2J\n\x9b"
     for log in (robot.log, Utf8Log(rclpy_logging.get_logger("smarttestudo"))):
         log.info(name)
         log.warning(name)
-    assert [one.msg for one in heard(robot, 4)] == ["r?gles.adirf"] * 4
+    assert [one.msg for one in heard(robot, 4)] == [r"r\udce9gles.adirf\u001b[2J\n\u009b"] * 4
 
 
 def test_what_the_level_leaves_out_is_not_logged(robot: Robot) -> None:

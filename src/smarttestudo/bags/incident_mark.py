@@ -36,9 +36,9 @@ def incident_text(record: IncidentRecord) -> str:
     return f"{record.name} at {utc_time(record.triggered_ns)}: {_reason(record)}"
 
 
-def incident_subtitle(record: IncidentRecord | None) -> str:
-    """The line that follows the name of a recording that is an incident; empty for any other."""
-    return "" if record is None else f"\nincident {incident_text(record)}"
+def incident_subtitles(record: IncidentRecord | None) -> tuple[str, ...]:
+    """The line that follows the name of a recording that is an incident; none for any other."""
+    return () if record is None else (f"incident {incident_text(record)}",)
 
 
 def _reason(record: IncidentRecord) -> str:

@@ -18,6 +18,7 @@ from smarttestudo.cli.bag_options import (
 )
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import Progress
 from smarttestudo.cli.recording_options import add_recordings, add_several
@@ -120,7 +121,9 @@ class _Accuracies(RecordingCommand["AccuracyComparison"]):
         print_incident(Path(result.bag))
         print_tables(accuracy_tables(result))
         for number, sentence in enumerate(accuracy_sentences(result)):
-            print(sentence if number else f"\n{sentence}")  # noqa: T201
+            if not number:
+                write_line()
+            write_line(sentence)
 
 
 def _loaded(arguments: argparse.Namespace, profile: Profile) -> Iterator[tuple[str, View, LoadedRules]]:

@@ -7,12 +7,13 @@ from __future__ import annotations
 import argparse
 
 from smarttestudo.bags.bag_comparison import BagComparison, compare_bags
-from smarttestudo.bags.incident_mark import incident_subtitle
+from smarttestudo.bags.incident_mark import incident_subtitles
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.cli import bag_figures
 from smarttestudo.cli.bag import measured
 from smarttestudo.cli.bag_options import add_map, add_topics_and_form, print_tables, topic_mapping
 from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.output import write_line, write_lines
 from smarttestudo.cli.progress import Progress
 from smarttestudo.cli.recording_options import add_pair, add_several
 from smarttestudo.cli.recordings import RecordingCommand, each_recording, pairs_asked
@@ -66,8 +67,8 @@ class _Comparisons(RecordingCommand[BagComparison]):
     def print_text(self, result: BagComparison) -> None:
         """The recordings' names, and a table of each quantity."""
         for letter, bag in (("A", result.a), ("B", result.b)):
-            print(f"{letter}: {bag.name}{incident_subtitle(bag.incident)}")  # noqa: T201
-        print()  # noqa: T201
+            write_lines([f"{letter}: {bag.name}", *incident_subtitles(bag.incident)])
+        write_line()
         print_tables(_compare_tables(result))
 
     def finish(self, arguments: argparse.Namespace) -> None:

@@ -11,6 +11,7 @@ from enum import Enum
 from pathlib import Path
 
 from smarttestudo.cli.budget import budget_kb_per_s
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.recordings import Asked, outputs_of_each, recordings_in
@@ -99,4 +100,4 @@ def draw_pair(
 def print_written(paths: Sequence[Path]) -> None:
     """Say which figures there are, where they do not disturb what a program reads."""
     for path in paths:
-        print(f"wrote {path}", file=sys.stderr)  # noqa: T201
+        write_line(f"wrote {path}", sys.stderr)

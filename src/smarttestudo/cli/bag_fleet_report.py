@@ -17,6 +17,7 @@ from smarttestudo import __version__
 from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, is_url
 from smarttestudo.cli.bag_figures import print_written
 from smarttestudo.cli.bag_options import topic_mapping
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.recordings import Asked, RecordingCommand, each_recording, recordings_in
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.json_text import json_text
@@ -58,7 +59,7 @@ def write_fleet_report(
     if arguments.csv or arguments.json:
         print_written([arguments.output])
     else:
-        print(f"{arguments.output}: {recordings.sum()}")  # noqa: T201
+        write_line(f"{arguments.output}: {recordings.sum()}")
     return code
 
 

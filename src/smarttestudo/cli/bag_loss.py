@@ -23,6 +23,7 @@ from smarttestudo.cli.bag_options import (
 )
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
+from smarttestudo.cli.output import write_lines
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import Progress
 from smarttestudo.cli.recording_options import add_pair, add_several
@@ -38,7 +39,7 @@ from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.language.properties import ARRIVAL_PROPERTIES, is_field_path
 from smarttestudo.loop.decision_log import read_decisions
 from smarttestudo.report.accuracy_curve_table import accuracy_table
-from smarttestudo.report.loss_tables import arms_text, curve_table, loss_tables
+from smarttestudo.report.loss_tables import arms_lines, curve_table, loss_tables
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_sets import LoadedRules, load_rules
 
@@ -147,7 +148,7 @@ class _Losses(RecordingCommand["LossReport"]):
 
     def print_text(self, result: LossReport) -> None:
         """The recordings' names, and a table of each kind of loss."""
-        print(f"{arms_text(result)}\n")  # noqa: T201
+        write_lines([*arms_lines(result), ""])
         print_incident(Path(result.a))
         print_tables(loss_tables(result))
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.bags.incident_mark import incident_text
 from smarttestudo.bags.incident_record import record_beside
+from smarttestudo.cli.output import write_file_text, write_line, write_lines
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.json_text import json_text
@@ -117,20 +118,26 @@ def print_incident(recording: Path) -> None:
         print_notices([f"what happened is not known: {error}"])
         return
     if record is not None:
-        print(f"incident {incident_text(record)}\n")  # noqa: T201
+        write_lines([f"incident {incident_text(record)}", ""])
 
 
 def print_tables(tables: Iterable[Table]) -> None:
     """Tables below each other, an empty line between."""
     for number, table in enumerate(tables):
         if number:
-            print()  # noqa: T201
+            write_line()
         print_table(table)
 
 
 def print_json(value: object) -> None:
     """One object on one line."""
-    print(json_text(value))  # noqa: T201
+    write_line(json_text(value))
+
+
+class _FileText:
+    """Standard output as a file that ``csv`` writes."""
+
+    write = staticmethod(write_file_text)
 
 
 class CsvPrinter:
@@ -143,7 +150,7 @@ class CsvPrinter:
         """Print further rows."""
         for row in rows:
             if self._writer is None:
-                self._writer = csv.DictWriter(sys.stdout, fieldnames=list(row), lineterminator="\n")
+                self._writer = csv.DictWriter(_FileText(), fieldnames=list(row), lineterminator="\n")
                 self._writer.writeheader()
             self._writer.writerow(row)
 
@@ -157,4 +164,4 @@ def print_notices(notices: Iterable[str]) -> None:
 def print_notice(notice: str) -> None:
     """Print one of them."""
     sys.stdout.flush()
-    print(f"note: {notice}", file=sys.stderr)  # noqa: T201
+    write_line(f"note: {notice}", sys.stderr)

@@ -29,6 +29,7 @@ from smarttestudo.cli.bag_options import (
 )
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.recording_options import add_pair, add_several
@@ -138,7 +139,7 @@ def _write_one(arguments: argparse.Namespace, profile: Profile | None, rules: Lo
         from smarttestudo.report.bag_report import draw_report  # noqa: PLC0415  as below
 
         print_written(draw_report(report, arguments.figures))
-    print(f"{arguments.output}: {_summary(report)}")  # noqa: T201
+    write_line(f"{arguments.output}: {_summary(report)}")
     print_notices(report.notices)
     return 0
 

@@ -15,8 +15,9 @@ from typing import TypeVar
 
 from smarttestudo.checks import CheckContext
 from smarttestudo.cli.command_parser import CommandParser
-from smarttestudo.cli.finding_text import print_findings, summary, write_lines
+from smarttestudo.cli.finding_text import print_findings, summary
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
+from smarttestudo.cli.output import write_line, write_lines
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.robots import add_robot, topics_of_robot
 from smarttestudo.cli.terminal import stop_signals
@@ -60,13 +61,14 @@ def run(arguments: argparse.Namespace) -> int:
     results = [parse(text, path) for path, text in texts.items()]
     findings = all_findings(results, context)
     if arguments.format == "json":
-        print(json.dumps([finding.to_json() for finding in findings], indent=2))  # noqa: T201
+        write_lines(json.dumps([finding.to_json() for finding in findings], indent=2).split("\n"))
     else:
         print_findings(findings, texts, sys.stdout)
-        write_lines([summary(findings, files=len(texts))] if texts else [], sys.stdout)
+        if texts:
+            write_line(summary(findings, files=len(texts)))
     sys.stdout.flush()
     for error in unreadable:
-        print(error, file=sys.stderr)  # noqa: T201
+        write_line(str(error), sys.stderr)
     return EXIT_ERROR if _has_error(findings) or unreadable else 0
 
 

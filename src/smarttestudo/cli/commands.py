@@ -9,6 +9,7 @@ from typing import NoReturn
 
 from smarttestudo import __version__
 from smarttestudo.cli.command_parser import CommandParser, add_lazy
+from smarttestudo.cli.output import write_line
 
 _PURPOSES = {
     "demo": "watch a simulated robot cross a warehouse, with and without adaptive monitoring",
@@ -32,7 +33,7 @@ class _Version(argparse.Action):
     """Prints the version and exits, without what argparse imports to fold a line."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        print(f"testudo {__version__}")  # noqa: T201
+        write_line(f"testudo {__version__}")
         parser.exit()
 
 

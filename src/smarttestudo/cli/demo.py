@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.loop_options import add_mission, add_simulation, add_when_slow, seconds
+from smarttestudo.cli.output import write_line, write_lines
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.physics_options import load_physics
 from smarttestudo.cli.progress import progress
@@ -126,12 +127,12 @@ def _print(outcome: DemoOutcome, out: Path, *, with_thesis: bool) -> None:
 
     for table in (frequency_table(outcome.comparison), bandwidth_table(outcome.comparison)):
         print_table(table)
-        print()  # noqa: T201
+        write_line()
     _print_loss(outcome.loss)
     _print_accuracy(outcome.accuracy)
-    print(f"{declared_sentence(outcome.comparison)}\n")  # noqa: T201
+    write_lines([declared_sentence(outcome.comparison), ""])
     for notice in outcome.notices:
-        print(f"note: {notice}", file=sys.stderr)  # noqa: T201
+        write_line(f"note: {notice}", sys.stderr)
     bounding = {
         WITHIN: "rules that keep the operator's picture within bounds",
         PREDICTED: "the same for an operator's end that shows dead reckoning",
@@ -152,11 +153,15 @@ def _print(outcome: DemoOutcome, out: Path, *, with_thesis: bool) -> None:
     }
     width = max(len(str(out / name)) for name in written)
     for name, meaning in written.items():
-        print(f"{out / name!s:<{width}}  {meaning}")  # noqa: T201
+        write_line(f"{out / name!s:<{width}}  {meaning}")
     baseline, rules, report = (shlex.quote(str(out / name)) for name in (demo.BASELINE, RULES, demo.REPORT))
-    print(  # noqa: T201
-        f"\nOpen {report} in a browser. Then edit {rules} and see what the operator gets:\n"
-        f"  {_own_command()} replay {baseline} --rules {rules} --output my-recording --report my-report.html"
+    write_lines(
+        (
+            "",
+            f"Open {report} in a browser. Then edit {rules} and see what the operator gets:",
+            f"  {_own_command()} replay {baseline} --rules {rules} "
+            "--output my-recording --report my-report.html",
+        )
     )
 
 
@@ -173,7 +178,7 @@ def _print_loss(loss: LossReport | None) -> None:
     from smarttestudo.report.summary import loss_sentences  # noqa: PLC0415  see run
 
     for sentence in () if loss is None else (*loss_sentences(loss), ""):
-        print(sentence)  # noqa: T201
+        write_line(sentence)
 
 
 def _print_accuracy(accuracy: AccuracyComparison | None) -> None:
@@ -185,4 +190,4 @@ def _print_accuracy(accuracy: AccuracyComparison | None) -> None:
         print_table(table)
     sentences = tuple(accuracy_sentences(accuracy))
     for line in ("", *sentences, "") if sentences else ("",):
-        print(line)  # noqa: T201
+        write_line(line)

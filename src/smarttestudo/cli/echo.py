@@ -18,11 +18,12 @@ from typing import TextIO
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.echo_text import echo_block, echo_json, echo_line, message_block
 from smarttestudo.cli.loop_options import add_ros_arguments
-from smarttestudo.cli.tables import write_text
+from smarttestudo.cli.output import write_line, write_lines, write_styled
 from smarttestudo.cli.terminal import duration_s, stop_signals
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.visible_text import visible
 from smarttestudo.language.properties import is_field_path
 from smarttestudo.robot.echo import Bounds, Echo, EchoedTopic, unheard_error
 from smarttestudo.robot.ros import open_robot
@@ -180,7 +181,7 @@ class _Notes:
             if echo.state != self._said.get(echo.topic, ""):
                 self._said[echo.topic] = echo.state
                 if echo.state:
-                    print(f"note: {echo.topic}: {echo.state}", file=sys.stderr)  # noqa: T201
+                    write_line(f"note: {echo.topic}: {echo.state}", sys.stderr)
 
 
 def _json_line(echo: Echo) -> str:
@@ -188,8 +189,7 @@ def _json_line(echo: Echo) -> str:
 
 
 def _write(lines: Sequence[str]) -> None:
-    for line in lines:
-        write_text(line, sys.stdout)
+    write_lines(lines)
     sys.stdout.flush()
 
 
@@ -220,13 +220,10 @@ def live_lines(stream: TextIO) -> Callable[[Sequence[str]], None]:
 
     def show(lines: Sequence[str]) -> None:
         nonlocal shown
-        fitting = cropped(lines, *shutil.get_terminal_size())
-        if shown:
-            stream.write(f"\x1b[{shown}A\r")
-        for line in fitting:
-            stream.write(_ERASE_TO_END_OF_LINE)
-            write_text(line, stream)
-        stream.write(_ERASE_BELOW)
+        fitting = cropped([*map(visible, lines)], *shutil.get_terminal_size())
+        up = f"\x1b[{shown}A\r" if shown else ""
+        text = "".join(f"{_ERASE_TO_END_OF_LINE}{line}\n" for line in fitting)
+        write_styled(f"{up}{text}{_ERASE_BELOW}", stream)
         stream.flush()
         shown = len(fitting)
 

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from smarttestudo.domain.units import grouped
-from smarttestudo.report.table import MISSING, format_number, printable
+from smarttestudo.report.table import MISSING, format_number
 from smarttestudo.robot.echo import Echo, PlainValue
 
 _MOST_ON_ONE_LINE = 8
@@ -32,7 +32,7 @@ def message_block(echo: Echo) -> list[str]:
     head = (
         f"{echo.topic}  {echo.type_name}  message {grouped(echo.messages)}  {grouped(echo.size_bytes or 0)} B"
     )
-    return [printable("  ".join([head, *([echo.state] if echo.state else [])])), *_value_lines(echo.values)]
+    return ["  ".join([head, *([echo.state] if echo.state else [])]), *_value_lines(echo.values)]
 
 
 def echo_json(echo: Echo) -> dict[str, object]:
@@ -59,7 +59,7 @@ def _rates(echo: Echo) -> str:
         ]
     if echo.state:
         words.append(echo.state)
-    return printable("  ".join(words))
+    return "  ".join(words)
 
 
 def _value_lines(values: Mapping[str, PlainValue] | None) -> Iterator[str]:
@@ -88,7 +88,7 @@ def _text(value: PlainValue) -> str:
         case float():
             return format(value, f".{_DIGITS}g")
         case str():
-            return printable(value) or '""'
+            return value or '""'
         case list():
             return f"[{', '.join(map(_text, value))}]"
         case _:

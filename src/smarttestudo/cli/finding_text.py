@@ -10,9 +10,11 @@ import unicodedata
 from collections.abc import Mapping, Sequence
 from typing import TextIO
 
+from smarttestudo.cli.output import write_styled
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.source import Span
 from smarttestudo.domain.utf_8 import without_mark
+from smarttestudo.domain.visible_text import visible
 
 _INDENT = "    "
 _SHOWN_COLUMNS = 100
@@ -30,7 +32,7 @@ def print_findings(findings: Sequence[Finding], texts: Mapping[str, str], stream
     colour = wants_colour(stream)
     for finding in findings:
         shown = finding_lines(finding, lines.get(finding.path, ()), colour=colour)
-        write_lines(shown, stream)
+        write_styled("".join(f"{line}\n" for line in shown), stream)
 
 
 def finding_lines(finding: Finding, lines: Sequence[str], *, colour: bool = False) -> list[str]:
@@ -64,13 +66,6 @@ def wants_colour(stream: TextIO) -> bool:
     return stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
 
 
-def write_lines(lines: Sequence[str], stream: TextIO) -> None:
-    """Write ``lines``, with a ``?`` for each character that the stream's encoding does not have."""
-    encoding = stream.encoding or "utf-8"
-    text = "".join(f"{line}\n" for line in lines)
-    stream.write(text.encode(encoding, "replace").decode(encoding))
-
-
 def _excerpt(line: str, span: Span) -> tuple[str, str]:
     """The line, cut where it is long, and carets under ``span``."""
     start = min(span.column - 1, len(line))
@@ -87,11 +82,8 @@ def _excerpt(line: str, span: Span) -> tuple[str, str]:
 
 
 def _visible(text: str) -> str:
-    """``text`` without control characters, which could command the terminal; tabs become blanks."""
-    return "".join(
-        letter if letter.isprintable() else " " if letter == "\t" else "\N{REPLACEMENT CHARACTER}"
-        for letter in text
-    )
+    """``text`` as it is shown on one line, with blanks for tabs."""
+    return visible(text.replace("\t", " "))
 
 
 def _columns(text: str) -> int:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError, TestudoError
 from smarttestudo.language.formatter import first_line_end, format_file
@@ -41,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
         try:
             files = find_rule_files([path])
         except RuleFileError as error:
-            sys.stderr.write(f"{error}\n")
+            write_line(str(error), sys.stderr)
             code = EXIT_ERROR
             continue
         for file in files:
@@ -69,7 +70,7 @@ def _format(path: Path, *, is_check: bool) -> int:
         if not is_check:
             write_rule_text(path, formatted)
     except TestudoError as error:
-        sys.stderr.write(f"{error}\n")
+        write_line(str(error), sys.stderr)
         return EXIT_ERROR
-    sys.stdout.write(f"{path}\n" if is_check else f"formatted {path}\n")
+    write_line(str(path) if is_check else f"formatted {path}")
     return EXIT_ERROR if is_check else 0

@@ -12,6 +12,7 @@ from smarttestudo.bags.incident_mark import missing_text, signal_texts
 from smarttestudo.cli.bag_options import print_notice, print_notices
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.remote_incidents import fetch, incident_table, list_remote
 from smarttestudo.cli.robots import add_robot
@@ -109,13 +110,13 @@ def _list(arguments: argparse.Namespace) -> int:
         else:
             found.append(one)
     if arguments.json:
-        print(json_text([_json(one) for one in found]))  # noqa: T201
+        write_line(json_text([_json(one) for one in found]))
     elif found:
         print_table(incident_table([one.listed() for one in found]))
     else:
-        print("no incidents")  # noqa: T201
+        write_line("no incidents")
     for error in errors:
-        print(error, file=sys.stderr)  # noqa: T201
+        write_line(str(error), sys.stderr)
     return EXIT_ERROR if errors else 0
 
 
@@ -124,21 +125,23 @@ def _show(arguments: argparse.Namespace) -> int:
     stored = store.incident(arguments.name)
     store.mark_read(arguments.name)
     if arguments.json:
-        print(json_text(_json(stored)))  # noqa: T201
+        write_line(json_text(_json(stored)))
         _tell_differences(stored)
         return 0
     record = stored.record
     before_s = (record.triggered_ns - record.from_ns) / NS_PER_S
     after_s = (record.to_ns - record.triggered_ns) / NS_PER_S
-    print(f"{record.name}: {utc_time(record.triggered_ns)}, {before_s:g} s before to {after_s:g} s after")  # noqa: T201
-    print(f"rule {record.rule} ({record.path}:{record.line}), rules {record.rules_sha256[:12]}")  # noqa: T201
+    write_line(
+        f"{record.name}: {utc_time(record.triggered_ns)}, {before_s:g} s before to {after_s:g} s after"
+    )
+    write_line(f"rule {record.rule} ({record.path}:{record.line}), rules {record.rules_sha256[:12]}")
     for text in signal_texts(record):
-        print(text)  # noqa: T201
+        write_line(text)
     print_table(_topic_table(stored))
     for missing in record.missing:
-        print(f"missing: {missing_text(missing)}")  # noqa: T201
+        write_line(f"missing: {missing_text(missing)}")
     for latched in record.latched:
-        print(f"latched: {latched.topic} of {utc_time(latched.stamp_ns)}")  # noqa: T201
+        write_line(f"latched: {latched.topic} of {utc_time(latched.stamp_ns)}")
     _tell_differences(stored)
     return 0
 
@@ -160,14 +163,14 @@ def _export(arguments: argparse.Namespace) -> int:
     store = IncidentStore(arguments.folder)
     files = store.export(arguments.name, arguments.output)
     store.mark_read(arguments.name)
-    print(f"{counted(files, 'file')} in {arguments.output}")  # noqa: T201
+    write_line(f"{counted(files, 'file')} in {arguments.output}")
     _tell_differences(store.incident(arguments.name))
     return 0
 
 
 def _delete(arguments: argparse.Namespace) -> int:
     IncidentStore(arguments.folder).delete(arguments.name)
-    print(f"deleted {arguments.name}")  # noqa: T201
+    write_line(f"deleted {arguments.name}")
     return 0
 
 

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from smarttestudo.cli.budget import budget_kb_per_s
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import UsageError
 
@@ -170,5 +171,5 @@ def connect_options(arguments: argparse.Namespace) -> LinkOptions | None:
 
 def warn(sentence: str) -> None:
     """Say on standard error what somebody should read."""
-    sys.stderr.write(f"testudo: {sentence}\n")
+    write_line(f"testudo: {sentence}", sys.stderr)
     sys.stderr.flush()

@@ -16,6 +16,7 @@ from contextlib import suppress
 from io import TextIOWrapper
 from typing import TYPE_CHECKING, TextIO, cast
 
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.terminal import Terminated, is_unicode, terminating_signals
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.packages import missing_package
@@ -97,7 +98,7 @@ def _fail(line: str, code: int) -> int:
     except OSError:
         forget_output()
     with suppress(OSError):
-        print(line, file=sys.stderr)  # noqa: T201
+        write_line(line, sys.stderr)
     return code
 
 

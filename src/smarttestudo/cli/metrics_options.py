@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING
 
+from smarttestudo.cli.output import write_line
 from smarttestudo.domain.metric import Metric
 from smarttestudo.link.openmetrics import open_metrics_server
 
@@ -56,7 +57,7 @@ def served_metrics(
     host, port = address
     with closing(open_metrics_server(host, port, metrics)) as server:
         named = f"[{host}]" if ":" in host else host
-        sys.stdout.write(f"Metrics: http://{named}:{server.port}/metrics\n")
+        write_line(f"Metrics: http://{named}:{server.port}/metrics")
         sys.stdout.flush()
         yield
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import TextIO
 
 from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.output import write_file_text, write_line, write_lines
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.finding import Finding
@@ -76,9 +77,9 @@ def run(arguments: argparse.Namespace) -> int:
     if outcome.rewritten is not None and arguments.output is not None:
         write_rule_text(arguments.output, outcome.rewritten)
     if arguments.json:
-        print(json_text(optimize_json(outcome), ascii_only=False, indent=2))  # noqa: T201
+        write_lines(json_text(optimize_json(outcome), ascii_only=False, indent=2).split("\n"))
     elif outcome.rewritten is not None and arguments.output is None:
-        sys.stdout.write(outcome.rewritten)
+        write_file_text(outcome.rewritten)
     if arguments.explain and not arguments.json:
         # Standard output stays a rule file where it is one.
         _print_explanations(outcome, sys.stderr if arguments.output is None else sys.stdout)
@@ -89,17 +90,17 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _print_finding(finding: Finding, hints: Sequence[str]) -> None:
-    print(finding.line_of_text(), file=sys.stderr)  # noqa: T201
+    write_line(finding.line_of_text(), sys.stderr)
     for hint in hints:
-        print(f"    hint: {hint}", file=sys.stderr)  # noqa: T201
+        write_line(f"    hint: {hint}", sys.stderr)
 
 
 def _print_explanations(outcome: OptimizeOutcome, stream: TextIO) -> None:
     for solved, explanation in outcome.explained():
         print_table(_table(solved, explanation, outcome.optimization.budget_kb_per_s), stream)
         for sentence in (explanation.price, *explanation.what_ifs, *explanation.notes):
-            print(f"  {sentence}", file=stream)
-        print(file=stream)
+            write_line(f"  {sentence}", stream)
+        write_line(stream=stream)
 
 
 def _table(solved: SolvedSubproblem, explanation: SubproblemExplanation, budget_kb_per_s: float) -> Table:

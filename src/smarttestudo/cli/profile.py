@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.cli.bag_options import add_topics
 from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.output import write_file_text, write_line
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import progress
 from smarttestudo.cli.terminal import add_timeout, duration_s
@@ -77,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
     levels = None if arguments.accuracies_of is None else load_profile(arguments.accuracies_of)
     text = _of_robot(arguments, levels) if arguments.bag is None else _of_recording(arguments, levels)
     if output is None:
-        sys.stdout.write(text)
+        write_file_text(text)
         return 0
     with whole_file(output, "the profile", must_be_new=True) as write:
         write(text)
@@ -115,7 +116,7 @@ def _of_robot(arguments: argparse.Namespace, levels: Profile | None) -> str:
 
 def _note(notices: Iterable[str]) -> None:
     for notice in notices:
-        print(f"note: {notice}", file=sys.stderr)  # noqa: T201
+        write_line(f"note: {notice}", sys.stderr)
 
 
 def _breakpoints(bag: Path) -> dict[str, TierProposal]:

@@ -10,7 +10,9 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import TextIO
 
+from smarttestudo.cli.output import write_styled
 from smarttestudo.cli.terminal import is_unicode
+from smarttestudo.domain.visible_text import visible
 
 Report = Callable[[float], None]
 """Takes the share of the work done, 0 … 1."""
@@ -27,10 +29,10 @@ def written_over(stream: TextIO) -> Callable[[str], None]:
 
     def write(text: str) -> None:
         # What goes on in the next row is not erased.
-        most = max(_columns(stream) - 1, 1)
+        text, most = visible(text), max(_columns(stream) - 1, 1)
         if len(text) > most:
             text = text[: most - 1] + ("…" if is_unicode(stream) else "~")
-        stream.write(f"{_ERASE_LINE}{text}")
+        write_styled(f"{_ERASE_LINE}{text}", stream)
         stream.flush()
 
     return write
@@ -90,7 +92,12 @@ def _rich(label: str, stream: TextIO) -> Iterator[Report]:
     from rich.console import Console  # noqa: PLC0415
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=Console(file=stream), transient=True) as bars:
-        bar = bars.add_task(label, total=1.0)
+        bar = bars.add_task(visible(label), total=1.0)
         yield lambda share: bars.update(bar, completed=share)

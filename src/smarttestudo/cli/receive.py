@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_zenoh_config, warn
 from smarttestudo.cli.metrics_options import add_openmetrics, served_metrics
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.cli.terminal import stop_signals
@@ -40,7 +41,6 @@ from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh import open_operator_end, require_zenoh, suspended_too_ns
 from smarttestudo.link.zenoh.arrivals import LinkEvent
 from smarttestudo.link.zenoh.security import LinkOptions
-from smarttestudo.report.table import printable
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.graph_sink import GraphSink
 from smarttestudo.robot.ros.loading import has_rclpy
@@ -258,21 +258,21 @@ def _sinks(arguments: argparse.Namespace, opened: ExitStack, node: str) -> Itera
         yield RecordingSink(arguments.record, warn, time.time_ns, pattern=arguments.output_topic, say=say)
     if arguments.foxglove is not None:
         foxglove = open_foxglove_sink(arguments.foxglove, warn, time.time_ns)
-        sys.stdout.write(f"Foxglove: open the connection ws://127.0.0.1:{foxglove.port}\n")
+        write_line(f"Foxglove: open the connection ws://127.0.0.1:{foxglove.port}")
         yield foxglove
 
 
 def _say(sentence: str) -> None:
     """Say it on standard output, in a file with the time, which a terminal needs not and a journal has."""
     has_time = sys.stdout.isatty() or "JOURNAL_STREAM" in os.environ
-    sys.stdout.write(f"{'' if has_time else utc_time(time.time_ns()) + '  '}{printable(sentence)}\n")
+    write_line(sentence if has_time else f"{utc_time(time.time_ns())}  {sentence}")
     sys.stdout.flush()
 
 
 def _say_where(options: LinkOptions) -> None:
     places = [f"at {endpoint}" for endpoint in options.listen]
     places += [f"from {endpoint}" for endpoint in options.connect]
-    sys.stdout.write(f"Receiving {', '.join(places)}\n")
+    write_line(f"Receiving {', '.join(places)}")
     sys.stdout.flush()
 
 

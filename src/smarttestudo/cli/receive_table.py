@@ -17,7 +17,6 @@ from smarttestudo.report.table import (
     Table,
     Text,
     plain_table,
-    printable,
 )
 
 _COLUMNS = (
@@ -60,10 +59,10 @@ def reception_lines(
 def _heading(name: str, robot: ReceivedRobot) -> Line:
     total = sum(topic.meter.kb_per_s for topic in robot.topics.values())
     if not robot.boots:
-        return Line(printable(f"{name}   not connected"), Style.ERROR)
+        return Line(f"{name}   not connected", Style.ERROR)
     twice = f"   {len(robot.boots)} robots have this name" if len(robot.boots) > 1 else ""
     style = Style.WARN if twice else Style.HEADING
-    return Line(printable(f"{name}   {total:.1f} KB/s of messages{twice}"), style)
+    return Line(f"{name}   {total:.1f} KB/s of messages{twice}", style)
 
 
 def _topics(robot: ReceivedRobot, width: int | None) -> list[Line]:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeVar, cast
 
 from smarttestudo.bags.remote_path import RemotePath, is_remote
 from smarttestudo.cli.bag_options import CsvPrinter, print_json, print_notice, print_notices
+from smarttestudo.cli.output import write_line, write_lines
 from smarttestudo.cli.paths import own_name
 from smarttestudo.cli.progress import Progress, progress, silent
 from smarttestudo.domain.errors import TestudoError, UsageError
@@ -185,7 +186,7 @@ def each_recording(
     if _is_text(arguments) and command.prints_each:
         failures = f", {failed} with an error" if failed else ""
         sums = [f"{counted(len(asked), 'recording')}{failures}", command.sum()]
-        print(f"\n{': '.join(filter(None, sums))}")  # noqa: T201
+        write_lines(["", ": ".join(filter(None, sums))])
     return EXIT_ERROR if failed or workers.failure else 0
 
 
@@ -277,7 +278,7 @@ def _print_error(one: argparse.Namespace, error: TestudoError) -> str:
     """Print a line after what was printed, and give it."""
     line = _with_name(one, str(error))
     sys.stdout.flush()
-    print(line, file=sys.stderr)  # noqa: T201
+    write_line(line, sys.stderr)
     return line
 
 
@@ -341,8 +342,8 @@ class _Output(Generic[Result]):
         if self._is_only or not self._command.prints_each:
             return
         if not self._is_first:
-            print()  # noqa: T201
+            write_line()
         self._is_first = False
         if not self._command.is_named_by_text:
             for path in recordings_in(vars(one)).values():
-                print(f"{path}\n")  # noqa: T201
+                write_lines([str(path), ""])

@@ -14,6 +14,7 @@ from dataclasses import asdict
 from typing import TextIO
 
 from smarttestudo.cli.link_options import connect_options, warn
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.progress import written_over
 from smarttestudo.cli.tables import print_table
 from smarttestudo.cli.terminal import stop_signals
@@ -45,11 +46,11 @@ def list_remote(arguments: argparse.Namespace) -> int:
         return _EXIT_SILENT
     found = [one for of_robot in lists.values() for one in of_robot]
     if arguments.json:
-        print(json_text([_json(one) for one in found]))  # noqa: T201
+        write_line(json_text([_json(one) for one in found]))
     elif found:
         print_table(incident_table(found))
     else:
-        print(f"no incidents on {', '.join(lists)}")  # noqa: T201
+        write_line(f"no incidents on {', '.join(lists)}")
     return 0
 
 
@@ -85,11 +86,11 @@ def fetch(arguments: argparse.Namespace) -> int:
             "got_bytes": last.got_bytes,
             "total_bytes": last.total_bytes,
         }
-        print(json_text(record))  # noqa: T201
+        write_line(json_text(record))
     elif path is not None:
-        print(f"{last.total_bytes / BYTES_PER_MB:.2f} MB in {path}")  # noqa: T201
+        write_line(f"{last.total_bytes / BYTES_PER_MB:.2f} MB in {path}")
     else:
-        print(f"stopped at {_share(last)}; the same command goes on from there", file=sys.stderr)  # noqa: T201
+        write_line(f"stopped at {_share(last)}; the same command goes on from there", sys.stderr)
     return _EXIT_STOPPED if path is None else 0
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.loop_options import add_rules, given_value
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.progress import Progress
 from smarttestudo.cli.recording_options import add_recordings, add_several
@@ -176,17 +177,17 @@ class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
         """The rates, the bounds and the volume, or the decisions over inputs."""
         if not isinstance(result, ReplayOutcome):
             inputs = f"{counted(result.decisions, 'decision')} from {counted(result.inputs, 'input')}"
-            print(f"{inputs} of {result.duration_s:.1f} s")  # noqa: T201
+            write_line(f"{inputs} of {result.duration_s:.1f} s")
             return
         tables = [rates_table(result), volume_table(result)]
         if any(topic.bounds for topic in result.topics.values()):
             tables.insert(1, bounds_table(result))
         for table in tables:
             print_table(table)
-            print()  # noqa: T201
-        print(f"{counted(result.decisions, 'decision')} in {result.wall_seconds:.1f} s")  # noqa: T201
+            write_line()
+        write_line(f"{counted(result.decisions, 'decision')} in {result.wall_seconds:.1f} s")
         for name in result.incidents:
-            print(f"incident {name}")  # noqa: T201
+            write_line(f"incident {name}")
 
 
 def _profile(arguments: argparse.Namespace) -> Profile | None:

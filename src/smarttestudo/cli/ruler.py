@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 import threading
 import webbrowser
 from functools import partial
@@ -12,6 +13,7 @@ from pathlib import Path
 
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
+from smarttestudo.cli.output import write_line
 from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.link.zenoh import open_link_incidents, open_link_robots
@@ -78,12 +80,14 @@ def run(arguments: argparse.Namespace) -> int:
         open_incidents = partial(open_link_incidents, options, warn)
 
     def started(access: ServerAddress) -> None:
-        print(f"ADIRF Ruler of {folder.resolve()}: {access.url} (Ctrl-C ends it)", flush=True)  # noqa: T201
+        write_line(f"ADIRF Ruler of {folder.resolve()}: {access.url} (Ctrl-C ends it)")
         if access.watch_url is not None:
-            print(f"to watch only: {access.watch_url}", flush=True)  # noqa: T201
+            write_line(f"to watch only: {access.watch_url}")
         if not is_page_built():
-            print("note: the page is not built; it says how to build it", flush=True)  # noqa: T201
-        elif not arguments.no_browser:
+            write_line("note: the page is not built; it says how to build it")
+        # Whoever starts it in a pipe waits for the address.
+        sys.stdout.flush()
+        if is_page_built() and not arguments.no_browser:
             # A browser may take its time, or wait for the server.
             threading.Thread(target=webbrowser.open, args=(access.url,), daemon=True).start()
 

@@ -8,27 +8,27 @@ import shutil
 import sys
 from typing import TYPE_CHECKING, TextIO
 
+from smarttestudo.cli.output import write_line, write_lines
 from smarttestudo.cli.terminal import is_unicode
+from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.table import Align, Table, format_cell, plain_table, table_parts
 
 if TYPE_CHECKING:
     from rich.table import Table as RichTable
-
-_ASCII = str.maketrans({"–": "-", "−": "-", "─": "-", "…": "~"})
 
 
 def print_table(table: Table, stream: TextIO | None = None) -> None:
     """Write ``table`` to ``stream`` (default: standard output), no wider than a terminal, whole in a pipe."""
     stream = stream or sys.stdout
     if not stream.isatty():
-        write_text(plain_table(table), stream)
+        write_lines(plain_table(table).split("\n"), stream)
         return
     width = shutil.get_terminal_size().columns
     for number, part in enumerate(table_parts(table, width)):
         if number:
-            write_text("", stream)
+            write_line(stream=stream)
         if not is_unicode(stream) or not _print_rich(part, stream):
-            write_text(plain_table(part, width=width), stream)
+            write_lines(plain_table(part, width=width).split("\n"), stream)
 
 
 def _print_rich(table: Table, stream: TextIO) -> bool:
@@ -38,12 +38,12 @@ def _print_rich(table: Table, stream: TextIO) -> bool:
     except ModuleNotFoundError:
         return False
     console = Console(file=stream, highlight=False, markup=False, emoji=False)
-    if table.title:
+    if table.heading:
         # A title of the table itself would be broken where the table is narrower.
-        console.print(table.title, style="bold", soft_wrap=True)
+        console.print("\n".join(map(visible, table.heading)), style="bold", soft_wrap=True)
     console.print(_rich_table(table))
     for note in table.footnotes:
-        console.print(note, style="dim")
+        console.print(visible(note), style="dim")
     return True
 
 
@@ -60,7 +60,7 @@ def _rich_table(table: Table) -> RichTable:
     )
     has_units = any(column.unit for column in table.columns)
     for column in table.columns:
-        heading = RichText.assemble(column.heading, ("\n" + column.unit if has_units else "", "dim"))
+        heading = RichText.assemble(visible(column.heading), ("\n" + column.unit if has_units else "", "dim"))
         if column.align is Align.LEFT:
             shown.add_column(heading, justify="left", overflow="fold")
         else:
@@ -71,10 +71,3 @@ def _rich_table(table: Table) -> RichTable:
         cells = [RichText(format_cell(cell)) for cell in row.cells]
         shown.add_row(*cells, style="bold" if row.is_total else None)
     return shown
-
-
-def write_text(text: str, stream: TextIO) -> None:
-    """Write ``text`` and a line's end; what ``stream`` cannot show is replaced."""
-    if not is_unicode(stream):
-        text = text.translate(_ASCII).encode(stream.encoding, "replace").decode(stream.encoding)
-    stream.write(text + "\n")

@@ -13,6 +13,7 @@ from contextlib import ExitStack
 
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
+from smarttestudo.cli.output import write_lines
 from smarttestudo.cli.robots import wait_for_all
 from smarttestudo.cli.terminal import add_timeout, key_presses, stop_signals
 from smarttestudo.cli.top_table import (
@@ -30,7 +31,6 @@ from smarttestudo.domain.record import to_json
 from smarttestudo.domain.remote_robots import RemoteRobots
 from smarttestudo.domain.units import grouped
 from smarttestudo.link.zenoh import open_link_robots
-from smarttestudo.report.table import printable
 from smarttestudo.robot.ros import open_graph_robots
 
 _SHOW_PERIOD_S = 1.0
@@ -81,7 +81,7 @@ def print_once(robots: RemoteRobots, arguments: argparse.Namespace) -> None:
         for line in _unheard(robots):
             warn(line.text)
         nodes = {node: to_json(heard.status) for node, heard in sorted(robots.heard.items())}
-        sys.stdout.write(json_text({"nodes": nodes}, ascii_only=False, indent=2) + "\n")
+        write_lines(json_text({"nodes": nodes}, ascii_only=False, indent=2).split("\n"))
     else:
         print_lines(_lines(robots, SortKey(arguments.sort), _width()))
 
@@ -120,7 +120,7 @@ def _lines(robots: RemoteRobots, sort: SortKey, width: int | None) -> list[Line]
 
 def _unheard(robots: RemoteRobots) -> list[Line]:
     """Why some robots may be missing."""
-    lines = [Line(printable(robots.problem), Style.ERROR)] if robots.problem else []
+    lines = [Line(robots.problem, Style.ERROR)] if robots.problem else []
     if robots.unreadable:
         unread = f"statuses of another version that could not be read: {grouped(robots.unreadable)}"
         lines.append(Line(unread, Style.WARN))

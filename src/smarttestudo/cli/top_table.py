@@ -14,7 +14,7 @@ from enum import Enum
 from pathlib import Path
 from textwrap import wrap
 
-from smarttestudo.cli.tables import write_text
+from smarttestudo.cli.output import write_lines
 from smarttestudo.cli.terminal import is_unicode
 from smarttestudo.domain.bound_texts import bound_texts
 from smarttestudo.domain.dataclass import dataclass
@@ -23,6 +23,7 @@ from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import LinkState
 from smarttestudo.domain.status import DiagnosticLevel, RulesInForce, RuntimeStatus, Silence, TopicStatus
 from smarttestudo.domain.units import counted, grouped
+from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.table import (
     Align,
     Cell,
@@ -33,7 +34,6 @@ from smarttestudo.report.table import (
     Text,
     format_number,
     plain_table,
-    printable,
 )
 from smarttestudo.robot.diagnostics import (
     LOST_BEFORE_RELAY,
@@ -101,12 +101,11 @@ def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> li
     return [
         Line(_runtime(status), Style.HEADING),
         Line(_link(status)),
-        *(Line(printable(one.message), _LEVEL_STYLES[one.level]) for one in node_problems(status)),
+        *(Line(one.message, _LEVEL_STYLES[one.level]) for one in node_problems(status)),
         *_waiting(status.rules),
         *(
             Line(
-                printable(f"accepts {topic.topic}: {accepted_text(topic)}"),
-                Style.WARN if topic.problem else Style.PLAIN,
+                f"accepts {topic.topic}: {accepted_text(topic)}", Style.WARN if topic.problem else Style.PLAIN
             )
             for topic in status.accepted
         ),
@@ -145,9 +144,7 @@ def _how_to_subscribe(status: RuntimeStatus, topics: Sequence[tuple[str, TopicSt
     ready = [topic.output for _, topic in topics if topic.silence is Silence.NO_SUBSCRIBER]
     if not ready or status.link is not None or any(topic.subscribers for _, topic in topics):
         return []
-    return [
-        Line(printable(f"A relay runs while somebody subscribes to it, as testudo echo {ready[0]} does."))
-    ]
+    return [Line(f"A relay runs while somebody subscribes to it, as testudo echo {ready[0]} does.")]
 
 
 def _how_to_lose_nothing(topics: Sequence[tuple[str, TopicStatus]], width: int | None) -> Iterator[Line]:
@@ -157,14 +154,14 @@ def _how_to_lose_nothing(topics: Sequence[tuple[str, TopicStatus]], width: int |
         if topic.loss is not None:
             by_remedy.setdefault(topic.loss.remedy, []).append(source)
     for remedy, sources in by_remedy.items():
-        text = printable(f"{', '.join(sources)}: {LOST_BEFORE_RELAY}; {remedy}")
+        text = visible(f"{', '.join(sources)}: {LOST_BEFORE_RELAY}; {remedy}")
         lines = [text] if width is None else wrap(text, width, subsequent_indent="  ", break_on_hyphens=False)
         yield from (Line(line, Style.WARN) for line in lines)
 
 
 def _runtime(status: RuntimeStatus) -> str:
     rules = ", ".join(Path(path).name for path in status.rules.paths) or "no rules"
-    return printable(
+    return (
         f"{status.robot_id}   {rules}   up {timedelta(seconds=int(status.uptime_s))}"
         f"   CPU {format_number(status.cpu_percent, 1)} %   {format_number(status.memory_mb, 0)} MB"
     )
@@ -203,7 +200,7 @@ def _capacity(link: LinkState | None) -> str:
 
 def _recording(state: IncidentState) -> Line:
     # What keeps it from recording is a problem of the node, and said there.
-    return Line(printable(f"records {recording_text(replace(state, problem=None))}"))
+    return Line(f"records {recording_text(replace(state, problem=None))}")
 
 
 def _sorted(status: RuntimeStatus, sort: SortKey) -> list[tuple[str, TopicStatus]]:
@@ -305,7 +302,7 @@ def open_screen() -> Iterator[Show]:
 
 def print_lines(lines: Sequence[Line]) -> None:
     """Write ``lines`` and an empty one to standard output."""
-    write_text("".join(f"{line.text}\n" for line in lines), sys.stdout)
+    write_lines([*(line.text for line in lines), ""])
     sys.stdout.flush()
 
 
@@ -321,7 +318,7 @@ def _rich_screen() -> Iterator[Show]:
         def show(lines: Sequence[Line]) -> None:
             text = Text(no_wrap=True, overflow="ellipsis")
             for line in cropped(lines, console.height):
-                text.append(f"{line.text}\n", style=_RICH_STYLES[line.style])
+                text.append(f"{visible(line.text)}\n", style=_RICH_STYLES[line.style])
             text.right_crop(1)
             live.update(text, refresh=True)
 

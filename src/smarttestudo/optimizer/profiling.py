@@ -14,6 +14,7 @@ from smarttestudo.domain.intervals import Intervals
 from smarttestudo.domain.rate import MAX_RATE_HZ, MIN_SOURCE_HZ, RATE_STEP_HZ
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.units import BYTES_PER_KB, counted
+from smarttestudo.domain.visible_text import visible
 from smarttestudo.optimizer.accuracy_measure import AccuracyMeasure, levelled_properties
 from smarttestudo.optimizer.wording import kb_text
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
@@ -186,7 +187,7 @@ def profile_text(
     """
     proposals = proposals or {}
     # A comment in TOML is one line of what can be seen.
-    measured_in = "".join(letter if letter.isprintable() else "?" for letter in measured_in)
+    measured_in = visible(measured_in)
     total_kb_per_s = sum(one.kb for one in measures.values()) / duration_s if duration_s > 0 else 0.0
     lines = [
         f"# Measured by testudo profile in {measured_in}: {duration_s:.1f} s, "

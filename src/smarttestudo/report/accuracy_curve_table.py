@@ -19,7 +19,6 @@ from smarttestudo.report.table import (
     Text,
     format_cell,
     format_number,
-    printable,
 )
 
 _NOTE = (
@@ -33,7 +32,7 @@ def accuracy_table(curves: Sequence[AccuracyCurve]) -> Table:
     topic, messages = curves[0].topic, curves[0].messages
     is_reckoned = any(point.reckoned for curve in curves for point in curve.points)
     return Table(
-        title=f"{printable(topic)}: messages that an accuracy needs, of {grouped(messages)}",
+        title=f"{topic}: messages that an accuracy needs, of {grouped(messages)}",
         columns=(
             Column(heading="Property", align=Align.LEFT),
             Column(heading="Bound"),

@@ -217,7 +217,11 @@ def _floor_plan(request: ReportRequest) -> FloorPlan:
 def _tables_of_one(runs: PairedRuns) -> tuple[Table, ...]:
     """The tables of the actions ``rates`` and ``bandwidth``."""
     summary = runs.a.summary.only({pair.topic for pair in runs.pairs})
-    return replace(rates_table(summary), title="Rates"), replace(bandwidth_table(summary), title="Bandwidth")
+    # Its heading says already which recording it is.
+    return (
+        replace(rates_table(summary), title="Rates", subtitles=()),
+        replace(bandwidth_table(summary), title="Bandwidth", subtitles=()),
+    )
 
 
 RATES = frozenset({FigureKind.RATES, FigureKind.INTERVALS})

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from smarttestudo.bags.bag_summary import BagSummary, BagTopic
-from smarttestudo.bags.incident_mark import incident_subtitle
+from smarttestudo.bags.incident_mark import incident_subtitles
 from smarttestudo.domain.recording import readable_until
 from smarttestudo.domain.units import BYTES_PER_KB, counted, grouped, utc_time
 from smarttestudo.report.comparison_tables import BANDWIDTH_NOTE, DECLARED, DECLARED_NOTE
@@ -47,9 +47,12 @@ def info_table(bag: BagSummary) -> Table:
     span = bag.span
     return Table(
         title=f"{bag.name}: {bag.storage.value}, {grouped(span.duration_s, 3)} s, "
-        f"{counted(bag.total.messages, 'message')}\n"
-        f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}"
-        f"{incident_subtitle(bag.incident)}{_damage(bag)}",
+        f"{counted(bag.total.messages, 'message')}",
+        subtitles=(
+            f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}",
+            *incident_subtitles(bag.incident),
+            *_damage(bag),
+        ),
         columns=(
             _TOPIC,
             Column(heading="Type", align=Align.LEFT),
@@ -67,7 +70,8 @@ def rates_table(bag: BagSummary) -> Table:
     """How fast and how evenly each topic came, and how late where that was measured."""
     has_latency = any(topic.latency is not None for topic in bag.topics)
     return Table(
-        title=f"{bag.name}: rates{incident_subtitle(bag.incident)}",
+        title=f"{bag.name}: rates",
+        subtitles=incident_subtitles(bag.incident),
         columns=(
             _TOPIC,
             Column(heading="Messages"),
@@ -125,7 +129,8 @@ def bandwidth_table(bag: BagSummary) -> Table:
         for topic in bag.topics
     )
     return Table(
-        title=f"{bag.name}: bandwidth{incident_subtitle(bag.incident)}",
+        title=f"{bag.name}: bandwidth",
+        subtitles=incident_subtitles(bag.incident),
         columns=(
             _TOPIC,
             Column(heading="Volume", unit="KB"),
@@ -138,11 +143,11 @@ def bandwidth_table(bag: BagSummary) -> Table:
     )
 
 
-def _damage(bag: BagSummary) -> str:
+def _damage(bag: BagSummary) -> tuple[str, ...]:
     if bag.readable_share == 1:
-        return ""
+        return ()
     unknown = "; how much is missing is not known" if bag.readable_share is None else ""
-    return f"\ndamaged: {readable_until(bag.readable_share, bag.span.end_ns)}{unknown}"
+    return (f"damaged: {readable_until(bag.readable_share, bag.span.end_ns)}{unknown}",)
 
 
 def _message_kb(topic: BagTopic) -> float | None:

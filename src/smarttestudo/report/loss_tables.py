@@ -29,7 +29,6 @@ from smarttestudo.report.table import (
     Table,
     Text,
     format_cell,
-    printable,
 )
 
 _SMALL = 0.01
@@ -53,15 +52,16 @@ _MOST_STRETCHES = 3
 _IMAGE_NOTE = "Blind: the longest time without a new frame."
 
 
-def arms_text(report: LossReport) -> str:
-    """Which recordings are compared, and what stands beside them; a line each."""
+def arms_lines(report: LossReport) -> list[str]:
+    """Which recordings are compared, and what stands beside them."""
     carried = report.carried
     fixed_kb, received_kb = (size / BYTES_PER_KB for size in (carried.fixed_bytes, carried.received_bytes))
-    return (
-        f"A: {report.a}\nB: {report.b}\n"
+    return [
+        f"A: {report.a}",
+        f"B: {report.b}",
         "Fixed: A at the best fixed rates for the bytes of B "
-        f"({grouped(fixed_kb)} KB; B has {grouped(received_kb)})"
-    )
+        f"({grouped(fixed_kb)} KB; B has {grouped(received_kb)})",
+    ]
 
 
 def loss_tables(report: LossReport) -> Iterator[Table]:
@@ -329,12 +329,13 @@ def curve_table(curve: LossCurve) -> Table:
     """The error of each field at rising rates; of many fields the first, all are in ``--json``."""
     shown = curve.fields[:_MOST_FIELDS]
     hidden = len(curve.fields) - len(shown)
-    title = f"{printable(curve.topic)}: RMSE over time when the last value received is held, by rate"
+    proposal: tuple[str, ...] = ()
     if curve.breakpoints:
         tiers = ", ".join(f"{rate_hz:g}" for rate_hz in curve.breakpoints.tiers_hz)
-        title += f"\nProposed levels: {tiers} Hz\n({curve.breakpoints.origin})"
+        proposal = (f"Proposed levels: {tiers} Hz", f"({curve.breakpoints.origin})")
     return Table(
-        title=title,
+        title=f"{curve.topic}: RMSE over time when the last value received is held, by rate",
+        subtitles=proposal,
         columns=(
             Column(heading="Rate", unit="Hz"),
             Column(heading="Volume", unit="KB/s"),

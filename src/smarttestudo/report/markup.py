@@ -10,7 +10,8 @@ from itertools import zip_longest
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import grouped
-from smarttestudo.report.table import Column, Row, Table, Text, format_cell, printable
+from smarttestudo.domain.visible_text import visible
+from smarttestudo.report.table import Column, Row, Table, Text, format_cell
 
 _WITHOUT_CONTENT = frozenset({"meta", "wbr", "rect", "line", "path", "circle", "polyline", "polygon"})
 _KEPT_CONTROLS = "\n\t"
@@ -64,9 +65,9 @@ def _value(value: Attribute) -> str:
 
 
 def _text(text: str) -> str:
-    """``text`` escaped, line breaks and tabs kept, other control characters and lone surrogates replaced."""
+    """``text`` escaped, line breaks and tabs kept, all else by which others could mislead as an escape."""
     if not text.isprintable():
-        text = "".join(one if one in _KEPT_CONTROLS else printable(one) for one in text)
+        text = "".join(one if one in _KEPT_CONTROLS else visible(one) for one in text)
     return escape(text)
 
 
@@ -87,7 +88,7 @@ def html_table(table: Table, names: Sequence[Markup] = ()) -> Markup:
     notes = [tag("p", note, class_="note") for note in (*more, *table.footnotes)]
     shown = zip_longest((*rows[:MAX_ROWS], *sums), names[:MAX_ROWS])
     body = tag("tbody", *(_row(row, table.columns, name) for row, name in shown))
-    caption = tag("caption", table.title, class_="unseen")
+    caption = tag("caption", "\n".join(table.heading), class_="unseen")
     return tag(
         "figure", tag("table", caption, tag("thead", head), body, data_sortable="yes"), *notes, class_="wide"
     )

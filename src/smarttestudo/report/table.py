@@ -10,14 +10,13 @@ from dataclasses import replace
 from enum import Enum
 from itertools import pairwise
 from textwrap import wrap
-from unicodedata import category
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import grouped
+from smarttestudo.domain.visible_text import visible
 
 MISSING = "–"
 _MINUS = "−"
-_UNPRINTABLE = "\N{REPLACEMENT CHARACTER}"
 
 
 class Align(Enum):
@@ -87,16 +86,22 @@ class Table:
     """Rows under columns, with what a reader must know beneath them."""
 
     title: str
+    subtitles: tuple[str, ...] = ()
     columns: tuple[Column, ...]
     rows: tuple[Row, ...]
     footnotes: tuple[str, ...] = ()
+
+    @property
+    def heading(self) -> tuple[str, ...]:
+        """All lines of the title; none where it is empty."""
+        return (self.title, *self.subtitles) if self.title else ()
 
 
 def format_cell(cell: Cell) -> str:
     """The cell on one line."""
     match cell:
         case Text(text=text):
-            return printable(text)
+            return visible(text)
         case Number(value=value, decimals=decimals, signed=signed):
             return format_number(value, decimals, signed=signed)
 
@@ -114,18 +119,6 @@ def format_number(value: float | None, decimals: int, *, signed: bool = False) -
 def percent_text(value: float | None, *, decimals: int = 1, signed: bool = False) -> str:
     """``value`` as in ``percent_cell``, with the sign of percent."""
     return f"{format_cell(percent_cell(value, decimals=decimals, signed=signed))} %"
-
-
-def printable(text: str) -> str:
-    """``text`` without what moves a cursor, breaks a line or turns its direction: that becomes U+FFFD."""
-    if text.isprintable():
-        return text
-    return "".join(one if _has_a_place(one) else _UNPRINTABLE for one in text)
-
-
-def _has_a_place(character: str) -> bool:
-    """Whether ``character`` is seen or is a space, of which ``isprintable`` knows but one."""
-    return character.isprintable() or category(character) == "Zs"
 
 
 _GAP = 2
@@ -204,13 +197,13 @@ def plain_table(table: Table, *, width: int | None = None) -> str:
     """
     rows = [[format_cell(cell) for cell in row.cells] for row in table.rows]
     heads = [
-        [column.heading for column in table.columns],
+        [visible(column.heading) for column in table.columns],
         [column.unit for column in table.columns],
     ]
     widths = [max(map(len, cells)) for cells in zip(*heads, *rows, strict=True)]
     if width is not None:
         _narrow(widths, table.columns, width)
-    lines = [table.title, ""] if table.title else []
+    lines = [*map(visible, table.heading), ""] if table.heading else []
     lines += [_line(head, widths, table.columns) for head in heads if any(head)]
     rule = _PLAIN_GAP.join("─" * column_width for column_width in widths)
     lines.append(rule)
@@ -250,4 +243,4 @@ def _shortened(text: str, width: int) -> str:
 
 def _notes(footnotes: Sequence[str], width: int) -> Iterator[str]:
     for note in footnotes:
-        yield from wrap(note, max(width, _NARROWEST_TEXT), subsequent_indent=_PLAIN_GAP)
+        yield from wrap(visible(note), max(width, _NARROWEST_TEXT), subsequent_indent=_PLAIN_GAP)

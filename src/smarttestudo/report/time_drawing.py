@@ -9,10 +9,10 @@ from collections.abc import Iterable, Iterator
 
 from smarttestudo.bags.incident_mark import IncidentMark
 from smarttestudo.domain.dataclass import dataclass
+from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.markup import Markup, tag
 from smarttestudo.report.scale import label, multiples, round_step, tick_label
 from smarttestudo.report.series import coarser
-from smarttestudo.report.table import printable
 from smarttestudo.report.time_chart import ChartLine, TimeChart, stacked_tops
 
 _BOTTOM = 30.0
@@ -236,7 +236,7 @@ def _layers(chart: TimeChart, max_points: int) -> Iterator[Markup]:
         foot = [_point(point.t_s, 0.0) for point in (*points[-1:], *points[:1])]
         style = f"layer share-{index}"
         areas.append(
-            tag("polygon", class_=style, points=" ".join(edge + foot), data_name=printable(layer.name))
+            tag("polygon", class_=style, points=" ".join(edge + foot), data_name=visible(layer.name))
         )
     yield from reversed(areas)
 

@@ -246,7 +246,11 @@ def test_texts_from_the_network_cannot_move_the_cursor() -> None:
         state="\x07",
     )
     lines = [*echo_block(hostile), echo_line(hostile, with_all=True), *message_block(hostile)]
-    assert all(line.isprintable() for line in lines)
+    terminal = io.StringIO()
+    live_lines(terminal)(lines)
+    written = terminal.getvalue().removesuffix("\x1b[J").split("\x1b[K")
+    assert [line[-1] for line in written[1:]] == ["\n"] * len(lines)
+    assert all(line[:-1].isprintable() for line in written[1:])
 
 
 def test_a_terminal_shows_the_new_lines_in_place_of_the_former(monkeypatch: pytest.MonkeyPatch) -> None:

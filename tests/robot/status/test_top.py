@@ -117,7 +117,7 @@ def test_what_is_accepted_of_operators_has_a_line_a_topic() -> None:
     assert lines == [
         Line("accepts /a: 1 200 delivered, 3 too old, 1 refused, the last 44 ms old"),
         Line("accepts /b: no node subscribes to it"),
-        Line("accepts /c: nodes subscribe to it as�[2J x and as y", Style.WARN),
+        Line("accepts /c: nodes subscribe to it as\x1b[2J x and as y", Style.WARN),
     ]
 
 
@@ -173,10 +173,13 @@ def test_pushed_rules_that_wait_are_said_to_end() -> None:
     assert line not in summary_lines(replace(STATUS, rules=replace(STATUS.rules, waits_s=None)))
 
 
-def test_names_from_the_network_cannot_move_the_cursor() -> None:
+def test_names_from_the_network_cannot_move_the_cursor(capsys: pytest.CaptureFixture[str]) -> None:
     hostile = replace(STATUS, node="/\x1b[2J", topics={"/\x1b[31m": replace(RELAYED, rule="\r\n")})
     lines = [*summary_lines(hostile), *topic_lines(hostile, SortKey.TOPIC, 80)]
-    assert all(line.text.isprintable() for line in lines)
+    print_lines(lines)
+    printed = capsys.readouterr().out.split("\n")
+    assert len(printed) == len(lines) + 2
+    assert all(line.isprintable() for line in printed)
 
 
 def test_a_low_window_says_how_much_is_missing() -> None:

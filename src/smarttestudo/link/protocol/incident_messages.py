@@ -110,17 +110,8 @@ def list_to_bytes(incidents: Sequence[RemoteIncident]) -> bytes:
 
 
 def list_from_bytes(data: bytes, robot: str) -> list[RemoteIncident]:
-    """The incidents of ``list_to_bytes``, without characters that move a cursor. Raises ``LinkError``."""
-    return [
-        replace(
-            one,
-            robot=robot,
-            label=_printable(one.label),
-            rule=_printable(one.rule),
-            missing=tuple(map(_printable, one.missing)),
-        )
-        for one in LISTS.from_bytes(data)
-    ]
+    """The incidents of ``list_to_bytes``. Raises ``LinkError``."""
+    return [replace(one, robot=robot) for one in LISTS.from_bytes(data)]
 
 
 def piece_from_bytes(data: bytes, most_bytes: int) -> TransferPiece:
@@ -133,7 +124,3 @@ def piece_from_bytes(data: bytes, most_bytes: int) -> TransferPiece:
 
 def _texts(one: RemoteIncident) -> Iterable[str]:
     return (one.label, one.rule, *one.missing)
-
-
-def _printable(text: str) -> str:
-    return "".join(character if character.isprintable() else "?" for character in text)

@@ -18,6 +18,7 @@ from smarttestudo.domain.names import has_topic_form
 from smarttestudo.domain.parameter import Values
 from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
 from smarttestudo.domain.type_names import TypeName
+from smarttestudo.domain.visible_text import visible
 from smarttestudo.link.protocol.acknowledgements import MAX_ENDED, MAX_LOST_SPANS, Acknowledgement
 from smarttestudo.link.protocol.chunks import MAX_STREAMS
 from smarttestudo.link.protocol.wire import FrameType, Kind
@@ -139,7 +140,7 @@ class NoAnswer(NamedTuple):
 
 
 def _one_line(text: str) -> str:
-    return "".join(filter(str.isprintable, " ".join(text[:_MAX_TEXT].split())))
+    return visible(" ".join(text[:_MAX_TEXT].split()))
 
 
 def _require(condition: object, what: str) -> None:

@@ -11,7 +11,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.logging import LoggingSeverity
 
 from smarttestudo.domain.robot import RobotLog
-from smarttestudo.domain.utf_8 import in_utf_8
+from smarttestudo.domain.visible_text import visible
 
 
 def node_log(node: Any) -> RobotLog:
@@ -22,18 +22,18 @@ def node_log(node: Any) -> RobotLog:
 
 
 class Utf8Log:
-    """Logs by ``logger``, which takes nothing but UTF-8."""
+    """Logs by ``logger``, which takes nothing but UTF-8; what others wrote stays within its line."""
 
     def __init__(self, logger: RobotLog) -> None:
         self._logger = logger
 
     def info(self, message: str) -> None:
         """Log what happened."""
-        self._logger.info(in_utf_8(message))
+        self._logger.info(visible(message))
 
     def warning(self, message: str) -> None:
         """Log a warning."""
-        self._logger.warning(in_utf_8(message))
+        self._logger.warning(visible(message))
 
 
 class NodeLog:
@@ -60,5 +60,5 @@ class NodeLog:
         frame = sys._getframe(2)  # noqa: SLF001 - as Python's own log does
         code = frame.f_code
         rclpy_implementation.rclpy_logging_rcutils_log(
-            severity, self._logger.name, in_utf_8(message), code.co_name, code.co_filename, frame.f_lineno
+            severity, self._logger.name, visible(message), code.co_name, code.co_filename, frame.f_lineno
         )
