@@ -20,7 +20,6 @@ WITH_NOTHING: Mapping[str, str] = {
     "bag_rates": "--gigabytes 0.02",
     "border_crossing": "--side 4 --turns 1",
     "catch_up": "--delays-ms 2",
-    "checking_edits": "--blocks 30 --keys 2",
     "link_throughput": "--only ten --seconds 2.5 --rounds 1",
     "many_recordings": "--recordings 4 --seconds 2",
     "optimizer_speed": "--topics 20 --blocks 5",
@@ -41,7 +40,7 @@ WITH_ROS: Mapping[str, str] = {
     "relay_paths": "--case 'Imu 200 → 50 Hz' --seconds 0.5 --windows 1",
     "ruler_live": "--minutes 0.1",
 }
-WITH_CHROMIUM: Mapping[str, str] = {"ruler_typing": "--rules 10 --keys 6"}
+WITH_CHROMIUM: Mapping[str, str] = {"ruler_typing": "--rules 10 --turns 1"}
 WITH_ROS_AND_CHROMIUM: Mapping[str, str] = {"ruler_page": "--seconds 0"}
 WITH_NAMESPACES: Mapping[str, str] = {"link_ages": "--only thin --contender testudo --longer 0.2"}
 SMALLEST = {**WITH_NOTHING, **WITH_ROS, **WITH_CHROMIUM, **WITH_ROS_AND_CHROMIUM, **WITH_NAMESPACES}

@@ -8,6 +8,7 @@ import { href } from "../route";
 import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
+import { Notice } from "../ui/notice";
 import { counted, sentence } from "../ui/numbers";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
@@ -39,6 +40,7 @@ export function FindingsPanel({ editor, repair }: { editor: RuleEditor; repair: 
       <p class="visually-hidden" role="status" aria-live="polite">
         {findings.length === 0 ? "No findings" : counted(findings.length, "finding")}
       </p>
+      {editor.tooLong.value && <Notice kind="warning" text={editor.tooLong.value} />}
       <ProfileChangeNotice repair={repair} />
       {isGone && (
         <p class="quiet">

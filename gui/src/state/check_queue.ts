@@ -2,13 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Rules } from "../api/client";
 
-const CHECK_AFTER_MS = 150;
-const CHECK_WITHIN_MS = 1000;
+/** A typist who pauses longer looks up. */
+const PAUSE_MS = 300;
 
 /** Asks what rules say now, once at a time: rules of the past are not asked about. */
 export class CheckQueue {
-  /** How long the server took to answer. */
-  answerMs = 0;
   private timer: number | undefined;
   /** What is asked about last, until that is answered. */
   private asked: Rules | null = null;
@@ -19,12 +17,10 @@ export class CheckQueue {
     private readonly ask: (rules: Rules) => Promise<void>,
   ) {}
 
-  /** Asks a moment after the last key. */
+  /** Asks once no key came for a moment. */
   soon(): void {
     window.clearTimeout(this.timer);
-    // A long file is not read again between two words.
-    const afterMs = Math.min(Math.max(CHECK_AFTER_MS, this.answerMs), CHECK_WITHIN_MS);
-    this.timer = window.setTimeout(() => void this.check(), afterMs);
+    this.timer = window.setTimeout(() => void this.check(), PAUSE_MS);
   }
 
   async check(): Promise<void> {

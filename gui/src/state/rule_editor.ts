@@ -4,6 +4,7 @@ import { batch, computed, signal } from "@preact/signals";
 import { type Api, type Rules, refusalOf } from "../api/client";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement } from "../api/types";
 import { sectionsOf } from "../blocks/sections";
+import { counted, readable } from "../ui/numbers";
 import { CheckQueue } from "./check_queue";
 import type { Drafts } from "./drafts";
 import { Folds } from "./folds";
@@ -15,6 +16,8 @@ import { statementsIn } from "./statements";
 import { Words } from "./words";
 import { type Lost, WorkAhead, withoutBlocks } from "./work_ahead";
 
+/** The whole text is read and checked after each pause in typing: with more blocks, somebody waits for that. */
+const MANY_BLOCKS = 1000;
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 
 /** One open rule file. Its text is the truth; blocks and findings are what the server reads in it. */
@@ -55,6 +58,12 @@ export class RuleEditor extends OpenFile {
   readonly statements = computed(() => statementsIn(this.document.value));
   private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
   readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
+  /** What to know of a text that is too long to be edited here with ease; empty where it is not. */
+  readonly tooLong = computed(() => {
+    const { length } = this.statements.value;
+    if (length <= MANY_BLOCKS) return "";
+    return `${counted(length, "block")} in one file: beyond ${readable(MANY_BLOCKS)}, findings come late and the page is slow. Split the file; a robot reads all rule files of a folder.`;
+  });
   /** Whether the blocks show the past, because the text of now cannot be read. */
   readonly isBroken = computed(() => !this.document.value.parses && this.shown.value?.document !== this.document.value);
   /** The text that `document` was read from. */
@@ -250,11 +259,7 @@ export class RuleEditor extends OpenFile {
   private async ask(rules: Rules): Promise<void> {
     const isProfileKnown = this.profileChoice.isKnown.peek();
     try {
-      const askedMs = performance.now();
-      const read = this.api.document(rules).then((document) => {
-        this.checks.answerMs = performance.now() - askedMs;
-        return document;
-      });
+      const read = this.api.document(rules);
       const [document, vocabulary] = await Promise.all([read, this.words.of(rules, read)]);
       if (rules.text !== this.text.value) return;
       batch(() => {

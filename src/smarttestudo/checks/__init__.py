@@ -6,7 +6,7 @@ A theme is a module with its ``CHECKS``, and beside it a case file of its name, 
 """
 
 from smarttestudo.checks.context import CheckContext
-from smarttestudo.checks.registry import CHECKS, CheckedRules, check_again, check_rules
+from smarttestudo.checks.registry import CHECKS, check_rules
 from smarttestudo.checks.rule_check import RuleCheck
 
-__all__ = ["CHECKS", "CheckContext", "CheckedRules", "RuleCheck", "check_again", "check_rules"]
+__all__ = ["CHECKS", "CheckContext", "RuleCheck", "check_rules"]

@@ -6,13 +6,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from functools import partial
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Clash, RedundantRate, Shadow, SharedBorder, wins_over
-from smarttestudo.checks.rule_check import RuleCheck
+from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.text_lines import Found, LineOf, Words
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.source import Span
@@ -36,11 +34,7 @@ def _repeated(one: ResolvedRate, earlier: ResolvedRate, side: str) -> Found:
     return Found(
         path=one.path,
         span=one.span,
-        message=(
-            f"{one.topic} is already set at line ",
-            LineOf(earlier.path, earlier.span),
-            f" of this {side}",
-        ),
+        message=f"{one.topic} is already set at line {earlier.span.line} of this {side}",
         hint="keep one of the two",
         fix=Fix(span=one.span, replacement="", title="remove the repeated statement") if is_same else None,
     )
@@ -48,7 +42,7 @@ def _repeated(one: ResolvedRate, earlier: ResolvedRate, side: str) -> Found:
 
 def _blocks_clash(rules: RuleModel) -> Iterator[Found]:
     """Blocks that can hold together at one priority and set different rates."""
-    return iter(rules.recall.each("clashes", _clash, rules.analysis.clashes))
+    return map(_clash, rules.analysis.clashes)
 
 
 def _clash(clash: Clash) -> Found:
@@ -60,13 +54,9 @@ def _clash(clash: Clash) -> Found:
     return Found(
         path=path,
         span=here.span,
-        message=(
-            *wording.branch_name(clash.second),
-            f" sets {topic} to {here.rate}{others}, ",
-            *wording.branch_with_place(clash.first, seen_from=path),
-            f" to {clash.first.rate(topic)}, "
-            f"and both hold {f'for example at {state}' if state else 'in some state'}",
-        ),
+        message=f"{wording.branch_name(clash.second)} sets {topic} to {here.rate}{others}, "
+        f"{wording.branch_with_place(clash.first, seen_from=path)} to {clash.first.rate(topic)}, "
+        f"and both hold {f'for example at {state}' if state else 'in some state'}",
         related=wording.places_in(path, [clash.first]),
         hint="the higher rate wins; give one block a higher Priority, or keep their conditions apart",
     )
@@ -74,7 +64,7 @@ def _clash(clash: Clash) -> Found:
 
 def _block_shadowed(rules: RuleModel) -> Iterator[Found]:
     """Blocks that can never decide anything."""
-    return iter(rules.recall.each("shadows found", _shadow, rules.analysis.shadows))
+    return map(_shadow, rules.analysis.shadows)
 
 
 def _shadow(shadow: Shadow) -> Found:
@@ -85,12 +75,8 @@ def _shadow(shadow: Shadow) -> Found:
     return Found(
         path=path,
         span=branch.written[0].span.to(branch.written[-1].span),
-        message=(
-            *wording.branch_name(branch),
-            " never decides a rate: wherever it holds, ",
-            *wording.listed_words(rivals),
-            f" {verb} by {wording.listed(_reasons(shadow))}",
-        ),
+        message=f"{wording.branch_name(branch)} never decides a rate: wherever it holds, "
+        f"{wording.listed(rivals)} {verb} by {wording.listed(_reasons(shadow))}",
         hint="give it a higher Priority, or remove it",
         related=wording.places_in(path, shadow.rivals),
     )
@@ -119,10 +105,10 @@ def _no_margin(rules: RuleModel) -> Iterator[Found]:
     borders: dict[Border, SharedBorder] = {}
     for shared in rules.analysis.shared_borders:
         borders.setdefault(shared.border, shared)
-    return iter(rules.recall.each("borders", partial(_border, settle_s), tuple(borders.values())))
+    return (_border(shared, settle_s) for shared in borders.values())
 
 
-def _border(settle_s: float, shared: SharedBorder) -> Found:
+def _border(shared: SharedBorder, settle_s: float) -> Found:
     topic = shared.topics[0]
     here = shared.second.settings[topic]
     path = shared.second.block.path
@@ -130,13 +116,9 @@ def _border(settle_s: float, shared: SharedBorder) -> Found:
     return Found(
         path=path,
         span=here.span,
-        message=(
-            *wording.branch_name(shared.second),
-            " and ",
-            *wording.branch_with_place(shared.first, seen_from=path),
-            f" meet at {border} without a margin: there, noise moves {topic} between "
-            f"{shared.first.rate(topic)} and {here.rate}",
-        ),
+        message=f"{wording.branch_name(shared.second)} and "
+        f"{wording.branch_with_place(shared.first, seen_from=path)} meet at {border} without a margin: "
+        f"there, noise moves {topic} between {shared.first.rate(topic)} and {here.rate}",
         hint=f"a lower rate waits {settle_s:g} s before it counts; raise settle_s in the profile if the "
         "robot stays on this border",
     )
@@ -159,11 +141,8 @@ def _redundant_rate(one: RedundantRate) -> Found:
     return Found(
         path=setting.path,
         span=setting.span,
-        message=(
-            f"{setting.topic} is {setting.rate} without this as well, by the default (",
-            *_default_place(one),
-            ")",
-        ),
+        message=f"{setting.topic} is {setting.rate} without this as well, by the default "
+        f"({_default_place(one)})",
         hint="remove it, or set another rate",
         fix=Fix(span=setting.span, replacement="", title="remove the rate without effect"),
     )
@@ -171,23 +150,16 @@ def _redundant_rate(one: RedundantRate) -> Found:
 
 def _redundant_branch(rates: Sequence[RedundantRate]) -> Found:
     branch = rates[0].branch
-    same = [
-        (f"{one.setting.topic} is {one.setting.rate} by default (", *_default_place(one), ")")
-        for one in rates
-    ]
+    same = [f"{one.setting.topic} is {one.setting.rate} by default ({_default_place(one)})" for one in rates]
     return Found(
         path=branch.block.path,
         span=branch.written[0].span.to(branch.written[-1].span),
-        message=(
-            *wording.sentence(wording.branch_name(branch)),
-            " changes nothing: ",
-            *wording.listed_words(same),
-        ),
+        message=f"{wording.sentence(wording.branch_name(branch))} changes nothing: {wording.listed(same)}",
         hint="remove it, or set other rates",
     )
 
 
-def _default_place(one: RedundantRate) -> Words:
+def _default_place(one: RedundantRate) -> str:
     return wording.place(one.default.path, one.default.span, seen_from=one.setting.path)
 
 
@@ -199,7 +171,7 @@ def _block_disabled(rules: RuleModel) -> Iterator[Found]:
         yield Found(
             path=one.path,
             span=Span(whole.line, whole.column, whole.line, end),
-            message=(*wording.sentence(wording.block_name(one)), " is switched off"),
+            message=f"{wording.sentence(wording.block_name(one.block))} is switched off",
             hint="it changes no rate, whatever holds; delete 'Disabled' to switch it on",
         )
 
@@ -207,7 +179,7 @@ def _block_disabled(rules: RuleModel) -> Iterator[Found]:
 BLOCKS_CLASH = RuleCheck(code="blocks-clash", severity=Severity.WARNING, find=_blocks_clash)
 
 CHECKS = (
-    RuleCheck(code="topic-twice", severity=Severity.ERROR, find=_topic_twice, is_about_one_block=True),
+    RuleCheck(code="topic-twice", severity=Severity.ERROR, find=_topic_twice),
     BLOCKS_CLASH,
     RuleCheck(code="block-shadowed", severity=Severity.WARNING, find=_block_shadowed),
     RuleCheck(code="no-margin", severity=Severity.INFO, find=_no_margin),

@@ -9,9 +9,8 @@ from functools import cache, partial
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in
-from smarttestudo.checks.rule_check import RuleCheck
+from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.text_lines import Found, LineOf
 from smarttestudo.domain.finding import Fix, ProfileFix, Severity
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.signal import Signal
@@ -73,11 +72,8 @@ def _bound_despite_off(rules: RuleModel) -> Iterator[Found]:
             yield Found(
                 path=setting.path,
                 span=rate_span,
-                message=(
-                    f"{setting.rate} stops {setting.topic} although KeepWithin (",
-                    *where,
-                    f") bounds its {bound.statement.property}",
-                ),
+                message=f"{setting.rate} stops {setting.topic} although KeepWithin ({where}) bounds its "
+                f"{bound.statement.property}",
                 hint="write a low rate, or Full to leave the rate to the bound",
                 fix=Fix(span=rate_span, replacement="Full", title="leave the rate to the bound"),
             )
@@ -92,11 +88,8 @@ def _bound_twice(rules: RuleModel) -> Iterator[Found]:
             yield Found(
                 path=one.path,
                 span=one.statement.span,
-                message=(
-                    f"{one.signal} is already bound at line ",
-                    LineOf(earlier.path, earlier.statement.span),
-                    f"; the tighter bound{_tightest(earlier, one)} counts",
-                ),
+                message=f"{one.signal} is already bound at line {earlier.statement.span.line}; the tighter "
+                f"bound{_tightest(earlier, one)} counts",
                 hint="keep one of the two",
                 fix=_remove_the_looser(earlier, one),
             )

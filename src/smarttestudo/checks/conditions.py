@@ -8,9 +8,8 @@ import math
 from collections.abc import Iterator
 
 from smarttestudo.checks import wording
-from smarttestudo.checks.rule_check import RuleCheck
+from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import CheckSite, RuleModel
-from smarttestudo.checks.text_lines import Found
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 from smarttestudo.domain.source import Span
@@ -271,53 +270,23 @@ def _not_analysed(rules: RuleModel) -> Iterator[Found]:
         yield Found(
             path=first.path,
             span=first.block.condition.span,
-            message=(
-                *wording.block_name(first),
-                f"{more} is too complex to find all clashes and dead blocks",
-            ),
+            message=f"{wording.block_name(first.block)}{more} is too complex to find all clashes "
+            "and dead blocks",
             hint="the rules work regardless; several small blocks are easier to check",
         )
 
 
 CHECKS = (
-    RuleCheck(
-        code="check-never-holds", severity=Severity.WARNING, find=_check_never_holds, is_about_one_block=True
-    ),
-    RuleCheck(
-        code="check-always-holds",
-        severity=Severity.WARNING,
-        find=_check_always_holds,
-        is_about_one_block=True,
-    ),
-    RuleCheck(
-        code="condition-never-holds",
-        severity=Severity.WARNING,
-        find=_condition_never_holds,
-        is_about_one_block=True,
-    ),
-    RuleCheck(
-        code="condition-always-holds",
-        severity=Severity.WARNING,
-        find=_condition_always_holds,
-        is_about_one_block=True,
-    ),
-    RuleCheck(code="and-or-mixed", severity=Severity.WARNING, find=_and_or_mixed, is_about_one_block=True),
-    RuleCheck(
-        code="equals-measured", severity=Severity.WARNING, find=_equals_measured, is_about_one_block=True
-    ),
-    RuleCheck(code="duration-zero", severity=Severity.WARNING, find=_duration_zero, is_about_one_block=True),
-    RuleCheck(
-        code="duration-too-short",
-        severity=Severity.WARNING,
-        find=_duration_too_short,
-        is_about_one_block=True,
-    ),
-    RuleCheck(
-        code="until-overlaps", severity=Severity.WARNING, find=_until_overlaps, is_about_one_block=True
-    ),
-    RuleCheck(
-        code="until-never-ends", severity=Severity.WARNING, find=_until_never_ends, is_about_one_block=True
-    ),
+    RuleCheck(code="check-never-holds", severity=Severity.WARNING, find=_check_never_holds),
+    RuleCheck(code="check-always-holds", severity=Severity.WARNING, find=_check_always_holds),
+    RuleCheck(code="condition-never-holds", severity=Severity.WARNING, find=_condition_never_holds),
+    RuleCheck(code="condition-always-holds", severity=Severity.WARNING, find=_condition_always_holds),
+    RuleCheck(code="and-or-mixed", severity=Severity.WARNING, find=_and_or_mixed),
+    RuleCheck(code="equals-measured", severity=Severity.WARNING, find=_equals_measured),
+    RuleCheck(code="duration-zero", severity=Severity.WARNING, find=_duration_zero),
+    RuleCheck(code="duration-too-short", severity=Severity.WARNING, find=_duration_too_short),
+    RuleCheck(code="until-overlaps", severity=Severity.WARNING, find=_until_overlaps),
+    RuleCheck(code="until-never-ends", severity=Severity.WARNING, find=_until_never_ends),
     RuleCheck(code="missing-blank", severity=Severity.INFO, find=_missing_blank),
     RuleCheck(code="not-analysed", severity=Severity.INFO, find=_not_analysed),
 )

@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.context import CheckContext
-from smarttestudo.checks.text_lines import Found
+from smarttestudo.checks.rule_check import Found
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Fix
 from smarttestudo.domain.signal import Signal

@@ -5,18 +5,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from itertools import chain
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Gap
 from smarttestudo.checks.fixes import new_default
-from smarttestudo.checks.rule_check import RuleCheck
+from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.text_lines import Found
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.rate import Tier
-from smarttestudo.language.resolved_rules import Branch, ResolvedFloor, ResolvedRate
+from smarttestudo.language.resolved_rules import ResolvedFloor, ResolvedRate
 from smarttestudo.language.syntax import bound_span
 from smarttestudo.pacing.coded_video import may_be_coded_video
 from smarttestudo.pacing.sample import is_patch
@@ -26,8 +25,7 @@ def _tier_without_rate(rules: RuleModel) -> Iterator[Found]:
     """A tier without a profile that gives it a rate or an accuracy."""
     if rules.context.profile is not None:
         return
-    in_blocks = rules.recall.runs("levels by branch", _tiers_of, rules.branches)
-    for one, tier in (*_tiers(rules.written_defaults), *chain.from_iterable(in_blocks)):
+    for one, tier in _tiers(chain.from_iterable(rules.settings.values())):
         yield Found(
             path=one.path,
             span=one.statement.rate.span,
@@ -45,10 +43,6 @@ def _tier_without_rate(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _tiers_of(branches: Sequence[Branch]) -> Sequence[tuple[ResolvedRate, Tier]]:
-    return [one for branch in branches for one in _tiers(branch.written)]
-
-
 def _tiers(rates: Iterable[ResolvedRate]) -> Iterator[tuple[ResolvedRate, Tier]]:
     """Rates among ``rates`` that are tiers."""
     return ((one, tier) for one in rates if isinstance(tier := one.statement.rate.value, Tier))
@@ -63,7 +57,7 @@ def _two_defaults(rules: RuleModel) -> Iterator[Found]:
             yield Found(
                 path=one.path,
                 span=one.span,
-                message=(f"this default of {one.topic} is overridden by that of ", *where),
+                message=f"this default of {one.topic} is overridden by that of {where}",
                 hint="the last default counts; remove this one",
                 fix=Fix(span=one.span, replacement="", title="remove the overridden default"),
             )
@@ -117,11 +111,8 @@ def _rate_below_floor(rules: RuleModel) -> Iterator[Found]:
             yield Found(
                 path=one.path,
                 span=one.statement.rate.span,
-                message=(
-                    f"{one.rate} is below the floor of {one.topic}: KeepAtLeast (",
-                    *where,
-                    f") raises it to {floor.rate}",
-                ),
+                message=f"{one.rate} is below the floor of {one.topic}: KeepAtLeast ({where}) raises it to "
+                f"{floor.rate}",
                 hint="write the floor's rate here, or lower the floor",
                 fix=Fix(
                     span=one.statement.rate.span,
@@ -139,11 +130,7 @@ def _off_despite_floor(rules: RuleModel) -> Iterator[Found]:
             yield Found(
                 path=one.path,
                 span=one.statement.rate.span,
-                message=(
-                    f"Off stops {one.topic} although KeepAtLeast (",
-                    *where,
-                    f") keeps it at {floor.rate}",
-                ),
+                message=f"Off stops {one.topic} although KeepAtLeast ({where}) keeps it at {floor.rate}",
                 hint="write 0 for the floor's rate, or remove the KeepAtLeast",
                 fix=Fix(
                     span=one.statement.rate.span,

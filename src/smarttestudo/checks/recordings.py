@@ -7,9 +7,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from smarttestudo.checks.fixes import close_topic, write_topic
-from smarttestudo.checks.rule_check import RuleCheck
+from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.checks.text_lines import Found
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.units import BYTES_PER_KB, BYTES_PER_MB, NS_PER_S

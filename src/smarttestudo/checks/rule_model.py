@@ -4,11 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from itertools import chain
-from typing import TypeVar
 
 from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
@@ -26,7 +24,6 @@ from smarttestudo.language.normal_form import (
     over_states,
 )
 from smarttestudo.language.properties import PropertySpec
-from smarttestudo.language.recall import Recall
 from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import (
     Branch,
@@ -51,9 +48,6 @@ from smarttestudo.language.syntax import (
     records_in,
     sets_in,
 )
-
-_T = TypeVar("_T")
-_Relayed = ResolvedRate | ResolvedFloor
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,30 +74,24 @@ class CheckSite:
     latch: LastSeen | None = None
 
 
-class SiteReader:
-    """Reads the checks of blocks."""
-
-    def __init__(self, context: CheckContext, resolve: Resolve) -> None:
-        self._resolve = resolve
-        self._spec_of = cache(context.spec_of)
-        self._values_of = cache(context.domain)
-
-    def of(self, block: ResolvedBlock) -> tuple[CheckSite, ...]:
-        """The checks of ``block`` in their order."""
-        return tuple(self._sites(block))
-
-    def _sites(self, block: ResolvedBlock) -> Iterator[CheckSite]:
-        for check in checks_in(block.block.condition):
-            signal = Signal(self._resolve(check.topic.text), check.property)
-            form = check_form(check, signal)
-            yield CheckSite(
-                path=block.path,
-                signal=signal,
-                spec=self._spec_of(signal),
-                truth=_truth(form, self._values_of(signal)),
-                latch=form.signal if isinstance(form.signal, LastSeen) else None,
-                check=check,
-            )
+def _site(
+    path: str,
+    check: Check,
+    *,
+    resolve: Resolve,
+    spec_of: Callable[[Signal], PropertySpec | None],
+    values_of: Callable[[Signal], Region],
+) -> CheckSite:
+    signal = Signal(resolve(check.topic.text), check.property)
+    form = check_form(check, signal)
+    return CheckSite(
+        path=path,
+        signal=signal,
+        spec=spec_of(signal),
+        truth=_truth(form, values_of(signal)),
+        latch=form.signal if isinstance(form.signal, LastSeen) else None,
+        check=check,
+    )
 
 
 def _truth(check: InRegion, values: Region) -> Truth:
@@ -125,8 +113,7 @@ class RuleModel:
     ``mentions`` the first mention of each topic at all; ``glued`` are, by file, the words that follow a
     keyword without a blank between. A branch that sets no rate is not among ``branches``, and ``recordings``
     is every Record. Conditions are over states. Of disabled blocks, only ``mentions``, ``disabled`` and
-    ``disabled_checks`` tell. ``default_places`` are by file. ``recall`` has what is known of statements that
-    the text before had as well.
+    ``disabled_checks`` tell. ``default_places`` are by file.
     """
 
     context: CheckContext
@@ -146,12 +133,6 @@ class RuleModel:
     disabled: ResolvedRules
     disabled_checks: tuple[CheckSite, ...]
     default_places: Mapping[str, DefaultPlace | None]
-    recall: Recall
-    sites: SiteReader
-
-    def of_block(self, block: ResolvedBlock, branches: Sequence[Branch]) -> RuleModel:
-        """The same of one block alone, as far as checks read it that are about one block."""
-        return replace(self, blocks=(block,), checks=self.sites.of(block), branches=tuple(branches))
 
     @property
     def bound_in_rules_only(self) -> Sequence[str]:
@@ -160,34 +141,19 @@ class RuleModel:
         return tuple(dict.fromkeys(one.topic for one in self.bounds if one.topic not in always))
 
 
-def read_rule_model(
-    files: Sequence[RuleFile],
-    context: CheckContext,
-    recall: Recall | None = None,
-) -> RuleModel:
-    """The statements of ``files``, with the interval analysis of their conditions.
-
-    ``recall`` is of a text of the same files in the same ``context``.
-    """
-    recall = recall or Recall()
+def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleModel:
+    """The statements of ``files``, with the interval analysis of their conditions."""
     resolve = cache(context.resolve)
-    rules = resolve_rules(files, resolve, recall=recall)
-    disabled = resolve_rules(files, resolve, disabled=True, recall=recall)
-    sites = SiteReader(context, resolve)
-    blocks = recall.each("blocks over states", _block_over_states, rules.blocks)
-    written = [one for one in rules.branches if one.written]
-    by_order = {one.order: one for one in blocks}
-    of_blocks = [by_order[one.block.order] for one in written]
-    branches = recall.each("branches over states", _over_states, written, of_blocks)
-    checks = recall.each("checks", sites.of, rules.blocks)
-    disabled_checks = recall.each("disabled checks", sites.of, disabled.blocks)
+    rules, disabled = resolve_rules(files, resolve), resolve_rules(files, resolve, disabled=True)
+    site_of = partial(_site, resolve=resolve, spec_of=cache(context.spec_of), values_of=cache(context.domain))
+    blocks = [replace(one, form=merged(over_states(one.form))) for one in rules.blocks]
+    branches = [_over_states(one, blocks[one.block.order]) for one in rules.branches if one.written]
     settings: dict[str, list[ResolvedRate]] = {}
-    relayed: dict[str, _Relayed] = {}
-    for firsts, by_topic in recall.runs("rates by topic", _by_topic, rules.rates):
-        for topic, first in firsts.items():
-            relayed.setdefault(topic, first)
-        for topic, rates in by_topic.items():
-            settings.setdefault(topic, []).extend(rates)
+    relayed: dict[str, ResolvedRate | ResolvedFloor] = {}
+    for one in rules.rates:
+        relayed.setdefault(one.topic, one)
+        if isinstance(one, ResolvedRate):
+            settings.setdefault(one.topic, []).append(one)
     return RuleModel(
         context=context,
         settings=settings,
@@ -195,62 +161,36 @@ def read_rule_model(
         defaults=rules.defaults,
         floors=rules.floors,
         relayed={**{one.topic: one for one in reversed(rules.bounds)}, **relayed},
-        mentions=_mentions(files, resolve, recall),
-        checks=tuple(chain.from_iterable(checks)),
+        mentions=_mentions(files, resolve),
+        checks=tuple(site_of(*one) for one in _checks(rules)),
         blocks=tuple(blocks),
         branches=tuple(branches),
-        analysis=analyse(blocks, branches, rules.defaults, rules.floors, context, recall=recall),
+        analysis=analyse(blocks, branches, rules.defaults, rules.floors, context),
         glued={file.path: file.glued for file in files if file.glued},
         bounds=rules.bounds,
         recordings=tuple(record for branch in rules.branches for record in branch.records),
         disabled=disabled,
-        disabled_checks=tuple(chain.from_iterable(disabled_checks)),
+        disabled_checks=tuple(site_of(*one) for one in _checks(disabled)),
         default_places={file.path: default_place(file) for file in files},
-        recall=recall,
-        sites=sites,
     )
-
-
-def _block_over_states(block: ResolvedBlock) -> ResolvedBlock:
-    return replace(block, form=merged(over_states(block.form)))
 
 
 def _over_states(branch: Branch, block: ResolvedBlock) -> Branch:
     return replace(branch, block=block, form=negation(block.form) if branch.is_else else block.form)
 
 
-def _firsts(parts: Iterable[Mapping[str, _T]]) -> Mapping[str, _T]:
-    """The first value of each topic."""
-    firsts: dict[str, _T] = {}
-    for part in parts:
-        for topic, one in part.items():
-            firsts.setdefault(topic, one)
-    return firsts
+def _checks(rules: ResolvedRules) -> Iterator[tuple[str, Check]]:
+    return ((block.path, check) for block in rules.blocks for check in checks_in(block.block.condition))
 
 
-def _by_topic(
-    rates: Sequence[_Relayed],
-) -> tuple[Mapping[str, _Relayed], Mapping[str, Sequence[ResolvedRate]]]:
-    """The first of each topic, and all that are no floors."""
-    firsts: dict[str, _Relayed] = {}
-    by_topic: dict[str, list[ResolvedRate]] = {}
-    for one in rates:
-        firsts.setdefault(one.topic, one)
-        if isinstance(one, ResolvedRate):
-            by_topic.setdefault(one.topic, []).append(one)
-    return firsts, by_topic
-
-
-def _mentions(files: Sequence[RuleFile], resolve: Resolve, recall: Recall) -> Mapping[str, Mention]:
-    def first_mentions(path: str, statements: Sequence[Statement]) -> Mapping[str, Mention]:
-        names = chain.from_iterable(map(_names_in, statements))
-        return _firsts({resolve(name.text): Mention(path=path, name=name)} for name in names)
-
-    return _firsts(
-        part
-        for number, file in enumerate(files)
-        for part in recall.runs(("mentions", number), partial(first_mentions, file.path), file.statements)
-    )
+def _mentions(files: Sequence[RuleFile], resolve: Resolve) -> Mapping[str, Mention]:
+    mentions: dict[str, Mention] = {}
+    for file in files:
+        for name in (name for statement in file.statements for name in _names_in(statement)):
+            topic = resolve(name.text)
+            if topic not in mentions:
+                mentions[topic] = Mention(path=file.path, name=name)
+    return mentions
 
 
 def _names_in(statement: Statement) -> Iterator[TopicName]:

@@ -4,16 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cache, partial
-from itertools import chain
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.fixes import close_topic, new_default, write_topic
 from smarttestudo.checks.property_doubt import doubt_about, found_in
-from smarttestudo.checks.rule_check import RuleCheck
-from smarttestudo.checks.rule_model import CheckSite, RuleModel
-from smarttestudo.checks.text_lines import Found
+from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import ProfileFix, Severity
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.source import Span
@@ -28,13 +26,10 @@ _IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedIm
 def _unknown_property(rules: RuleModel) -> Iterator[Found]:
     """Properties that a topic's type does not have."""
     doubt_of = cache(partial(doubt_about, context=rules.context))
-
-    def doubtful(checks: Sequence[CheckSite]) -> Sequence[Found]:
-        doubts = ((one, doubt_of(one.signal)) for one in checks)
-        return [found_in(one.path, one.check.property_span, doubt) for one, doubt in doubts if doubt]
-
-    checks = (*rules.checks, *rules.disabled_checks)
-    return chain.from_iterable(rules.recall.runs("doubtful", doubtful, checks))
+    for one in (*rules.checks, *rules.disabled_checks):
+        doubt = doubt_of(one.signal)
+        if doubt is not None:
+            yield found_in(one.path, one.check.property_span, doubt)
 
 
 def _nothing_relayed(rules: RuleModel) -> Iterator[Found]:

@@ -5,15 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import chain
 
-from smarttestudo.checks.text_lines import LineOf, Words
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span
 from smarttestudo.language.formatter.text import duration_text
 from smarttestudo.language.normal_form import HELD, is_derived
-from smarttestudo.language.resolved_rules import Branch, ResolvedBlock
-from smarttestudo.language.syntax import Check, Timed
+from smarttestudo.language.resolved_rules import Branch
+from smarttestudo.language.syntax import Block, Check, Timed
 
 _LISTED = 5
 _SIGNALS_SHOWN = 8
@@ -62,44 +60,33 @@ def _past(signal: Signal, value: float) -> str:
 
 def listed(names: Sequence[str]) -> str:
     """``a, b and c``, or ``a, b, c, d, e and 7 more``."""
-    return "".join(map(str, listed_words([(name,) for name in names])))
+    shown = list(names) if len(names) <= _LISTED + 1 else [*names[:_LISTED], f"{len(names) - _LISTED} more"]
+    return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"
 
 
-def listed_words(names: Sequence[Words]) -> Words:
-    """The same of words with places."""
-    more = f"{len(names) - _LISTED} more"
-    shown = list(names) if len(names) <= _LISTED + 1 else [*names[:_LISTED], (more,)]
-    between = [", "] * (len(shown) - 2) + [" and "] * (len(shown) > 1)
+def place(path: str, span: Span, *, seen_from: str) -> str:
+    """``line 4``, with the file's name where it is another one than ``seen_from``."""
+    return f"line {span.line}" if path == seen_from else f"{path}:{span.line}"
+
+
+def block_name(block: Block) -> str:
+    """A block's label in quotes, or what stands for one."""
+    return f"the block at line {block.span.line}" if block.is_unnamed else f'"{block.label}"'
+
+
+def branch_name(branch: Branch) -> str:
+    """A branch of a block: the block's name, for an Else with that word."""
     return (
-        *shown[0],
-        *chain.from_iterable((comma, *one) for comma, one in zip(between, shown[1:], strict=True)),
+        f"the Else of {block_name(branch.block.block)}" if branch.is_else else block_name(branch.block.block)
     )
 
 
-def place(path: str, span: Span, *, seen_from: str) -> Words:
-    """``line 4``, with the file's name where it is another one than ``seen_from``."""
-    return "line " if path == seen_from else f"{path}:", LineOf(path, span)
-
-
-def block_name(block: ResolvedBlock) -> Words:
-    """A block's label in quotes, or what stands for one."""
-    if block.block.is_unnamed:
-        return "the block at line ", LineOf(block.path, block.block.span)
-    return (f'"{block.block.label}"',)
-
-
-def branch_name(branch: Branch) -> Words:
-    """A branch of a block: the block's name, for an Else with that word."""
-    name = block_name(branch.block)
-    return ("the Else of ", *name) if branch.is_else else name
-
-
-def branch_with_place(branch: Branch, *, seen_from: str) -> Words:
+def branch_with_place(branch: Branch, *, seen_from: str) -> str:
     """A branch's name with its line, and the file if it is another one."""
     block = branch.block
     if block.block.is_unnamed and block.path == seen_from:
         return branch_name(branch)
-    return (*branch_name(branch), " (", *place(block.path, block.block.span, seen_from=seen_from), ")")
+    return f"{branch_name(branch)} ({place(block.path, block.block.span, seen_from=seen_from)})"
 
 
 def places_in(path: str, branches: Iterable[Branch]) -> tuple[Span, ...]:
@@ -107,7 +94,6 @@ def places_in(path: str, branches: Iterable[Branch]) -> tuple[Span, ...]:
     return tuple(one.block.block.span for one in branches if one.block.path == path)
 
 
-def sentence(words: Words) -> Words:
-    """``words`` with a capital first letter."""
-    first, *others = words
-    return first[:1].upper() + first[1:] if isinstance(first, str) else first, *others
+def sentence(text: str) -> str:
+    """``text`` with a capital first letter."""
+    return text[:1].upper() + text[1:]

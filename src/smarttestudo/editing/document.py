@@ -6,23 +6,18 @@ from __future__ import annotations
 
 import hashlib
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import chain
-from typing import NamedTuple
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import count
 
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.source import Span
-from smarttestudo.editing.later import MadeLater
 from smarttestudo.editing.line_index import LineIndex
-from smarttestudo.editing.token_range import TokenRange, comments_above
+from smarttestudo.editing.token_range import TokenRange
 from smarttestudo.language.comments import Comment
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.parser.cursor import STATEMENT_STARTS
-from smarttestudo.language.parser.line_numbers import LineNumbers
-from smarttestudo.language.parser.stretches import Stretch
 from smarttestudo.language.parser.tokens import Token, TokenKind
-from smarttestudo.language.recall import Recall
-from smarttestudo.language.syntax import Statement
+from smarttestudo.language.syntax import Collection, Statement
 
 _ABOUT_NEIGHBOURS = frozenset(
     {"missing-end", "missing-end-if", "expected-begin", "foreign-comment", "too-many-errors"}
@@ -30,14 +25,11 @@ _ABOUT_NEIGHBOURS = frozenset(
 """Errors that leave the statement whole at whose end they are reported."""
 
 
-Place = tuple[int, int]
-"""The number of a line, as trees have it, and a column."""
-
-
-def broken_places(result: ParseResult) -> list[Place]:
-    """Where errors of syntax are, in order; a statement around one may lack words: it must stay text."""
-    broken = (one for one in result.findings if one.code not in _ABOUT_NEIGHBOURS)
-    return sorted(result.lines.numbered(one.span)[:2] for one in broken)
+def broken_places(result: ParseResult, places: LineIndex) -> list[int]:
+    """The offsets of errors of syntax, rising; a statement around one may lack words: it must stay text."""
+    return sorted(
+        places.range(finding.span)[0] for finding in result.findings if finding.code not in _ABOUT_NEIGHBOURS
+    )
 
 
 def split_unparsed(tokens: Sequence[Token]) -> Iterator[tuple[int, int]]:
@@ -68,60 +60,21 @@ _KEY_DIGITS = 12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WrittenStatement:
-    """The words of a statement; ``statement`` is ``None`` for text that does not parse.
-
-    What an edit left in its place is the same object. ``digest`` comes from the words, and ``start`` is where
-    the first one stands.
-    """
-
-    statement: Statement | None
-    tokens: Sequence[Token]
-    digest: str
-    start: Place
-
-    @property
-    def end(self) -> Place:
-        """Where the last word ends."""
-        last = self.tokens[-1]
-        return last.line, last.column + len(last.text)
-
-    @property
-    def span(self) -> Span:
-        """Where its words stand."""
-        return self.tokens[0].span.to(self.tokens[-1].span)
-
-    @property
-    def comments(self) -> tuple[Comment, ...]:
-        """The comments directly above it."""
-        return comments_above(self.tokens[0])
-
-
-class Entry(NamedTuple):
-    """One statement of a text.
+class Entry:
+    """One statement of a text; ``statement`` is ``None`` for text that does not parse.
 
     ``id`` names it in this very text. ``key`` comes from its words, so that it survives edits elsewhere.
     """
 
     id: str
     key: str
-    written: WrittenStatement
-    places: LineIndex
-
-    @property
-    def statement(self) -> Statement | None:
-        """The tree of the statement; ``None`` for text that does not parse."""
-        return self.written.statement
-
-    @property
-    def token_range(self) -> TokenRange:
-        """Its words."""
-        return TokenRange.of(self.written.tokens, self.places)
+    statement: Statement | None
+    token_range: TokenRange
 
     @property
     def comments(self) -> tuple[Comment, ...]:
         """The comments directly above it."""
-        return self.written.comments
+        return self.token_range.comments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,50 +89,29 @@ class CollectionPart:
     start: int
     end: int
     line: int
-    entries: Sequence[Entry]
+    entries: tuple[Entry, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Document:
-    """A text with its parse and its statements; ``written`` and ``entries`` are those of all ``parts``.
-
-    ``places`` are its lines and columns as offsets, ``starts`` those where the entries start, ``names`` their
-    ids and keys. Trees and words number lines as the parser did; the lines of ``result`` tell which these
-    are. ``recall`` has what is known of statements that the text before had as well.
-    """
+    """A text with its parse, its words, and its statements; ``entries`` are those of all ``parts``."""
 
     text: str
     result: ParseResult
-    places: LineIndex
+    words: TokenRange
     parts: tuple[CollectionPart, ...]
-    written: Sequence[WrittenStatement]
-    entries: Sequence[Entry]
-    starts: Sequence[Place]
-    names: Sequence[tuple[str, str]]
-    recall: Recall
+    entries: tuple[Entry, ...]
 
     @property
-    def words(self) -> TokenRange:
-        """All words."""
-        return TokenRange.of(self.result.numbered_tokens[:-1], self.places)
+    def places(self) -> LineIndex:
+        """Its lines and columns as offsets."""
+        return self.words.places
 
-    def numbered(self, place: Span) -> Span:
-        """A place of the text as trees and words have it."""
-        return self.result.lines.numbered(place)
-
-    def number_at(self, place: Span) -> int | None:
-        """The number of the statement whose words hold the start of ``place`` in the text."""
-        return self.number_of(self.numbered(place))
-
-    def number_of(self, place: Span) -> int | None:
-        """The number of the statement whose words hold the start of ``place`` of a tree."""
-        at = bisect_right(self.starts, place[:2]) - 1
-        return at if at >= 0 and place[:2] <= self.written[at].end else None
-
-    def entry_at(self, place: Span) -> Entry | None:
-        """The statement whose words hold the start of ``place`` in the text."""
-        at = self.number_at(place)
-        return None if at is None else self.entries[at]
+    def entry_at(self, offset: int) -> Entry | None:
+        """The statement whose words hold ``offset``."""
+        entries = self.entries
+        at = bisect_right(entries, offset, key=lambda one: one.token_range.start) - 1
+        return entries[at] if at >= 0 and offset <= entries[at].token_range.end else None
 
     def entry(self, name: str) -> Entry | None:
         """The statement with the id ``name``."""
@@ -187,198 +119,96 @@ class Document:
 
     def behind(self, words: TokenRange) -> TokenRange | None:
         """The word behind ``words``."""
-        all_words = self.words
-        at = bisect_left(all_words.offsets, words.end)
-        return all_words[at] if at < len(all_words) else None
+        at = bisect_left(self.words.offsets, words.end)
+        return self.words[at] if at < len(self.words) else None
 
     def part_of(self, entry: Entry) -> CollectionPart:
         """The collection that holds ``entry``."""
         return next(part for part in self.parts if entry in part.entries)
 
 
-def read_document(text: str, path: str, before: Document | None = None) -> Document:
-    """The statements of ``text``; every word of it is in one, but for ``begin`` and ``end``.
-
-    What it has in common with ``before``, such as the same before an edit, is not read again.
-    """
-    result = parse(text, path, None if before is None else before.result)
-    recall = Recall(None if before is None else before.recall)
-    places = LineIndex(text, result.stretches)
-    bodies = list(_Reader(result, recall).bodies())
-    written = list(chain.from_iterable(body.statements for body in bodies))
-    names = recall.each("names", _named, written, range(1, len(written) + 1), _repeats(written))
-    entries = MadeLater(
-        len(written), lambda: (Entry(*name, one, places) for name, one in zip(names, written, strict=True))
-    )
-    return Document(
-        text=text,
-        result=result,
-        places=places,
-        parts=tuple(_parts(bodies, entries, places, result.lines)),
-        written=written,
-        entries=entries,
-        starts=[one.start for one in written],
-        names=names,
-        recall=recall,
-    )
-
-
-def _parts(
-    bodies: Sequence[_Body], entries: Sequence[Entry], places: LineIndex, lines: LineNumbers
-) -> Iterator[CollectionPart]:
-    start = 0
-    for number, body in enumerate(bodies, start=1):
-        end = start + len(body.statements)
-        yield body.part(f"c{number}", MadeLater.part_of(entries, start, end), places, lines)
-        start = end
-
-
-def _named(written: WrittenStatement, number: int, repeat: int) -> tuple[str, str]:
-    """The id and the key of a statement."""
-    return f"s{number}", f"{written.digest}-{repeat}"
-
-
-def _repeats(written: Iterable[WrittenStatement]) -> list[int]:
-    """How many statements up to each one have its words."""
-    digests = [one.digest for one in written]
-    if len(set(digests)) == len(digests):
-        return [1] * len(digests)
-    counts: dict[str, int] = {}
-    repeats: list[int] = []
-    for one in digests:
-        counts[one] = counts.get(one, 0) + 1
-        repeats.append(counts[one])
-    return repeats
-
-
-_Piece = Token | Stretch
-"""A word, or a stretch that is whole statements, of a body."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Body:
-    """Statements of a collection, or outside any."""
-
-    begin: Token | None
-    first: Token
-    last: Token
-    statements: Sequence[WrittenStatement]
-
-    def part(
-        self, name: str, entries: Sequence[Entry], places: LineIndex, lines: LineNumbers
-    ) -> CollectionPart:
-        return CollectionPart(
-            id=name,
-            begin=None if self.begin is None else TokenRange.of([self.begin], places),
-            start=places.range(self.first.span)[0],
-            end=places.range(self.last.span)[1],
-            line=lines.line(self.first.line),
-            entries=entries,
-        )
+def read_document(text: str, path: str) -> Document:
+    """The statements of ``text``; every word of it is in one, but for ``begin`` and ``end``."""
+    result = parse(text, path)
+    places = LineIndex(text)
+    words = TokenRange.of(result.tokens[:-1], text, places)
+    parts = tuple(_Reader(result, places).parts(words))
+    entries = tuple(entry for part in parts for entry in part.entries)
+    return Document(text=text, result=result, words=words, parts=parts, entries=entries)
 
 
 class _Reader:
-    """Reads bodies; a stretch that the parser knew keeps its statements."""
+    def __init__(self, result: ParseResult, places: LineIndex) -> None:
+        self._collections: Mapping[int, Collection] = {
+            places.range(one.span)[0]: one for one in reversed(result.file.collections)
+        }
+        broken = broken_places(result, places)
+        ranges = ((places.range(one.span), one) for one in result.file.statements)
+        self._statements: Mapping[int, tuple[int, Statement | None]] = {
+            start: (end, None if _is_any_between(broken, start, end) else one) for (start, end), one in ranges
+        }
+        self._places = places
+        self._ids = count(1)
+        self._keys: Counter[str] = Counter()
 
-    def __init__(self, result: ParseResult, recall: Recall) -> None:
-        self._collections = {one.span[:2]: one for one in reversed(result.numbered.collections)}
-        self._statements = result.numbered.statements
-        self._broken = broken_places(result)
-        broken = {bisect_right(result.lines.numbers, line) - 1 for line, _ in self._broken}
-        known = [
-            one for number, one in enumerate(result.stretches) if one.statements and number not in broken
-        ]
-        self._known = dict(zip(map(id, known), recall.each("statements", _split, known), strict=True))
-        self._pieces: list[_Piece] = []
-        for stretch in result.stretches:
-            if id(stretch) in self._known:
-                self._pieces.append(stretch)
-            else:
-                self._pieces += stretch.tokens
-        del self._pieces[-1:]
-
-    def bodies(self) -> Iterator[_Body]:
-        """All in their order."""
-        pieces = self._pieces
-        at = 0
-        while at < len(pieces):
-            found = self._collections.get(_start(pieces[at]))
+    def parts(self, words: TokenRange) -> Iterator[CollectionPart]:
+        at, number = 0, count(1)
+        while at < len(words):
+            found = self._collections.get(words.offsets[at])
             if found:
-                after = bisect_left(pieces, found.span[2:], lo=at + 1, key=_start)
+                after = bisect_left(words.offsets, self._places.range(found.span)[1], lo=at + 1)
             else:
                 after = next(
-                    (i for i in range(at + 1, len(pieces)) if _start(pieces[i]) in self._collections),
-                    len(pieces),
+                    (i for i in range(at + 1, len(words)) if words.offsets[i] in self._collections),
+                    len(words),
                 )
-            yield self._body(pieces[at:after], is_collection=found is not None)
+            yield self._part(f"c{next(number)}", words[at:after], is_collection=found is not None)
             at = after
 
-    def _body(self, pieces: Sequence[_Piece], *, is_collection: bool) -> _Body:
-        first, last = _words(pieces[0])[0], _words(pieces[-1])[-1]
-        has_begin = is_collection and first.kind not in STATEMENT_STARTS
-        has_end = is_collection and last.kind is TokenKind.END
-        inner = pieces[int(has_begin) : len(pieces) - int(has_end)]
-        return _Body(
-            begin=first if has_begin else None, first=first, last=last, statements=list(self._written(inner))
+    def _part(self, name: str, words: TokenRange, *, is_collection: bool) -> CollectionPart:
+        has_begin = is_collection and words.tokens[0].kind not in STATEMENT_STARTS
+        has_end = is_collection and words.tokens[-1].kind is TokenKind.END
+        body = words[int(has_begin) : len(words) - int(has_end)]
+        return CollectionPart(
+            id=name,
+            begin=words[0] if has_begin else None,
+            start=words.start,
+            end=words.end,
+            line=words.tokens[0].line,
+            entries=tuple(self._entries(body)),
         )
 
-    def _written(self, pieces: Sequence[_Piece]) -> Iterator[WrittenStatement]:
-        loose: list[Token] = []
-        at = 0
-        while at < len(pieces):
-            piece = pieces[at]
-            after = at + 1
-            if isinstance(piece, Stretch):
-                if loose:
-                    yield from _unparsed(loose)
-                    loose = []
-                yield from self._known[id(piece)]
-            elif statement := self._statement_at(_start(piece)):
-                yield from _unparsed(loose)
-                loose = []
-                start, end = statement.span[:2], statement.span[2:]
-                after = bisect_left(pieces, end, lo=after, key=_start)
-                words = [word for one in pieces[at:after] for word in _words(one)]
-                yield _written(None if self._is_broken(start, end) else statement, words)
-            else:
-                loose.append(piece)
-            at = after
-        yield from _unparsed(loose)
+    def _entries(self, words: TokenRange) -> Iterator[Entry]:
+        at, loose = 0, 0
+        while at < len(words):
+            end, statement = self._statements.get(words.offsets[at], (0, None))
+            if not end:
+                at += 1
+                continue
+            yield from self._unparsed(words[loose:at])
+            loose = bisect_left(words.offsets, end, lo=at + 1)
+            yield self._entry(statement, words[at:loose])
+            at = loose
+        yield from self._unparsed(words[loose:at])
 
-    def _statement_at(self, start: Place) -> Statement | None:
-        at = bisect_left(self._statements, start, key=lambda one: one.span[:2])
-        found = self._statements[at : at + 1]
-        return found[0] if found and found[0].span[:2] == start else None
+    def _unparsed(self, words: TokenRange) -> Iterator[Entry]:
+        for first, last in split_unparsed(words.tokens):
+            yield self._entry(None, words[first:last])
 
-    def _is_broken(self, start: Place, end: Place) -> bool:
-        at = bisect_left(self._broken, start)
-        return at < len(self._broken) and self._broken[at] <= end
+    def _entry(self, statement: Statement | None, words: TokenRange) -> Entry:
+        return Entry(
+            id=f"s{next(self._ids)}",
+            key=self._key([token.text for token in words.tokens]),
+            statement=statement,
+            token_range=words,
+        )
+
+    def _key(self, words: Sequence[str]) -> str:
+        digest = hashlib.sha256(" ".join(words).encode("utf-8", "surrogatepass")).hexdigest()[:_KEY_DIGITS]
+        self._keys[digest] += 1
+        return f"{digest}-{self._keys[digest]}"
 
 
-def _words(piece: _Piece) -> Sequence[Token]:
-    return piece.tokens if isinstance(piece, Stretch) else (piece,)
-
-
-def _start(piece: _Piece) -> Place:
-    first = _words(piece)[0]
-    return first.line, first.column
-
-
-def _split(stretch: Stretch) -> Sequence[WrittenStatement]:
-    """The statements of a stretch that is known."""
-    statements = stretch.statements or ()
-    starts = [bisect_left(stretch.tokens, one.span[:2], key=_start) for one in statements]
-    ends = [*starts[1:], len(stretch.tokens)]
-    words = (stretch.tokens[start:end] for start, end in zip(starts, ends, strict=True))
-    return [_written(one, its_words) for one, its_words in zip(statements, words, strict=True)]
-
-
-def _unparsed(words: Sequence[Token]) -> Iterator[WrittenStatement]:
-    for first, last in split_unparsed(words):
-        yield _written(None, words[first:last])
-
-
-def _written(statement: Statement | None, words: Sequence[Token]) -> WrittenStatement:
-    text = " ".join(word.text for word in words)
-    digest = hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:_KEY_DIGITS]
-    return WrittenStatement(statement=statement, tokens=words, digest=digest, start=_start(words[0]))
+def _is_any_between(places: Sequence[int], start: int, end: int) -> bool:
+    at = bisect_left(places, start)
+    return at < len(places) and places[at] <= end

@@ -22,14 +22,9 @@ class TokenRange:
     places: LineIndex
 
     @staticmethod
-    def of(tokens: Sequence[Token], places: LineIndex) -> TokenRange:
-        """The words ``tokens`` of the text of ``places``."""
-        return TokenRange(
-            tokens=tokens,
-            offsets=places.offsets((token.line, token.column) for token in tokens),
-            text=places.text,
-            places=places,
-        )
+    def of(tokens: Sequence[Token], text: str, places: LineIndex) -> TokenRange:
+        """The words ``tokens`` of ``text``."""
+        return TokenRange(tokens=tokens, offsets=places.offsets(tokens), text=text, places=places)
 
     def __len__(self) -> int:
         return len(self.tokens)
@@ -53,7 +48,15 @@ class TokenRange:
     @property
     def comments(self) -> tuple[Comment, ...]:
         """The comments directly above the first word, no empty line between."""
-        return comments_above(self.tokens[0])
+        first = self.tokens[0]
+        own: list[Comment] = []
+        has_blank = first.blank_above
+        for comment in reversed(first.above):
+            if has_blank:
+                break
+            own.append(comment)
+            has_blank = comment.blank_above
+        return tuple(reversed(own))
 
     @property
     def own_start(self) -> int:
@@ -93,15 +96,3 @@ class TokenRange:
         while last + 1 < len(self) and self.offsets[last + 1] < end:
             last += 1
         return self[first : last + 1]
-
-
-def comments_above(first: Token) -> tuple[Comment, ...]:
-    """The comments directly above the word ``first``, no empty line between."""
-    own: list[Comment] = []
-    has_blank = first.blank_above
-    for comment in reversed(first.above):
-        if has_blank:
-            break
-        own.append(comment)
-        has_blank = comment.blank_above
-    return tuple(reversed(own))

@@ -5,17 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
-from itertools import accumulate, chain, islice
-from operator import attrgetter, lt
-from typing import Any
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import Form, Resolve, negation, normal_form
-from smarttestudo.language.recall import Recall
 from smarttestudo.language.syntax import (
     Action,
     Block,
@@ -87,7 +82,7 @@ class ResolvedRecord:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResolvedBlock:
-    """A block; ``order`` grows from block to block, ``file`` numbers its file, ``form`` is its condition."""
+    """A block; ``order`` is its place among all, ``file`` the number of its file, ``form`` its condition."""
 
     order: int
     file: int
@@ -105,7 +100,7 @@ class ResolvedBlock:
 class Branch:
     """The Then or the Else of a block, with at least one statement, and the condition under which it applies.
 
-    ``order`` grows from branch to branch; ``written`` are its rates, and ``settings`` the same by topic.
+    ``order`` is its place among all branches, ``written`` its rates, and ``settings`` the same by topic.
     """
 
     order: int
@@ -158,124 +153,86 @@ class ResolvedRules:
         return [one for one in self.bounds if one.branch is None]
 
 
-def resolve_rules(
-    files: Sequence[RuleFile], resolve: Resolve, *, disabled: bool = False, recall: Recall | None = None
-) -> ResolvedRules:
-    """The statements of ``files`` that count, or the ``disabled`` blocks, with full topic names.
-
-    ``recall`` has blocks of the same files that stand where they stood, with names resolved by ``resolve``.
-    """
-    recall = recall or Recall()
-    read: list[_ReadStatement] = []
+def resolve_rules(files: Sequence[RuleFile], resolve: Resolve, *, disabled: bool = False) -> ResolvedRules:
+    """The statements of ``files`` that count, or the ``disabled`` blocks, with full topic names."""
+    reader = _Reader(resolve)
     for number, file in enumerate(files):
-        counted = [one for one in file.statements if (isinstance(one, Block) and one.is_disabled) is disabled]
-        orders = _orders(recall.each(("places", number, disabled), partial(_order, number), counted))
-        reader = _Reader(resolve, number, file.path)
-        read += recall.each(("read", number, disabled), reader.read, counted, orders)
-    outside = _all(read, "outside")
-    floors: dict[str, ResolvedFloor] = {}
-    for one in outside:
-        if isinstance(one, ResolvedFloor) and floors.setdefault(one.topic, one).rate < one.rate:
-            floors[one.topic] = one
+        for one in file.statements:
+            if (isinstance(one, Block) and one.is_disabled) is disabled:
+                reader.add(number, file.path, one)
     return ResolvedRules(
-        rates=_all(read, "rates"),
-        bounds=_all(read, "bounds"),
-        written_defaults=tuple(one for one in outside if isinstance(one, ResolvedRate)),
-        floors=floors,
-        blocks=_all(read, "blocks"),
-        branches=_all(read, "branches"),
+        rates=tuple(reader.rates),
+        bounds=tuple(reader.bounds),
+        written_defaults=tuple(reader.defaults),
+        floors=reader.floors,
+        blocks=tuple(reader.blocks),
+        branches=tuple(reader.branches),
     )
 
 
-def _order(file: int, statement: Statement) -> int:
-    """An even number that grows with the place of a statement."""
-    return (file << 96) + (statement.span.line << 32) + (statement.span.column << 1)
-
-
-def _orders(places: Sequence[int]) -> Sequence[int]:
-    """Numbers that grow by two or more, and stay as they are while other statements come and go."""
-    if all(map(lt, places, islice(places, 1, None))):
-        return places
-    return list(accumulate(places, lambda last, place: max(last + 2, place)))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _ReadStatement:
-    """The blocks and branches of a statement, all rates and bounds in it, and its rate outside blocks."""
-
-    blocks: tuple[ResolvedBlock, ...] = ()
-    branches: tuple[Branch, ...] = ()
-    rates: tuple[ResolvedRate | ResolvedFloor, ...] = ()
-    bounds: tuple[ResolvedBound, ...] = ()
-    outside: tuple[ResolvedRate | ResolvedFloor, ...] = ()
-
-
-def _all(read: Sequence[_ReadStatement], kind: str) -> tuple[Any, ...]:
-    return tuple(chain.from_iterable(map(attrgetter(kind), read)))
-
-
 class _Reader:
-    """Reads the statements of one file."""
-
-    def __init__(self, resolve: Resolve, file: int, path: str) -> None:
+    def __init__(self, resolve: Resolve) -> None:
         self._full_name = resolve
-        self._file = file
-        self._path = path
+        self.rates: list[ResolvedRate | ResolvedFloor] = []
+        self.bounds: list[ResolvedBound] = []
+        self.defaults: list[ResolvedRate] = []
+        self.floors: dict[str, ResolvedFloor] = {}
+        self.blocks: list[ResolvedBlock] = []
+        self.branches: list[Branch] = []
 
-    def read(self, statement: Statement, order: int) -> _ReadStatement:
-        """A statement that has ``order`` among all."""
+    def add(self, file: int, path: str, statement: Statement) -> None:
         match statement:
             case SetFrequency():
-                rate = self._rate(statement)
-                return _ReadStatement(rates=(rate,), outside=(rate,))
+                self.defaults.append(self._rate(path, statement))
             case KeepAtLeast():
-                floor = self._floor(statement)
-                return _ReadStatement(rates=(floor,), outside=(floor,))
+                self._add_floor(path, statement)
             case KeepWithin():
-                return _ReadStatement(bounds=(self._bound(statement, None),))
+                self._bound(path, statement, None)
             case Block():
-                return self._block(statement, order)
+                form = normal_form(statement.condition, self._full_name)
+                block = ResolvedBlock(
+                    order=len(self.blocks), file=file, path=path, block=statement, form=form
+                )
+                self.blocks.append(block)
+                self._add_branch(block, statement.then, is_else=False)
+                self._add_branch(block, statement.otherwise, is_else=True)
 
-    def _block(self, statement: Block, order: int) -> _ReadStatement:
-        form = normal_form(statement.condition, self._full_name)
-        block = ResolvedBlock(order=order, file=self._file, path=self._path, block=statement, form=form)
-        sides = [(statement.then, False), (statement.otherwise, True)]
-        branches = tuple(
-            self._branch(block, actions, is_else=is_else) for actions, is_else in sides if actions
-        )
-        return _ReadStatement(
-            blocks=(block,),
-            branches=branches,
-            rates=tuple(rate for branch in branches for rate in branch.written),
-            bounds=tuple(bound for branch in branches for bound in branch.bounds),
-        )
-
-    def _branch(self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool) -> Branch:
-        written = tuple(self._rate(one) for one in sets_in(actions))
-        return Branch(
-            order=block.order + is_else,
+    def _add_branch(self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool) -> None:
+        if not actions:
+            return
+        written = tuple(self._rate(block.path, one) for one in sets_in(actions))
+        branch = Branch(
+            order=len(self.branches),
             block=block,
             is_else=is_else,
             form=negation(block.form) if is_else else block.form,
             written=written,
             settings={one.topic: one for one in written},
-            bounds=tuple(self._bound(one, (block.order, is_else)) for one in bounds_in(actions)),
-            records=tuple(self._record(one) for one in records_in(actions)),
+            bounds=tuple(self._bound(block.path, one, (block.order, is_else)) for one in bounds_in(actions)),
+            records=tuple(self._record(block.path, one) for one in records_in(actions)),
         )
+        self.branches.append(branch)
 
-    def _floor(self, statement: KeepAtLeast) -> ResolvedFloor:
+    def _add_floor(self, path: str, statement: KeepAtLeast) -> None:
         topic = self._full_name(statement.topic.text)
         rate = statement.rate.rate or Rate(0.0)
-        return ResolvedFloor(path=self._path, topic=topic, statement=statement, rate=rate)
+        floor = ResolvedFloor(path=path, topic=topic, statement=statement, rate=rate)
+        self.rates.append(floor)
+        if self.floors.setdefault(topic, floor).rate < rate:
+            self.floors[topic] = floor
 
-    def _rate(self, statement: SetFrequency) -> ResolvedRate:
+    def _rate(self, path: str, statement: SetFrequency) -> ResolvedRate:
         topic = self._full_name(statement.topic.text)
-        return ResolvedRate(path=self._path, topic=topic, statement=statement, rate=statement.rate.rate)
+        rate = ResolvedRate(path=path, topic=topic, statement=statement, rate=statement.rate.rate)
+        self.rates.append(rate)
+        return rate
 
-    def _bound(self, statement: KeepWithin, branch: tuple[int, bool] | None) -> ResolvedBound:
+    def _bound(self, path: str, statement: KeepWithin, branch: tuple[int, bool] | None) -> ResolvedBound:
         topic = self._full_name(statement.topic.text)
-        return ResolvedBound(path=self._path, topic=topic, statement=statement, branch=branch)
+        bound = ResolvedBound(path=path, topic=topic, statement=statement, branch=branch)
+        self.bounds.append(bound)
+        return bound
 
-    def _record(self, record: RecordIncident) -> ResolvedRecord:
+    def _record(self, path: str, record: RecordIncident) -> ResolvedRecord:
         topics = tuple(self._full_name(name.text) for name in record.topics)
-        return ResolvedRecord(path=self._path, topics=topics, statement=record)
+        return ResolvedRecord(path=path, topics=topics, statement=record)

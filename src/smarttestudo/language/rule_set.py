@@ -247,12 +247,12 @@ class _Compiler:
 
     def rule_set(self, files: Sequence[RuleFile]) -> RuleSet:
         resolved = resolve_rules(files, self._resolve)
-        first = {one.block.order: number for number, one in reversed([*enumerate(resolved.branches)])}
+        first = {branch.block.order: branch.order for branch in reversed(resolved.branches)}
         rules = RuleSet(
             defaults={one.topic: self._rate(one) for one in resolved.written_defaults},
             default_lines={topic: one.span.line for topic, one in resolved.defaults.items()},
             floors_hz=resolved.floors_hz,
-            blocks=tuple(self._block(one, number) for number, one in enumerate(resolved.branches)),
+            blocks=tuple(map(self._block, resolved.branches)),
             written=tuple(self._as_written(one, first[one.order]) for one in resolved.blocks),
             bounds=self._tightest(resolved.always_bounds),
         )
@@ -302,10 +302,10 @@ class _Compiler:
     def _shared_region(self, found: InRegion) -> InRegion:
         return self._regions.setdefault(found, found)
 
-    def _block(self, branch: Branch, order: int) -> RuleBlock:
+    def _block(self, branch: Branch) -> RuleBlock:
         rates = {topic: self._rate(one) for topic, one in branch.settings.items()}
         return RuleBlock(
-            order=order,
+            order=branch.order,
             name=branch.block.block.name,
             label=branch.label,
             line=branch.block.block.span.line,

@@ -1,90 +1,148 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which branches are near a place."""
+"""Where each branch applies, and which branches are near a place."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from collections.abc import Set as AbstractSet
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from smarttestudo.checks.analysis.condition_boxes import ConditionBoxes
-from smarttestudo.checks.analysis.topic_branches import Setter, TopicBranches, topic_branches
+from smarttestudo.domain.dataclass import dataclass
+from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
-from smarttestudo.language.boxes import Box, Effort, Hull
+from smarttestudo.language.boxes import (
+    Box,
+    BoxIndex,
+    Domain,
+    Effort,
+    Hull,
+    IndexEntry,
+    TooComplexError,
+    boxes_where,
+    hull_of,
+)
 from smarttestudo.language.boxes.index import Interval
-from smarttestudo.language.recall import Recall
+from smarttestudo.language.normal_form import Every, Form, InRegion
+from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import Branch
+
+MAX_BOXES = 64
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConditionBoxes:
+    """The boxes where a condition holds; around them only, where ``is_exact`` is false.
+
+    ``sure_box`` is the first box in all of which it holds, ``None`` where none was found; ``hulls`` are those
+    of ``boxes``.
+    """
+
+    boxes: tuple[Box, ...]
+    hulls: tuple[Hull, ...]
+    is_exact: bool
+    sure_box: Box | None
+
+
+def boxes_of(form: Form, domain: Domain, effort: Effort) -> ConditionBoxes:
+    """Where ``form`` holds, as at most ``MAX_BOXES`` boxes; one around them all where they are more."""
+    boxes: list[Box] = []
+    is_exact = False
+    try:
+        for box in itertools.islice(boxes_where([form], domain, effort), MAX_BOXES + 1):
+            boxes.append(box)  # noqa: PERF402 - what was found counts when the effort is spent
+        is_exact = len(boxes) <= MAX_BOXES
+    except TooComplexError:
+        pass
+    around = tuple(boxes) if is_exact else (_box_around(form, domain),)
+    return ConditionBoxes(
+        boxes=around,
+        hulls=tuple(map(hull_of, around)),
+        is_exact=is_exact,
+        sure_box=boxes[0] if boxes else None,
+    )
+
+
+def _box_around(form: Form, domain: Domain) -> Box:
+    parts = form.parts if isinstance(form, Every) else (form,)
+    around: dict[Signal, Region] = {}
+    for part in parts:
+        if isinstance(part, InRegion):
+            region = around.get(part.signal, domain(part.signal)).intersection(part.region)
+            around[part.signal] = region
+    return {signal: region for signal, region in around.items() if not region.is_empty}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicBranches:
+    """The branches that set all of some topics, by place.
+
+    ``kinds`` has equal numbers for branches, by order, that set equal rates; they are the kinds of entries.
+    """
+
+    kinds: Mapping[int, int]
+    index: BoxIndex
 
 
 class BranchIndex:
     """The boxes of all branches; topics that are set by the same branches share one index."""
 
-    def __init__(self, setters: Sequence[Setter], recall: Recall) -> None:
-        self._setters = {one.branch.order: one for one in setters}
-        by_topic: dict[str, list[Setter]] = {}
-        for run in recall.runs("setters by topic", _by_topic, setters):
-            for topic, some in run.items():
-                by_topic.setdefault(topic, []).extend(some)
-        alike: dict[tuple[Setter, ...], list[str]] = {}
-        for topic, setting in by_topic.items():
-            alike.setdefault(tuple(setting), []).append(topic)
+    def __init__(self, branches: Sequence[Branch], boxes_by_branch: Mapping[int, ConditionBoxes]) -> None:
+        self._branches = {branch.order: branch for branch in branches}
+        self._boxes = boxes_by_branch
+        setters: dict[str, list[int]] = {}
+        for branch in branches:
+            for topic in branch.settings:
+                setters.setdefault(topic, []).append(branch.order)
+        alike: dict[tuple[int, ...], list[str]] = {}
+        for topic, orders in setters.items():
+            alike.setdefault(tuple(orders), []).append(topic)
         self._by_topic: dict[str, TopicBranches] = {}
-        for of_topics, topics in alike.items():
-            near = _topic_branches(of_topics, tuple(topics), recall)
+        for setting, topics in alike.items():
+            near = self._topic_branches(setting, tuple(topics))
             self._by_topic.update(dict.fromkeys(topics, near))
-
-    @property
-    def topics(self) -> AbstractSet[str]:
-        """The topics that branches set."""
-        return self._by_topic.keys()
-
-    @property
-    def touched(self) -> AbstractSet[int]:
-        """The orders of branches near to which something changed since the text before."""
-        return set[int]().union(*(one.touched for one in self._by_topic.values()))
 
     def boxes(self, branch: Branch) -> ConditionBoxes:
         """Where ``branch`` applies."""
-        return self._setters[branch.order].boxes
+        return self._boxes[branch.order]
 
     def topic_branches(self, branch: Branch) -> tuple[TopicBranches, ...]:
         """The branches that set the topics of ``branch``, once for topics that are set alike."""
         found = {id(one): one for one in (self._by_topic[topic] for topic in branch.settings)}
         return tuple(found.values())
 
-    def branches_of(self, topic: str) -> TopicBranches:
-        """The branches that set ``topic``."""
-        return self._by_topic[topic]
-
     def around(
         self, branch: Branch, hull: Hull, near: TopicBranches, effort: Effort
     ) -> Iterator[tuple[Branch, Box]]:
         """The branches near ``hull`` that set other rates than ``branch``, each with one of its boxes."""
-        for entry in near.near(hull.get, effort, other_than=branch):
-            yield self._setters[entry.owner].branch, entry.box
+        kind = near.kinds[branch.order]
+        for entry in near.index.near(hull.get, effort, other_than=kind):
+            yield self._branches[entry.owner], entry.box
 
     def setters(self, topic: str) -> Iterator[Branch]:
         """The branches that set ``topic``, in their order."""
-        return (one.branch for one in self._by_topic[topic].setters)
+        return (self._branches[order] for order in self._by_topic[topic].kinds)
 
     def setters_near(
         self, topic: str, interval_of: Callable[[Signal], Interval], effort: Effort
     ) -> Iterator[Branch]:
         """The branches near a place that set ``topic``."""
-        for entry in self._by_topic[topic].near(interval_of, effort):
-            yield self._setters[entry.owner].branch
+        for entry in self._by_topic[topic].index.near(interval_of, effort):
+            yield self._branches[entry.owner]
+
+    def _topic_branches(self, orders: Sequence[int], topics: tuple[str, ...]) -> TopicBranches:
+        numbers: dict[tuple[Rate | None, ...], int] = {}
+        kinds: dict[int, int] = {}
+        entries: list[IndexEntry] = []
+        for order in orders:
+            kind = kinds[order] = numbers.setdefault(rates_set(self._branches[order], topics), len(numbers))
+            boxes = self._boxes[order]
+            entries.extend(
+                IndexEntry(owner=order, kind=kind, box=box, hull=hull)
+                for box, hull in zip(boxes.boxes, boxes.hulls, strict=True)
+            )
+        return TopicBranches(kinds=kinds, index=BoxIndex(entries))
 
 
-def _by_topic(setters: Iterable[Setter]) -> Mapping[str, Sequence[Setter]]:
-    by_topic: dict[str, list[Setter]] = {}
-    for one in setters:
-        for topic in one.branch.settings:
-            by_topic.setdefault(topic, []).append(one)
-    return by_topic
-
-
-def _topic_branches(setters: tuple[Setter, ...], topics: tuple[str, ...], recall: Recall) -> TopicBranches:
-    name = "topic branches", topics
-    before: TopicBranches | None = recall.before(name)
-    known = None if before is None else before.with_setters(setters)
-    return recall.keep(name, topic_branches(topics, setters) if known is None else known)
+def rates_set(branch: Branch, topics: Sequence[str]) -> tuple[Rate | None, ...]:
+    """The rates that ``branch`` sets ``topics`` to."""
+    return tuple(branch.rate(topic) for topic in topics)

@@ -6,13 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from functools import partial
 
 from smarttestudo.checks.analysis.results import RedundantRate
 from smarttestudo.domain.rate import Rate
 from smarttestudo.language.boxes import Effort, TooComplexError
 from smarttestudo.language.normal_form import Every, Form, InRegion, Some
-from smarttestudo.language.recall import Recall
 from smarttestudo.language.resolved_rules import Branch, ResolvedFloor, ResolvedRate
 
 
@@ -21,9 +19,7 @@ def redundant_rates(
     branches: Sequence[Branch],
     defaults: Mapping[str, ResolvedRate],
     floors: Mapping[str, ResolvedFloor],
-    *,
     effort: Effort,
-    recall: Recall,
 ) -> Iterator[RedundantRate]:
     """The rates of ``possible`` branches that equal their topic's default where none is overruled.
 
@@ -31,12 +27,7 @@ def redundant_rates(
     They can be removed all at once: what is asked of a rate is asked of others that differ from the default.
     Ends when ``effort`` is spent.
     """
-    rates = {topic: default.rate for topic, default in defaults.items()}
-    alike = [
-        one
-        for run in recall.runs(("as default", *rates.items()), partial(_alike, rates), possible)
-        for one in run
-    ]
+    alike = _alike({topic: default.rate for topic, default in defaults.items()}, possible)
     rivals = _rivals(branches, {setting.topic for _, setting in alike}, floors) if alike else {}
     try:
         for branch, setting in alike:

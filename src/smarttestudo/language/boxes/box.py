@@ -73,11 +73,6 @@ class Effort:
         self._left = looks
         self._parent = parent
 
-    @property
-    def left(self) -> int:
-        """The looks that are left, below 0 once one was refused."""
-        return self._left
-
     def spend(self, looks: int) -> None:
         """Count ``looks``; raises ``TooComplexError`` when there were not as many left."""
         self._left -= looks

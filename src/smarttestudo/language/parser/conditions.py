@@ -89,7 +89,7 @@ def _refuse_end_of_group(cursor: Cursor, opened: Token) -> None:
     expected = _EXPECTED_IN_GROUP
     if cursor.kind in (TokenKind.CHECK_VALUE, TokenKind.OPEN, TokenKind.NOT):
         raise cursor.failure("expected-connective", expected, hint="join conditions with 'AND' or 'OR'")
-    hint = f"the '(' at {cursor.lines.line(opened.line)}:{opened.column} is still open"
+    hint = f"the '(' at {opened.line}:{opened.column} is still open"
     raise cursor.failure("unclosed-parenthesis", expected, hint=hint)
 
 

@@ -5,17 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
-from itertools import islice, takewhile
 
 from smarttestudo.domain.finding import Finding, Fix, Severity
 from smarttestudo.domain.source import Span
 from smarttestudo.language.comments import NO_TRIVIA, Comment, Trivia
-from smarttestudo.language.parser.line_numbers import LineNumbers
-from smarttestudo.language.parser.stretches import Stretch
 from smarttestudo.language.parser.suggestions import closest, described, did_you_mean, hint_on
 from smarttestudo.language.parser.tokens import KEYWORDS, Token, TokenKind
-from smarttestudo.language.syntax import Statement
 
 MAX_FINDINGS = 1000
 
@@ -23,17 +18,11 @@ MAX_FINDINGS = 1000
 class FindingLog:
     """The errors of one file; a second one in the same statement is mostly an echo of the first."""
 
-    def __init__(self, path: str, lines: LineNumbers) -> None:
+    def __init__(self, path: str) -> None:
         self._path = path
-        self._lines = lines
         self._findings: list[Finding] = []
         self._is_reported = False
         self._left_out = 0
-
-    @property
-    def count(self) -> int:
-        """How many errors there are, those that are left out too."""
-        return len(self._findings) + self._left_out
 
     def begin_statement(self) -> None:
         """Begin another statement, which the next report is about."""
@@ -53,9 +42,9 @@ class FindingLog:
                 severity=Severity.ERROR,
                 message=message,
                 path=self._path,
-                span=self._lines.span(span),
+                span=span,
                 hint=hint,
-                fix=self._lines.fix(fix),
+                fix=fix,
             )
         )
 
@@ -111,17 +100,14 @@ class BrokenStatementError(Exception):
 class Cursor:
     """Looks at one token at a time and never goes back; every look is a step.
 
-    ``lines`` are those of the tokens in the text. ``is_cut_off`` is whether something was missing at the end
-    of the file, ``is_block_open`` whether the statements read last belong to a block without ``EndIf``,
-    ``timed_depth`` how many ``For`` and ``Within`` the last condition nests.
+    ``is_cut_off`` is whether something was missing at the end of the file, ``is_block_open`` whether the
+    statements read last belong to a block without ``EndIf``, ``timed_depth`` how many ``For`` and ``Within``
+    the last condition nests.
     """
 
-    def __init__(self, stretches: Sequence[Stretch], lines: LineNumbers, log: FindingLog) -> None:
-        self._stretches = list(stretches)
-        self.lines = lines
-        self._at = 0
-        self._following = iter(self._stretches[0].tokens)
-        self._end_of_file = self._stretches[-1].tokens[-1]
+    def __init__(self, tokens: Sequence[Token], log: FindingLog) -> None:
+        self._following = iter(tokens)
+        self._end_of_file = tokens[-1]
         self._next = next(self._following)
         self._is_mended = False
         self._loose: list[Comment] = []
@@ -130,7 +116,7 @@ class Cursor:
         self.is_cut_off = False
         self.is_block_open = False
         self.timed_depth = 0
-        self.previous = self._next
+        self.previous = tokens[0]
 
     @property
     def token(self) -> Token:
@@ -153,51 +139,8 @@ class Cursor:
         if token.beside is not None:
             self._loose.append(token.beside)
         self._is_mended = False
-        self._next = next(self._following, None) or self._first_of_next_stretch()
+        self._next = next(self._following, self._end_of_file)
         return token
-
-    def _first_of_next_stretch(self) -> Token:
-        self._at += 1
-        if self._at >= len(self._stretches):
-            return self._end_of_file
-        self._following = iter(self._stretches[self._at].tokens)
-        return next(self._following)
-
-    @property
-    def stretches(self) -> tuple[Stretch, ...]:
-        """All stretches of the file, with the statements of those that are known by now."""
-        return tuple(self._stretches)
-
-    @property
-    def stretch_here(self) -> int | None:
-        """The number of the stretch that begins at the next token."""
-        is_here = self._at < len(self._stretches) and self._next is self._stretches[self._at].tokens[0]
-        return self._at if is_here else None
-
-    @property
-    def error_count(self) -> int:
-        """How many errors are reported."""
-        return self._log.count
-
-    def note_stretch(self, number: int, statements: tuple[Statement, ...], steps: int) -> None:
-        """Remember that a stretch is these ``statements``, without an error."""
-        stretch = self._stretches[number]
-        if stretch.statements is None:
-            self._stretches[number] = replace(stretch, statements=statements, steps=steps)
-
-    def read_known(self) -> Sequence[Statement]:
-        """Read the stretches from here on that are known: their statements, none where none is known."""
-        if self.stretch_here is None:
-            return ()
-        known = list(takewhile(lambda one: one.statements, islice(self._stretches, self._at, None)))
-        if known:
-            self.steps += sum(stretch.steps for stretch in known)
-            self.previous = known[-1].tokens[-1]
-            self.is_block_open = False
-            self._loose.clear()
-            self._at += len(known) - 1
-            self._next = self._first_of_next_stretch()
-        return [statement for stretch in known for statement in stretch.statements or ()]
 
     def accept(self, kind: TokenKind) -> Token | None:
         """Read the next token if it is of ``kind``."""

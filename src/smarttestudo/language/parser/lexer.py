@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Lines of text to tokens, in one pass that no text can stop."""
+"""Text to tokens, in one pass that no text can stop."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import re
 from collections.abc import Sequence
 
 from smarttestudo.domain.source import Span
+from smarttestudo.domain.utf_8 import without_mark
 from smarttestudo.language.comments import Comment
 from smarttestudo.language.parser.tokens import CONNECTIVES, KEYWORDS, Token, TokenKind
 
@@ -98,17 +99,16 @@ _KINDS = {
 }
 
 
-def lex(text: str, first_line: int, *, is_last: bool) -> list[Token]:
-    """The tokens of the lines ``text`` of a file with their comments.
+def tokenize(text: str) -> list[Token]:
+    """The tokens of ``text`` with their comments, the last one of kind ``END_OF_FILE``.
 
-    Those of its last lines end with one of kind ``END_OF_FILE``; others end with a word and its line break.
-    Lines end at LF, CRLF or CR; a tab is one column.
+    A byte order mark at the start is skipped. Lines end at LF, CRLF or CR; a tab is one column.
     """
+    text = without_mark(text)[1]
     tokens: list[Token] = []
     comments: list[Comment] = []
-    line, line_start = first_line, -1
-    # The first word starts its line; above that of the file no line counts as empty.
-    newlines = -len(text) - 1 if first_line == 1 else 1
+    line, line_start = 1, -1
+    newlines = -len(text) - 1  # The first word starts its line, and no line above it counts as empty.
     for match in _PATTERN.finditer(text):
         group = match.lastgroup
         if group is None:
@@ -137,11 +137,10 @@ def lex(text: str, first_line: int, *, is_last: bool) -> list[Token]:
         else:
             tokens.append(Token(KEYWORDS.get(word) or _KINDS[group], word, line, column))
         newlines = 0
-    if is_last:
-        column = len(text) - line_start
-        tokens.append(
-            Token(TokenKind.END_OF_FILE, "", line, column, newlines != 0, newlines > 1, tuple(comments))
-        )
+    column = len(text) - line_start
+    tokens.append(
+        Token(TokenKind.END_OF_FILE, "", line, column, newlines != 0, newlines > 1, tuple(comments))
+    )
     return told_apart(tokens)
 
 

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import chain
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Finding, Fix
@@ -24,8 +23,7 @@ from smarttestudo.language.parser.cursor import (
     Cursor,
     FindingLog,
 )
-from smarttestudo.language.parser.line_numbers import LineNumbers
-from smarttestudo.language.parser.stretches import Stretch, stretches_of
+from smarttestudo.language.parser.lexer import tokenize
 from smarttestudo.language.parser.tokens import Token, TokenKind
 from smarttestudo.language.parser.values import parse_hertz, parse_topic
 from smarttestudo.language.syntax import Collection, KeepAtLeast, RuleFile, Statement
@@ -33,37 +31,21 @@ from smarttestudo.language.syntax import Collection, KeepAtLeast, RuleFile, Stat
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParseResult:
-    """The statements of a file that are whole, and an error for each that is not, in the order of the file.
+    """The statements of ``file`` that are whole, and an error for each that is not, in the order of the file.
 
-    ``steps`` is how often the parser looked at a token. ``stretches`` are what the next text is read with.
-    Where ``file`` and ``tokens`` have lines, ``numbered`` and the stretches have the numbers of ``lines``.
+    ``tokens`` end with the one that stands for the file's end; their comments are all comments of the file.
+    ``steps`` is how often the parser looked at a token.
     """
 
-    numbered: RuleFile
+    file: RuleFile
     findings: tuple[Finding, ...]
+    tokens: tuple[Token, ...]
     steps: int
-    lines: LineNumbers
-    stretches: tuple[Stretch, ...] = ()
 
     @property
     def is_valid(self) -> bool:
         """Whether the file has no error of syntax."""
         return not self.findings
-
-    @property
-    def file(self) -> RuleFile:
-        """The statements."""
-        return self.lines.told(self.numbered)
-
-    @property
-    def tokens(self) -> tuple[Token, ...]:
-        """All tokens, and one that stands for the file's end; their comments are all comments of the file."""
-        return self.lines.told(self.numbered_tokens)
-
-    @property
-    def numbered_tokens(self) -> tuple[Token, ...]:
-        """The same as the stretches have them."""
-        return tuple(chain.from_iterable(stretch.tokens for stretch in self.stretches))
 
 
 _ENDS = frozenset({TokenKind.END, TokenKind.BEGIN, TokenKind.END_OF_FILE})
@@ -74,12 +56,8 @@ _EXPECTED_TEXT = "a statement ('SetFrequency', 'KeepAtLeast', 'KeepWithin', 'Rul
 def parse_statements(cursor: Cursor) -> tuple[Statement, ...]:
     """The whole statements up to ``end``, the next ``begin`` or the end of the file."""
     statements: list[Statement] = []
-    reading = _StretchReading(cursor, statements)
     cursor.is_block_open = False
-    while not reading.is_at_end():
-        if known := cursor.read_known():
-            statements.extend(known)
-            continue
+    while cursor.kind not in _ENDS:
         cursor.begin_statement()
         if cursor.is_block_open and cursor.kind is TokenKind.KEEP_AT_LEAST:
             _report_open_block(cursor)
@@ -91,28 +69,6 @@ def parse_statements(cursor: Cursor) -> tuple[Statement, ...]:
         else:
             statements.extend([statement] if statement is not None else [])
     return tuple(statements)
-
-
-class _StretchReading:
-    """Notes the ``statements`` of each stretch that is read from its start to its end without an error."""
-
-    def __init__(self, cursor: Cursor, statements: Sequence[Statement]) -> None:
-        self._cursor = cursor
-        self._statements = statements
-        self._begun: int | None = None
-        self._count = self._errors = self._steps = 0
-
-    def is_at_end(self) -> bool:
-        """Whether no statement follows; asked before each statement and behind the last."""
-        cursor = self._cursor
-        here = cursor.stretch_here
-        if here is not None:
-            if self._begun == here - 1 and self._errors == cursor.error_count:
-                statements = tuple(self._statements[self._count :])
-                cursor.note_stretch(here - 1, statements, cursor.steps - self._steps)
-            self._begun, self._count = here, len(self._statements)
-            self._errors, self._steps = cursor.error_count, cursor.steps
-        return cursor.kind in _ENDS
 
 
 def _report_open_block(cursor: Cursor) -> None:
@@ -193,43 +149,32 @@ _COLLECTION_STARTS = frozenset({*STATEMENT_STARTS, TokenKind.BEGIN, TokenKind.EN
 _START = Span(line=1, column=1, end_line=1, end_column=1)
 
 
-def parse(text: str, path: str, before: ParseResult | None = None) -> ParseResult:
-    """The rule file ``text``; ``path`` names it in findings. Raises nothing, whatever the text is.
-
-    ``before`` is that of another text, such as the same before an edit: what both have is not read again.
-    """
+def parse(text: str, path: str) -> ParseResult:
+    """The rule file ``text``; ``path`` names it in findings. Raises nothing, whatever the text is."""
+    log = FindingLog(path)
     if len(text.encode("utf-8", "surrogatepass")) > MAX_FILE_BYTES:
-        return _too_large(path)
-    read = stretches_of(text, None if before is None else before.stretches)
-    lines = LineNumbers.of(read)
-    log = FindingLog(path, lines)
-    cursor = Cursor(read, lines, log)
+        log.report(
+            "file-too-large", "a rule file holds at most 4 MB", span=_START, hint="split it into several"
+        )
+        return ParseResult(
+            file=RuleFile(path=path, collections=()), findings=log.findings(), tokens=(), steps=0
+        )
+    tokens = tokenize(text)
+    cursor = Cursor(tokens, log)
     collections = _collections(cursor)
-    stretches = cursor.stretches
-    for stretch in stretches:
-        if stretch.may_hold_foreign_comment:
-            _report_foreign_comments(stretch.tokens, log)
+    if "#" in text or "/*" in text:
+        _report_foreign_comments(tokens, log)
     return ParseResult(
-        numbered=RuleFile(
+        file=RuleFile(
             path=path,
             collections=tuple(collections),
             footer=cursor.token.above,
-            glued=tuple(chain.from_iterable(stretch.glued for stretch in stretches)),
+            glued=tuple(token.span for token in tokens if token.is_glued),
         ),
         findings=log.findings(),
+        tokens=tuple(tokens),
         steps=cursor.steps,
-        lines=lines,
-        stretches=stretches,
     )
-
-
-def _too_large(path: str) -> ParseResult:
-    lines = LineNumbers(numbers=(1,), lines=(1,))
-    log = FindingLog(path, lines)
-    message, hint = "a rule file holds at most 4 MB", "split it into several"
-    log.report("file-too-large", message, span=_START, hint=hint)
-    empty = RuleFile(path=path, collections=())
-    return ParseResult(numbered=empty, findings=log.findings(), steps=0, lines=lines)
 
 
 def _collections(cursor: Cursor) -> list[Collection]:

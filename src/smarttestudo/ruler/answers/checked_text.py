@@ -8,7 +8,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from smarttestudo.checks import CheckContext, CheckedRules, check_again
+from smarttestudo.checks import CheckContext, check_rules
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.finding import Finding, Severity
@@ -40,20 +40,15 @@ class Draft(Struct, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckedText:
-    """The statements of a text, and what the checker says of them."""
+    """The statements of a text, and the checker's findings."""
 
     document: Document
-    rules: CheckedRules
-
-    @property
-    def findings(self) -> tuple[Finding, ...]:
-        """The checker's findings."""
-        return self.rules.findings
+    findings: tuple[Finding, ...]
 
     @property
     def has_errors(self) -> bool:
         """Whether a finding stops the file from being used."""
-        return any(finding.severity is Severity.ERROR for finding in self.rules.numbered)
+        return any(finding.severity is Severity.ERROR for finding in self.findings)
 
 
 class RefusedTextError(RuleFileError):
@@ -69,15 +64,11 @@ class RefusedTextError(RuleFileError):
         self.checked = checked
 
 
-def check_text(draft: Draft, before: CheckedText | None = None) -> CheckedText:
-    """Read and check ``draft``; ``ProfileError`` for a profile that cannot be read.
-
-    What it has in common with the text ``before`` is neither read nor thought about again.
-    """
-    document = read_document(draft.text, draft.name, None if before is None else before.document)
+def check_text(draft: Draft) -> CheckedText:
+    """Read and check ``draft``; ``ProfileError`` for a profile that cannot be read."""
+    document = read_document(draft.text, draft.name)
     context = CheckContext(profile=draft.profile(), way_to_profile=WAY_TO_PROFILE)
-    checked = check_again([document.result], context, None if before is None else before.rules)
-    return CheckedText(document=document, rules=checked)
+    return CheckedText(document=document, findings=tuple(check_rules([document.result], context)))
 
 
 def require_usable(draft: Draft) -> CheckedText:
@@ -88,9 +79,8 @@ def require_usable(draft: Draft) -> CheckedText:
 def check_sound(text: str, name: str) -> CheckedText:
     """Read and check rules that meet their profile elsewhere, so that levels need no rate here."""
     document = read_document(text, name)
-    return CheckedText(
-        document=document, rules=check_again([document.result], CheckContext(profile=Profile()), None)
-    )
+    findings = check_rules([document.result], CheckContext(profile=Profile()))
+    return CheckedText(document=document, findings=tuple(findings))
 
 
 def require_sound(text: str, name: str) -> CheckedText:

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections.abc import Callable
+from functools import lru_cache
 
 from msgspec import Struct
 
@@ -97,13 +98,10 @@ class TextAnswer(Struct, frozen=True, kw_only=True):
 
 
 class EditedTexts:
-    """Texts of rule files, read and checked once however often the page asks about the last few.
-
-    Of the next text of a file only that is read which was not in the last.
-    """
+    """Texts of rule files, read and checked once however often the page asks about the last few."""
 
     def __init__(self) -> None:
-        self._last: deque[tuple[Draft, CheckedText]] = deque(maxlen=_TEXTS_KEPT)
+        self._check: Callable[[Draft], CheckedText] = lru_cache(maxsize=_TEXTS_KEPT)(check_text)
 
     def document(self, draft: Draft) -> RuleDocument:
         """Statements and findings of a text."""
@@ -118,7 +116,7 @@ class EditedTexts:
         text, document = request.text, self._checked(request).document
         for number, edit in enumerate(request.edits):
             if number:
-                document = read_document(text, request.name, document)
+                document = read_document(text, request.name)
             text = _edited(document, edit)
         return self._answer(request, text)
 
@@ -131,21 +129,14 @@ class EditedTexts:
 
     def _checked(self, request: Draft, text: str | None = None) -> CheckedText:
         """Checked text of a request, or another ``text`` where one is given."""
-        draft = Draft(
-            text=request.text if text is None else text,
-            name=request.name,
-            profile_text=request.profile_text,
-            profile_name=request.profile_name,
+        return self._check(
+            Draft(
+                text=request.text if text is None else text,
+                name=request.name,
+                profile_text=request.profile_text,
+                profile_name=request.profile_name,
+            )
         )
-        last = tuple(self._last)
-        checked = next((each for one, each in last if one == draft), None)
-        if checked is None:
-            before = next((each for one, each in reversed(last) if one.name == draft.name), None)
-            # Beside a text before, be it empty, one is read with room for lines that come.
-            before = before or check_text(Draft(text="", name=draft.name))
-            checked = check_text(draft, before)
-            self._last.append((draft, checked))
-        return checked
 
 
 def format_text(draft: Draft) -> TextAnswer:

@@ -7,11 +7,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypedDict
 
-from msgspec.structs import replace
-
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.editing import Document, EditError, NewStatement, WrittenStatement, comment_texts
+from smarttestudo.editing import Document, EditError, Entry, NewStatement, comment_texts
 from smarttestudo.language.formatter.text import number_text
 from smarttestudo.language.parser.durations import duration_ns
 from smarttestudo.language.syntax import (
@@ -34,7 +32,6 @@ from smarttestudo.language.syntax import (
     Timed,
     TopicName,
     Until,
-    unnamed_label,
 )
 from smarttestudo.ruler.answers import statements as page
 from smarttestudo.ruler.answers.utf16 import Utf16
@@ -63,29 +60,26 @@ class StatementWriter:
         """An offset as JavaScript counts it."""
         return self._utf16.offset(characters)
 
-    def starts(self, places: Sequence[tuple[int, int]]) -> Sequence[int]:
-        """Where ``places`` of trees, lines and columns, are as JavaScript counts it."""
-        return self._utf16.offsets(self._places.offsets(places))
-
     def range(self, span: Span) -> tuple[int, int]:
-        """Where the ``span`` of a tree starts and ends, as JavaScript counts it."""
+        """Where ``span`` starts and ends, as JavaScript counts it."""
         start, end = self._places.range(span)
         return self.offset(start), self.offset(end)
 
-    def statement(self, written: WrittenStatement) -> page.Statement:
-        """One statement without id and key, at the start of the text and in the lines of its tree."""
-        start, end = self.range(written.span)
+    def entry(self, entry: Entry) -> page.Statement:
+        """One statement with its id and key."""
+        words = entry.token_range
+        start = self.offset(words.start)
         place = _Place(
-            id="",
-            key="",
-            comments=tuple(comment_texts(written.comments)),
-            offset=0,
-            end_offset=end - start,
-            line=written.span.line,
+            id=entry.id,
+            key=entry.key,
+            comments=tuple(comment_texts(entry.comments)),
+            offset=start,
+            end_offset=self.offset(words.end),
+            line=words.tokens[0].line,
         )
-        match written.statement:
+        match entry.statement:
             case None:
-                return page.RawStatement(text=self._places.text_of(written.span), **place)
+                return page.RawStatement(text=words.text[words.start : words.end], **place)
             case SetFrequency() as one:
                 return _set_frequency(one, place)
             case KeepWithin() as one:
@@ -146,21 +140,6 @@ class StatementWriter:
 
     def _conditions(self, conditions: Sequence[Condition], base: int) -> tuple[page.Condition, ...]:
         return tuple(self._condition(one, base) for one in conditions)
-
-
-def in_line(statement: page.Statement, line: int) -> page.Statement:
-    """A statement that begins in ``line`` of the text."""
-    by = line - statement.line
-    if not isinstance(statement, page.RuleStatement) or not by:
-        return replace(statement, line=line) if by else statement
-    is_unnamed = statement.name is None and statement.label == unnamed_label(statement.line)
-    return replace(
-        statement,
-        line=line,
-        label=unnamed_label(line) if is_unnamed else statement.label,
-        then=tuple(replace(one, line=one.line + by) for one in statement.then),
-        otherwise=tuple(replace(one, line=one.line + by) for one in statement.otherwise),
-    )
 
 
 def _action(one: Action, place: _Place) -> page.Action:

@@ -11,7 +11,7 @@ from smarttestudo.accuracy.reconstruction import TimeBins
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.trace import TraceAccumulator
-from smarttestudo.checks import CheckContext, check_again
+from smarttestudo.checks import CheckContext, check_rules
 from smarttestudo.domain.bound_texts import bound_texts
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision, Reason
@@ -182,8 +182,8 @@ def compiled_for(draft: Draft, recording: RecordingReader) -> RuleSet:
     profile = draft.profile()
     bag_topics = types_of_topics(recording.channels)
     document = read_document(draft.text, draft.name)
-    rules = check_again([document.result], CheckContext(profile=profile, bag_topics=bag_topics), None)
-    checked = CheckedText(document=document, rules=rules)
+    findings = check_rules([document.result], CheckContext(profile=profile, bag_topics=bag_topics))
+    checked = CheckedText(document=document, findings=tuple(findings))
     if checked.has_errors:
         raise RefusedTextError(checked)
     files = [document.result.file]

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Sequence
 
 _LAST_SINGLE = "\uffff"
 
@@ -20,10 +19,6 @@ class Utf16:
     def offset(self, characters: int) -> int:
         """The code units before the character number ``characters``."""
         return characters + bisect_left(self._pairs, characters)
-
-    def offsets(self, characters: Sequence[int]) -> Sequence[int]:
-        """``offset`` of each of ``characters``."""
-        return list(map(self.offset, characters)) if self._pairs else characters
 
     def characters(self, offset: int) -> int:
         """The characters before the code unit number ``offset``; within a pair, those before the pair."""

@@ -182,7 +182,7 @@ def _block(document: Document, name: str) -> Block:
     entry = document.entry(name)
     if entry is None or not isinstance(entry.statement, Block):
         raise EditError(f"the text has no rule {name!r}", remedy="read the document again")
-    return document.result.lines.told(entry.statement)
+    return entry.statement
 
 
 def _bounded(rectangle: ZoneRectangle) -> ZoneRectangle:

@@ -78,17 +78,17 @@ def zones_answer(checked: CheckedText) -> ZonesAnswer:
         if isinstance(entry.statement, Block)
     ]
     return ZonesAnswer(
-        rules=tuple(_rule_zones(one, checked.document.result.lines.label(one.block)) for one in rules),
+        rules=tuple(map(_rule_zones, rules)),
         clashes=tuple(_clashes(checked, rules)),
         label=_unused_label(checked.document),
     )
 
 
-def _rule_zones(rule: _Rule, label: str) -> RuleZones:
+def _rule_zones(rule: _Rule) -> RuleZones:
     reading = rule.reading
     return RuleZones(
         id=rule.id,
-        label=f"{label} (switched off)" if rule.block.is_disabled else label,
+        label=f"{rule.block.label} (switched off)" if rule.block.is_disabled else rule.block.label,
         zones=tuple(
             PlacedZone(topic=one.topic, rectangle=one.rectangle, is_shared=_is_shared(one, reading))
             for one in reading.zones
@@ -151,5 +151,5 @@ def _common(first: _Rule, second: _Rule) -> Iterator[ZoneRectangle]:
 
 
 def _rule_at(document: Document, span: Span, by_id: dict[str, _Rule]) -> _Rule | None:
-    entry = document.entry_at(span)
+    entry = document.entry_at(document.places.range(span)[0])
     return None if entry is None else by_id.get(entry.id)

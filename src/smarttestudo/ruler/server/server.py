@@ -7,7 +7,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
-import gc
 import logging
 import socket
 from collections.abc import Callable
@@ -24,7 +23,6 @@ from smarttestudo.ruler.server.bodies import MAX_BODY_BYTES
 from smarttestudo.ruler.server.guard import ServerAddress
 
 _STOP_TIMEOUT_S = 2
-GC_THRESHOLDS = (20_000, 20, 50)
 
 
 def serve(
@@ -49,8 +47,6 @@ def serve(
         started(access)
         app = ruler_app(folder, access, open_robots, open_incidents=open_incidents, opened=opened)
         server = server_of(app)
-        # A checked file of 10 000 rules is millions of objects: to look through all of them takes a second.
-        gc.set_threshold(*GC_THRESHOLDS)
         # Ctrl-C is how a server ends: uvicorn raises it again once it has ended well.
         with contextlib.suppress(KeyboardInterrupt):
             server.run(sockets=[listener])
