@@ -17,7 +17,6 @@ from collections.abc import Callable
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Model, Requirement, needs_of
 from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem
 from smarttestudo.optimizer.rule_rates import solve_requirements
@@ -129,9 +128,7 @@ def main() -> None:
     budget = 2 * sum((one.message_kb or 0) * (one.tiers_hz or (0,))[0] for one in profile.topics.values())
 
     def solve(share: float) -> Callable[[], object]:
-        return lambda: solve_requirements(
-            requirements, share * budget, model=Model.QUPER, solver=GreedySolver()
-        )
+        return lambda: solve_requirements(requirements, share * budget, model=Model.QUPER)
 
     ours, scarce = median_s(solve(1.0), number=1), median_s(solve(SCARCE_SHARE), number=1)
     theirs = pulp_seconds(requirements, budget)

@@ -8,7 +8,6 @@ import math
 from collections.abc import Mapping, Sequence
 
 from smarttestudo.optimizer.allocation import best_rates
-from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Model, Requirement
 from smarttestudo.optimizer.problem import Allocation, Demand, fits, round_down, used_kb_per_s
 from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem
@@ -31,7 +30,7 @@ def _gain(demand: Demand, rate_hz: float) -> float:
 
 def rates_of(model: Model, requirements: Sequence[Requirement], budget_kb_per_s: float) -> Allocation | None:
     bounds_hz = [one.bounds_hz(model) for one in requirements]
-    return best_rates(model, requirements, bounds_hz, budget_kb_per_s, GreedySolver())
+    return best_rates(model, requirements, bounds_hz, budget_kb_per_s)
 
 
 def naive_allocate(demands: Sequence[Demand], budget_kb_per_s: float) -> Allocation | None:

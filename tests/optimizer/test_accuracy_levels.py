@@ -21,7 +21,6 @@ from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.parser import parse
-from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.requirements import TopicsWithoutDefault
 from smarttestudo.optimizer.rule_rates import Optimization, optimize_rules
@@ -231,7 +230,6 @@ def optimized(
         profile,
         resolve_topic,
         model=Model.QUPER,
-        solver=GreedySolver(),
         without_default=TopicsWithoutDefault.LEFT_OUT,
     )
     return done, [

@@ -15,7 +15,6 @@ from optimizer.instances import accuracy_tiers, entries
 from optimizer.naive import naive_solve
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import BoundNeeds, Model, Requirement, TopicNeeds
 from smarttestudo.optimizer.problem import exact_sum, used_kb_per_s
 from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem
@@ -83,7 +82,7 @@ def test_every_block_gets_what_the_naive_way_gives_it(
     least = used_kb_per_s((size_kb, low) for size_kb, (low, _) in bounds_hz)
     most = used_kb_per_s((size_kb, high) for size_kb, (_, high) in bounds_hz)
     budget = least + share * (most - least)
-    found = solve_requirements(asked, budget, model=model, solver=GreedySolver())
+    found = solve_requirements(asked, budget, model=model)
     assert [*found.subproblems] == naive_solve(asked, budget, model)
 
 

@@ -9,7 +9,6 @@ import pytest
 from optimizer import golden
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.source import Span
-from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.model import Model, Requirement, needs_of
 from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem
 from smarttestudo.optimizer.rule_rates import Optimization, solve_requirements
@@ -33,7 +32,7 @@ def solved(budget_kb_per_s: float, block: dict[str, Tier]) -> Optimization:
         blocks=(subproblem("block", block),),
         appended=(),
     )
-    return solve_requirements(requirements, budget_kb_per_s, model=Model.QUPER, solver=GreedySolver())
+    return solve_requirements(requirements, budget_kb_per_s, model=Model.QUPER)
 
 
 def test_topics_without_a_level_get_the_top_of_unacceptable() -> None:

@@ -7,7 +7,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -22,9 +21,7 @@ from smarttestudo.language.parser import parse
 from smarttestudo.language.region import Region
 from smarttestudo.language.rule_set import RuleSet, compile_rules
 from smarttestudo.optimizer.joint.check import JointCheck, Loads, check_together
-from smarttestudo.optimizer.joint.repair import lowered_rates
 from smarttestudo.optimizer.problem import fits
-from smarttestudo.optimizer.solver.highs_solver import HighsSolver
 from smarttestudo.rules.profile_file import parse_profile
 
 TOPICS = ("/a", "/b", "/c")
@@ -213,31 +210,3 @@ def test_the_one_zone_of_hundreds_that_takes_too_much_is_found() -> None:
     )
     result = checked(f"begin SetFrequency /a 1 {zones} end", 5.7)
     assert [one.kb_per_s for one in result.breaking] == pytest.approx([5.8])
-
-
-@given(text=files, budget=st.sampled_from([10.0, 50.0, 100.0, 330.0, 760.0]))
-@settings(max_examples=100)
-def test_with_the_lowered_rates_every_situation_fits(text: str, budget: float) -> None:
-    rule_set, result = compiled(text), checked(text, budget)
-    lowered = lowered_rates(
-        rule_set,
-        loads(rule_set),
-        result.breaking,
-        rule_set.relayed,
-        budget,
-        priorities={},
-        solver=HighsSolver(),
-    )
-    if lowered is None:
-        return
-    assert bool(lowered) == bool(result.breaking)
-    rates = {(setting.order, setting.topic): Rate(rate) for setting, rate in lowered.items()}
-    blocks = [
-        replace(one, rates={topic: rates.get((one.order, topic), rate) for topic, rate in one.rates.items()})
-        for one in rule_set.blocks
-    ]
-    defaults = {topic: rates.get((-1, topic), rate) for topic, rate in rule_set.defaults.items()}
-    defaults |= {topic: rate for (order, topic), rate in rates.items() if order == -1}
-    mended = replace(rule_set, blocks=tuple(blocks), defaults=defaults)
-    again = check_together(mended, loads(mended), budget, lambda _: Region.everything())
-    assert again.breaking == ()

@@ -236,18 +236,16 @@ def test_only_named_appends_nothing_and_asks_what_full_costs(
     assert 'error: [topics."/imu"] has no source_hz; add source_hz' in capsys.readouterr().err
 
 
-def test_explain_says_what_holds_each_rate_and_what_one_more_mb_would_buy(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_explain_says_what_holds_each_rate(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rules = write_inspection(tmp_path, camera="Marginal")
     profile = write_profile(tmp_path, golden.SCARCE_KB_PER_S)
     output = tmp_path / "out.adirf"
     assert main(["optimize", str(rules), "--profile", str(profile), "--explain", "-o", str(output)]) == 0
     printed = capsys.readouterr().out
     assert "14 994.92 of 15 000 KB/s" in printed
-    assert "One MB/s more would raise /camera/image_raw from 2.06 to 2.221 Hz." in printed
-    assert "/imu Desirable would free 16 KB/s and raise /camera/image_raw from 2.06 to 2.063 Hz." in printed
-    assert "/camera/image_raw Acceptable would need 18 265.72 KB/s more." in printed
+    held = {line.split()[0]: line for line in printed.splitlines() if line.startswith("/")}
+    assert held["/camera/image_raw"].endswith("the budget")
+    assert held["/imu"].endswith("the upper end of its level")
 
 
 @pytest.mark.parametrize(

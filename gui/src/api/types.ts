@@ -1265,7 +1265,7 @@ export interface RenameRequest {
 }
 
 /**
- * One way to make a part fit, best first: edits of the rules' text, or a greater budget in KB/s.
+ * One way to make a part fit: edits of the rules' text, or a greater budget in KB/s.
  *
  * `sentence` is the full text, `title` a short one for a button.
  */

@@ -98,8 +98,8 @@ def _print_finding(finding: Finding, hints: Sequence[str]) -> None:
 def _print_explanations(outcome: OptimizeOutcome, stream: TextIO) -> None:
     for solved, explanation in outcome.explained():
         print_table(_table(solved, explanation, outcome.optimization.budget_kb_per_s), stream)
-        for sentence in (explanation.price, *explanation.what_ifs, *explanation.notes):
-            write_line(f"  {sentence}", stream)
+        for note in explanation.notes:
+            write_line(f"  {note}", stream)
         write_line(stream=stream)
 
 

@@ -11,8 +11,9 @@ from collections.abc import Mapping, Sequence
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Tier
+from smarttestudo.optimizer.greedy import allocate
 from smarttestudo.optimizer.model import Model, Requirement
-from smarttestudo.optimizer.problem import Allocation, Budget, Solver, fits, round_down, used_kb_per_s
+from smarttestudo.optimizer.problem import Allocation, fits, round_down, used_kb_per_s
 
 _LEVELS = 5
 
@@ -82,7 +83,6 @@ def best_rates(
     requirements: Sequence[Requirement],
     bounds_hz: Sequence[tuple[float, float]],
     budget_kb_per_s: float,
-    solver: Solver,
 ) -> Allocation | None:
     """The best rates in Hz under ``model``, not yet rounded; ``None`` where they do not fit together.
 
@@ -96,7 +96,7 @@ def best_rates(
         rates_hz = {one.needs.name: least_hz + (most_hz - least_hz) for one, (least_hz, most_hz) in asked}
         return Allocation(rates_hz=rates_hz, price=0.0)
     demands = [one.demand(model, *bounds) for one, bounds in asked]
-    return solver.allocate(demands, [Budget(limit_kb_per_s=budget_kb_per_s)])
+    return allocate(demands, budget_kb_per_s)
 
 
 def rounded_down(rates_hz: Mapping[str, float], least_hz: Mapping[str, float]) -> dict[str, float]:

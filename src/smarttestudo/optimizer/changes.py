@@ -1,12 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The smallest changes that make everything fit, ranked."""
+"""What topics can be asked for less, so that everything fits."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
-from typing import Protocol
+from collections.abc import Iterator, Mapping, Sequence
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Tier
@@ -14,7 +12,6 @@ from smarttestudo.optimizer.model import BoundNeeds, Model, Requirement
 from smarttestudo.optimizer.problem import round_down
 from smarttestudo.optimizer.rule_rates import SolvedSubproblem
 
-CHANGES_SHOWN = 3
 _NUMBER_STEPS = 5
 
 
@@ -36,36 +33,22 @@ class Change:
     needs_kb_per_s: float
 
 
-class ChangeFinder(Protocol):
-    """Finds the smallest sets of reductions that save enough."""
-
-    def smallest(
-        self, reductions: Sequence[Reduction], excess_kb_per_s: float, count: int
-    ) -> Sequence[tuple[Reduction, ...]]:
-        """Up to ``count`` sets, at most one reduction of a topic in each, that save ``excess`` or more.
-
-        Fewest topics first, then the mildest (the least sum of squared steps); no set's topics hold all
-        topics of an earlier set.
-        """
-
-
-def smallest_changes(
-    solved: SolvedSubproblem, budget_kb_per_s: float, *, model: Model, finder: ChangeFinder
-) -> list[Change]:
-    """The smallest changes of requirements that make one subproblem fit, best first; none where none do."""
+def reductions_of(solved: SolvedSubproblem, budget_kb_per_s: float, *, model: Model) -> Sequence[Reduction]:
+    """All that can be asked of the topics of ``solved``, which is above the budget."""
     excess = solved.needs_kb_per_s - budget_kb_per_s
-    reductions = [
+    return [
         reduction
         for topic in sorted(solved.subproblem.requirements)
         for reduction in _reductions(solved.subproblem.requirements[topic], excess, model)
     ]
-    return [
-        Change(
-            reductions=chosen,
-            needs_kb_per_s=math.fsum([solved.needs_kb_per_s, *(-one.saved_kb_per_s for one in chosen)]),
-        )
-        for chosen in finder.smallest(reductions, excess, CHANGES_SHOWN)
-    ]
+
+
+def most_saved(reductions: Sequence[Reduction]) -> Mapping[str, float]:
+    """The KB/s that each topic saves at most."""
+    saved: dict[str, float] = {}
+    for one in reductions:
+        saved[one.topic] = max(one.saved_kb_per_s, saved.get(one.topic, 0.0))
+    return saved
 
 
 def _reductions(requirement: Requirement, excess_kb_per_s: float, model: Model) -> Iterator[Reduction]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from smarttestudo.optimizer.problem import Allocation, Budget, Demand, fits
+from smarttestudo.optimizer.problem import Allocation, Demand, fits
 
 _SIGNIFICANT_DIGITS = 12
 
@@ -15,21 +15,12 @@ Segment = tuple[float, int, float, float]
 """The gain for each KB, the index of the topic, the width in Hz, the cost in KB/s."""
 
 
-class GreedySolver:
-    """Fills the pieces of best gain per KB first; exact for concave worths and one budget.
-
-    Pieces of equal gain per KB are filled by the same share, so neither names nor order decide.
-    """
-
-    def allocate(self, demands: Sequence[Demand], budgets: Sequence[Budget]) -> Allocation | None:
-        """As ``Solver``; ``ValueError`` for other than one budget over all topics."""
-        if len(budgets) != 1 or budgets[0].topics is not None:
-            raise ValueError("the greedy solver takes one budget over all topics")
-        return allocate(demands, budgets[0].limit_kb_per_s)
-
-
 def allocate(demands: Sequence[Demand], budget_kb_per_s: float) -> Allocation | None:
-    """The rates of the greatest gain with ``Σ size·rate`` within the budget, ``None`` where none fit."""
+    """The rates of the greatest gain with ``Σ size·rate`` within the budget, ``None`` where none fit.
+
+    It fills the pieces of best gain per KB first, which is exact for concave worths. Pieces of equal gain are
+    filled by the same share, so neither names nor order decide.
+    """
     least_kb_per_s = math.fsum([demand.size_kb * demand.least_hz for demand in demands])
     if not fits(least_kb_per_s, budget_kb_per_s):
         return None

@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Finding, Severity
-from smarttestudo.optimizer.changes import Change
+from smarttestudo.optimizer.changes import Change, most_saved, reductions_of
 from smarttestudo.optimizer.model import Model, Requirement
+from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.rule_rates import SolvedSubproblem
 from smarttestudo.optimizer.wording import enough_kb_text, kb_text, listed, wanted_text
 
@@ -19,10 +20,10 @@ _TOPICS_NAMED = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Infeasibility:
-    """A subproblem that does not fit: what it lacks, in a sentence, and what would do, in sentences."""
+    """A subproblem that does not fit: what it lacks in a sentence, the smallest change, and what would do."""
 
     solved: SolvedSubproblem
-    changes: Sequence[Change]
+    change: Change | None
     message: str
     remedies: tuple[str, ...]
 
@@ -41,15 +42,14 @@ class Infeasibility:
 def infeasibility(
     solved: SolvedSubproblem,
     budget_kb_per_s: float,
-    changes: Sequence[Change] | None,
     *,
     model: Model,
+    change: Change | None = None,
     enough_kb_per_s: float | None = None,
 ) -> Infeasibility:
-    """The words on ``solved``, which does not fit, and on the ``changes`` that would make it fit.
+    """The words on ``solved``, which does not fit, and on what would do, as far as that was looked for.
 
-    ``changes`` are ``None`` where they were not looked for, ``enough_kb_per_s``, the budget that would do, is
-    ``None`` where that was not.
+    ``enough_kb_per_s`` is the budget that would do.
     """
     name = (
         f'"{solved.subproblem.label}" needs' if solved.subproblem.label is not None else "the defaults need"
@@ -59,12 +59,13 @@ def infeasibility(
         f"{name} at least {enough_kb_text(solved.needs_kb_per_s)} KB/s, "
         f"{enough_kb_text(over)} more than the budget of {kb_text(budget_kb_per_s)}: {_takers(solved, model)}"
     )
-    remedies = [change_text(change) for change in changes or ()]
-    if changes is not None and not changes:
+    remedies = [] if change is None else [change_text(change)]
+    saved = most_saved(reductions_of(solved, budget_kb_per_s, model=model))
+    if not fits(over, math.fsum(saved.values())):
         remedies.append("no lower levels of these topics fit")
     if enough_kb_per_s is not None:
         remedies.append(f"a budget of {enough_kb_text(enough_kb_per_s)} KB/s would do")
-    return Infeasibility(solved=solved, changes=changes or (), message=message, remedies=tuple(remedies))
+    return Infeasibility(solved=solved, change=change, message=message, remedies=tuple(remedies))
 
 
 def _takers(solved: SolvedSubproblem, model: Model) -> str:

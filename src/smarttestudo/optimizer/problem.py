@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The problem that every model of OBI comes down to: rates worth most, within budgets."""
+"""The problem that every model of OBI comes down to: rates worth most, within a budget."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import NamedTuple, Protocol
+from collections.abc import Collection, Iterable, Mapping
+from typing import NamedTuple
 
 from smarttestudo.domain.dataclass import dataclass
 
@@ -45,33 +45,14 @@ class Demand(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Budget:
-    """``Σ size·rate <= limit_kb_per_s`` over ``topics``, or over all topics where that is ``None``."""
-
-    limit_kb_per_s: float
-    topics: frozenset[str] | None = None
-
-    def covers(self, topic: str) -> bool:
-        """Whether ``topic`` counts towards this budget."""
-        return self.topics is None or topic in self.topics
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Allocation:
     """The best rates in Hz by topic.
 
-    ``price`` is what one KB/s more of the first budget would gain, 0 where it would gain nothing.
+    ``price`` is what one KB/s more of the budget would gain, 0 where it would gain nothing.
     """
 
     rates_hz: Mapping[str, float]
     price: float
-
-
-class Solver(Protocol):
-    """Finds the best rates."""
-
-    def allocate(self, demands: Sequence[Demand], budgets: Sequence[Budget]) -> Allocation | None:
-        """The rates of the greatest gain within every budget; ``None`` where no rates fit."""
 
 
 def used_kb_per_s(loads: Iterable[tuple[float, float]]) -> float:

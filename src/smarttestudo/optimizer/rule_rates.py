@@ -15,7 +15,7 @@ from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.syntax import KeepWithin, RuleFile, SetFrequency, bound_span
 from smarttestudo.optimizer.allocation import best_rates, rounded_down
 from smarttestudo.optimizer.model import MissingEntryError, Model, Requirement
-from smarttestudo.optimizer.problem import Solver, exact_sum, fits, used_kb_per_s
+from smarttestudo.optimizer.problem import exact_sum, fits, used_kb_per_s
 from smarttestudo.optimizer.requirements import (
     RuleRequirements,
     StatementKey,
@@ -118,19 +118,18 @@ def optimize_rules(
     resolve: Resolve,
     *,
     model: Model,
-    solver: Solver,
     without_default: TopicsWithoutDefault = TopicsWithoutDefault.APPENDED,
 ) -> Optimization:
     """The value of every level in ``files``, which have no errors; ``ProfileError`` for what is missing."""
     requirements = collect_requirements(files, profile, resolve, without_default)
-    return solve_requirements(requirements, budget_of(profile), model=model, solver=solver)
+    return solve_requirements(requirements, budget_of(profile), model=model)
 
 
 def solve_requirements(
-    requirements: RuleRequirements, budget_kb_per_s: float, *, model: Model, solver: Solver
+    requirements: RuleRequirements, budget_kb_per_s: float, *, model: Model
 ) -> Optimization:
     """The defaults, then each block's topics with all others at their default."""
-    defaults = solve_subproblem(requirements.defaults, 0.0, budget_kb_per_s, model=model, solver=solver)
+    defaults = solve_subproblem(requirements.defaults, 0.0, budget_kb_per_s, model=model)
     rates_hz = defaults.rates_hz or {
         name: requirement.bounds_hz(model)[0]
         for name, requirement in requirements.defaults.requirements.items()
@@ -142,7 +141,6 @@ def solve_requirements(
             loads.beside(subproblem),
             budget_kb_per_s,
             model=model,
-            solver=solver,
         )
         for subproblem in requirements.blocks
     ]
@@ -208,7 +206,7 @@ class _DefaultLoads:
         return math.fsum((*self._all, *own, *kept))
 
 
-def enough_kb_per_s(solved: SolvedSubproblem, done: Optimization, solver: Solver) -> float:
+def enough_kb_per_s(solved: SolvedSubproblem, done: Optimization) -> float:
     """The least budget with which ``solved`` of ``done`` would fit, at most 0.005 KB/s above it.
 
     Of a greater budget, the defaults beside a block take more, too.
@@ -224,7 +222,7 @@ def enough_kb_per_s(solved: SolvedSubproblem, done: Optimization, solver: Solver
         return _DefaultLoads(defaults, rates_hz).beside(own) + used_kb_per_s(least)
 
     def is_enough(budget: float) -> bool:
-        found = solve_subproblem(defaults, 0.0, budget, model=done.model, solver=solver)
+        found = solve_subproblem(defaults, 0.0, budget, model=done.model)
         return found.rates_hz is not None and fits(needed(found.rates_hz), budget)
 
     if is_enough(low):
@@ -237,7 +235,7 @@ def enough_kb_per_s(solved: SolvedSubproblem, done: Optimization, solver: Solver
 
 
 def solve_subproblem(
-    subproblem: Subproblem, others_kb_per_s: float, budget_kb_per_s: float, *, model: Model, solver: Solver
+    subproblem: Subproblem, others_kb_per_s: float, budget_kb_per_s: float, *, model: Model
 ) -> SolvedSubproblem:
     """The rates of one subproblem, where all other topics take ``others_kb_per_s`` of the budget."""
     requirements = [*subproblem.requirements.values()]
@@ -250,7 +248,7 @@ def solve_subproblem(
     if fits(needs, budget_kb_per_s):
         # What is left may be below the least by float noise, which must not make it infeasible.
         own_budget = max(budget_kb_per_s - others_kb_per_s, own_least)
-        found = best_rates(model, requirements, bounds_hz, own_budget, solver)
+        found = best_rates(model, requirements, bounds_hz, own_budget)
     if found is None:
         return SolvedSubproblem(
             subproblem=subproblem,

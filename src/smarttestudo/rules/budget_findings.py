@@ -29,11 +29,10 @@ from smarttestudo.optimizer.joint.check import (
     loads_of,
     missing_entries,
 )
-from smarttestudo.optimizer.joint.repair import Setting
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.rule_rates import budget_of
-from smarttestudo.optimizer.wording import enough_kb_text, hz_text, kb_text
-from smarttestudo.rules.optimize import infeasible_subproblems, lowered_where_too_much
+from smarttestudo.optimizer.wording import enough_kb_text, kb_text
+from smarttestudo.rules.optimize import infeasible_subproblems
 from smarttestudo.rules.rule_sets import has_tiers
 from smarttestudo.rules.tier_rates import optimize_tiers
 
@@ -66,8 +65,7 @@ def budget_findings(
     if missing:
         return [reporter.unknown_loads(missing)]
     checked = check_together(rule_set, loads, budget_of(profile), domain)
-    lowered = lowered_where_too_much(rule_set, loads, checked, profile)
-    return list(reporter.joint(rule_set, checked, lowered))
+    return list(reporter.joint(rule_set, checked))
 
 
 class _Reporter:
@@ -94,13 +92,8 @@ class _Reporter:
         hint = "testudo profile measures them in a recording"
         return self._finding("budget-not-proven", Severity.WARNING, message, hint=hint)
 
-    def joint(
-        self, rule_set: RuleSet, checked: JointCheck, lowered: Mapping[Setting, float]
-    ) -> Iterator[Finding]:
-        hint = "lower a rate, or run with --budget, which cuts rates by priority"
-        if lowered:
-            hint = f"all situations fit with {_settings(lowered, rule_set)}; {hint}"
-        yield from (self._over_budget(one, hint) for one in checked.breaking)
+    def joint(self, rule_set: RuleSet, checked: JointCheck) -> Iterator[Finding]:
+        yield from map(self._over_budget, checked.breaking)
         if checked.has_more:
             shown = len(checked.breaking)
             yield self._finding(
@@ -115,11 +108,12 @@ class _Reporter:
         if not checked.breaking and not checked.unproven:
             yield self._fits(checked.worst)
 
-    def _over_budget(self, situation: Situation, hint: str) -> Finding:
+    def _over_budget(self, situation: Situation) -> Finding:
         message = (
             f"{_blocks_hold(situation)}the topics take {enough_kb_text(situation.kb_per_s)} KB/s, "
             f"{self._over(situation.kb_per_s)}"
         )
+        hint = "lower a rate, or run with --budget, which cuts rates by priority"
         return self._finding(
             "situation-over-budget", Severity.WARNING, message, hint=hint, blocks=situation.blocks
         )
@@ -174,16 +168,6 @@ class _Reporter:
 
 
 _FIRST = Span(line=1, column=1, end_line=1, end_column=1)
-
-
-def _settings(lowered: Mapping[Setting, float], rule_set: RuleSet) -> str:
-    """``/imu at 152 Hz in "far" (line 6)``, listed."""
-    names = []
-    for setting, rate_hz in lowered.items():
-        block = rule_set.blocks[setting.order] if setting.order >= 0 else None
-        where = "by default" if block is None else f'in "{block.label}" (line {block.line})'
-        names.append(f"{setting.topic} at {hz_text(rate_hz)} Hz {where}")
-    return wording.listed(names)
 
 
 def _blocks_hold(situation: Situation) -> str:

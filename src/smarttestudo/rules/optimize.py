@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
 
 from smarttestudo.checks import CheckContext, check_rules
@@ -16,24 +14,18 @@ from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.language.parser import parse
-from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.language.syntax import RuleFile
-from smarttestudo.optimizer.changes import Change, smallest_changes
+from smarttestudo.optimizer.changes import Change
 from smarttestudo.optimizer.explanation import SubproblemExplanation, explain_subproblem
-from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.infeasibility import Infeasibility, infeasibility
-from smarttestudo.optimizer.joint.check import JointCheck, Loads
-from smarttestudo.optimizer.joint.repair import Setting, lowered_rates
-from smarttestudo.optimizer.model import Model, Requirement
+from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.requirements import TopicsWithoutDefault
 from smarttestudo.optimizer.rewriting import rewrite
 from smarttestudo.optimizer.rule_rates import (
     Optimization,
     SolvedSubproblem,
-    budget_of,
     enough_kb_per_s,
     optimize_rules,
-    solve_subproblem,
 )
 from smarttestudo.optimizer.wording import kb_text
 from smarttestudo.rules.profile_file import load_profile
@@ -62,15 +54,7 @@ class OptimizeOutcome:
         """Every subproblem that fits, with its explanation."""
         done = self.optimization
         return [
-            (
-                solved,
-                explain_subproblem(
-                    solved,
-                    done.budget_kb_per_s,
-                    model=done.model,
-                    solve_again=partial(_solve_again, solved, done),
-                ),
-            )
+            (solved, explain_subproblem(solved, done.budget_kb_per_s, model=done.model))
             for solved in done.subproblems
             if solved.feasible
         ]
@@ -126,7 +110,6 @@ def optimize_text(
         profile,
         resolve_topic,
         model=model,
-        solver=GreedySolver(),
         without_default=TopicsWithoutDefault.LEFT_OUT if only_named else TopicsWithoutDefault.APPENDED,
     )
     rewritten = None
@@ -139,18 +122,8 @@ def optimize_text(
     return OptimizeOutcome(optimization=done, infeasible=infeasible_subproblems(done), rewritten=rewritten)
 
 
-def _solve_again(
-    solved: SolvedSubproblem, done: Optimization, changed: dict[str, Requirement], more_kb_per_s: float
-) -> SolvedSubproblem:
-    subproblem = replace(solved.subproblem, requirements={**solved.subproblem.requirements, **changed})
-    budget = done.budget_kb_per_s + more_kb_per_s
-    return solve_subproblem(
-        subproblem, solved.others_kb_per_s, budget, model=done.model, solver=GreedySolver()
-    )
-
-
 def infeasible_subproblems(done: Optimization) -> tuple[Infeasibility, ...]:
-    """Parts that do not fit, each with the smallest changes with which it would.
+    """Parts that do not fit, each with the smallest change with which it would.
 
     If the defaults do not fit, they must be changed first, and only they are named.
     """
@@ -159,42 +132,19 @@ def infeasible_subproblems(done: Optimization) -> tuple[Infeasibility, ...]:
         infeasibility(
             solved,
             done.budget_kb_per_s,
-            _changes(solved, done),
             model=done.model,
-            enough_kb_per_s=enough_kb_per_s(solved, done, GreedySolver()),
+            change=_smallest_change(solved, done),
+            enough_kb_per_s=enough_kb_per_s(solved, done),
         )
         for solved in subproblems
         if not solved.feasible
     )
 
 
-def lowered_where_too_much(
-    rule_set: RuleSet, loads: Loads, checked: JointCheck, profile: Profile
-) -> Mapping[Setting, float]:
-    """Lower rates with which every situation fits; empty where none are needed, possible or looked for."""
-    if not checked.breaking or checked.has_more:
-        return {}
-    try:
-        from smarttestudo.optimizer.solver.highs_solver import HighsSolver  # noqa: PLC0415
-    except ModuleNotFoundError:
-        return {}
-    left_out = {topic for one in checked.unproven for block in one.blocks for topic in block.topics}
-    lowered = lowered_rates(
-        rule_set,
-        loads,
-        checked.breaking,
-        [topic for topic in rule_set.relayed if topic not in left_out],
-        budget_of(profile),
-        priorities={topic: entry.priority for topic, entry in profile.topics.items()},
-        solver=HighsSolver(),
-    )
-    return lowered or {}
-
-
-def _changes(solved: SolvedSubproblem, done: Optimization) -> list[Change] | None:
+def _smallest_change(solved: SolvedSubproblem, done: Optimization) -> Change | None:
     # A robot has no HiGHS; that something does not fit, and by how much, is known without it.
     try:
-        from smarttestudo.optimizer.solver.highs_solver import HighsChangeFinder  # noqa: PLC0415
+        from smarttestudo.optimizer.solver import smallest_change  # noqa: PLC0415
     except ModuleNotFoundError:
         return None
-    return smallest_changes(solved, done.budget_kb_per_s, model=done.model, finder=HighsChangeFinder())
+    return smallest_change(solved, done.budget_kb_per_s, model=done.model)

@@ -49,14 +49,12 @@ def _subproblem(
         record["bounds"] = solved.bounds
     if explanation is not None:
         record["price_per_kb_per_s"] = solved.price
-        record["price"] = explanation.price
         record["topics"] = {row.topic: _row(row) for row in explanation.rows}
-        record["what_ifs"] = list(explanation.what_ifs)
         record["notes"] = list(explanation.notes)
     if refused is not None:
         record["message"] = refused.message
         record["remedies"] = list(refused.remedies)
-        record["changes"] = [_change(change) for change in refused.changes]
+        record["changes"] = [] if refused.change is None else [_change(refused.change)]
     return record
 
 

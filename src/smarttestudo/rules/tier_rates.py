@@ -10,7 +10,6 @@ from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.syntax import RuleFile
-from smarttestudo.optimizer.greedy import GreedySolver
 from smarttestudo.optimizer.infeasibility import infeasibility
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.requirements import TopicsWithoutDefault
@@ -27,7 +26,6 @@ def optimize_tiers(files: Sequence[RuleFile], profile: Profile, resolve: Resolve
         profile,
         resolve,
         model=Model.QUPER,
-        solver=GreedySolver(),
         without_default=TopicsWithoutDefault.COUNTED,
     )
 
@@ -37,7 +35,7 @@ def fitting_tiers(files: Sequence[RuleFile], profile: Profile, resolve: Resolve)
     done = optimize_tiers(files, profile, resolve)
     for solved in done.subproblems:
         if not solved.feasible:
-            refused = infeasibility(solved, done.budget_kb_per_s, None, model=done.model)
+            refused = infeasibility(solved, done.budget_kb_per_s, model=done.model)
             raise RuleFileError(
                 refused.message,
                 place=solved.subproblem.place,

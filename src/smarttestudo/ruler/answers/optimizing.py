@@ -38,7 +38,7 @@ class OptimizedDraft:
 
 
 class Repair(Struct, frozen=True, kw_only=True):
-    """One way to make a part fit, best first: edits of the rules' text, or a greater budget in KB/s.
+    """One way to make a part fit: edits of the rules' text, or a greater budget in KB/s.
 
     ``sentence`` is the full text, ``title`` a short one for a button.
     """
@@ -69,15 +69,13 @@ def optimize_draft(draft: Draft, model: Model, *, only_named: bool) -> Optimized
 
 
 def repairs_of(optimized: OptimizedDraft, refused: Infeasibility) -> Iterator[Repair]:
-    """Repairs that make a part fit, the smallest change first, a greater budget last; no title twice."""
-    changes = zip(refused.changes, refused.remedies, strict=False)
-    titles: set[str] = set()
-    for change, sentence in changes:
+    """Repairs that make a part fit: the smallest change, if statements can say it, and a greater budget."""
+    change = refused.change
+    if change is not None:
         edits = _edits(optimized, refused.solved, change)
-        title = change_text(change, named=_TOPICS_NAMED)
-        if len(edits) == len(change.reductions) and title not in titles:
-            titles.add(title)
-            yield Repair(title=title, sentence=sentence, edits=edits)
+        if len(edits) == len(change.reductions):
+            title = change_text(change, named=_TOPICS_NAMED)
+            yield Repair(title=title, sentence=change_text(change), edits=edits)
     budget = refused.remedies[-1]
     yield Repair(title=budget, sentence=budget, budget_kb_per_s=refused.solved.needs_kb_per_s)
 

@@ -1,3 +1,0 @@
-# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
-# SPDX-License-Identifier: Apache-2.0
-"""Linear and integer programs, solved by HiGHS."""
