@@ -12,10 +12,10 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 from smarttestudo.cli.command_parser import CommandParser
-from smarttestudo.cli.link_options import add_zenoh_config, warn
+from smarttestudo.cli.link_options import add_zenoh_config
 from smarttestudo.cli.metrics_options import add_openmetrics, served_metrics
 from smarttestudo.cli.output import write_line
 from smarttestudo.cli.paths import file_path
@@ -153,20 +153,20 @@ def run(arguments: argparse.Namespace) -> int:
         metrics = ReceptionMetrics(statuses)
         opened.enter_context(served_metrics(arguments.openmetrics, metrics.metrics))
         sinks: list[Sink] = [opened.enter_context(closing(sink)) for sink in _sinks(arguments, opened, node)]
-        end = opened.enter_context(open_operator_end(options, warn, predicts=predicts, receiver=receiver))
+        end = opened.enter_context(open_operator_end(options, _warn, predicts=predicts, receiver=receiver))
         if is_fetching:
             incidents = opened.enter_context(closing(end.incidents()))
-            opened.enter_context(IncidentMirror(incidents, folders, _say, warn).running())
+            opened.enter_context(IncidentMirror(incidents, folders, _say, _warn).running())
         sending = None
         if end.commands is not None:
             sending = opened.enter_context(_sending(end.commands, arguments.output_topic, node))
             sinks.append(sending)
         _say_where(options)
-        predictor = Predictor(predicts, statuses.source_hz, warn) if predicts else None
+        predictor = Predictor(predicts, statuses.source_hz, _warn) if predicts else None
         # On a terminal, what arrives is shown; elsewhere who comes, leaves and changes is said.
         is_shown = sys.stdout.isatty()
         note = (lambda _: None) if is_shown else ArrivalLog(_say).handle
-        reception = Reception([*sinks, statuses], predictor, warn, note)
+        reception = Reception([*sinks, statuses], predictor, _warn, note)
         polls = [] if arguments.openmetrics is None else [lambda: metrics.update(reception, end)]
         if is_shown:
             show = opened.enter_context(open_screen())
@@ -196,7 +196,7 @@ def _settle_ros(arguments: argparse.Namespace, *, is_fetching: bool) -> None:
             "publishing what arrives on a ROS graph needs ROS 2 (rclpy)",
             remedy=f"source your ROS setup, or go without: --no-ros and {_PLACES}",
         )
-    warn("ROS 2 (rclpy) is not here: nothing is published on a ROS graph, as with --no-ros")
+    _warn("ROS 2 (rclpy) is not here: nothing is published on a ROS graph, as with --no-ros")
     arguments.no_ros = True
 
 
@@ -207,13 +207,13 @@ def _sending(commands: CommandOutbox, pattern: str, receiving: str) -> Iterator[
         sending = Sending(
             robot,
             commands,
-            warn,
+            _warn,
             pattern=pattern,
             own_nodes=lambda: {*relaying_nodes(robot), f"/{receiving}"},
             clock=suspended_too_ns,
         )
         worker = Worker(
-            "link-commands", lambda error: warn(f"{said(error)}; nothing more is sent"), sending.step
+            "link-commands", lambda error: _warn(f"{said(error)}; nothing more is sent"), sending.step
         )
         worker.start()
         try:
@@ -250,23 +250,31 @@ def _require_onlookers(arguments: argparse.Namespace) -> None:
 def _sinks(arguments: argparse.Namespace, opened: ExitStack, node: str) -> Iterator[Sink]:
     if not arguments.no_ros:
         robot = opened.enter_context(open_robot(name=node, sends_large=True))
-        yield GraphSink(robot.data_path, warn, pattern=arguments.output_topic)
+        yield GraphSink(robot.data_path, _warn, pattern=arguments.output_topic)
     if arguments.record is not None:
         from smarttestudo.bags.recording_sink import RecordingSink  # noqa: PLC0415  needs rosbags
 
         say = (lambda _: None) if sys.stdout.isatty() else _say
-        yield RecordingSink(arguments.record, warn, time.time_ns, pattern=arguments.output_topic, say=say)
+        yield RecordingSink(arguments.record, _warn, time.time_ns, pattern=arguments.output_topic, say=say)
     if arguments.foxglove is not None:
-        foxglove = open_foxglove_sink(arguments.foxglove, warn, time.time_ns)
+        foxglove = open_foxglove_sink(arguments.foxglove, _warn, time.time_ns)
         write_line(f"Foxglove: open the connection ws://127.0.0.1:{foxglove.port}")
         yield foxglove
 
 
 def _say(sentence: str) -> None:
-    """Say it on standard output, in a file with the time, which a terminal needs not and a journal has."""
-    has_time = sys.stdout.isatty() or "JOURNAL_STREAM" in os.environ
-    write_line(sentence if has_time else f"{utc_time(time.time_ns())}  {sentence}")
-    sys.stdout.flush()
+    _write_timed(sentence, sys.stdout)
+
+
+def _warn(sentence: str) -> None:
+    _write_timed(f"testudo: {sentence}", sys.stderr)
+
+
+def _write_timed(sentence: str, stream: TextIO) -> None:
+    """Write it, in a file with the time, which a terminal needs not and a journal has."""
+    has_time = stream.isatty() or "JOURNAL_STREAM" in os.environ
+    write_line(sentence if has_time else f"{utc_time(time.time_ns())}  {sentence}", stream)
+    stream.flush()
 
 
 def _say_where(options: LinkOptions) -> None:
@@ -297,7 +305,7 @@ def _receive(
             for poll in polls:
                 if (line := _failure(poll)) and line not in failed:
                     failed.add(line)
-                    warn(line)
+                    _warn(line)
 
 
 def _failure(poll: Callable[[], None]) -> str | None:
