@@ -215,10 +215,17 @@ class NaiveStream:
             is_first = now_ns // (10 * NS_PER_S) > self.arrivals[-2] // (10 * NS_PER_S)
             if is_first or gap_ns >= self.step_ns:
                 self.step_ns = sum(gaps) // len(gaps)
-            most_ns = min(2 * (self.burst_ns() - self.step_ns), max(gaps) - self.step_ns)
-            if self.step_ns == 0 or self.burst_ns() < 1.5 * self.step_ns:
-                most_ns = 0
+            if self.lag_ns < 2 * self.step_ns <= 2 * gap_ns:
+                self.lag_ns -= self.lag_ns // 8
+            most_ns = min(8 * (self.burst_ns() - self.step_ns), 2 * NS_PER_S) if self.has_bursts() else 0
             self.lag_ns = max(min(self.lag_ns + gap_ns - self.step_ns, most_ns), 0)
+
+    def has_bursts(self) -> bool:
+        return self.step_ns > 0 and self.burst_ns() >= Fraction(5, 4) * self.step_ns
+
+    def quiet_ns(self) -> int:
+        late_ns = max(self.gaps()) + self.step_ns if self.has_bursts() else 0
+        return max(2 * self.burst_ns(), late_ns)
 
     def slack_ns(self, period_ns: int) -> int:
         longest_ns = max(self.gaps(), default=0) + self.lag_ns
@@ -312,7 +319,7 @@ class NaivePacer(AnyPacer):
     def _release_ns(self, stream: NaiveStream) -> int:
         if stream.held is None:
             return NEVER_NS
-        return max(stream.due_ns, stream.held[1] + max(2 * stream.burst_ns(), self.period_ns))
+        return max(stream.due_ns, stream.held[1] + max(stream.quiet_ns(), self.period_ns))
 
 
 def a_time(chance: random.Random) -> int:

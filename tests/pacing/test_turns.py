@@ -97,6 +97,53 @@ def test_the_mean_is_exact_where_bursts_of_a_period_differ(
     assert abs(len(indices) - target_hz * 200 * period_s) <= 3 + 2 * target_hz * period_s
 
 
+def bursts_of_a_second(parts: Sequence[tuple[float, int]], jitter_s: float, seconds: int) -> list[int]:
+    """Bursts of so many messages, each at its share of every second, and late by up to ``jitter_s``."""
+    rng = random.Random(0)
+    return [
+        EPOCH_NS + round(S * (second + offset + late_s)) + i * S // 1000
+        for second in range(seconds)
+        for offset, count in parts
+        for late_s in [rng.uniform(0, jitter_s)]
+        for i in range(count)
+    ]
+
+
+@pytest.mark.parametrize("jitter_s", [0, 0.01, 0.03])
+@pytest.mark.parametrize("target_hz", [0.5, 1, 1.5, 2, 3, 4, 5, 6])
+@pytest.mark.parametrize(
+    "parts",
+    [
+        [(0, 1), (0.5, 9)],
+        [(0, 3), (0.6, 7)],
+        [(0, 1), (0.3, 5), (0.57, 1)],
+        [(0, 1), (0.28, 8), (0.55, 6)],
+        [(0, 1), (0.25, 1), (0.5, 8)],
+        [(0, 5), (0.25, 1), (0.52, 4), (0.75, 3)],
+        [(0, 6), (0.22, 4), (0.5, 7), (0.67, 2)],
+    ],
+)
+def test_no_part_starves_where_bursts_of_a_second_differ(
+    parts: list[tuple[float, int]], target_hz: float, jitter_s: float
+) -> None:
+    count = sum(one for _, one in parts)
+    times_ns = bursts_of_a_second(parts, jitter_s, 300)
+    indices = passed(times_ns, target_hz)
+    assert longest_wait(indices, count) <= 20
+    assert abs(len(indices) - target_hz * 300) <= 3 + 2 * target_hz
+
+
+@pytest.mark.parametrize("parts", [3, 10, 15, 30])
+@pytest.mark.parametrize("spread", [0.02, 0.6, 0.7, 0.9])
+@pytest.mark.parametrize("target_hz", [0.5, 1, 2, 5])
+def test_no_part_starves_however_far_a_burst_is_spread(parts: int, spread: float, target_hz: float) -> None:
+    target_hz = min(target_hz, 0.9 * parts)
+    seconds = round(25 * parts / target_hz)
+    indices = passed(bursts(parts, 1, spread, seconds), target_hz)
+    assert longest_wait(indices, parts) <= 20
+    assert abs(len(indices) - target_hz * seconds) <= 3 + 2 * target_hz
+
+
 @given(
     st.integers(2, 10),
     st.floats(1, 100),

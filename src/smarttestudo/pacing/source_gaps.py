@@ -14,6 +14,9 @@ BUCKETS = 7
 """The one of now, and six before it that are a minute together."""
 LONGEST_NS = 2 * NS_PER_S
 """A longer gap is an outage, and counts as one of that length."""
+MOST_LAG = 8
+"""A message is late by at most so often what the weighted mean gap is longer than the mean gap."""
+REST_SHARE = 8
 NS_PER_US = 1000
 
 
@@ -158,12 +161,14 @@ class BurstGaps(SourceGaps):
         gap_ns = self._add(count, (now_ns - last_ns) // count)
         if is_first or gap_ns >= self.step_ns:
             self.step_ns = self.mean_ns
-        most_ns = 0
-        if self.comes_in_bursts:
-            most_ns = min(2 * (self.weighted_mean_ns - self.step_ns), self.longest_ns - self.step_ns)
-        self.lag_ns = max(min(self.lag_ns + count * (gap_ns - self.step_ns), most_ns), 0)
+        lag_ns, step_ns = self.lag_ns, self.step_ns
+        if gap_ns >= step_ns and lag_ns < 2 * step_ns:
+            # So small a rest is the error of the mean gap: else it would grow, and messages be lost by it.
+            lag_ns -= lag_ns // REST_SHARE
+        most_ns = MOST_LAG * (self.weighted_mean_ns - step_ns) if self.comes_in_bursts else 0
+        self.lag_ns = max(min(lag_ns + count * (gap_ns - step_ns), most_ns, LONGEST_NS), 0)
 
     @property
     def comes_in_bursts(self) -> bool:
-        """Whether gaps differ by so much that most of the time passes in the long ones."""
-        return 2 * self.weighted_mean_ns >= 3 * self.step_ns > 0
+        """Whether gaps differ by more than jitter makes them."""
+        return 4 * self.weighted_mean_ns >= 5 * self.step_ns > 0

@@ -114,10 +114,12 @@ class VolatileStream(Stream):
         if self.held is None:
             return NEVER_NS
         grid = self.grid
-        period_ns, quiet_ns = grid.pace.period_ns, QUIET_SOURCE_PERIODS * self.source.weighted_mean_ns
-        # This runs for every message, where `max` takes twice as long.
-        at_ns = self.held_ns + (max(quiet_ns, period_ns))
-        return max(grid.due_ns, at_ns)
+        return max(grid.due_ns, self.held_ns + max(self.quiet_ns, grid.pace.period_ns))
+
+    @property
+    def quiet_ns(self) -> int:
+        """After how long without a message the source is quiet, at any rate."""
+        return QUIET_SOURCE_PERIODS * self.source.weighted_mean_ns
 
     def change_pace(self, pace: Pace, now_ns: int) -> None:
         """Follow another pace from now on; Off lets go of what is held."""
@@ -154,6 +156,14 @@ class PublisherStream(VolatileStream):
     def slack_ns(self) -> int:
         """How much unused time counts as credit: more where a message counts as if it had come earlier."""
         return self.grid.pace.slack_ns(self.source.longest_ns + self.source.lag_ns)
+
+    @property
+    def quiet_ns(self) -> int:
+        """After how long without a message the source is quiet: not before the next burst is late."""
+        source = self.source
+        if source.comes_in_bursts:
+            return max(super().quiet_ns, source.longest_ns + source.step_ns)
+        return super().quiet_ns
 
     def is_due(self, now_ns: int) -> bool:
         """Whether a message that came now, and was counted, passes."""

@@ -19,7 +19,7 @@
 
 enum { ABI = 4, GID_BYTES = 24, BEGINNING_BYTES = 16, RCL_ERROR_BYTES = 4096, ERROR_BYTES = 256 };
 enum { INFO_BYTES = 256, NUMBER_AT = 16, GID_AT = 40, TAKE_FAILED = 401 };
-enum { BUCKETS = 7, STEP_OF_PERIOD = 10, STEP_PERMILLE = 693, MAX_STREAMS = 256, MAX_OUTGOING = 8, MAX_TAKEN_AT_ONCE = 16 };
+enum { BUCKETS = 7, MOST_LAG = 8, REST_SHARE = 8, STEP_OF_PERIOD = 10, STEP_PERMILLE = 693, MAX_STREAMS = 256, MAX_OUTGOING = 8, MAX_TAKEN_AT_ONCE = 16 };
 #define NS_PER_S INT64_C(1000000000)
 #define SLOW_NS (NS_PER_S / 100)
 #define BUCKET_NS (10 * NS_PER_S)
@@ -142,6 +142,10 @@ static int64_t weighted_mean_ns(const stream_t *stream) {
     return total_us ? stream->sum.squares_us2 / total_us * 1000 : 0;
 }
 
+static int comes_in_bursts(const stream_t *stream) {
+    return stream->step_ns > 0 && 4 * weighted_mean_ns(stream) >= 5 * stream->step_ns;
+}
+
 static void add_gap(gaps_t *gaps, int64_t gap_ns) {
     gaps->count++;
     gaps->total_ns += gap_ns;
@@ -182,10 +186,10 @@ static void record_arrival(stream_t *stream, int64_t now) {
     add_gap(&stream->buckets[number % BUCKETS], gap_ns);
     add_gap(&stream->sum, gap_ns);
     if (is_first || gap_ns >= stream->step_ns) stream->step_ns = stream->sum.total_ns / stream->sum.count;
-    int64_t step_ns = stream->step_ns, weighted_ns = weighted_mean_ns(stream);
-    int64_t most_ns = min_ns(2 * (weighted_ns - step_ns), stream->sum.longest_ns - step_ns);
-    if (2 * weighted_ns < 3 * step_ns || step_ns == 0) most_ns = 0;
-    stream->lag_ns = max_ns(min_ns(stream->lag_ns + gap_ns - step_ns, most_ns), 0);
+    int64_t step_ns = stream->step_ns, lag_ns = stream->lag_ns;
+    if (gap_ns >= step_ns && lag_ns < 2 * step_ns) lag_ns -= lag_ns / REST_SHARE;
+    int64_t most_ns = comes_in_bursts(stream) ? MOST_LAG * (weighted_mean_ns(stream) - step_ns) : 0;
+    stream->lag_ns = max_ns(min_ns(lag_ns + gap_ns - step_ns, min_ns(most_ns, LONGEST_NS)), 0);
 }
 
 /* The grid: each function is the method of that name in pacing/grid.py. */
@@ -245,6 +249,7 @@ static void change_pace(const settings_t *old, const settings_t *pace, stream_t 
 static int64_t release_ns(const settings_t *pace, const stream_t *stream) {
     if (!stream->is_held) return NEVER_NS;
     int64_t quiet_ns = 2 * weighted_mean_ns(stream);
+    if (comes_in_bursts(stream)) quiet_ns = max_ns(quiet_ns, stream->sum.longest_ns + stream->step_ns);
     return max_ns(stream->due_ns, stream->held_ns + max_ns(quiet_ns, pace->period_ns));
 }
 
