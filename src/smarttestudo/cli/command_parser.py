@@ -31,9 +31,7 @@ class CommandParser(argparse.ArgumentParser):
 
     def add_commands(self, title: str) -> Subcommands:
         """Add subcommands, one of which must be named; ``title`` is their plural."""
-        # To find the same prog, argparse would import what measures a terminal.
-        metavar = title.removesuffix("s").upper()
-        return self.add_subparsers(title=title, metavar=metavar, required=True, prog=self.prog)
+        return self.add_subparsers(title=title, metavar=title.removesuffix("s").upper(), required=True)
 
     def fill(self) -> None:
         """Add the arguments, unless they were added."""

@@ -4,12 +4,8 @@
 
 from __future__ import annotations
 
-import argparse
-from typing import NoReturn
-
 from smarttestudo import __version__
 from smarttestudo.cli.command_parser import CommandParser, add_lazy
-from smarttestudo.cli.output import write_line
 
 _PURPOSES = {
     "demo": "watch a simulated robot cross a warehouse, with and without adaptive monitoring",
@@ -29,14 +25,6 @@ _PURPOSES = {
 }
 
 
-class _Version(argparse.Action):
-    """Prints the version and exits, without what argparse imports to fold a line."""
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        write_line(f"testudo {__version__}")
-        parser.exit()
-
-
 def command_parser() -> CommandParser:
     """The parser of ``testudo``, which sets ``run`` to the function that does what a command line asks."""
     parser = CommandParser(
@@ -44,7 +32,7 @@ def command_parser() -> CommandParser:
         description="Adaptive monitoring for ROS 2: relay each topic at the rate that your rules give it.",
         epilog="'testudo demo' needs no robot. 'testudo COMMAND --help' explains a command.",
     )
-    parser.add_argument("--version", action=_Version, nargs=0, help="show program's version number and exit")
+    parser.add_argument("--version", action="version", version=f"testudo {__version__}")
     commands = parser.add_commands("commands")
     for name, purpose in _PURPOSES.items():
         add_lazy(commands, name, f"smarttestudo.cli.{name}", purpose)

@@ -8,21 +8,17 @@ Little is imported before ``main``, so that it also hears a Ctrl-C that comes wh
 from __future__ import annotations
 
 import errno
-import gc
 import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from io import TextIOWrapper
-from typing import TYPE_CHECKING, TextIO, cast
+from typing import TextIO, cast
 
 from smarttestudo.cli.output import write_line
 from smarttestudo.cli.terminal import Terminated, is_unicode, terminating_signals
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.packages import missing_package
-
-if TYPE_CHECKING:
-    from argparse import Namespace
 
 EXIT_ERROR = 1
 EXIT_USAGE = 2
@@ -69,7 +65,9 @@ def smart_testudo(argv: Sequence[str] | None = None) -> int:
 
 def _run(argv: Sequence[str] | None) -> int:
     try:
-        arguments = _parsed(argv)
+        from smarttestudo.cli.commands import command_parser  # noqa: PLC0415  see above
+
+        arguments = command_parser().parse_args(argv)
         code: int = arguments.run(arguments)
     except SystemExit:
         # Help was printed.
@@ -77,19 +75,6 @@ def _run(argv: Sequence[str] | None) -> int:
         raise
     sys.stdout.flush()
     return code
-
-
-def _parsed(argv: Sequence[str] | None) -> Namespace:
-    was_enabled = gc.isenabled()
-    # What loads stays, and looking for garbage in it takes a tenth of a start.
-    gc.disable()
-    try:
-        from smarttestudo.cli.commands import command_parser  # noqa: PLC0415  see above
-
-        return command_parser().parse_args(argv)
-    finally:
-        if was_enabled:
-            gc.enable()
 
 
 def _fail(line: str, code: int) -> int:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import platform
 import re
 import sys
 from collections.abc import Sequence
@@ -127,8 +128,6 @@ def run(arguments: argparse.Namespace, kinds: Sequence[PartKind] = PART_KINDS) -
 
 
 def _robot_name(given: str | None) -> str:
-    import platform  # noqa: PLC0415  it starts slowly before Python 3.11
-
     return given or re.sub(r"[^A-Za-z0-9_]", "_", platform.node()) or "robot"
 
 

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import platform
+import shlex
 import sys
 from enum import Enum
 
@@ -50,8 +52,6 @@ def missing_package(error: ModuleNotFoundError, what: str) -> MissingPackageErro
 
 def how_to_get_ros() -> str:
     """Remedy where rclpy is missing; the extra ``ros`` is empty where PyPI has no ROS 2."""
-    import platform  # noqa: PLC0415  each command starts without it
-
     if _is_ros_on_pypi(sys.platform, platform.machine(), sys.version_info[:2]):
         return f"without a ROS 2 installation, {how_to_install(Extra.ROS)}"
     return "the extra ros is empty here: PyPI has ROS 2 for x86-64 Linux and Python before 3.14 only"
@@ -68,8 +68,6 @@ def how_to_install(extra: Extra) -> str:
     sees the system's packages, ROS 2 among them.
     """
     if sys.prefix != sys.base_prefix:
-        import shlex  # noqa: PLC0415  each command starts without it
-
         return (
             f"in the checkout of SmartTestudo, run: {shlex.quote(sys.executable)} -m pip install "
             f"'.[{extra.value}]'"

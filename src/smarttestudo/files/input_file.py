@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import stat
 from pathlib import Path
@@ -34,8 +35,6 @@ def read_input(path: Path, most_bytes: int | None = None) -> bytes:
 
 def sha256_of_files(*paths: Path) -> str:
     """The SHA-256 of files of any size, one after the other, in hexadecimal. Raises ``OSError``."""
-    import hashlib  # noqa: PLC0415  slow to import
-
     digest = hashlib.sha256()
     for path in paths:
         with path.open("rb") as file:

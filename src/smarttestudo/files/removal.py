@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 import stat
+import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -57,9 +59,6 @@ def temporary_folder(folder: Path | None = None, *, prefix: str = ".", suffix: s
 
     Without ``folder`` it is where the system has temporary files. Links in it are not followed.
     """
-    import shutil  # noqa: PLC0415  slow to import
-    import tempfile  # noqa: PLC0415
-
     path = Path(tempfile.mkdtemp(prefix=prefix, suffix=suffix, dir=folder))
     try:
         yield path

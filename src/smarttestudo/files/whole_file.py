@@ -8,6 +8,7 @@ import errno
 import os
 import shutil
 import stat
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -97,8 +98,6 @@ def _opened(path: Path, *, must_be_new: bool) -> tuple[BinaryIO, Path | None, Pa
     if mode is not None and not stat.S_ISREG(mode):
         return path.open("wb"), None, path
     target = Path(os.path.realpath(path))
-    import tempfile  # noqa: PLC0415  slow to import
-
     handle, name = tempfile.mkstemp(
         prefix=f".{target.name[:_NAME_CHARACTERS]}-", suffix=PARTIAL_SUFFIX, dir=target.parent
     )

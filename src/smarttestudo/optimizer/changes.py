@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What topics can be asked for less, so that everything fits."""
+"""Reductions of what topics are asked for, with which everything fits."""
 
 from __future__ import annotations
 

@@ -6,10 +6,12 @@ from __future__ import annotations
 
 import codecs
 import errno
+import hashlib
 import os
 import stat
 from collections.abc import Iterable
 from contextlib import suppress
+from difflib import get_close_matches
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,8 +23,6 @@ from smarttestudo.language.parser import MAX_FILE_BYTES
 
 def sha256_of(path: Path) -> str:
     """The SHA-256 of the file at ``path`` in hexadecimal; ``TestudoError`` where it cannot be read."""
-    import hashlib  # noqa: PLC0415  slow to import
-
     try:
         return hashlib.sha256(read_input(path)).hexdigest()
     except OSError as error:
@@ -133,8 +133,6 @@ def _near(path: Path) -> list[str]:
         ]
     except OSError:
         return []
-    from difflib import get_close_matches  # noqa: PLC0415  only for who mistypes
-
     near = get_close_matches(path.stem.casefold(), {one.stem.casefold() for one in names})
     return [str(one) for stem in near for one in names if one.stem.casefold() == stem]
 

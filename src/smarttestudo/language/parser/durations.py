@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from decimal import Decimal
 from types import MappingProxyType
 from typing import NamedTuple, NoReturn
 
@@ -119,8 +120,6 @@ def duration_ns(text: str, unit: DurationUnit) -> int:
     # A Decimal holds no exponent of twenty digits, as that of 0e99999999999999999999.
     if value == 0:
         return 0
-    from decimal import Decimal  # noqa: PLC0415  few rules have durations
-
     return round(Decimal(text) * _NS_OF[unit])
 
 
