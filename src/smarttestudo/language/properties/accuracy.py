@@ -27,6 +27,7 @@ from smarttestudo.pacing.reckoning.motion import (
     orientation_distance_degrees,
     position_distance_m,
 )
+from smarttestudo.pacing.reckoning.satellite_fix import PLACE_DISTANCE, FixGauge
 
 FULL_TURN = 360.0
 
@@ -35,6 +36,7 @@ _POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
 _POSE_WITH_COVARIANCE_STAMPED = "geometry_msgs/msg/PoseWithCovarianceStamped"
 _TRANSFORMS = "tf2_msgs/msg/TFMessage"
 _JOINTS = "sensor_msgs/msg/JointState"
+_FIX = "sensor_msgs/msg/NavSatFix"
 
 _POSE = (
     PropertySpec(name="position", unit="m", meaning="length of the difference of the positions", minimum=0.0),
@@ -52,6 +54,14 @@ _SPECS: Mapping[str, tuple[PropertySpec, ...]] = MappingProxyType(
         _POSE_STAMPED: _POSE,
         _POSE_WITH_COVARIANCE_STAMPED: _POSE,
         _TRANSFORMS: _POSE,
+        _FIX: (
+            PropertySpec(
+                name="position",
+                unit="m",
+                meaning="length of the way between the places, of degrees in metres of WGS 84",
+                minimum=0.0,
+            ),
+        ),
         _JOINTS: (
             PropertySpec(
                 name="positions", unit="rad", meaning="largest difference of a joint's position", minimum=0.0
@@ -154,7 +164,7 @@ def needs_decoded(gauges: Iterable[Gauge]) -> bool:
 def _reckoned(type_name: str, name: str) -> Distance | None:
     """The distance of two states of what is read without decoding, ``None`` where it holds no such thing."""
     if name in (spec.name for spec in _SPECS.get(type_name, ())):
-        return _JOINT_DISTANCE if type_name == _JOINTS else _POSE_DISTANCES[name]
+        return _OWN_DISTANCES.get(type_name) or _POSE_DISTANCES[name]
     pose_type = _POSE_TYPES.get(type_name)
     if pose_type is None:
         return None
@@ -171,6 +181,8 @@ def _reckoning(type_name: str, distances: Mapping[str, Distance]) -> Gauge:
         return FrameGauge(distances)
     if type_name == _JOINTS:
         return JointGauge(distances)
+    if type_name == _FIX:
+        return FixGauge(distances)
     pose_type = _POSE_TYPES[type_name]
     return PoseGauge(distances, frame_count=pose_type.frame_count, has_twist=type_name == _ODOMETRY)
 
@@ -193,7 +205,10 @@ def _value_distance(value: Callable[[Any], object], *, is_angle: bool = False) -
     )
 
 
-_JOINT_DISTANCE = _value_distance(itemgetter(0))
+_OWN_DISTANCES: Mapping[str, Distance] = MappingProxyType(
+    {_JOINTS: _value_distance(itemgetter(0)), _FIX: PLACE_DISTANCE}
+)
+"""Of types whose property is no part of a pose."""
 
 
 def _is_known(value: Any) -> bool:

@@ -13,6 +13,7 @@ _CONVENTIONAL_TYPES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "battery_state": ("sensor_msgs/msg/BatteryState",),
         "camera_info": ("sensor_msgs/msg/CameraInfo",),
         "cmd_vel": ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"),
+        "fix": ("sensor_msgs/msg/NavSatFix",),
         "goal_pose": ("geometry_msgs/msg/PoseStamped",),
         "image_raw": ("sensor_msgs/msg/Image",),
         "image_raw/compressed": ("sensor_msgs/msg/CompressedImage",),
