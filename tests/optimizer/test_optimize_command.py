@@ -9,6 +9,17 @@ from pathlib import Path
 
 import pytest
 
+from bags.bag_factory import (
+    ODOM,
+    START_NS,
+    BagContent,
+    BagMessage,
+    BagTopic,
+    cdr,
+    message_of,
+    small_mission,
+    write_bag,
+)
 from optimizer import golden
 from optimizer.rule_files import write_inspection, write_profile
 from smarttestudo.checks import CheckContext, check_rules
@@ -301,3 +312,32 @@ def test_where_the_defaults_do_not_fit_only_they_are_named(
     answer = json.loads(capsys.readouterr().out)
     assert answer["defaults"] is None
     assert [block["rates"] for block in answer["blocks"]] == [None]
+
+
+def test_a_topic_that_a_profile_has_no_levels_of_is_full(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Static frames, of which a recording has one message, and a topic without any."""
+    frames, silent = BagTopic("/tf_static", "tf2_msgs/msg/TFMessage"), BagTopic("/silent", ODOM.type_name)
+    mission = small_mission()
+    once = BagMessage(frames.name, START_NS + 1, cdr(frames.type_name, message_of(frames.type_name)))
+    content = BagContent((*mission.topics, frames, silent), (*mission.messages, once))
+    bag, profile = write_bag(tmp_path / "bag", content), tmp_path / "profile.toml"
+    assert main(["profile", "--bag", str(bag), "-o", str(profile)]) == 0
+    rules = tmp_path / "rules.adirf"
+    for text in ("SetFrequency /odom Desirable", "SetFrequency /odom Desirable SetFrequency /tf_static Full"):
+        rules.write_text(f"begin {text} end")
+        assert main(["optimize", str(rules), "--profile", str(profile), "--budget", "200"]) == 0
+        printed = capsys.readouterr().out
+        assert "budget 200 KB/s" in printed
+        assert "SetFrequency /tf_static Full" in printed
+        assert "SetFrequency /map_name Full" in printed
+        assert "/silent" not in printed
+
+
+def test_a_budget_on_the_command_line_replaces_that_of_the_profile(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rules, profile = write_inspection(tmp_path), write_profile(tmp_path, golden.AMPLE_KB_PER_S)
+    assert main(["optimize", str(rules), "--profile", str(profile), "--budget", "1"]) == 1
+    assert "more than the budget of 1:" in capsys.readouterr().err

@@ -52,7 +52,7 @@ def test_what_is_measured_reads_back_as_a_profile(bag: Path, tmp_path: Path) -> 
     assert scan.source_hz == 5
     assert scan.tiers_hz == (0.25, 0.5, 1.25, 2.5, 4, 5)
     assert profile.topic("/map").message_kb == 1
-    assert profile.topic("/map").source_hz is None
+    assert (profile.topic("/map").source_hz, profile.topic("/map").tiers_hz) == (0.5, None)
     assert profile.topic("/image").message_kb == 6000
     assert profile.topic("/empty").message_kb is None
 
@@ -138,7 +138,7 @@ def test_every_number_says_where_it_comes_from(bag: Path, capsys: pytest.Capture
         "# (n - 1) / (last - first); intervals of 200.0 ms, jitter (standard deviation) 0.0 ms\n" in printed
     )
     assert "# 5, 10, 25, 50, 80, 100 % of source_hz\n" in printed
-    assert "# one message or one stamp only: no rate, no levels\n" in printed
+    assert "source_hz = 0.5  # 1 message at one time: no levels, Full for optimize\n" in printed
 
 
 def test_a_profile_that_exists_is_not_overwritten(

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 from typing import TextIO
 
+from smarttestudo.cli.budget import budget_kb_per_s
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.output import write_file_text, write_line, write_lines
 from smarttestudo.cli.paths import file_path
@@ -50,6 +51,12 @@ def add_arguments(parser: CommandParser) -> None:
         default=Model.QUPER.value,
         help="what to maximise (default: quper, the rates within the intervals of their levels)",
     )
+    parser.add_argument(
+        "--budget",
+        metavar="N",
+        type=budget_kb_per_s,
+        help="KB/s that all topics together may take, in place of the profile's budget_kb_per_s",
+    )
     parser.add_argument("-o", "--output", metavar="OUT", type=file_path, help="where to write the rule file")
     parser.add_argument(
         "--only-named", action="store_true", help="leave out topics that are only in the profile"
@@ -67,6 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
         profile=arguments.profile,
         model=Model(arguments.model),
         only_named=arguments.only_named,
+        budget_kb_per_s=arguments.budget,
     )
     try:
         outcome = optimize(request)

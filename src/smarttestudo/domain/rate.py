@@ -30,6 +30,8 @@ class Tier(Enum):
 MAX_RATE_HZ = 1e6
 MIN_SOURCE_HZ = 1e-6
 """A profile holds no rate of a source below it."""
+SLOW_HZ = 1.0
+"""A topic whose source is no faster needs no levels: a map, or frames that stay."""
 RATE_STEP_HZ = 0.001
 """Optimized rates are whole steps of this; a profile holds no rate below it but 0."""
 

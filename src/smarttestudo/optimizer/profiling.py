@@ -11,7 +11,7 @@ from types import MappingProxyType
 from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.intervals import Intervals
-from smarttestudo.domain.rate import MAX_RATE_HZ, MIN_SOURCE_HZ, RATE_STEP_HZ
+from smarttestudo.domain.rate import MAX_RATE_HZ, MIN_SOURCE_HZ, RATE_STEP_HZ, SLOW_HZ
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.units import BYTES_PER_KB, counted
 from smarttestudo.domain.visible_text import visible
@@ -196,11 +196,11 @@ def profile_text(
         "# budget_kb_per_s = 1000.0  # what your link carries; the optimizer needs it",
     ]
     for topic, measure in measures.items():
-        lines += ["", f"[topics.{json.dumps(topic)}]", *_entries(measure, proposals.get(topic))]
+        lines += ["", f"[topics.{json.dumps(topic)}]", *_entries(measure, proposals.get(topic), duration_s)]
     return "\n".join([*lines, ""])
 
 
-def _entries(measure: TopicMeasure, proposal: TierProposal | None) -> Iterator[str]:
+def _entries(measure: TopicMeasure, proposal: TierProposal | None, duration_s: float) -> Iterator[str]:
     yield f"type = {json.dumps(measure.type_name)}"
     if measure.publishers > 1:
         yield f"# {measure.publishers} publishers, measured together; live, each of them has the topic's rate"
@@ -214,7 +214,10 @@ def _entries(measure: TopicMeasure, proposal: TierProposal | None) -> Iterator[s
         f"the largest {_number(measure.largest_kb)}{declared}"
     )
     if measure.source_hz is None:
-        yield "# one message or one stamp only: no rate, no levels"
+        # Such a topic still comes: a robot says where its sensors are once.
+        source_hz = rounded(min(measure.messages / duration_s, SLOW_HZ) if duration_s > 0 else SLOW_HZ)
+        messages = counted(measure.messages, "message")
+        yield f"source_hz = {_number(source_hz)}  # {messages} at one time: no levels, Full for optimize"
         return
     if measure.lost_share:
         lost = f"{100 * measure.lost_share:.0f} % of its messages"

@@ -13,7 +13,7 @@ from functools import cache
 from smarttestudo.domain.accuracy import AccuracyTiers
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.rate import Rate, Tier
+from smarttestudo.domain.rate import SLOW_HZ, Rate, Tier
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.resolved_rules import (
@@ -32,7 +32,9 @@ StatementKey = tuple[str, Span]
 class TopicsWithoutDefault(Enum):
     """The treatment of topics for which the files have no default."""
 
-    APPENDED = "every one in the profile gets Unacceptable, as a default"
+    APPENDED = (
+        "every one that the profile knows gets Unacceptable as a default, a slow one without levels Full"
+    )
     COUNTED = "the same, but only where the profile has what that needs"
     LEFT_OUT = "none; those that the files relay are Full, and count as such"
 
@@ -175,17 +177,24 @@ class _Collector:
         for topic in named:
             self._add(draft, topic, self._rates[topic], self._bounds.get(topic, {}))
         for topic in appended:
-            self._add(draft, topic, Tier.UNACCEPTABLE, {})
+            self._add(draft, topic, RateWord.FULL if self._is_slow(topic) else Tier.UNACCEPTABLE, {})
         for topic, rate in self._rates.items():
             if topic not in named and topic not in appended:
                 self._add(draft, topic, rate, self._bounds.get(topic, {}))
         return self._subproblem(draft, written, self._rules.always_bounds), appended
 
     def _appends(self, topic: str) -> bool:
+        entry = self._profile.topic(topic)
         if self._without_default is TopicsWithoutDefault.COUNTED:
-            entry = self._profile.topic(topic)
-            return entry.message_kb is not None and entry.tiers_hz is not None
-        return self._without_default is TopicsWithoutDefault.APPENDED
+            return entry.message_kb is not None and (entry.tiers_hz is not None or self._is_slow(topic))
+        # A topic of which no message was measured has neither.
+        is_known = (entry.message_kb, entry.source_hz, entry.tiers_hz) != (None, None, None)
+        return self._without_default is TopicsWithoutDefault.APPENDED and is_known
+
+    def _is_slow(self, topic: str) -> bool:
+        """Whether a topic has no levels, and needs none: maps, static frames and the like."""
+        entry = self._profile.topic(topic)
+        return entry.tiers_hz is None and entry.source_hz is not None and entry.source_hz <= SLOW_HZ
 
     def _side(self, branch: Branch, defaults: Subproblem) -> Subproblem | None:
         """The subproblem of one side of a block; ``None`` where it requires nothing."""

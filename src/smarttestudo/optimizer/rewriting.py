@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping
 from itertools import accumulate
 
+from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.source import Span
 from smarttestudo.domain.utf_8 import without_mark
 from smarttestudo.language.formatter import number_text
@@ -46,9 +47,9 @@ def rewrite(text: str, file: RuleFile, optimization: Optimization, *, provenance
         for statement in file.enabled_statements
         for span, _ in tiers_in(statement)
     ]
-    if optimization.appended and optimization.defaults.rates_hz is not None:
-        rates_hz = {topic: optimization.defaults.rates_hz[topic] for topic in optimization.appended}
-        edits.append(_appended(text, file, rates_hz, starts, line_end))
+    rates = optimization.appended_rates
+    if rates:
+        edits.append(_appended(text, file, rates, starts, line_end))
     edits.append((0, _old_provenance(text), f"{PROVENANCE}{provenance}{line_end}"))
     for start, end, replacement in sorted(edits, reverse=True):
         text = text[:start] + replacement + text[end:]
@@ -61,7 +62,7 @@ def _number_text(key: StatementKey, optimization: Optimization) -> str:
 
 
 def _appended(
-    text: str, file: RuleFile, rates_hz: Mapping[str, float], starts: list[int], line_end: str
+    text: str, file: RuleFile, rates: Mapping[str, Rate], starts: list[int], line_end: str
 ) -> _Edit:
     defaults = [one for one in file.statements if isinstance(one, SetFrequency)]
     if defaults:
@@ -74,7 +75,8 @@ def _appended(
     rest_of_line = _LINE.match(text, at)
     rest = rest_of_line.group().strip() if rest_of_line else ""
     lines = [f"{indent}{APPENDED}"]
-    lines += [f"{indent}SetFrequency {topic} {hz_text(rate)} Hz" for topic, rate in rates_hz.items()]
+    for topic, rate in rates.items():
+        lines.append(f"{indent}SetFrequency {topic} {rate if rate.is_full else f'{hz_text(rate.hz)} Hz'}")
     if not rest or rest.startswith("//"):
         at += len((rest_of_line.group() if rest_of_line else "").rstrip("\r\n"))
         blank = "" if defaults else line_end

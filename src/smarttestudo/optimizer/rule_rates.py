@@ -10,7 +10,7 @@ from dataclasses import field
 
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.syntax import KeepWithin, RuleFile, SetFrequency, bound_span
 from smarttestudo.optimizer.allocation import best_rates, rounded_down
@@ -89,6 +89,16 @@ class Optimization:
     def subproblems(self) -> tuple[SolvedSubproblem, ...]:
         """The defaults and the blocks."""
         return (self.defaults, *self.blocks)
+
+    @property
+    def appended_rates(self) -> dict[str, Rate]:
+        """The rates of the appended topics: Full where they have no levels; none where they do not fit."""
+        requirements, rates_hz = self.defaults.subproblem.requirements, self.defaults.rates_hz or {}
+        return {
+            topic: Rate(rates_hz[topic]) if isinstance(requirements[topic].wanted, Tier) else Rate.full()
+            for topic in self.appended
+            if topic in rates_hz
+        }
 
     def tier_rate(self, statement: SetFrequency, path: str, /) -> Rate:
         """As ``TierValues``; ``KeyError`` for a subproblem that does not fit."""

@@ -34,12 +34,16 @@ from smarttestudo.rules.rule_files import read_rule_text, sha256_of
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OptimizeCommand:
-    """One call of ``testudo optimize``; ``only_named`` leaves out what only the profile names."""
+    """One call of ``testudo optimize``; ``only_named`` leaves out what only the profile names.
+
+    ``budget_kb_per_s`` replaces the profile's budget.
+    """
 
     rules: Path
     profile: Path
     model: Model = Model.QUPER
     only_named: bool = False
+    budget_kb_per_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,6 +80,8 @@ def optimize(request: OptimizeCommand) -> OptimizeOutcome:
     """
     text = read_rule_text(request.rules)
     profile = load_profile(request.profile)
+    if request.budget_kb_per_s is not None:
+        profile = replace(profile, budget_kb_per_s=request.budget_kb_per_s)
     result = parse(text, str(request.rules))
     findings = check_rules([result], CheckContext(profile=profile))
     errors = [finding for finding in findings if finding.severity is Severity.ERROR]

@@ -216,6 +216,4 @@ def id_at(document: Document, line: int) -> str | None:
 
 def _with_appended(rule_set: RuleSet, done: Optimization) -> RuleSet:
     """With the defaults that the optimizer adds for topics of the profile."""
-    rates_hz = done.defaults.rates_hz or {}
-    appended = {topic: Rate(rates_hz[topic]) for topic in done.appended}
-    return replace(rule_set, defaults={**rule_set.defaults, **appended})
+    return replace(rule_set, defaults={**rule_set.defaults, **done.appended_rates})
