@@ -12,6 +12,17 @@ from pathlib import Path
 
 import pytest
 
+from bags.bag_factory import (
+    ODOM,
+    START_NS,
+    BagContent,
+    BagMessage,
+    BagTopic,
+    cdr,
+    message_of,
+    small_mission,
+    write_bag,
+)
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.cli import check
 from smarttestudo.cli.commands import command_parser
@@ -220,3 +231,75 @@ def test_colour_is_for_terminals_whose_user_wants_it(
 def test_the_summary_counts_by_severity() -> None:
     info = finding_at(1, 1, 1, 2)
     assert summary([info, info], files=2) == "2 infos in 2 files"
+
+
+@pytest.mark.parametrize(
+    ("check", "finding"),
+    [
+        ("/odom pose.pose.positon.x > 3", "its messages have no pose.pose.positon"),
+        ("/odom pose.pose > 3", "it has parts, such as pose.pose.position"),
+        ("/odom pose.covariance > 3", "it is a list, of which pose.covariance[0] is the first element"),
+        ("/map_name data = 3", "it is a text, and no number"),
+        ("/gripper holts = 1", "its messages have no holts"),
+        ("/silent pose_x > 1", "it holds no message of it"),
+        ("/scan ranges[7] > 1", "it is unknown in all of its 20 messages"),
+        ("/odom pose.pose.position.x > 3", None),
+        ("/gripper holds = 1", None),
+        ("/silent rate > 1", None),
+    ],
+)
+def test_a_check_that_never_had_a_value_in_the_recording_says_why(
+    check: str, finding: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mission = small_mission()
+    content = BagContent((*mission.topics, BagTopic("/silent", ODOM.type_name)), mission.messages)
+    bag, rules = write_bag(tmp_path / "bag", content), tmp_path / "rules.adirf"
+    rules.write_text(f"begin SetFrequency /odom 9 If CheckValue {check} Then SetFrequency /odom 1 EndIf end")
+    assert run_check(rules, "--bag", bag, "--format", "json") == 0
+    found = {one["code"]: one for one in json.loads(capsys.readouterr().out)}
+    if finding is None:
+        assert "never-a-number" not in found
+    else:
+        topic, name, *_ = check.split()
+        assert (
+            found["never-a-number"]["message"] == f"the recording has no value of {topic} {name}: {finding}"
+        )
+
+
+def test_a_field_one_letter_off_is_offered_and_topics_without_a_rule_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag, rules = write_bag(tmp_path / "bag", small_mission()), tmp_path / "rules.adirf"
+    rules.write_text(
+        "begin SetFrequency /odom 9 If CheckValue /odom pose.pose.positon.x > 3"
+        " Then SetFrequency /odm 1 EndIf end"
+    )
+    assert run_check(rules, "--bag", bag) == 0
+    out = capsys.readouterr().out
+    assert "hint: did you mean 'pose.pose.position.x'?" in out
+    assert "the recording has no /odm\n" in out
+    assert (
+        "info[unnamed-in-bag]: no rule names /gripper, /image, /map_name and /scan, which the recording"
+        in out
+    )
+
+
+@pytest.mark.parametrize(("greatest", "is_share"), [(0.9, True), (1.0, True), (87.0, False)])
+def test_a_battery_that_is_recorded_in_percent_may_be_compared_in_percent(
+    greatest: float, is_share: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    battery = "sensor_msgs/msg/BatteryState"
+    messages = tuple(
+        BagMessage(
+            "/battery", START_NS + number, cdr(battery, message_of(battery, percentage=share * greatest))
+        )
+        for number, share in enumerate((1.0, 0.5))
+    )
+    bag = write_bag(tmp_path / "bag", BagContent((BagTopic("/battery", battery),), messages))
+    rules = tmp_path / "rules.adirf"
+    rules.write_text(
+        "begin SetFrequency /battery 9 If CheckValue /battery percentage < 20"
+        " Then SetFrequency /battery 1 end"
+    )
+    assert run_check(rules, "--bag", bag) == 0
+    assert ("share-as-percent" in capsys.readouterr().out) is is_share

@@ -8,9 +8,11 @@ import math
 from collections.abc import Iterator
 
 from smarttestudo.checks import wording
+from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in, is_text
 from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import CheckSite, RuleModel
 from smarttestudo.domain.finding import Fix, Severity
+from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 from smarttestudo.domain.source import Span
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
@@ -18,7 +20,9 @@ from smarttestudo.language.comments import COMMENT_START
 from smarttestudo.language.formatter.conditions import write_condition
 from smarttestudo.language.formatter.text import LineWriter
 from smarttestudo.language.normal_form import Every, InRegion
+from smarttestudo.language.parser.suggestions import did_you_mean
 from smarttestudo.language.properties import PropertySpec
+from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
 from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import ResolvedBlock
 from smarttestudo.language.syntax import (
@@ -74,6 +78,51 @@ def _remedy_beside_range(one: CheckSite, rules: RuleModel) -> str:
     if rules.context.known_type(one.signal.topic) is None:
         return f"if {name} is a plain field of {one.signal.topic}, write msg.{name}"
     return "correct the number"
+
+
+def _never_a_number(rules: RuleModel) -> Iterator[Found]:
+    """Checks of what has no number, so that they stay unknown."""
+    for one in rules.checks:
+        signal, observed = one.signal, rules.context.observed.get(one.signal)
+        if ArrivalProperty.named(signal.property) or doubt_about(signal, rules.context):
+            continue
+        close = None
+        if observed is not None and observed.greatest is None:
+            close = observed.close
+            message = f"the recording has no value of {signal}: {observed.why}"
+        elif observed is None and is_text(rules.context.type_of(signal.topic), signal.property):
+            message = f"{signal} is a text, and no number"
+        else:
+            continue
+        doubt = Doubt(
+            message=message,
+            hint=did_you_mean(close) if close else "the check stays unknown, and its block never decides",
+            close=close,
+        )
+        yield found_in(one.path, one.check.property_span, doubt)
+
+
+_BATTERY = "sensor_msgs/msg/BatteryState"
+_SHARES = ("percentage", f"{MESSAGE_PREFIX}percentage")
+
+
+def _share_as_percent(rules: RuleModel) -> Iterator[Found]:
+    """Checks of a battery's share of 1 with a number in percent."""
+    for one in rules.checks:
+        topic, observed = one.signal.topic, rules.context.observed.get(one.signal)
+        is_share = one.signal.property in _SHARES and rules.context.type_of(topic) == _BATTERY
+        is_percent = rules.context.topic(topic).level_unit is LevelUnit.PERCENT
+        greatest = 1.0 if observed is None or observed.greatest is None else observed.greatest
+        if is_share and not is_percent and one.check.value > 1 and greatest <= 1:
+            is_seen = observed is not None and observed.greatest is not None
+            seen = f", and at most {wording.number(greatest)} in the recording" if is_seen else ""
+            yield Found(
+                path=one.path,
+                span=one.check.property_span,
+                message=f"{wording.check_text(one.check)} is about a number of 0 to 1{seen}",
+                hint="level is the same in percent",
+                fix=Fix(span=one.check.property_span, replacement="level", title="write 'level'"),
+            )
 
 
 def _condition_never_holds(rules: RuleModel) -> Iterator[Found]:
@@ -277,6 +326,8 @@ def _not_analysed(rules: RuleModel) -> Iterator[Found]:
 
 
 CHECKS = (
+    RuleCheck(code="never-a-number", severity=Severity.WARNING, find=_never_a_number),
+    RuleCheck(code="share-as-percent", severity=Severity.WARNING, find=_share_as_percent),
     RuleCheck(code="check-never-holds", severity=Severity.WARNING, find=_check_never_holds),
     RuleCheck(code="check-always-holds", severity=Severity.WARNING, find=_check_always_holds),
     RuleCheck(code="condition-never-holds", severity=Severity.WARNING, find=_condition_never_holds),

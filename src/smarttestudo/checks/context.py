@@ -27,10 +27,23 @@ def values_of(spec: PropertySpec | None) -> Region:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ObservedValues:
+    """Values of a property in a recording: the ``greatest``, ``None`` where there was none, and why.
+
+    ``close`` is a property that may be meant.
+    """
+
+    greatest: float | None = None
+    why: str = ""
+    close: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CheckContext:
     """``resolve`` gives the full name of a topic, ``bag_topics`` the type of each topic of a recording.
 
-    They may also be those of a robot: ``topics_lack`` are the words before the name of a topic that it lacks.
+    They may also be those of a robot: ``topics_lack`` are the words before the name of a topic that it lacks,
+    ``topics_have`` those behind what it has. ``observed`` are the values that the recording has of checks.
     ``way_to_profile`` says how the reader of a finding gives a profile, as in "or …".
     ``has_all_files`` is false where a file of the set could not be read, so that statements are missing.
     """
@@ -39,6 +52,8 @@ class CheckContext:
     profile: Profile | None = None
     bag_topics: Mapping[str, str] | None = None
     topics_lack: str = "the recording has no"
+    topics_have: str = "which the recording holds"
+    observed: Mapping[Signal, ObservedValues] = field(default_factory=dict)
     has_all_files: bool = True
     way_to_profile: str = "give a profile with --profile"
 

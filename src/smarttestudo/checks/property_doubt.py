@@ -83,6 +83,17 @@ _FIELDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         )
     }
 )
+_TEXTS = frozenset(
+    {
+        ("sensor_msgs/msg/BatteryState", "location"),
+        ("sensor_msgs/msg/BatteryState", "serial_number"),
+        ("sensor_msgs/msg/CameraInfo", "distortion_model"),
+        ("sensor_msgs/msg/CompressedImage", "format"),
+        ("sensor_msgs/msg/Image", "encoding"),
+        ("std_msgs/msg/String", "data"),
+    }
+)
+_NAMES_OF_FRAMES = ("frame_id", "child_frame_id")
 _ALL_FIELDS = tuple(sorted({field for fields in _FIELDS.values() for field in fields}))
 _PROPERTIES_OF_ANY_TYPE = tuple(
     dict.fromkeys(name for type_name in known_types() for name in properties_of(type_name))
@@ -134,6 +145,12 @@ def doubt_about(signal: Signal, context: CheckContext, named: Named = properties
         hint=f"{did_you_mean(close)} {remedy}" if close else remedy,
         close=close,
     )
+
+
+def is_text(type_name: str | None, name: str) -> bool:
+    """Whether a field of a common type is known to be a text."""
+    path = name.removeprefix(MESSAGE_PREFIX)
+    return (type_name, path) in _TEXTS or path.rpartition(".")[2] in _NAMES_OF_FRAMES
 
 
 def _may_have(type_name: str, name: str, named: Named) -> bool:

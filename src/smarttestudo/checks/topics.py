@@ -15,9 +15,11 @@ from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import ProfileFix, Severity
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.source import Span
-from smarttestudo.language.parser.suggestions import did_you_mean
+from smarttestudo.language.parser.suggestions import did_you_mean, edit_distance
 from smarttestudo.language.resolved_rules import ResolvedRate
 
+MAX_COMPARED = 256
+"""Letters of a topic whose name is compared with others."""
 _START = Span(line=1, column=1, end_line=1, end_column=1)
 _CAMERA_INFO = "/camera_info"
 _IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
@@ -136,6 +138,58 @@ def _absent_from_bag(rules: RuleModel) -> Iterator[Found]:
             )
 
 
+def _absent_from_profile(rules: RuleModel) -> Iterator[Found]:
+    """Topics that the profile has under a name one letter off."""
+    profile = rules.context.profile
+    if profile is None or rules.context.bag_topics is not None:
+        # What a recording has says more.
+        return
+    recorded = {topic for one in rules.recordings for topic in one.topics}
+    for topic, mention in rules.mentions.items():
+        if topic not in profile.topics and topic not in recorded:
+            close = next((one for one in profile.topics if _is_one_letter_off(topic, one)), None)
+            if close is not None:
+                yield Found(
+                    path=mention.path,
+                    span=mention.name.span,
+                    message=f"the profile has no {topic}",
+                    hint=did_you_mean(close),
+                    fix=write_topic(mention.name, close),
+                )
+
+
+def _is_one_letter_off(topic: str, known: str) -> bool:
+    """Whether one letter is missing, too many, another one or swapped; numbers tell topics apart."""
+    if abs(len(topic) - len(known)) > 1 or len(topic) > MAX_COMPARED:
+        return False
+    return _without_digits(topic) != _without_digits(known) and edit_distance(topic, known) == 1
+
+
+def _without_digits(topic: str) -> str:
+    return "".join(letter for letter in topic if not letter.isdigit())
+
+
+_OF_ROS = frozenset({"/rosout", "/parameter_events", "/clock", "/events/write_split"})
+
+
+def _unnamed_in_bag(rules: RuleModel) -> Iterator[Found]:
+    """Topics of a recording, or of a robot, that no rule names."""
+    recorded, profile = rules.context.bag_topics, rules.context.profile
+    first = next(iter(rules.default_places), None)
+    if recorded is None or first is None:
+        return
+    meant = (close_topic(topic, recorded) for topic in rules.mentions if topic not in recorded)
+    told = {*rules.mentions, *(profile.topics if profile else ()), *_OF_ROS, *meant}
+    unnamed = sorted(topic for topic in recorded if topic not in told)
+    if unnamed:
+        yield Found(
+            path=first,
+            span=_START,
+            message=f"no rule names {wording.listed(unnamed)}, {rules.context.topics_have}",
+            hint="only topics of a SetFrequency or KeepAtLeast are relayed",
+        )
+
+
 CHECKS = (
     RuleCheck(code="unknown-property", severity=Severity.WARNING, find=_unknown_property),
     RuleCheck(
@@ -160,4 +214,6 @@ CHECKS = (
         code="unnamed-in-profile", severity=Severity.INFO, find=_unnamed_in_profile, needs_all_statements=True
     ),
     RuleCheck(code="absent-from-bag", severity=Severity.INFO, find=_absent_from_bag),
+    RuleCheck(code="absent-from-profile", severity=Severity.INFO, find=_absent_from_profile),
+    RuleCheck(code="unnamed-in-bag", severity=Severity.INFO, find=_unnamed_in_bag, needs_all_statements=True),
 )

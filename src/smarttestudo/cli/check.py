@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from smarttestudo.checks import CheckContext
+from smarttestudo.checks.context import ObservedValues
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings, summary
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
@@ -23,8 +24,12 @@ from smarttestudo.cli.robots import add_robot, topics_of_robot
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import RuleFileError, UsageError
 from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
-from smarttestudo.language.parser import parse
+from smarttestudo.domain.signal import Signal
+from smarttestudo.language.parser import ParseResult, parse
+from smarttestudo.language.resolved_rules import resolve_rules
+from smarttestudo.language.syntax import checks_in
 from smarttestudo.rules.findings import all_findings
 from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
 
@@ -55,10 +60,14 @@ def run(arguments: argparse.Namespace) -> int:
     profile = None if arguments.profile is None else _profile_of(arguments.profile)
     bag_topics = _topics(arguments)
     texts, unreadable = _read(arguments.files)
+    results = [parse(text, path) for path, text in texts.items()]
     context = CheckContext(profile=profile, bag_topics=bag_topics, has_all_files=not unreadable)
     if arguments.connect:
-        context = replace(context, topics_lack="the robot publishes no")
-    results = [parse(text, path) for path, text in texts.items()]
+        context = replace(
+            context, topics_lack="the robot publishes no", topics_have="which the robot publishes"
+        )
+    elif arguments.bag is not None:
+        context = replace(context, observed=_observed(arguments.bag, results, profile))
     findings = all_findings(results, context)
     if arguments.format == "json":
         write_lines(json.dumps([finding.to_json() for finding in findings], indent=2).split("\n"))
@@ -107,6 +116,20 @@ def _topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
 
     with stop_signals() as stopped, open_link_robots(options, warn) as robots:
         return topics_of_robot(robots, arguments.robot, stopped)
+
+
+def _observed(
+    bag: Path, results: Sequence[ParseResult], profile: Profile | None
+) -> Mapping[Signal, ObservedValues]:
+    """The values that the recording has of what the rules' checks read."""
+    from smarttestudo.bags.observed_values import observed_values  # noqa: PLC0415  as _topics_of
+    from smarttestudo.bags.reader import open_recording  # noqa: PLC0415
+
+    blocks = resolve_rules([result.file for result in results], resolve_topic).blocks
+    checks = (check for block in blocks for check in checks_in(block.block.condition))
+    signals = {Signal(resolve_topic(check.topic.text), check.property) for check in checks}
+    with open_recording(bag) as recording:
+        return observed_values(recording, signals, profile)
 
 
 def _profile_of(path: Path) -> Profile:
