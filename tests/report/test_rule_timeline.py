@@ -12,16 +12,30 @@ from hypothesis import strategies as st
 
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
-from smarttestudo.report.rule_timeline import DecidingBlock, RuleSpan, block_at, deciding_spans
+from smarttestudo.report.legends import rule_legend
+from smarttestudo.report.rule_styles import RuleStyle, styles_of
+from smarttestudo.report.rule_timeline import (
+    DecidingBlock,
+    RuleSpan,
+    block_at,
+    deciding_spans,
+    most_topics,
+)
 
 CORRIDOR = DecidingBlock(rule="Corridor", line=14)
 HALL = DecidingBlock(rule="Hall", line=25)
 
 
+def _reason(block: DecidingBlock | None) -> Reason:
+    if block is None:
+        return Reason.DEFAULT
+    return Reason.UNKNOWN if block.is_in_doubt else Reason.BLOCK
+
+
 def decided(t_s: float, topic: str, block: DecidingBlock | None) -> Decision:
     planned = PlannedRate(
         rate=Rate(1.0),
-        reason=Reason.BLOCK if block else Reason.DEFAULT,
+        reason=_reason(block),
         rule=block.rule if block else None,
         line=block.line if block else None,
     )
@@ -42,6 +56,28 @@ def test_any_block_counts_before_the_defaults() -> None:
         RuleSpan(start_s=0.0, end_s=3.0, block=None),
         RuleSpan(start_s=3.0, end_s=5.0, block=HALL),
     )
+
+
+def test_a_block_in_doubt_is_another_one_and_comes_after_all_that_decided() -> None:
+    doubt = DecidingBlock(rule="Docking", line=3, is_in_doubt=True)
+    decisions = [decided(0.0, topic, doubt) for topic in ("/a", "/b")] + [decided(4.0, "/c", HALL)]
+    spans = deciding_spans(decisions, 10.0)
+    assert spans == (
+        RuleSpan(start_s=0.0, end_s=4.0, block=doubt),
+        RuleSpan(start_s=4.0, end_s=10.0, block=HALL),
+    )
+    styles = styles_of(decisions, 10.0)
+    assert styles.of(doubt) == RuleStyle(css_class="by-doubt", name="Docking (in doubt)")
+    assert [style.name for style in styles.all] == ["Hall", "Docking (in doubt)", "Defaults"]
+    assert "Docking (in doubt)" in str(rule_legend(spans, styles))
+
+
+def test_the_most_topics_of_a_block_are_counted() -> None:
+    decisions = [decided(0.0, topic, None) for topic in "abcdefghijklm"]
+    assert most_topics(decisions) == 0
+    decisions += [decided(1.0, "a", HALL), decided(2.0, "a", None), decided(3.0, "b", HALL)]
+    assert most_topics(decisions) == 1
+    assert most_topics([*decisions, decided(4.0, "c", HALL)]) == 2
 
 
 def test_a_run_without_decisions_has_no_spans_and_no_block() -> None:

@@ -18,7 +18,7 @@ from smarttestudo.report.scale import StyleSpan, bounded
 from smarttestudo.report.time_drawing import Frame, incident_line, number, plot, share, time_svg
 
 MAX_LANES = 24
-MOST_DECIDED = "Most topics"
+MOST_DECIDED = "Leading rule"
 _LANE, _PITCH, _BASELINE = 20.0, 24.0, 14.0
 _TIMES = 10
 _MOST_SPANS = 600

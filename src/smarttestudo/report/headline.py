@@ -7,12 +7,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from smarttestudo.domain.dataclass import dataclass
+from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.units import counted
 from smarttestudo.report.floor_map import FloorMap, draw_floor_map
 from smarttestudo.report.legends import rule_legend
 from smarttestudo.report.markup import Markup, tag
 from smarttestudo.report.rule_styles import RuleStyles
-from smarttestudo.report.rule_timeline import RuleSpan
+from smarttestudo.report.rule_timeline import RuleSpan, by_topic, most_topics
 from smarttestudo.report.run_report import RunReport
 from smarttestudo.report.summary import bandwidth_text, summary_sentence
 from smarttestudo.report.table import format_number
@@ -55,7 +56,7 @@ def opening(
         *(tag("p", text, class_="explanation words") for text in _explanations(report)),
         _bars(report),
         tag("p", extent, class_="note"),
-        *(_path_legend(spans, styles) if plan and spans else []),
+        *(_path_legend(report.decisions, spans, styles) if plan and spans else []),
     )
     if plan is None:
         return tag("header", words)
@@ -74,8 +75,16 @@ def kept_together(sentence: str) -> str:
     return ", ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in sentence.split(", "))
 
 
-def _path_legend(spans: Sequence[RuleSpan], styles: RuleStyles) -> list[Markup]:
-    explanation = "The path has the colour of the rule that decided the most topics at that time."
+def _path_legend(
+    decisions: Sequence[Decision], spans: Sequence[RuleSpan], styles: RuleStyles
+) -> list[Markup]:
+    topics = counted(len(by_topic(decisions)), "topic")
+    explanation = (
+        "The path has the colour of the rule that decided more topics than other rules at that time: "
+        f"at most {most_topics(decisions)} of {topics}."
+    )
+    if any(span.block is not None and span.block.is_in_doubt for span in spans):
+        explanation += " In doubt: what the rule reads was not known, so that topics had the higher rate."
     return [tag("p", explanation, class_="path-note"), rule_legend(spans, styles)]
 
 

@@ -33,15 +33,21 @@ OTHERS = RuleStyle(css_class="by-other", name="Other rules")
 
 
 class RuleStyles:
-    """The styles of a run's blocks: the longest deciding ones have their own, the rest share one."""
+    """The styles of a run's blocks: the longest deciding ones have their own, the rest share one.
 
-    __slots__ = ("_blocks", "_styles")
+    Blocks in doubt look alike, but not as one that decided.
+    """
+
+    __slots__ = ("_blocks", "_doubts", "_styles")
 
     def __init__(self, spans: Iterable[RuleSpan]) -> None:
         """Styles for the blocks of ``spans``, numbered in the order of their lines."""
+        self._doubts: dict[DecidingBlock, RuleStyle] = {}
         seconds: dict[DecidingBlock, float] = {}
         for span in spans:
-            if span.block is not None:
+            if span.block is not None and span.block.is_in_doubt:
+                self._doubts[span.block] = RuleStyle(css_class="by-doubt", name=span.block.name)
+            elif span.block is not None:
                 seconds[span.block] = seconds.get(span.block, 0.0) + span.end_s - span.start_s
         self._blocks = len(seconds)
         longest = sorted(seconds, key=lambda block: -seconds[block])[:STYLED_BLOCKS]
@@ -54,13 +60,15 @@ class RuleStyles:
 
     def of(self, block: DecidingBlock | None) -> RuleStyle:
         """The style of ``block``, or of the defaults."""
-        return DEFAULTS if block is None else self._styles.get(block, OTHERS)
+        if block is None:
+            return DEFAULTS
+        return self._doubts.get(block) or self._styles.get(block, OTHERS)
 
     @property
     def all(self) -> tuple[RuleStyle, ...]:
         """Every style, as a legend lists them."""
         others = (OTHERS,) if self._blocks > len(self._styles) else ()
-        return (*self._styles.values(), *others, DEFAULTS)
+        return (*self._styles.values(), *others, *dict.fromkeys(self._doubts.values()), DEFAULTS)
 
     def of_zone(self, name: str) -> RuleStyle:
         """The style of the block that is named as a zone is, else that of the defaults."""

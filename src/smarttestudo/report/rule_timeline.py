@@ -9,15 +9,24 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from smarttestudo.domain.dataclass import dataclass
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import Decision, Reason
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DecidingBlock:
-    """A block by its name and line; the line alone tells two blocks of one name apart."""
+    """A block by its name and line; the line alone tells two blocks of one name apart.
+
+    ``is_in_doubt``: whether it holds was not known, so that topics got the higher of the rates.
+    """
 
     rule: str
     line: int | None
+    is_in_doubt: bool = False
+
+    @property
+    def name(self) -> str:
+        """The rule's name, and that it is in doubt."""
+        return f"{self.rule} (in doubt)" if self.is_in_doubt else self.rule
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,8 +50,8 @@ def deciding_spans(decisions: Iterable[Decision], end_s: float) -> tuple[RuleSpa
     """The block that decides most topics, over time, from the first decision to ``end_s``.
 
     Among several it is the one that decides the most topics at that time, and among equals the one that
-    comes first in the file. Where no block decides any topic, it is the defaults. Decisions of one topic
-    give the blocks of that topic.
+    comes first in the file; those in doubt come after all others. Where no block decides any topic, it is
+    the defaults. Decisions of one topic give the blocks of that topic.
     """
     ordered = sorted(decisions, key=_time)
     blocks: dict[str, DecidingBlock | None] = {}
@@ -59,7 +68,26 @@ def deciding_spans(decisions: Iterable[Decision], end_s: float) -> tuple[RuleSpa
 def deciding_block(decision: Decision) -> DecidingBlock | None:
     """The block behind ``decision``; ``None`` where a default, a floor or no rule at all decided."""
     planned = decision.planned
-    return None if planned.rule is None else DecidingBlock(rule=planned.rule, line=planned.line)
+    if planned.rule is None:
+        return None
+    is_in_doubt = planned.reason is Reason.UNKNOWN
+    return DecidingBlock(rule=planned.rule, line=planned.line, is_in_doubt=is_in_doubt)
+
+
+def most_topics(decisions: Iterable[Decision]) -> int:
+    """How many topics one block decided at most at one time."""
+    blocks: dict[str, DecidingBlock | None] = {}
+    counts: Counter[DecidingBlock] = Counter()
+    most = 0
+    for decision in sorted(decisions, key=_time):
+        before, now = blocks.get(decision.topic), deciding_block(decision)
+        blocks[decision.topic] = now
+        if before is not None:
+            counts[before] -= 1
+        if now is not None:
+            counts[now] += 1
+            most = max(most, counts[now])
+    return most
 
 
 def block_at(spans: Sequence[RuleSpan], t_s: float) -> DecidingBlock | None:
@@ -70,7 +98,7 @@ def block_at(spans: Sequence[RuleSpan], t_s: float) -> DecidingBlock | None:
 
 def _leading(blocks: dict[str, DecidingBlock | None]) -> DecidingBlock | None:
     topics = Counter(block for block in blocks.values() if block is not None)
-    return min(topics, key=lambda block: (-topics[block], block.line or 0, block.rule), default=None)
+    return min(topics, key=lambda one: (one.is_in_doubt, -topics[one], one.line or 0, one.rule), default=None)
 
 
 def _extend(spans: list[RuleSpan], span: RuleSpan) -> None:

@@ -17,6 +17,7 @@ LIGHT: Mapping[str, str] = {
     "rack": "#c9cfd8",
     "before": "#9aa3b0",
     "default": "#8b95a4",
+    "doubt": "#8b95a4",
     "other": "#5d6878",
     "rule-1": "#0a66b0",
     "rule-2": "#e08a00",
@@ -43,6 +44,7 @@ DARK: Mapping[str, str] = {
     "rack": "#3b4452",
     "before": "#6c7686",
     "default": "#8d97a6",
+    "doubt": "#8d97a6",
     "other": "#b3bcc9",
     "rule-1": "#58a9f0",
     "rule-2": "#f2b13c",
@@ -68,6 +70,7 @@ ON_PAPER: Mapping[str, str] = {
     "before": "#8a93a0",
 }
 DASHES: Mapping[str, tuple[int, ...]] = {
+    "doubt": (4, 8),
     "other": (1, 5),
     "rule-2": (13, 7),
     "rule-3": (2, 7),
@@ -82,7 +85,7 @@ BUDGET_DASH = (8, 5)
 
 def colour_sheet() -> str:
     """The colours as a style sheet: for light, dark and paper."""
-    rules = (name for name in LIGHT if name in {"default", "other"} or name.startswith("rule-"))
+    rules = (name for name in LIGHT if name in {"default", "doubt", "other"} or name.startswith("rule-"))
     shares = (name for name in LIGHT if name.startswith("share-"))
     return "\n".join(
         (

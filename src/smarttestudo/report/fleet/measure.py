@@ -36,7 +36,13 @@ from smarttestudo.report.fleet.recording_numbers import (
     TopicNumbers,
 )
 from smarttestudo.report.loss_tables import bound_name
-from smarttestudo.report.rule_timeline import DecidingBlock, block_at, by_topic, deciding_spans
+from smarttestudo.report.rule_timeline import (
+    DecidingBlock,
+    block_at,
+    by_topic,
+    deciding_block,
+    deciding_spans,
+)
 from smarttestudo.report.summary import position_error
 
 Traces = Mapping[str, TraceAccumulator]
@@ -222,7 +228,7 @@ def rule_numbers(
     decided_s: dict[str, float] = defaultdict(float)
     for one in deciding_spans(decisions, span.duration_s):
         decided_s[_name(one.block)] += one.end_s - one.start_s
-    began = [one.planned.rule or "" for one in decisions]
+    began = [_name(deciding_block(one)) for one in decisions]
     return tuple(
         RuleNumbers(
             rule=rule,
@@ -253,4 +259,4 @@ def _by_rule(decisions: Sequence[Decision], span: RecordingSpan, traces: Traces)
 
 
 def _name(block: DecidingBlock | None) -> str:
-    return "" if block is None else block.rule
+    return "" if block is None else block.name

@@ -36,7 +36,7 @@ _OFF_NOTE = (
     " Off: the error of the robot's place when the last one received is held, the RMSE of a recording."
 )
 _RULE_NOTE = (
-    "Decided: how long the rule decided the most topics. All else is of topics while the rule "
+    "Decided: how long the rule decided more topics than other rules. All else is of topics while the rule "
     "decided them, to the second. The rules decided over the recordings of the robots once more."
 )
 _BOUND_NOTE = (
