@@ -76,7 +76,7 @@ def test_a_damaged_chunk_costs_its_messages_and_no_other(tmp_path: Path) -> None
     assert 0.6 * len(MISSION.messages) < len(read.messages) < len(MISSION.messages)
     assert read.messages[-1] == MISSION.messages[-1]
     (notice,) = read.notices
-    assert notice.startswith(f"{path}: damaged chunks: 1; 97 % readable, ends at ")
+    assert notice.startswith(f"{path}: damaged chunks: 1; 90 % readable, ends at ")
 
 
 def test_a_damaged_chunk_of_a_cut_file_is_named_once_though_the_file_is_read_twice(tmp_path: Path) -> None:
@@ -216,7 +216,11 @@ def test_messages_left_in_a_log_beside_the_database_are_named(tmp_path: Path) ->
         database.commit()
         read = read_bag(path)
     assert read.messages == [*MISSION.messages, BagMessage("/odom", last_ns, b"\x00")]
-    assert read.notices == [f"{path}: {TOGETHER}"]
+    whole = len(MISSION.messages)
+    assert read.notices == [
+        f"{path}: {TOGETHER}",
+        f"its metadata count {whole} messages, {whole + 1} can be read",
+    ]
 
 
 @pytest.mark.parametrize("values", ["1, 'noon', x'00'", "1, 5, NULL", "1, 5, 'text'"])
@@ -227,6 +231,7 @@ def test_rows_of_the_wrong_types_cost_themselves(tmp_path: Path, values: str) ->
         database.execute("CREATE TABLE messages (id INTEGER PRIMARY KEY, topic_id, timestamp, data)")
         database.execute("INSERT INTO messages SELECT * FROM strict WHERE id % 2 = 0")
         database.execute("DROP TABLE strict")
+        database.execute("DELETE FROM metadata")
         database.execute(f"INSERT INTO messages (topic_id, timestamp, data) VALUES ({values})")
         database.commit()
     read = read_bag(path)

@@ -43,7 +43,7 @@ def assert_as_mcap_reads_it(data: bytes) -> None:
             one.message_start_time,
             one.chunk_start_offset,
             one.chunk_length,
-            one.indexed_channels,
+            len(one.indexed),
             one.message_index_length,
             one.compression,
             one.uncompressed_size,

@@ -85,5 +85,7 @@ def _metadata_within(parts: Sequence[RecordingPart]) -> BagMetadata:
     for part in parts:
         metadata = embedded_metadata(part.storage_path)
         if metadata is not None:
-            return replace(metadata, file_names=(), message_count=0)
+            # It counts the messages of all files.
+            is_of_one = len(parts) == len(metadata.file_names) == 1
+            return replace(metadata, file_names=(), message_count=metadata.message_count if is_of_one else 0)
     return BagMetadata()

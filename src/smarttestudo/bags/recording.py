@@ -24,6 +24,7 @@ from smarttestudo.bags.written_order import LEAST_BACK_NS, notices_of_back
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
+from smarttestudo.domain.units import counted, grouped
 
 ChannelKey = tuple[str, str, str, str | None]
 
@@ -193,15 +194,11 @@ class RosbagRecording:
     def readable_share(self) -> float | None:
         """By the metadata's count of messages, or else by what each damaged file tells."""
         files = [part.file for part in self._parts]
-        if not self._lacks_files and all(file.readable_share == 1 for file in files):
-            return 1.0
         readable = sum(file.message_count for file in files)
-        promised: float | None = None
-        if self._promised_messages >= readable:
-            promised = self._promised_messages
-        elif not self._lacks_files:
-            promised = _messages_once(files)
-        return readable / promised if promised else None
+        if not self._lacks_files and all(file.readable_share == 1 for file in files):
+            return min(1.0, readable / self._promised_messages) if self._promised_messages else 1.0
+        promised = max(self._promised_messages, (not self._lacks_files and _messages_once(files)) or 0)
+        return readable / promised if promised >= readable and promised else None
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[RecordedMessage]:
         """All messages, or those of ``topics``, in time order; memory does not grow with their number."""
@@ -225,7 +222,8 @@ class RosbagRecording:
         if self._between_files is None:
             self._between_files = [*self._notices_between_files()] if self._is_order_known else []
         strays = [] if self._strays is None else [self._strays.notice()]
-        return [*self._notices, *lost, *self._between_files, *broken, *strays]
+        counts = self._notices_of_counts()
+        return [*self._notices, *lost, *counts, *self._between_files, *broken, *strays]
 
     def _used_channels(self) -> Sequence[Channel]:
         """The channels, those with messages first where a topic has several; of another type no others."""
@@ -253,6 +251,13 @@ class RosbagRecording:
                 elif channel.type_name != first.type_name and channel.type_name:
                     self._notices.append(f"{topic}: announced as {channel.type_name}, too, without messages")
         return used
+
+    def _notices_of_counts(self) -> Iterator[str]:
+        """Where files without damage hold other messages than the metadata say."""
+        held, promised = sum(part.file.message_count for part in self._parts), self._promised_messages
+        is_known = promised and not self._lacks_files
+        if is_known and held != promised and all(part.file.readable_share == 1 for part in self._parts):
+            yield f"its metadata count {counted(promised, 'message')}, {grouped(held)} can be read"
 
     def _notices_between_files(self) -> Iterator[str]:
         """Where stamps go back from one file to the next."""

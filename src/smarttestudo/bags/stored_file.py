@@ -12,7 +12,7 @@ from typing import Protocol
 
 from smarttestudo.bags.written_order import notices_of_back
 from smarttestudo.domain.recording import Channel, RecordedMessage, RecordedSize, readable_until
-from smarttestudo.domain.units import counted
+from smarttestudo.domain.units import counted, grouped
 
 ChannelsByNumber = Mapping[int, Channel]
 """Channels by the number that a file gives each."""
@@ -76,12 +76,13 @@ class StoredFile(Protocol):
         """Let go of the file."""
 
 
-def read_so_far(file: StoredFile) -> str:
-    """How far a damaged file could be read."""
+def read_so_far(file: StoredFile, promised_messages: int = 0) -> str:
+    """How far a damaged file could be read, of more messages if it tells."""
     if not file.message_count:
         return "no message could be read"
     until = readable_until(file.readable_share, file.end_ns)
-    return f"{until} after {counted(file.message_count, 'message')}"
+    of_all = f" of {grouped(promised_messages)}" if promised_messages > file.message_count else ""
+    return f"{until} after {counted(file.message_count, 'message')}{of_all}"
 
 
 HOMELESS = "of topics that the file does not name"

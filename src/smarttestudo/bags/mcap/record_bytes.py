@@ -29,7 +29,7 @@ _LIBRARY = "smarttestudo"
 
 
 class Op(IntEnum):
-    """Kinds of records."""
+    """Kinds of records; 0 is none."""
 
     HEADER = 0x01
     FOOTER = 0x02
@@ -39,9 +39,22 @@ class Op(IntEnum):
     CHUNK = 0x06
     MESSAGE_INDEX = 0x07
     CHUNK_INDEX = 0x08
+    ATTACHMENT = 0x09
+    ATTACHMENT_INDEX = 0x0A
     STATISTICS = 0x0B
+    METADATA = 0x0C
+    METADATA_INDEX = 0x0D
     SUMMARY_OFFSET = 0x0E
     DATA_END = 0x0F
+
+
+IN_CHUNKS = frozenset(map(int, (Op.SCHEMA, Op.CHANNEL, Op.MESSAGE)))
+"""What a chunk may hold; anything else in it is damage."""
+FIRST_PRIVATE_OP = 0x80
+"""From here on, kinds are of applications."""
+INDEX_START_BYTES = FRAME.size + 6
+"""What the index of a channel's messages in a chunk has before its entries."""
+INDEX_ENTRY_BYTES = 16
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

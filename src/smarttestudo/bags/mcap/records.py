@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import io
 import struct
+from collections import Counter
 from collections.abc import Generator, Iterator
 from contextlib import suppress
 from typing import BinaryIO
@@ -20,7 +21,11 @@ from smarttestudo.bags import magic
 from smarttestudo.bags.mcap.record_bytes import (
     CHUNK_HEADER,
     CHUNK_START,
+    FIRST_PRIVATE_OP,
     FRAME,
+    IN_CHUNKS,
+    INDEX_ENTRY_BYTES,
+    INDEX_START_BYTES,
     MESSAGE_HEADER,
     Op,
     RecordPlace,
@@ -33,6 +38,7 @@ from smarttestudo.bags.zstd_files import begin_frame
 from smarttestudo.domain.dataclass import dataclass
 
 _CONTENT = frozenset({Op.SCHEMA, Op.CHANNEL, Op.MESSAGE, Op.CHUNK})
+_KNOWN = frozenset(Op)
 BROKEN = (
     McapError,
     struct.error,
@@ -62,6 +68,8 @@ class RecordReader:
 
     ``cut_off_at`` is the byte at which the file stops making sense, ``None`` while it does.
     ``too_large_chunks`` were not unpacked.
+    ``indexed_messages`` is how many the indexes behind each chunk name, by the byte that it begins at,
+    ``unknown_records`` how many are of no kind that MCAP has.
     """
 
     def __init__(self, file: BinaryIO) -> None:
@@ -69,6 +77,8 @@ class RecordReader:
         self.file_bytes = file.seek(0, 2)
         self.cut_off_at: int | None = None
         self.too_large_chunks = 0
+        self.indexed_messages: Counter[int] = Counter()
+        self.unknown_records = 0
         self._damaged_bytes_at: dict[int, int] = {}
 
     @property
@@ -83,17 +93,24 @@ class RecordReader:
 
     def places(self) -> Iterator[RecordPlace]:
         """Every schema, channel, message and chunk up to the footer; the last may be cut off."""
-        end = len(magic.MCAP)
+        chunk = end = len(magic.MCAP)
         for place in record_places(self._file, end, self.file_bytes, MESSAGE_HEADER.size):
             op, start, end, _ = place
-            if op == Op.FOOTER:
-                return
             if op == 0 or end > self.file_bytes:
                 self.cut_off_at = start
+            elif op == Op.FOOTER:
+                if self._read_at(end, len(magic.MCAP) + 1) != magic.MCAP:
+                    self.cut_off_at = end
+                return
             if op in _CONTENT:
+                chunk = start
                 yield place
             if self.cut_off_at is not None:
                 return
+            if op == Op.MESSAGE_INDEX:
+                self.indexed_messages[chunk] += (end - start - INDEX_START_BYTES) // INDEX_ENTRY_BYTES
+            elif op not in _KNOWN and op < FIRST_PRIVATE_OP:
+                self.unknown_records += 1
         self.cut_off_at = end
 
     def read(self, place: RecordPlace) -> Iterator[McapRecord]:
@@ -106,6 +123,8 @@ class RecordReader:
             record = _parse(op, content) if is_whole else None
             if record is not None:
                 yield record
+            elif is_whole:
+                self._damaged_bytes_at[start] = len(content)
             return
         try:
             records = chunk_content(content, is_whole=is_whole)
@@ -114,9 +133,13 @@ class RecordReader:
                 self.too_large_chunks += 1
             self._damaged_bytes_at[start] = len(content)
             return
-        left_bytes = yield from _records_in(records)
-        if is_whole and left_bytes:
-            self._damaged_bytes_at[start] = len(content) * left_bytes // len(records)
+        lost_bytes = yield from _records_in(records)
+        if is_whole:
+            promised_bytes = _unpacked_bytes(content)
+            lost_bytes = max(lost_bytes, abs(promised_bytes - len(records)))
+            if lost_bytes:
+                of_bytes = max(promised_bytes, len(records))
+                self._damaged_bytes_at[start] = len(content) * lost_bytes // of_bytes
 
     def at(self, start: int) -> Iterator[McapRecord]:
         """Records that ``read`` gave for the one that begins at byte ``start``."""
@@ -141,7 +164,10 @@ class RecordReader:
         """The message at ``place`` without its payload; nothing if it is not whole."""
         _, start, end, data = place
         payload_bytes = end - start - FRAME.size - MESSAGE_HEADER.size
-        if payload_bytes < 0 or end > self.file_bytes:
+        if end > self.file_bytes:
+            return
+        if payload_bytes < 0:
+            self._damaged_bytes_at[start] = end - start
             return
         channel_id, _, log_time, _ = MESSAGE_HEADER.unpack_from(data)
         head = data[MESSAGE_HEADER.size :]
@@ -162,9 +188,10 @@ class RecordReader:
         _, _, chunk_end, _ = chunk
         end = min(chunk_end, self.file_bytes)
         for place in record_places(self._file, start, end, MESSAGE_HEADER.size + head_bytes):
-            op, _, start, _ = place
-            if op in _CONTENT and op != Op.CHUNK:
-                heads += self.heads(place, head_bytes)
+            op, at, start, _ = place
+            if op not in IN_CHUNKS or (op == Op.MESSAGE and start - at < FRAME.size + MESSAGE_HEADER.size):
+                return None
+            heads += self.heads(place, head_bytes)
         return heads if start == chunk_end or chunk_end > self.file_bytes else None
 
     def _place_at(self, start: int, head_bytes: int = 0) -> RecordPlace:
@@ -203,9 +230,17 @@ def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
 def whole_chunk_content(chunk: bytes) -> bytes:
     """The records in a chunk of a whole file. Raises ``OutlineError`` where they cannot be decompressed."""
     try:
-        return chunk_content(chunk, is_whole=True)
+        content = chunk_content(chunk, is_whole=True)
     except BROKEN as error:
         raise OutlineError(str(error)) from error
+    if len(content) != _unpacked_bytes(chunk):
+        raise OutlineError("a chunk is of another size than it says")
+    return content
+
+
+def _unpacked_bytes(chunk: bytes) -> int:
+    """How long the records of a chunk are, as it says."""
+    return int.from_bytes(chunk[16:24], "little")
 
 
 def _decompress(compression: str, data: bytes, declared_bytes: int) -> bytes:
@@ -219,16 +254,18 @@ def _decompress(compression: str, data: bytes, declared_bytes: int) -> bytes:
 
 
 def _records_in(content: bytes) -> Generator[McapRecord, None, int]:
-    """The records; gives how many bytes from the first one on that does not fit are left."""
-    known = 0
+    """The records; gives how many bytes make no sense: of one, or all from the first on that does not fit."""
+    known = lost_bytes = 0
     for op, start, end, _ in record_places(io.BytesIO(content), 0, len(content), 0):
-        if end > len(content):
+        if end > len(content) or op not in IN_CHUNKS:
             break
         record = _parse(op, content[start + FRAME.size : end])
         if record is not None:
             yield record
+        else:
+            lost_bytes += end - start
         known = end
-    return len(content) - known
+    return lost_bytes + len(content) - known
 
 
 def _parse(op: int, content: bytes) -> McapRecord | None:

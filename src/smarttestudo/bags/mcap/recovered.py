@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
+import struct
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from functools import partial
 from pathlib import Path
 
@@ -14,7 +15,9 @@ from mcap.records import Channel as ChannelRecord
 from mcap.records import McapRecord, Message, Schema
 
 from smarttestudo.bags.mcap.channels import stored_channel
+from smarttestudo.bags.mcap.record_bytes import Op
 from smarttestudo.bags.mcap.records import MessageHeader, RecordReader
+from smarttestudo.bags.mcap.summary import read_summary
 from smarttestudo.bags.mcap.time_order import FoundMessage, in_time_order
 from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.stored_file import (
@@ -44,14 +47,21 @@ class RecoveredMcapFile:
         self._schemas: dict[int, Schema] = {}
         self._described: dict[int, ChannelRecord] = {}
         self._counts: Counter[int] = Counter()
-        self._timeless = 0
+        self._timeless = self._promised = 0
+        self._promised_of: Counter[int] | None = None
         self._qos = QosReader()
         self.channels: ChannelsByNumber = {}
         self._spans: dict[int, tuple[int, int]] = {}
         with ExitStack() as opened:
-            self._records = RecordReader(opened.enter_context(path.open("rb")))
+            file = opened.enter_context(path.open("rb"))
+            self._records = RecordReader(file)
             self._index = opened.enter_context(closing(TimeIndex()))
             self._find_messages()
+            with suppress(struct.error, ValueError, OSError):
+                summary = read_summary(file)
+                if summary is not None and summary.statistics is not None:
+                    self._promised = summary.statistics.message_count
+                    self._promised_of = Counter(summary.statistics.channels)
             # A schema may come after its channel, or be lost.
             self.channels = {
                 number: stored_channel(record, self._schemas.get(record.schema_id), self._qos)
@@ -89,12 +99,12 @@ class RecoveredMcapFile:
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""
         notices = list(self._qos.notices)
+        so_far = read_so_far(self, self._promised)
         if self._records.cut_off_at is not None:
-            notices.append(
-                f"cut off or damaged at byte {grouped(self._records.cut_off_at)}: {read_so_far(self)}"
-            )
+            notices.append(f"cut off or damaged at byte {grouped(self._records.cut_off_at)}: {so_far}")
         if self._records.damaged_chunks:
-            notices.append(f"damaged chunks: {grouped(self._records.damaged_chunks)}; {read_so_far(self)}")
+            notices.append(f"damaged chunks: {grouped(self._records.damaged_chunks)}; {so_far}")
+        notices += self._notices_of_promises()
         notices.extend(
             f"{record.topic}: the file has no schema for it, so its type is not known"
             for record in self._described.values()
@@ -115,11 +125,35 @@ class RecoveredMcapFile:
         """The share of the file's bytes that is there and not damaged; unknown if it is cut off."""
         if self._records.cut_off_at is not None:
             return self._records.file_bytes / self._whole_bytes if self._whole_bytes else None
+        if self._promised > self._held:
+            return self.message_count / self._promised
         return 1 - self._records.damaged_bytes / self._records.file_bytes
 
     def close(self) -> None:
         """Let go of the file."""
         self._resources.close()
+
+    @property
+    def _held(self) -> int:
+        """Messages that can be read, those of no topic or of no time included."""
+        return self._counts.total() + self._timeless
+
+    @property
+    def _is_damaged(self) -> bool:
+        return self._records.cut_off_at is not None or self._records.damaged_chunks > 0
+
+    def _notices_of_promises(self) -> Iterator[str]:
+        """Where the file has other messages than it says, or records of no kind."""
+        unknown = self._records.unknown_records
+        if unknown:
+            yield f"{counted(unknown, 'record')} of an unknown kind left out"
+        if self._promised > self._held and not self._is_damaged:
+            yield f"messages are missing: {read_so_far(self, self._promised)}"
+        elif self._promised < self._held:
+            held = counted(self._held, "message")
+            yield f"{held} are in it, though its own index counts {grouped(self._promised)}"
+        elif self._promised_of not in (None, self._counts) and not (self._is_damaged or self._timeless):
+            yield "its topics have other numbers of messages than its own index counts"
 
     def _payloads_at(self, offset: int) -> Iterator[FoundMessage]:
         for record in self._records.at(offset):
@@ -135,11 +169,18 @@ class RecoveredMcapFile:
         return message.log_time <= LAST_STAMP_NS and message.channel_id in self.channels
 
     def _find_messages(self) -> None:
+        held_of: dict[int, int] = {}
         for place in self._records.places():
-            _, start, *_ = place
+            op, start, *_ = place
+            held = self._held
             stamps = [stamp_ns for record in self._records.heads(place) for stamp_ns in self._note(record)]
             if stamps:
                 self._index.add(key=start, stamp_ns=min(stamps), offset=start)
+            if op == Op.CHUNK:
+                held_of[start] = self._held - held
+        indexed = self._records.indexed_messages
+        lost = sum(max(0, messages - held_of.get(start, 0)) for start, messages in indexed.items())
+        self._promised = self._held + lost
 
     def _note(self, record: McapRecord | MessageHeader) -> Iterator[int]:
         """Take in ``record``; gives its stamp if it is a message."""

@@ -15,6 +15,8 @@ from smarttestudo.bags import magic
 from smarttestudo.bags.mcap.record_bytes import (
     FOOTER_BYTES,
     FRAME,
+    INDEX_ENTRY_BYTES,
+    INDEX_START_BYTES,
     Op,
     checksum_of,
     read_bytes,
@@ -55,13 +57,13 @@ class ChannelEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChunkEntry:
-    """Where a chunk is; ``indexed_channels`` are those that have an index of their messages behind it."""
+    """Where a chunk is; ``indexed`` are the messages of each channel that has an index of them behind it."""
 
     message_start_time: int
     message_end_time: int
     chunk_start_offset: int
     chunk_length: int
-    indexed_channels: int
+    indexed: dict[int, int]
     message_index_length: int
     compression: str
     uncompressed_size: int
@@ -79,8 +81,9 @@ class StatisticsEntry:
 
 @dataclass(slots=True, kw_only=True)
 class McapSummary:
-    """Content of a summary, schemas and channels by their numbers."""
+    """Content of a summary, which begins at byte ``start``, schemas and channels by their numbers."""
 
+    start: int
     statistics: StatisticsEntry | None = None
     schemas: dict[int, SchemaEntry] = field(default_factory=dict)
     channels: dict[int, ChannelEntry] = field(default_factory=dict)
@@ -102,7 +105,7 @@ def read_summary(file: BinaryIO) -> McapSummary | None:
         raise ValueError("the summary begins behind its end")
     if checksum and checksum != checksum_of(partial(_read_at, file), start, end + _SUMMED_FOOTER_BYTES):
         raise ValueError("the summary is not that of its checksum")
-    summary = McapSummary()
+    summary = McapSummary(start=start)
     for kind, content in _records(file, start, end):
         match kind:
             case Op.SCHEMA:
@@ -155,6 +158,7 @@ def _channel(content: bytes) -> tuple[int, ChannelEntry]:
 def _chunk(content: bytes) -> ChunkEntry:
     first_ns, last_ns, start, length, places_bytes = _CHUNK_START.unpack_from(content)
     place = _CHUNK_START.size + places_bytes
+    places = content[_CHUNK_START.size : place]
     (index_length,) = struct.unpack_from("<Q", content, place)
     compression, place = read_text(content, place + 8)
     _, uncompressed = _CHUNK_END.unpack_from(content, place)
@@ -163,11 +167,21 @@ def _chunk(content: bytes) -> ChunkEntry:
         message_end_time=last_ns,
         chunk_start_offset=start,
         chunk_length=length,
-        indexed_channels=places_bytes // _PLACE.size,
+        indexed=_indexed(places, start + length + index_length),
         message_index_length=index_length,
         compression=compression,
         uncompressed_size=uncompressed,
     )
+
+
+def _indexed(places: bytes, end: int) -> dict[int, int]:
+    """Messages by channel, of which the indexes lie one behind the other up to byte ``end``."""
+    starts = sorted((start, number) for number, start in _PLACE.iter_unpack(places))
+    ends = [*(start for start, _ in starts[1:]), end]
+    return {
+        number: (after - start - INDEX_START_BYTES) // INDEX_ENTRY_BYTES
+        for (start, number), after in zip(starts, ends, strict=False)
+    }
 
 
 def _statistics(content: bytes) -> StatisticsEntry:

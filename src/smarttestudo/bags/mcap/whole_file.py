@@ -5,16 +5,19 @@
 from __future__ import annotations
 
 import struct
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from pathlib import Path
 from typing import BinaryIO
 
+from smarttestudo.bags import magic
 from smarttestudo.bags.mcap.channels import stored_channel
 from smarttestudo.bags.mcap.record_bytes import (
     CHUNK_START,
     FRAME,
+    IN_CHUNKS,
     MESSAGE_HEADER,
     Op,
     is_altered,
@@ -36,7 +39,7 @@ from smarttestudo.bags.written_order import SAMPLES
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS
 
-_INDEX_ENTRY_BYTES = 16
+_NOT_BESIDE_CHUNKS = frozenset({0, Op.MESSAGE, Op.CHUNK})
 _SMALL_RECORD_BYTES = 4096
 """Records up to this size, in the mean of a chunk, are read faster than they are hopped over."""
 
@@ -52,18 +55,39 @@ def full_index(path: Path) -> McapSummary | None:
     try:
         with path.open("rb") as file:
             summary = read_summary(file)
-            file_bytes = file.seek(0, 2)
+            if summary is None or summary.statistics is None:
+                return None
+            is_full = _is_full(summary, summary.statistics) and _has_all_messages(summary, file)
     except _BROKEN:
         return None
-    if summary is None or summary.statistics is None:
-        return None
-    ends = (chunk.chunk_start_offset + chunk.chunk_length for chunk in summary.chunks)
-    are_there = all(end <= file_bytes for end in ends)
-    return summary if are_there and _is_full(summary, summary.statistics) else None
+    return summary if is_full else None
+
+
+def _has_all_messages(summary: McapSummary, file: BinaryIO) -> bool:
+    """Whether there are messages nowhere but in the chunks that ``summary`` names, one behind the other."""
+    gap_start = len(magic.MCAP)
+    for chunk in sorted(summary.chunks, key=attrgetter("chunk_start_offset")):
+        if not _is_without_messages(file, gap_start, chunk.chunk_start_offset):
+            return False
+        gap_start = chunk.chunk_start_offset + chunk.chunk_length + chunk.message_index_length
+    return _is_without_messages(file, gap_start, summary.start)
+
+
+def _is_without_messages(file: BinaryIO, start: int, end: int) -> bool:
+    """Whether the records between two bytes, which they fill, hold no messages."""
+    at = start
+    for op, _, after, _ in record_places(file, start, end, 0):
+        if op in _NOT_BESIDE_CHUNKS:
+            return False
+        at = after
+    return at == end
 
 
 def _is_full(summary: McapSummary, statistics: StatisticsEntry) -> bool:
-    if statistics.message_count and not summary.chunks:
+    indexed: Counter[int] = Counter()
+    for chunk in summary.chunks:
+        indexed.update(chunk.indexed)
+    if indexed != Counter(statistics.channels) or statistics.message_count != indexed.total():
         return False
     if statistics.message_end_time > LAST_STAMP_NS:
         return False
@@ -71,7 +95,7 @@ def _is_full(summary: McapSummary, statistics: StatisticsEntry) -> bool:
         number in summary.channels and summary.channels[number].schema_id in summary.schemas
         for number in statistics.channels
     )
-    return described and all(chunk.indexed_channels for chunk in summary.chunks)
+    return described and all(chunk.indexed for chunk in summary.chunks)
 
 
 class McapFile(ContinuedFile):
@@ -174,44 +198,57 @@ class McapFile(ContinuedFile):
         if chunk.compression:
             from smarttestudo.bags.mcap.records import whole_chunk_content  # noqa: PLC0415  slow to import
 
-            return _messages_of(whole_chunk_content(data[FRAME.size :]), 0, channels, head_bytes)
+            records = whole_chunk_content(data[FRAME.size :])
+            return _wanted(_messages_of(records, 0, channels, head_bytes), chunk, channels)
         if len(data) != CHUNK_START.size + chunk.uncompressed_size:
             raise OutlineError("a chunk is of another size than its index says")
         if is_altered(data):
             raise OutlineError("a chunk is not that of its checksum")
-        return _messages_of(data, CHUNK_START.size, channels, head_bytes)
+        return _wanted(_messages_of(data, CHUNK_START.size, channels, head_bytes), chunk, channels)
 
     def _heads_in(self, chunk: ChunkEntry, channels: ChannelsByNumber, head_bytes: int) -> list[FoundMessage]:
         """The same, with the first bytes of each at least."""
-        messages = chunk.message_index_length // _INDEX_ENTRY_BYTES
-        if chunk.compression or chunk.uncompressed_size <= messages * _SMALL_RECORD_BYTES:
+        if chunk.compression or chunk.uncompressed_size <= sum(chunk.indexed.values()) * _SMALL_RECORD_BYTES:
             return self._messages_in(chunk, channels, head_bytes)
         first = chunk.chunk_start_offset + CHUNK_START.size
-        return self._hopped(first, first + chunk.uncompressed_size, channels, head_bytes)
+        return _wanted(self._hopped(first, first + chunk.uncompressed_size, head_bytes), chunk, channels)
 
-    def _hopped(
-        self, start: int, end: int, channels: ChannelsByNumber, head_bytes: int
-    ) -> list[FoundMessage]:
+    def _hopped(self, start: int, end: int, head_bytes: int) -> list[FoundMessage]:
         found: list[FoundMessage] = []
         header_bytes, next_start = MESSAGE_HEADER.size, start
         for op, at, next_start, data in record_places(self._file, start, end, header_bytes + head_bytes):
             if next_start > end:
                 raise OutlineError("a record is longer than its chunk")
             if op != Op.MESSAGE:
+                _require_in_chunk(op)
                 continue
             number, _, stamp_ns, _ = MESSAGE_HEADER.unpack_from(data)
-            if number in channels:
-                payload_bytes = next_start - at - FRAME.size - header_bytes
-                found.append((stamp_ns, number, payload_bytes, data[header_bytes:]))
+            payload_bytes = next_start - at - FRAME.size - header_bytes
+            found.append((stamp_ns, number, payload_bytes, data[header_bytes:]))
         if next_start < end:
             raise OutlineError("a record is cut off")
         return found
 
 
+def _wanted(found: list[FoundMessage], chunk: ChunkEntry, channels: ChannelsByNumber) -> list[FoundMessage]:
+    """The messages of ``channels`` among those ``found`` in a chunk, which are to be those of its indexes."""
+    if Counter(map(itemgetter(1), found)) != Counter(chunk.indexed):
+        raise OutlineError("a chunk holds other messages than its indexes name")
+    return found if chunk.indexed.keys() <= channels.keys() else [one for one in found if one[1] in channels]
+
+
+def _require_in_chunk(op: int) -> None:
+    if op not in IN_CHUNKS:
+        raise OutlineError("a chunk holds what is no record")
+
+
 def _messages_of(
     records: bytes, at: int, channels: ChannelsByNumber, head_bytes: int | None
 ) -> list[FoundMessage]:
-    """The messages of ``channels`` among the records of a chunk, of which the first begins at byte ``at``."""
+    """The messages among the records of a chunk, of which the first begins at byte ``at``.
+
+    Those of ``channels`` have their payloads, or the first ``head_bytes`` of them.
+    """
     found: list[FoundMessage] = []
     end = len(records)
     # Attributes of classes and enumerations would take half of the time.
@@ -227,10 +264,12 @@ def _messages_of(
             if size_bytes < header_bytes:
                 raise OutlineError("a message is shorter than its header")
             number, _, stamp_ns, _ = header_at(records, content)
-            if number in channels:
-                start = content + header_bytes
-                read_to = at if head_bytes is None else min(at, start + head_bytes)
-                found.append((stamp_ns, number, at - start, records[start:read_to]))
+            start = content + header_bytes
+            read_to = at if head_bytes is None else min(at, start + head_bytes)
+            payload = records[start:read_to] if number in channels else b""
+            found.append((stamp_ns, number, at - start, payload))
+        else:
+            _require_in_chunk(op)
     if at < end:
         raise OutlineError("a record is cut off")
     return found

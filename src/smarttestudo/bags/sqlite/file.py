@@ -23,6 +23,7 @@ from smarttestudo.bags.stored_file import (
 from smarttestudo.bags.written_order import LEAST_BACK_NS, SAMPLES
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
+from smarttestudo.domain.units import counted
 
 # SQLite knows the length of a blob from the head of its row, and leaves the pages that hold the rest alone.
 _SIZES = """
@@ -33,6 +34,7 @@ FROM messages ORDER BY timestamp, id
 _HEADS = _SIZES.replace("END", "END, substr(data, 1, ?)")
 _NO_MESSAGE = "a row without topic, stamp or payload"
 _SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages WHERE typeof(timestamp) = 'integer'"
+_ROWS = "SELECT count(*) FROM messages NOT INDEXED"
 _COUNT = "SELECT count(*) FROM messages WHERE topic_id = ?"
 _MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestamp, id"
 
@@ -57,6 +59,11 @@ SELECT max(before - timestamp) FROM (
 """
 
 
+def _require_all(rows: int, indexed: int) -> None:
+    if rows != indexed:
+        raise ValueError("its index has other messages than its table")
+
+
 class SqliteFile(ContinuedFile):
     """The database at ``path`` with ``log`` taken in, as far as both are whole.
 
@@ -71,7 +78,17 @@ class SqliteFile(ContinuedFile):
         try:
             with open_database(path, log) as database:
                 self.channels: ChannelsByNumber = read_topics(database, self._qos)
+                ((page_bytes,),) = database.execute("PRAGMA page_size")
+                if path.stat().st_size % int(page_bytes):
+                    raise ValueError("a part of a page is missing")
                 ((count, start_ns, end_ns),) = database.execute(_SPAN)
+                ((first, last),) = database.execute(_NUMBERS)
+                # A recorder numbers rows from 1 on.
+                self._absent = last - min(first, 1) + 1 - count if last is not None else 0
+                if self._absent or not count:
+                    # The index of stamps may be damaged.
+                    ((rows,),) = database.execute(_ROWS)
+                    _require_all(rows, count)
         except BROKEN as error:
             raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
         self._promised = int(count)
@@ -106,7 +123,9 @@ class SqliteFile(ContinuedFile):
         """Losses, one line each, once all messages were read."""
         damage = super().notices()
         log_notices = () if self._log is None or damage else self._log.notices()
-        return [*log_notices, *self._qos.notices, *damage, *self.notices_of_order()]
+        absent = [f"{counted(self._absent, 'row')} are not there: deleted, or lost"]
+        gone = absent if self._absent > 0 and not damage else []
+        return [*log_notices, *self._qos.notices, *gone, *damage, *self.notices_of_order()]
 
     def close(self) -> None:
         """There is nothing to let go of."""

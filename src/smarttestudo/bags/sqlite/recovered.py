@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 
 from smarttestudo.bags.qos import QosReader
@@ -47,6 +47,7 @@ class RecoveredSqliteFile:
                 raise RecordingError("not a SQLite file", place=str(path)) from error
             self._index = opened.enter_context(closing(TimeIndex()))
             self.channels: ChannelsByNumber = _read_topics(path, log, self._qos)
+            self._indexed = _indexed_rows(path, log) if rows is None else 0
             self._counts: Counter[int] = Counter()
             self.start_ns = self.end_ns = self.message_count = self._damaged = 0
             self._homeless = self._last_row = 0
@@ -91,6 +92,8 @@ class RecoveredSqliteFile:
             notices.append(f"cut off: {read_so_far(self)}")
         elif self._lost:
             notices.append(f"damaged: {read_so_far(self)}, {grouped(self._lost)} rows cannot be read")
+        elif not self._homeless:
+            notices.append(f"damaged: {read_so_far(self)}")
         if self._homeless:
             notices.append(left_out(self._homeless, HOMELESS))
         return notices
@@ -114,7 +117,7 @@ class RecoveredSqliteFile:
     @property
     def _lost(self) -> int:
         """Rows that are damaged, or gone with their pages: a recorder numbers them from 1 on."""
-        rows = self._last_row if self._rows is None else self._rows
+        rows = max(self._last_row, self._indexed) if self._rows is None else self._rows
         return max(self._damaged, rows - self.message_count - self._homeless)
 
     def _find_messages(self) -> None:
@@ -156,3 +159,11 @@ def _read_topics(path: Path, log: WriteAheadLog | None, qos: QosReader) -> Chann
             return read_topics(database, qos)
     except BROKEN as error:
         raise RecordingError("no rosbag2 topics can be found in it", place=str(path)) from error
+
+
+def _indexed_rows(path: Path, log: WriteAheadLog | None) -> int:
+    """Rows of messages that the index of their stamps has, 0 where that is damaged, too."""
+    with suppress(*BROKEN), open_database(path, log) as database:
+        ((rows,),) = database.execute("SELECT count(*) FROM messages")
+        return int(rows)
+    return 0
