@@ -79,7 +79,7 @@ def _means_the_same(known: Channel, other: Channel) -> bool:
     from smarttestudo.bags.definitions import digest_of  # noqa: PLC0415  slow to import, and seldom needed
 
     digests = {digest_of(channel.definition, channel.type_name) for channel in (known, other)}
-    return len(digests) == 1 or "" in digests
+    return len(digests) == 1 and "" not in digests
 
 
 def _filled_in(known: Channel, other: Channel) -> Channel:

@@ -21,11 +21,13 @@ _INDEX = re.compile(r"\[[^\]]*\]")
 
 def require_decodable(channels: Sequence[Channel], rule_set: RuleSet, decoder: MessageDecoder) -> None:
     """Raise ``RecordingError`` for a topic that a check reads and that cannot be decoded."""
-    read, first = topics_decoded(rule_set), first_of_topics(channels)
-    for channel in channels:
-        is_read = channel.topic in read and channel.type_name == first[channel.topic].type_name
-        why = decoder.why_undecodable(channel) if is_read else None
-        if why is not None:
+    read = topics_decoded(rule_set)
+    reasons = [(one, decoder.why_undecodable(one)) for one in channels if one.topic in read]
+    decodable = {(one.topic, one.type_name) for one, why in reasons if why is None}
+    first = first_of_topics(channels)
+    for channel, why in reasons:
+        key = (channel.topic, channel.type_name)
+        if why is not None and key not in decodable and channel.type_name == first[channel.topic].type_name:
             cause = f"a check reads it, and it cannot be decoded: {why}"
             raise RecordingError(cause, place=channel.topic, remedy="leave out the check")
 

@@ -50,6 +50,8 @@ class Op(IntEnum):
 
 IN_CHUNKS = frozenset(map(int, (Op.SCHEMA, Op.CHANNEL, Op.MESSAGE)))
 """What a chunk may hold; anything else in it is damage."""
+HOLD_MESSAGES = frozenset({0, int(Op.MESSAGE), int(Op.CHUNK)})
+"""What may be found neither in a summary nor beside the chunks that it names."""
 FIRST_PRIVATE_OP = 0x80
 """From here on, kinds are of applications."""
 INDEX_START_BYTES = FRAME.size + 6

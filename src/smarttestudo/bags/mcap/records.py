@@ -46,6 +46,7 @@ BROKEN = (
     LookupError,
     EOFError,
     MemoryError,
+    OverflowError,
     RuntimeError,
     StopIteration,
     zstandard.ZstdError,
@@ -68,8 +69,8 @@ class RecordReader:
 
     ``cut_off_at`` is the byte at which the file stops making sense, ``None`` while it does.
     ``too_large_chunks`` were not unpacked.
-    ``indexed_messages`` is how many the indexes behind each chunk name, by the byte that it begins at,
-    ``unknown_records`` how many are of no kind that MCAP has.
+    ``statistics`` is the content of the last record of these, ``indexed_messages`` how many the indexes
+    behind each chunk name, by the byte that it begins at. ``unknown_records`` are of no kind that MCAP has.
     """
 
     def __init__(self, file: BinaryIO) -> None:
@@ -77,6 +78,7 @@ class RecordReader:
         self.file_bytes = file.seek(0, 2)
         self.cut_off_at: int | None = None
         self.too_large_chunks = 0
+        self.statistics = b""
         self.indexed_messages: Counter[int] = Counter()
         self.unknown_records = 0
         self._damaged_bytes_at: dict[int, int] = {}
@@ -109,6 +111,8 @@ class RecordReader:
                 return
             if op == Op.MESSAGE_INDEX:
                 self.indexed_messages[chunk] += (end - start - INDEX_START_BYTES) // INDEX_ENTRY_BYTES
+            elif op == Op.STATISTICS:
+                self.statistics = self._read_at(start + FRAME.size, end - start - FRAME.size)
             elif op not in _KNOWN and op < FIRST_PRIVATE_OP:
                 self.unknown_records += 1
         self.cut_off_at = end
@@ -217,6 +221,8 @@ def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
     """The records in ``chunk``, decompressed as far as it goes."""
     name_bytes = int.from_bytes(chunk[28:32], "little")
     if len(chunk) < CHUNK_HEADER.size + name_bytes:
+        if is_whole:
+            raise ValueError("a chunk is shorter than its header")
         return b""
     compression = chunk[32 : 32 + name_bytes].decode()
     declared_bytes = int.from_bytes(chunk[16:24], "little")

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, suppress
 from functools import partial
 from pathlib import Path
+from typing import BinaryIO
 
 from mcap.records import Channel as ChannelRecord
 from mcap.records import McapRecord, Message, Schema
@@ -17,7 +18,7 @@ from mcap.records import McapRecord, Message, Schema
 from smarttestudo.bags.mcap.channels import stored_channel
 from smarttestudo.bags.mcap.record_bytes import Op
 from smarttestudo.bags.mcap.records import MessageHeader, RecordReader
-from smarttestudo.bags.mcap.summary import read_summary
+from smarttestudo.bags.mcap.summary import read_statistics, read_summary
 from smarttestudo.bags.mcap.time_order import FoundMessage, in_time_order
 from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.stored_file import (
@@ -49,6 +50,7 @@ class RecoveredMcapFile:
         self._counts: Counter[int] = Counter()
         self._timeless = self._promised = 0
         self._promised_of: Counter[int] | None = None
+        self._has_damaged_index = False
         self._qos = QosReader()
         self.channels: ChannelsByNumber = {}
         self._spans: dict[int, tuple[int, int]] = {}
@@ -57,11 +59,7 @@ class RecoveredMcapFile:
             self._records = RecordReader(file)
             self._index = opened.enter_context(closing(TimeIndex()))
             self._find_messages()
-            with suppress(struct.error, ValueError, OSError):
-                summary = read_summary(file)
-                if summary is not None and summary.statistics is not None:
-                    self._promised = summary.statistics.message_count
-                    self._promised_of = Counter(summary.statistics.channels)
+            self._read_promises(file)
             # A schema may come after its channel, or be lost.
             self.channels = {
                 number: stored_channel(record, self._schemas.get(record.schema_id), self._qos)
@@ -144,6 +142,8 @@ class RecoveredMcapFile:
 
     def _notices_of_promises(self) -> Iterator[str]:
         """Where the file has other messages than it says, or records of no kind."""
+        if self._has_damaged_index and not self._is_damaged:
+            yield "its index is damaged, or that of other messages"
         unknown = self._records.unknown_records
         if unknown:
             yield f"{counted(unknown, 'record')} of an unknown kind left out"
@@ -181,6 +181,19 @@ class RecoveredMcapFile:
         indexed = self._records.indexed_messages
         lost = sum(max(0, messages - held_of.get(start, 0)) for start, messages in indexed.items())
         self._promised = self._held + lost
+
+    def _read_promises(self, file: BinaryIO) -> None:
+        """See what the file counts itself."""
+        try:
+            read_summary(file)
+        except (struct.error, ValueError):
+            self._has_damaged_index = True
+        with suppress(struct.error, ValueError):
+            statistics = read_statistics(self._records.statistics)
+            counts = Counter(statistics.channels)
+            # Where they disagree with themselves they are damaged.
+            if counts.total() == statistics.message_count:
+                self._promised, self._promised_of = statistics.message_count, counts
 
     def _note(self, record: McapRecord | MessageHeader) -> Iterator[int]:
         """Take in ``record``; gives its stamp if it is a message."""

@@ -15,6 +15,7 @@ from smarttestudo.bags import magic
 from smarttestudo.bags.mcap.record_bytes import (
     FOOTER_BYTES,
     FRAME,
+    HOLD_MESSAGES,
     INDEX_ENTRY_BYTES,
     INDEX_START_BYTES,
     Op,
@@ -115,7 +116,7 @@ def read_summary(file: BinaryIO) -> McapSummary | None:
             case Op.CHUNK_INDEX:
                 summary.chunks.append(_chunk(content))
             case Op.STATISTICS:
-                summary.statistics = _statistics(content)
+                summary.statistics = read_statistics(content)
     return summary
 
 
@@ -132,6 +133,8 @@ def _records(file: BinaryIO, at: int, end: int) -> Iterator[tuple[int, bytes]]:
         at += FRAME.size + size_bytes
         if at > end:
             raise ValueError("a record is longer than the summary")
+        if op in HOLD_MESSAGES:
+            raise ValueError("a summary holds messages")
         if op in _DESCRIBED:
             yield op, file.read(size_bytes)
         else:
@@ -184,7 +187,8 @@ def _indexed(places: bytes, end: int) -> dict[int, int]:
     }
 
 
-def _statistics(content: bytes) -> StatisticsEntry:
+def read_statistics(content: bytes) -> StatisticsEntry:
+    """The entry in a record of statistics; ``struct.error`` and ``ValueError`` for what is none."""
     count, _, _, _, _, _, first_ns, last_ns, counts_bytes = _STATISTICS.unpack_from(content)
     end = _STATISTICS.size + counts_bytes
     _require_within(content, end)

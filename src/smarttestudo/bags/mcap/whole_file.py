@@ -17,6 +17,7 @@ from smarttestudo.bags.mcap.channels import stored_channel
 from smarttestudo.bags.mcap.record_bytes import (
     CHUNK_START,
     FRAME,
+    HOLD_MESSAGES,
     IN_CHUNKS,
     MESSAGE_HEADER,
     Op,
@@ -39,7 +40,6 @@ from smarttestudo.bags.written_order import SAMPLES
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS
 
-_NOT_BESIDE_CHUNKS = frozenset({0, Op.MESSAGE, Op.CHUNK})
 _SMALL_RECORD_BYTES = 4096
 """Records up to this size, in the mean of a chunk, are read faster than they are hopped over."""
 
@@ -77,7 +77,7 @@ def _is_without_messages(file: BinaryIO, start: int, end: int) -> bool:
     """Whether the records between two bytes, which they fill, hold no messages."""
     at = start
     for op, _, after, _ in record_places(file, start, end, 0):
-        if op in _NOT_BESIDE_CHUNKS:
+        if op in HOLD_MESSAGES:
             return False
         at = after
     return at == end
