@@ -134,7 +134,8 @@ def properties_page() -> Iterator[str]:
     """What checks can read."""
     yield from (NOTE, "# Properties", "")
     yield "What a `CheckValue` can read: a property from these tables, or any numeric field by its path, for"
-    yield "instance `pose.pose.position.x`, `ranges[0]` or `status.status`. What is not a number is unknown."
+    yield "instance `pose.pose.position.x`, `ranges[0]` or `status.status`. What is not a number is unknown,"
+    yield "and so is what its message says to be unknown, such as a `percentage` below 0."
     yield from ("", "## Every topic", "")
     yield "These need nothing decoded and are never unknown. They come before fields of the same name, which"
     yield "`msg.rate` and the like reach."

@@ -159,7 +159,8 @@ def test_topics_and_fields_are_chosen_by_name(desk: Desk) -> None:
         ("/scan", "range_min"),
     ]
     ranges, range_min = ran.csv[-2:]
-    assert (ranges["range"], ranges["b_hold_max"]) == ("19.0", "4.0")
+    # Beyond the 9 m that the scans state, ranges are not known.
+    assert (ranges["range"], ranges["b_hold_max"]) == ("8.0", "4.0")
     assert (range_min["range"], range_min["b_hold_rmse"], range_min["b_hold_relative_rmse"]) == (
         "0.0",
         "0.0",

@@ -169,6 +169,10 @@ REASONS = {
         channel_of("Nothing a\n"),
         f"its definition of {NAME} is not understood: it does not define demo/msg/Nothing",
     ),
+    "a type within itself": (
+        channel_of(f"Other a\n{SEPARATOR}MSG: demo/Other\nLevel[] b\n"),
+        f"its definition of {NAME} is not understood: its types nest without end, or beyond 64",
+    ),
     "no IDL": (
         channel_of("module demo { struct", "ros2idl"),
         f"its definition of {NAME} is not understood: the text from line 3 on is no IDL",

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.bags.statistics import RecordingSpan, topic_statistics
+from smarttestudo.bags.statistics import LatencyAccumulator, RecordingSpan, topic_statistics
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.units import NS_PER_S
@@ -162,3 +162,12 @@ def test_the_bandwidth_of_several_topics_is_their_sum_in_each_second(
     assert [point.mean for point in together] == [
         pytest.approx(first.mean + second.mean) for first, second in zip(*parts, strict=True)
     ]
+
+
+@given(st.lists(st.integers(-(2**65), 2**65), min_size=1))
+def test_a_latency_of_clocks_that_are_centuries_apart_is_one(latencies_ns: list[int]) -> None:
+    latencies = LatencyAccumulator()
+    for latency_ns in latencies_ns:
+        latencies.add(latency_ns)
+    held_s = min(max(latencies_ns) / NS_PER_S, 2**63 / NS_PER_S)
+    assert latencies.latency().max_s == pytest.approx(max(held_s, -(2**63) / NS_PER_S))

@@ -282,7 +282,7 @@ def test_what_was_lost_is_named_at_the_end_and_the_replay_succeeds(desk: Desk) -
     assert notes[1].endswith(" messages")
     assert notes[2:] == [
         "note: /odom: 1 message could not be decoded; what checks read was unknown",
-        "note: /odom pose_y: unknown in 1 message (NaN, or no such field)",
+        "note: /odom pose_y: unknown in 1 message (NaN, said to be unknown, or no such field)",
     ]
 
 

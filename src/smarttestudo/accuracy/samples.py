@@ -18,13 +18,11 @@ from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.rate_meter import mean_hz
 from smarttestudo.domain.recording import Channel
 from smarttestudo.language.properties import Reader, properties_of, value_reader, wraps
-from smarttestudo.language.properties.field_path import PropertySpec
+from smarttestudo.language.properties.field_path import MOST, PropertySpec
 from smarttestudo.pacing.cdr import STREAM_TYPES
 from smarttestudo.pacing.sample import StreamKind
 
 FULL_TURN = 360.0
-MOST = 1e100
-"""Numbers beyond this are no measurements, and their squares would overflow."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

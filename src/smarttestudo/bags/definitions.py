@@ -14,7 +14,13 @@ from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_typest
 from smarttestudo.bags.definition_text import Section, is_idl_definition, sections
 from smarttestudo.bags.generated_types import generated_sections, messages_within
 from smarttestudo.bags.msg_fields import DefinitionError, msg_fields
-from smarttestudo.bags.readable_types import BROKEN_MESSAGE, ReadableType, types_within
+from smarttestudo.bags.readable_types import (
+    BROKEN_MESSAGE,
+    ReadableType,
+    empty_store,
+    nest_at_most,
+    types_within,
+)
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.type_names import TypeName, full_type_name
@@ -24,6 +30,7 @@ if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 _DEFINITIONS_KEPT = 256
+_DEEPEST = 64
 _INCLUDE = re.compile(r"^[ \t]*#.*", re.MULTILINE)
 # A bag without definitions was recorded by Humble or an older release, so Humble's come first.
 _STORES = (
@@ -121,9 +128,13 @@ def _types_in(definition: str, type_name: str) -> Typesdict | str:
     for release in (None, *_STORES):
         known = types if release is None else {**_release(release).fielddefs, **types}
         try:
-            return types_within(known, type_name) if type_name in types else f"it does not define {lacks}"
+            found = types_within(known, type_name) if type_name in types else {}
         except KeyError as error:
             lacks = str(error.args[0])
+            continue
+        if found:
+            is_finite = nest_at_most(found, _DEEPEST)
+            return found if is_finite else f"its types nest without end, or beyond {_DEEPEST}"
     return f"it does not define {lacks}"
 
 
@@ -163,7 +174,7 @@ def _is_standard(type_name: str) -> bool:
 
 def _store(types: Typesdict) -> Typestore:
     """A store that knows the fields of ``types``, and reads no messages."""
-    store = get_typestore(Stores.EMPTY)
+    store = empty_store()
     store.fielddefs.update(types)
     return store
 

@@ -148,7 +148,7 @@ def measure_run(
 
 
 class _Robot:
-    """Is followed while its messages are counted; one that cannot be decoded costs a place."""
+    """Is followed while its messages are counted; one that does not say where it is costs a place."""
 
     def __init__(self, recording: RecordingReader, *, by_transforms: bool) -> None:
         # They need the language and rosbags, which take longer to import than many a recording to count.
@@ -159,7 +159,7 @@ class _Robot:
         self._places: PathReader | None = places_in(
             recording.channels, RosbagDecoder(), recording.start_ns, by_transforms=by_transforms
         )
-        self._undecodable = 0
+        self._unknown = 0
 
     @property
     def path(self) -> tuple[PathPoint, ...]:
@@ -175,13 +175,15 @@ class _Robot:
             try:
                 self._places.on_message(channel, stamp_ns, payload)
             except RecordingError:
-                self._undecodable += 1
+                self._unknown += 1
             yield channel, stamp_ns, len(payload)
 
     def notices(self) -> Iterator[str]:
-        """Places of the robot that could not be decoded."""
-        if self._undecodable:
-            yield f"{grouped(self._undecodable)} places of the robot could not be decoded"
+        """Places of the robot that are not known."""
+        if self._unknown:
+            from smarttestudo.bags.robot_path import notice_of_unknown  # noqa: PLC0415
+
+            yield notice_of_unknown(self._unknown)
 
 
 def _sizes_noting_latency(

@@ -97,9 +97,17 @@ def _store(types: Typesdict, stands_for: Mapping[str, str], of_text: int, of_cha
         )
         for name, (constants, fields) in types.items()
     }
-    store = get_typestore(Stores.EMPTY)
+    store = empty_store()
     store.register({**replaced, **{name: ([], [("value", desc)]) for name, (desc, _) in made.items()}})
     store.types.update({name: cast("Any", make) for name, (_, make) in made.items()})
+    return store
+
+
+def empty_store() -> Typestore:
+    """A store without types; rosbags' has times as ROS 2 defines them, and takes no others."""
+    store = get_typestore(Stores.EMPTY)
+    store.fielddefs.clear()
+    store.types.clear()
     return store
 
 
@@ -122,6 +130,14 @@ def types_within(types: Typesdict, name: str) -> Typesdict:
             inner = [_inner(desc) for _, desc in types[one][1]]
             to_add += [each[1] for each in inner if each[0] == Nodetype.NAME]
     return found
+
+
+def nest_at_most(types: Typesdict, deepest: int) -> bool:
+    """Whether no type holds another within another, and so on, more often; one within itself does."""
+    left = {name: {_inner(desc)[1] for _, desc in fields} for name, (_, fields) in types.items()}
+    for _ in range(deepest):
+        left = {name: inner for name, inner in left.items() if not inner.isdisjoint(left)}
+    return not left
 
 
 def with_inner(desc: FieldDesc, replace: Callable[[FieldDesc], FieldDesc]) -> FieldDesc:

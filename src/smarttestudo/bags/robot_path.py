@@ -6,11 +6,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 from smarttestudo.bags.floor import PathPoint
+from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, MessageDecoder
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import NS_PER_S, counted
+from smarttestudo.language.properties import part_reader, value_reader
+from smarttestudo.language.properties.field_path import field_reader
 from smarttestudo.language.properties.motion import yaw_degrees
 
 _STEP_NS = NS_PER_S // 5
@@ -42,19 +45,20 @@ class PathReader(Protocol):
         """Read the next message of the recording.
 
         Raises:
-            RecordingError: the message should say where the robot is, and cannot be decoded.
+            RecordingError: the message should say where the robot is, and does not.
         """
 
 
 class PosePlaces:
     """The positions that one topic of odometry or poses gives."""
 
-    __slots__ = ("_channel", "_decoder", "_due_ns", "_start_ns", "frame", "path")
+    __slots__ = ("_channel", "_decoder", "_due_ns", "_read_x", "_read_y", "_start_ns", "frame", "path")
 
     def __init__(self, channel: Channel, decoder: MessageDecoder, start_ns: int) -> None:
         self.path: list[PathPoint] = []
         self.frame = ""
         self._channel = channel
+        self._read_x, self._read_y = (value_reader(channel.type_name, name) for name in ("pose_x", "pose_y"))
         self._decoder = decoder
         self._start_ns = start_ns
         self._due_ns = start_ns
@@ -69,11 +73,13 @@ class PosePlaces:
         if channel is not self._channel or stamp_ns < self._due_ns:
             return
         self._due_ns = stamp_ns + _STEP_NS
-        message: Any = self._decoder.decode(channel, payload)
-        position = message.pose.pose.position
-        self.frame = message.header.frame_id.lstrip("/")
+        message = self._decoder.decode(channel, payload)
+        self.frame = _frame(message, "header.frame_id")
         t_s = (stamp_ns - self._start_ns) / NS_PER_S
-        self.path.append(PathPoint(t_s=t_s, x_m=position.x, y_m=position.y))
+        x_m, y_m = self._read_x(message), self._read_y(message)
+        if not (math.isfinite(x_m) and math.isfinite(y_m)):
+            raise RecordingError("its position is not known", place=channel.topic)
+        self.path.append(PathPoint(t_s=t_s, x_m=x_m, y_m=y_m))
 
 
 class BestPlaces:
@@ -139,16 +145,21 @@ class TransformPlaces:
         """As ``PathReader``."""
         if not any(channel is one for one in self._channels):
             return
-        message: Any = self._decoder.decode(channel, payload)
-        for link in message.transforms:
-            move, turn = link.transform.translation, link.transform.rotation
-            parent = link.header.frame_id.lstrip("/")
-            self._links[link.child_frame_id.lstrip("/")] = (
-                parent,
-                move.x,
-                move.y,
-                math.radians(yaw_degrees(turn)),
-            )
+        message = self._decoder.decode(channel, payload)
+        unknown = 0
+        for link in _listed(message):
+            x_m, y_m, yaw_rad = _read_x(link), _read_y(link), math.radians(_yaw_degrees(link))
+            if math.isfinite(x_m + y_m + yaw_rad):
+                parent = _frame(link, "header.frame_id")
+                self._links[_frame(link, "child_frame_id")] = parent, x_m, y_m, yaw_rad
+            else:
+                unknown += 1
+        self._go_to(stamp_ns)
+        if unknown:
+            raise RecordingError(f"{unknown} of its transforms are not known", place=channel.topic)
+
+    def _go_to(self, stamp_ns: int) -> None:
+        """The robot is where its links say."""
         frame = next((name for name in _ROBOT_FRAMES if name in self._links), None)
         if frame is not None and stamp_ns >= self._due_ns:
             self._due_ns = stamp_ns + _STEP_NS
@@ -166,6 +177,11 @@ class TransformPlaces:
             cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
             x_m, y_m = move_x_m + cos * x_m - sin * y_m, move_y_m + sin * x_m + cos * y_m
         return x_m, y_m
+
+
+def notice_of_unknown(places: int) -> str:
+    """A line about so many messages that should say where the robot is, and do not."""
+    return f"{counted(places, 'place')} of the robot not known: NaN, or no such field"
 
 
 def places_in(
@@ -198,6 +214,28 @@ def places_in(
     else:
         return None
     return usual if len(readers) == 1 else BestPlaces(readers, usual)
+
+
+_read_x, _read_y = field_reader("transform.translation.x"), field_reader("transform.translation.y")
+
+
+def _yaw_degrees(link: object) -> float:
+    try:
+        return yaw_degrees(cast("Any", link).transform.rotation)
+    except (AttributeError, TypeError):
+        return math.nan
+
+
+def _listed(message: object) -> Sequence[object]:
+    """The transforms of a message; none of one that a recording defines without."""
+    transforms = part_reader("transforms")(message)
+    return transforms if isinstance(transforms, list | tuple) else ()
+
+
+def _frame(message: object, path: str) -> str:
+    """The frame that is named there; empty where none is."""
+    name = part_reader(path)(message)
+    return name.lstrip("/") if isinstance(name, str) else ""
 
 
 def _by_name(channels: Sequence[Channel], type_name: str, first: str) -> list[Channel]:

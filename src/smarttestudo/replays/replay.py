@@ -53,6 +53,10 @@ def _ignore(_: object) -> None:
     """Do nothing."""
 
 
+_WHY_UNKNOWN = "NaN, said to be unknown, or no such field"
+_WHY_UNREAD = "a long double, which ROS 2 lacks in Python"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReplayRequest:
     """An opened recording, the rules, and the folder of the new recording.
@@ -321,8 +325,7 @@ class _Run:
         for topic, count in self._loop.knowledge.undecodable.items():
             yield f"{topic}: {counted(count, 'message')} could not be decoded; what checks read was unknown"
         for signal, count in self._loop.knowledge.unknown_values.items():
-            is_unread = signal in self._topics.unread
-            why = "a long double, which ROS 2 lacks in Python" if is_unread else "NaN, or no such field"
+            why = _WHY_UNREAD if signal in self._topics.unread else _WHY_UNKNOWN
             yield f"{signal}: unknown in {counted(count, 'message')} ({why})"
         for topic, statistics in self._loop.relays.statistics.items():
             yield from self._doubts(topic, statistics)

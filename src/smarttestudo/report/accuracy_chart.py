@@ -103,7 +103,7 @@ def _points(
 ) -> tuple[tuple[int, float], ...]:
     costs = (cost(point) for point in points)
     errors = (error(one) for one in costs if one is not None)
-    known = {(one.messages, one.worst) for one in errors if one.worst > 0}
+    known = {(one.messages, one.worst) for one in errors if 0 < one.worst < math.inf}
     return tuple(sorted(known, key=lambda point: (point[0], -point[1])))
 
 

@@ -182,9 +182,11 @@ def image_table(report: LossReport) -> Table:
 
 
 def measured(value: float | None) -> Number:
-    """``value`` in three significant digits, in two below 0.01."""
-    if value is None or abs(value) < _NOISE:
-        return Number(None if value is None else 0.0, decimals=0)
+    """``value`` in three significant digits, in two below 0.01; nothing of one that is not finite."""
+    if value is None or not math.isfinite(value):
+        return Number(None, decimals=0)
+    if abs(value) < _NOISE:
+        return Number(0.0, decimals=0)
     digits = 3 if abs(value) >= _SMALL else 2
     decimals = digits - 1 - math.floor(math.log10(abs(value)))
     return Number(value, decimals=max(decimals, 0))

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.language.properties import (
     conventional_types,
+    gauges_for,
     is_field_path,
     property_spec,
     value_reader,
@@ -194,3 +195,82 @@ def test_ranges_of_properties_are_known_by_type_and_where_all_types_agree() -> N
 def test_attributes_that_are_no_fields_are_unknown(name: str) -> None:
     message = Fields(_x=1.0, gr=1.0, größe=1.0)
     assert math.isnan(value_reader("geometry_msgs/msg/Point", name)(message))
+
+
+NAN, INF = math.nan, math.inf
+
+
+def imu(first_of_covariance: float) -> Fields:
+    covariance = [first_of_covariance, *[0.0] * 8]
+    return Fields(
+        orientation=turned(0.5),
+        orientation_covariance=covariance,
+        angular_velocity=xyz(0.1),
+        angular_velocity_covariance=covariance,
+        linear_acceleration=xyz(0.1),
+        linear_acceleration_covariance=covariance,
+    )
+
+
+def fix(status: int) -> Fields:
+    return Fields(latitude=48.1, longitude=11.5, altitude=500.0, status=Fields(status=status))
+
+
+def limited(range_min: float, range_max: float, *ranges: float) -> Fields:
+    return Fields(range_min=range_min, range_max=range_max, ranges=list(ranges))
+
+
+def sonar(min_range: float, max_range: float, value: float) -> Fields:
+    return Fields(min_range=min_range, max_range=max_range, range=value)
+
+
+RANGE, NAV_SAT_FIX = "sensor_msgs/msg/Range", "sensor_msgs/msg/NavSatFix"
+
+
+@pytest.mark.parametrize(
+    ("type_name", "message", "name", "value"),
+    [
+        *(
+            (BATTERY, Fields(percentage=-1.0), name, NAN)
+            for name in ("level", "percentage", "msg.percentage")
+        ),
+        (BATTERY, Fields(percentage=-0.01), "level", NAN),
+        (BATTERY, Fields(percentage=NAN), "level", NAN),
+        (BATTERY, Fields(percentage=0.0), "level", 0.0),
+        (SCAN, limited(0.0, 0.0, INF), "distance", NAN),
+        (SCAN, limited(0.0, 0.0, 0.0), "distance", NAN),
+        (SCAN, limited(0.1, NAN, 1.0), "distance", NAN),
+        (SCAN, limited(0.1, INF, 2.0), "distance", 2.0),
+        (SCAN, limited(0.1, -1.0, 1.0), "ranges[0]", NAN),
+        (SCAN, limited(0.0, 0.0, 1.0), "ranges[0]", NAN),
+        (SCAN, limited(0.1, 9.0, 9.5), "ranges[0]", NAN),
+        (SCAN, limited(0.1, 9.0, INF), "ranges[0]", INF),
+        (SCAN, limited(0.1, 9.0, 2.0), "msg.ranges[0]", 2.0),
+        (RANGE, sonar(0.0, 0.0, 1.0), "range", NAN),
+        (RANGE, sonar(0.1, 4.0, 0.0), "msg.range", NAN),
+        (RANGE, sonar(0.1, 4.0, -INF), "range", -INF),
+        (RANGE, sonar(0.1, 4.0, 3.0), "range", 3.0),
+        *((IMU, imu(-1.0), name, NAN) for name in ("roll", "pitch", "yaw", "acceleration", "angular_speed")),
+        (IMU, imu(-1.0), "orientation.w", NAN),
+        (IMU, imu(0.0), "linear_acceleration.x", 0.1),
+        (IMU, imu(0.0), "angular_speed", 0.1),
+        (NAV_SAT_FIX, fix(-1), "latitude", NAN),
+        (NAV_SAT_FIX, fix(-1), "status.status", -1.0),
+        (NAV_SAT_FIX, fix(0), "altitude", 500.0),
+        ("p/msg/Own", Fields(percentage=-1.0), "percentage", -1.0),
+    ],
+)
+def test_a_value_that_says_by_habit_that_it_is_unknown_is_unknown(
+    type_name: str, message: Fields, name: str, value: float
+) -> None:
+    assert value_reader(type_name, name)(message) == pytest.approx(value, nan_ok=True)
+    (gauge,) = gauges_for(type_name, [name])
+    ((_, _, _, state, _),) = gauge.read(b"", message, 0) or ()
+    assert gauge.distances[name].has_value(state) is math.isfinite(value)
+
+
+@pytest.mark.parametrize("huge", [1e200, 1.7976931348623157e308, INF, NAN])
+def test_a_heading_of_numbers_that_are_no_quaternion_is_unknown(huge: float) -> None:
+    for name in ("roll", "pitch", "yaw"):
+        message = Fields(orientation=Fields(x=0.0, y=0.0, z=huge, w=huge))
+        assert math.isnan(value_reader(IMU, name)(message))

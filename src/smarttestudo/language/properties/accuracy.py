@@ -11,7 +11,8 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from smarttestudo.domain.profile import LevelUnit
-from smarttestudo.language.properties.field_path import MESSAGE_PREFIX, PropertySpec, part_reader
+from smarttestudo.language.properties.field_path import MESSAGE_PREFIX, MOST, PropertySpec, part_reader
+from smarttestudo.language.properties.sensors import known_only
 from smarttestudo.language.properties.table import properties_of, value_reader
 from smarttestudo.pacing.reckoning.gauges import (
     Distance,
@@ -111,7 +112,7 @@ def _pose_distance(between: Callable[[SpatialPose, SpatialPose], float]) -> Dist
     return Distance(
         lambda one, other: between(one.pose, other.pose),
         # NaN, an infinite number and the zero quaternion cannot be compared with themselves, either.
-        lambda one: between(one.pose, one.pose) < math.inf,
+        lambda one: between(one.pose, one.pose) < math.inf and max(map(abs, one.pose.position)) < MOST,
     )
 
 
@@ -193,7 +194,11 @@ def _field_gauge(type_name: str, names: Iterable[str], level_unit: LevelUnit | N
     distances: dict[str, Distance] = {}
     for name in names:
         spec = specs.get(name)
-        readers[name] = part_reader(name) if spec is None else value_reader(type_name, name, level_unit)
+        readers[name] = (
+            known_only(type_name, name, part_reader(name))
+            if spec is None
+            else value_reader(type_name, name, level_unit)
+        )
         distances[name] = _value_distance(itemgetter(name), is_angle=spec is not None and wraps(spec))
     return FieldGauge(distances, readers)
 
@@ -212,11 +217,11 @@ _OWN_DISTANCES: Mapping[str, Distance] = MappingProxyType(
 
 
 def _is_known(value: Any) -> bool:
-    """Whether it is a text or a finite number."""
+    """Whether it is a text, or a number that can be measured."""
     if isinstance(value, str):
         return True
     try:
-        return math.isfinite(value)
+        return bool(abs(value) < MOST)
     except (TypeError, ValueError, OverflowError):
         return False
 

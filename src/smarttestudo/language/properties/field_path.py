@@ -29,6 +29,8 @@ class PropertySpec:
     includes_minimum: bool = True
 
 
+MOST = 1e100
+"""Numbers beyond this are no measurements, and their squares would overflow."""
 MESSAGE_PREFIX = "msg."
 _FIELD = r"[A-Za-z][A-Za-z0-9_]*"
 _PATH = re.compile(rf"{_FIELD}(?:\[\d{{1,9}}\])*(?:\.{_FIELD}(?:\[\d{{1,9}}\])*)*\Z")
@@ -54,7 +56,7 @@ def field_reader(path: str) -> Reader:
     if not is_field_path(path):
         return lambda _message: math.nan  # The class of a message may have such an attribute all the same.
     read_part = part_reader(path)
-    return lambda message: _number(read_part(message))
+    return lambda message: number(read_part(message))
 
 
 def part_reader(path: str) -> Callable[[object], object]:
@@ -87,10 +89,11 @@ def _item(value: object, index: int) -> object:
     return item
 
 
-def _number(value: object) -> float:
+def number(value: object) -> float:
+    """The number that ``value`` is to a check: NaN of a text, an array or anything else that is not one."""
     if value is None or hasattr(value, "__len__"):
         return math.nan
     try:
         return float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (ArithmeticError, TypeError, ValueError):
         return math.nan

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable
 from typing import Protocol
 
-from smarttestudo.language.properties.field_path import Reader
+from smarttestudo.language.properties.field_path import Reader, number
 
 
 class VectorMessage(Protocol):
@@ -27,37 +27,40 @@ class QuaternionMessage(VectorMessage, Protocol):
 
 def length(vector: VectorMessage) -> float:
     """The Euclidean length."""
-    return math.sqrt(vector.x * vector.x + vector.y * vector.y + vector.z * vector.z)
+    x, y, z = number(vector.x), number(vector.y), number(vector.z)
+    return math.sqrt(x * x + y * y + z * z)
 
 
 def roll_degrees(q: QuaternionMessage) -> float:
     """Rotation about x of the intrinsic z-y-x angles, in (−180, 180]; NaN for the zero quaternion."""
-    return _degrees(q, 2 * (q.w * q.x + q.y * q.z), q.w * q.w - q.x * q.x - q.y * q.y + q.z * q.z)
+    x, y, z, w = _numbers(q)
+    return _degrees(2 * (w * x + y * z), w * w - x * x - y * y + z * z)
 
 
 def pitch_degrees(q: QuaternionMessage) -> float:
     """Rotation about y, in [−90, 90]; NaN for the zero quaternion."""
-    norm = _squared_norm(q)
-    if not norm > 0:
-        return math.nan
-    sine = 2 * (q.w * q.y - q.z * q.x) / norm
-    return math.degrees(math.asin(max(-1.0, min(1.0, sine))))
+    x, y, z, w = _numbers(q)
+    sine = 2 * (w * y - z * x) / (w * w + x * x + y * y + z * z)
+    # In this order NaN stays.
+    return math.degrees(math.asin(max(min(sine, 1.0), -1.0)))
 
 
 def yaw_degrees(q: QuaternionMessage) -> float:
     """Rotation about z, in (−180, 180]; NaN for the zero quaternion."""
-    return _degrees(q, 2 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z)
+    x, y, z, w = _numbers(q)
+    return _degrees(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
 
-def _degrees(q: QuaternionMessage, sine: float, cosine: float) -> float:
-    if not _squared_norm(q) > 0:
-        return math.nan
+def _degrees(sine: float, cosine: float) -> float:
     degrees = math.degrees(math.atan2(sine, cosine))
     return 180.0 if degrees <= -180.0 else degrees
 
 
-def _squared_norm(q: QuaternionMessage) -> float:
-    return q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z
+def _numbers(q: QuaternionMessage) -> tuple[float, float, float, float]:
+    """All NaN where they are no quaternion: zero, or beyond what can be squared."""
+    x, y, z, w = number(q.x), number(q.y), number(q.z), number(q.w)
+    is_one = 0 < w * w + x * x + y * y + z * z < math.inf
+    return (x, y, z, w) if is_one else (math.nan,) * 4
 
 
 def greatest_magnitude(field: str) -> Reader:

@@ -1,14 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""LaserScan and BatteryState."""
+"""LaserScan and BatteryState, and by what habit a sensor says that it does not know."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import Protocol
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
+from typing import Protocol, TypeVar
 
 from smarttestudo.domain.profile import LevelUnit
+from smarttestudo.language.properties.field_path import MESSAGE_PREFIX, field_reader, number
 
 
 class ScanMessage(Protocol):
@@ -29,9 +31,11 @@ def nearest_distance_m(scan: ScanMessage) -> float:
     """The smallest range in m.
 
     −inf (too near, REP 117) counts as range_min, +inf (nothing there) as range_max; NaN, 0 and values
-    out of range are skipped; NaN when nothing is left.
+    out of range are skipped; NaN when nothing is left, or the scan has no range.
     """
-    low, high = float(scan.range_min), float(scan.range_max)
+    low, high = number(scan.range_min), number(scan.range_max)
+    if not high > 0:
+        return math.nan
     nearest = math.inf
     found = False
     for value in _plain(scan.ranges):
@@ -63,7 +67,66 @@ class BatteryLevel:
 
     def __call__(self, message: Battery) -> float:
         """Percent, NaN where the robot does not know."""
-        value = float(message.percentage)
-        if self._unit is None and value > 1:
+        value = number(message.percentage)
+        if self._unit is None and 1 < value < math.inf:
             self._unit = LevelUnit.PERCENT
         return value if self._unit is LevelUnit.PERCENT else value * 100
+
+
+_Habit = Callable[[object], bool]
+_T = TypeVar("_T")
+
+
+def known_only(type_name: str, path: str, read: Callable[[object], _T]) -> Callable[[object], _T | float]:
+    """``read``, the reader of the field at ``path``, but NaN where the message says that it is not known.
+
+    That is said by the habits of each type: drivers that do not measure the charge of a battery say -1, a
+    covariance that begins with -1 stands for no estimate, a negative status for no fix. Ranges beyond the
+    limits that the message states are to be discarded; infinite ones are not (REP 117).
+    """
+    path = path.removeprefix(MESSAGE_PREFIX)
+    habit = _HABITS.get((type_name, path.partition(".")[0].partition("[")[0]))
+    if habit is None:
+        return read
+    is_unknown = habit(path)
+    return lambda message: math.nan if is_unknown(message) else read(message)
+
+
+def _negative(path: str) -> _Habit:
+    read = field_reader(path)
+    return lambda message: read(message) < 0
+
+
+def _beyond(low: str, high: str) -> Callable[[str], _Habit]:
+    read_low, read_high = field_reader(low), field_reader(high)
+
+    def habit(path: str) -> _Habit:
+        read = field_reader(path)
+
+        def is_beyond(message: object) -> bool:
+            value, low_m, high_m = read(message), read_low(message), read_high(message)
+            return not high_m > 0 or (math.isfinite(value) and not low_m <= value <= high_m)
+
+        return is_beyond
+
+    return habit
+
+
+def _said_by(path: str) -> Callable[[str], _Habit]:
+    is_unknown = _negative(path)
+    return lambda _: is_unknown
+
+
+_IMU, _FIX = "sensor_msgs/msg/Imu", "sensor_msgs/msg/NavSatFix"
+_HABITS: Mapping[tuple[str, str], Callable[[str], _Habit]] = MappingProxyType(
+    {
+        ("sensor_msgs/msg/BatteryState", "percentage"): _negative,
+        ("sensor_msgs/msg/LaserScan", "ranges"): _beyond("range_min", "range_max"),
+        ("sensor_msgs/msg/Range", "range"): _beyond("min_range", "max_range"),
+        **{
+            (_IMU, field): _said_by(f"{field}_covariance[0]")
+            for field in ("orientation", "angular_velocity", "linear_acceleration")
+        },
+        **{(_FIX, field): _said_by("status.status") for field in ("latitude", "longitude", "altitude")},
+    }
+)

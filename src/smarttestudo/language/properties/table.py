@@ -11,7 +11,7 @@ from typing import Any
 
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.language.properties import motion, sensors
-from smarttestudo.language.properties.field_path import PropertySpec, Reader, field_reader
+from smarttestudo.language.properties.field_path import PropertySpec, Reader, field_reader, number
 
 _ODOMETRY = "nav_msgs/msg/Odometry"
 _POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
@@ -47,12 +47,12 @@ def _angle(name: str, meaning: str, read: Callable[[Any], float]) -> _Entry:
 
 
 def _guarded(read: Callable[[Any], float]) -> Reader:
-    """A message of another type than the topic once had holds no such value: unknown, not an exception."""
+    """A message of a type that is only called as one of ROS 2 holds no such value: that is unknown."""
 
     def reader(message: object) -> float:
         try:
-            return float(read(message))
-        except (AttributeError, TypeError, ValueError):
+            return number(read(message))
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
             return math.nan
 
     return reader
@@ -143,6 +143,16 @@ _TABLE: Mapping[str, tuple[_Entry, ...]] = MappingProxyType(
     }
 )
 
+_FIELD_OF = MappingProxyType(
+    {
+        "level": "percentage",
+        **dict.fromkeys(("roll", "pitch", "yaw"), "orientation"),
+        "acceleration": "linear_acceleration",
+        "angular_speed": "angular_velocity",
+    }
+)
+"""The field that says whether a property is known, where its type has a habit for that."""
+
 ARRIVAL_PROPERTIES: Mapping[str, PropertySpec] = MappingProxyType(
     {
         "rate": PropertySpec(
@@ -187,5 +197,5 @@ def value_reader(type_name: str, name: str, level_unit: LevelUnit | None = None)
     """
     for spec, make_reader in _TABLE.get(type_name, ()):
         if spec.name == name:
-            return make_reader(level_unit)
-    return field_reader(name)
+            return sensors.known_only(type_name, _FIELD_OF.get(name, name), make_reader(level_unit))
+    return sensors.known_only(type_name, name, field_reader(name))

@@ -10,7 +10,7 @@ from typing import Literal
 
 from msgspec import Struct
 
-from smarttestudo.bags.robot_path import TransformPlaces, places_in
+from smarttestudo.bags.robot_path import TransformPlaces, notice_of_unknown, places_in
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.files.input_file import sha256_of_files
 from smarttestudo.ruler.answers.recordings import BagRequest
@@ -177,16 +177,23 @@ def _driven(bag: Path, name: str, shown: Callable[[str], str]) -> DrivenPath:
         if places is None:
             remedy = "record /odom, or /tf, with it"
             raise RecordingError("the recording does not say where the robot was", place=name, remedy=remedy)
+        unknown = 0
         for channel, stamp_ns, (size_bytes, head) in recording.heads(_HEAD_BYTES):
             if size_bytes == len(head):
-                places.on_message(channel, stamp_ns, head)
+                try:
+                    places.on_message(channel, stamp_ns, head)
+                except RecordingError:
+                    unknown += 1
         step = -(-len(places.path) // MAX_POINTS) or 1
         return DrivenPath(
             path=tuple((point.t_s, point.x_m, point.y_m) for point in places.path[::step]),
             source=places.source,
             has_pose=not isinstance(places, TransformPlaces),
             frame=places.frame,
-            notices=tuple(map(shown, recording.notices())),
+            notices=(
+                *map(shown, recording.notices()),
+                *([notice_of_unknown(unknown)] if unknown else ()),
+            ),
         )
 
 

@@ -13,7 +13,7 @@ from msgspec import Struct
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.incident_record import read_record
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.bags.robot_path import PathReader, places_in
+from smarttestudo.bags.robot_path import PathReader, notice_of_unknown, places_in
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import IncidentRecord, Missing, MissingReason
 from smarttestudo.domain.recording import Channel, RecordingReader
@@ -177,4 +177,4 @@ class _Reading:
             outside = counted(self._outside, "message")
             yield f"the clock jumped: not in the charts, because outside the window: {outside}"
         if self._undecoded:
-            yield f"{counted(self._undecoded, 'message')} of the robot's position could not be read"
+            yield notice_of_unknown(self._undecoded)
