@@ -163,6 +163,17 @@ def by_rolling(folder: Path) -> Path:
     )
 
 
+def of_another_format(folder: Path) -> Path:
+    """Serialized by a middleware that does not write CDR."""
+    described = (*ODOMETRY, schema(2, STRING), channel(2, "/chatter", 2, encoding="wrong_format"))
+    messages = drive(payload=lambda _: b"???", of=2)
+    return write_records(
+        folder / "drive.mcap",
+        *chunk(*described, *drive(), *messages),
+        described=described,
+    )
+
+
 def of_rosbags(folder: Path) -> Path:
     content = BagContent(
         (ODOM,), tuple(BagMessage("/odom", stamp_of(number), odometry_at(number)) for number in range(COUNT))
@@ -204,6 +215,15 @@ LIKE_REAL_ONES = (
         messages={"a_empty": 50, "b_text": 50},
         rates_hz={"a_empty": 100, "b_text": 100},
         rules="begin\nSetFrequency /b_text Full\nend\n",
+        is_quiet=False,
+    ),
+    a_drive(
+        "another serialization",
+        of_another_format,
+        messages={"/odom": COUNT, "/chatter": COUNT},
+        rates_hz={"/odom": 10, "/chatter": 10},
+        left_out={"/chatter": "wrong_format"},
+        said=[["/chatter", "wrong_format"]],
         is_quiet=False,
     ),
 )
