@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_typestore
 
+from smarttestudo.bags.definition_limits import require_few_statements, require_few_values
 from smarttestudo.bags.definition_text import Section, is_idl_definition, sections
 from smarttestudo.bags.generated_types import generated_sections, messages_within
 from smarttestudo.bags.msg_fields import DefinitionError, msg_fields
@@ -133,8 +134,13 @@ def _types_in(definition: str, type_name: str) -> Typesdict | str:
             lacks = str(error.args[0])
             continue
         if found:
-            is_finite = nest_at_most(found, _DEEPEST)
-            return found if is_finite else f"its types nest without end, or beyond {_DEEPEST}"
+            if not nest_at_most(found, _DEEPEST):
+                return f"its types nest without end, or beyond {_DEEPEST}"
+            try:
+                require_few_values(found, type_name)
+            except ValueError as error:
+                return str(error)
+            return found
     return f"it does not define {lacks}"
 
 
@@ -142,6 +148,7 @@ def _parsed(definition: str, type_name: str) -> Typesdict:
     """The types that a definition defines. Raises one of ``_BROKEN_DEFINITION``."""
     name = TypeName.read(type_name)
     is_generated = name is not None and name.kind != "msg"
+    require_few_statements(definition, is_idl=False)
     own = sections(definition, type_name)
     types: Typesdict = {}
     for section in (*(generated_sections(name) if name else ()), *own):
@@ -162,6 +169,7 @@ def _parsed(definition: str, type_name: str) -> Typesdict:
 
 
 def _types_of_idl(section: Section) -> Typesdict:
+    require_few_statements(section.text, is_idl=True)
     try:
         return get_types_from_idl(_INCLUDE.sub("", section.text))
     except _BROKEN_DEFINITION as error:

@@ -127,14 +127,14 @@ def types_within(types: Typesdict, name: str) -> Typesdict:
         one = to_add.pop()
         if one not in found:
             found[one] = types[one]
-            inner = [_inner(desc) for _, desc in types[one][1]]
+            inner = [inner_of(desc) for _, desc in types[one][1]]
             to_add += [each[1] for each in inner if each[0] == Nodetype.NAME]
     return found
 
 
 def nest_at_most(types: Typesdict, deepest: int) -> bool:
     """Whether no type holds another within another, and so on, more often; one within itself does."""
-    left = {name: {_inner(desc)[1] for _, desc in fields} for name, (_, fields) in types.items()}
+    left = {name: {inner_of(desc)[1] for _, desc in fields} for name, (_, fields) in types.items()}
     for _ in range(deepest):
         left = {name: inner for name, inner in left.items() if not inner.isdisjoint(left)}
     return not left
@@ -150,7 +150,7 @@ def with_inner(desc: FieldDesc, replace: Callable[[FieldDesc], FieldDesc]) -> Fi
 
 def _paths_of_long_doubles(types: Typesdict, name: str, prefix: str = "") -> Iterator[str]:
     for field, desc in types[name][1]:
-        inner = _inner(desc)
+        inner = inner_of(desc)
         path = f"{prefix}{field}"
         if inner[0] == Nodetype.NAME:
             yield from _paths_of_long_doubles(types, inner[1], f"{path}.")
@@ -166,12 +166,13 @@ def _replaced(inner: FieldDesc, stands_for: Mapping[str, str]) -> FieldDesc:
     return (Nodetype.NAME, stands_for[base]) if base in stands_for else inner
 
 
-def _inner(desc: FieldDesc) -> FieldDesc:
+def inner_of(desc: FieldDesc) -> FieldDesc:
+    """The field, or what an array or a sequence is of."""
     return cast("Any", desc[1])[0] if desc[0] in {Nodetype.ARRAY, Nodetype.SEQUENCE} else desc
 
 
 def _base(desc: FieldDesc) -> str | None:
-    inner = _inner(desc)
+    inner = inner_of(desc)
     return cast("Any", inner[1])[0] if inner[0] == Nodetype.BASE else None
 
 

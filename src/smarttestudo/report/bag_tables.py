@@ -31,6 +31,7 @@ _LATENCY_NOTE = (
 
 def info_table(bag: BagSummary) -> Table:
     """When and how the bag was recorded, and each topic with its type and quality of service."""
+    has_declared = _has_declared(bag)
     rows = tuple(
         Row(
             cells=(
@@ -38,7 +39,7 @@ def info_table(bag: BagSummary) -> Table:
                 Text(topic.type_name),
                 Number(topic.statistics.messages, decimals=0),
                 Number(_message_kb(topic)),
-                *_sizes(topic, bag),
+                *_sizes(topic, has_declared=has_declared),
                 Text(topic.qos),
             )
         )
@@ -123,7 +124,7 @@ def bandwidth_table(bag: BagSummary) -> Table:
                 Number(topic.statistics.size_bytes / BYTES_PER_KB),
                 Number(topic.statistics.kb_per_s),
                 Number(topic.statistics.kbit_per_s),
-                *_sizes(topic, bag),
+                *_sizes(topic, has_declared=_has_declared(bag)),
             )
         )
         for topic in bag.topics
@@ -167,9 +168,9 @@ def _sizes_column(bag: BagSummary) -> tuple[Column, ...]:
     return (_SIZES,) if _has_declared(bag) else ()
 
 
-def _sizes(topic: BagTopic, bag: BagSummary) -> tuple[Cell, ...]:
+def _sizes(topic: BagTopic, *, has_declared: bool) -> tuple[Cell, ...]:
     label = DECLARED if topic.statistics.declared else "recorded"
-    return (Text(label),) if _has_declared(bag) else ()
+    return (Text(label),) if has_declared else ()
 
 
 def _notes(bag: BagSummary) -> tuple[str, ...]:

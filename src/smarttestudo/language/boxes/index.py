@@ -77,11 +77,11 @@ class BoxIndex:
         Entries of the kind ``other_than`` are left out.
         """
         left_out = self._kinds.get(other_than)
-        looks = 0
         nodes = [] if self._root is None else [(0, self._root)]
         while nodes:
             node = heappop(nodes)[1]
-            looks += node.looks
+            if node.looks:
+                effort.spend(node.looks)
             if node.kind == left_out:
                 continue
             if not meets(node.hull, interval_of):
@@ -90,10 +90,7 @@ class BoxIndex:
                 for part in node.parts:
                     heappush(nodes, (part.first, part))
                 continue
-            effort.spend(looks)
-            looks = 0
             yield node.entry
-        effort.spend(looks)
 
 
 _SEVERAL_KINDS = -1
