@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
@@ -248,6 +249,18 @@ def test_a_cut_message_has_no_streams_and_a_damaged_one_costs_nothing_but_its_ow
     assert isinstance(reader.streams(data.draw(st.binary(max_size=300))), tuple)
     assert reader.streams_and_deletion(data.draw(st.binary(max_size=300)))[1] in (0, 2, 3)
     assert reader.streams(payload) == streams
+
+
+@pytest.mark.parametrize("count", [4000, 9000, 12_000])
+@pytest.mark.parametrize("version", tuple(STORES))
+def test_of_thousands_of_markers_the_first_decide(version: Stores, count: int) -> None:
+    names = [str(number) for number in range(count)]
+    written = Written(version, random.Random(0), names, (3,))
+    type_name, payload, streams = written("markers")
+    found, deletion = StreamReader(type_name).streams_and_deletion(payload)
+    assert deletion == 3
+    assert len(found) > 3000
+    assert found == streams[: len(found)]
 
 
 def test_a_hostile_message_takes_no_longer_than_its_limit() -> None:

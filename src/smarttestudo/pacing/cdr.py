@@ -23,6 +23,7 @@ from smarttestudo.pacing.cdr_walk import (
     STAMP_BYTES,
     CdrWalk,
     Payload,
+    TooLongError,
     aligned,
     byte_order,
     text_at,
@@ -365,30 +366,39 @@ def _joints(walk: CdrWalk) -> Iterator[_Place]:
 
 
 def _markers(walk: CdrWalk, *, has_files: bool, is_array: bool) -> Iterator[_Place]:
-    """By ns and id; from Humble on, markers have textures and files of meshes."""
-    for _ in walk.items() if is_array else range(1):
-        walk.header()
-        stream = f"{walk.text()}/{walk.number()}"
-        walk.skip(4, 4)  # type
-        yield _Place(stream, action=walk.number())
-        walk.skip(_POSE_BYTES + 3 * 8, 8)
-        walk.skip(4 * 4 + STAMP_BYTES, 4)  # color and lifetime
-        walk.skip(1, 1)
-        walk.array(3 * 8, 8)
-        walk.array(4 * 4, 4)
-        if has_files:
-            walk.skip_texts()
-            walk.header()
-            walk.skip_texts()
-            walk.array(1, 1)
-            walk.array(2 * 4, 4)
-        walk.skip_texts(2)
-        if has_files:
-            walk.skip_texts()
-            walk.array(1, 1)
-        walk.skip(1, 1)
+    """By ns and id; of thousands of markers the first decide, as what deletes all stands first."""
+    try:
+        for _ in range(walk.count()) if is_array else range(1):
+            yield _marker(walk, has_files=has_files)
+    except TooLongError:
+        return
     if len(walk.payload) - walk.at >= _MOST_PADDING:
         raise struct.error("these are markers of another version of ROS")
+
+
+def _marker(walk: CdrWalk, *, has_files: bool) -> _Place:
+    """From Humble on, markers have textures and files of meshes."""
+    walk.header()
+    stream = f"{walk.text()}/{walk.number()}"
+    walk.skip(4, 4)  # type
+    place = _Place(stream, action=walk.number())
+    walk.skip(_POSE_BYTES + 3 * 8, 8)
+    walk.skip(4 * 4 + STAMP_BYTES, 4)  # color and lifetime
+    walk.skip(1, 1)
+    walk.array(3 * 8, 8)
+    walk.array(4 * 4, 4)
+    if has_files:
+        walk.skip_texts()
+        walk.header()
+        walk.skip_texts()
+        walk.array(1, 1)
+        walk.array(2 * 4, 4)
+    walk.skip_texts(2)
+    if has_files:
+        walk.skip_texts()
+        walk.array(1, 1)
+    walk.skip(1, 1)
+    return place
 
 
 _TRANSFORMS = "tf2_msgs/msg/TFMessage"

@@ -24,6 +24,10 @@ _LITTLE_ENDIAN = b"\x00\x01"
 Payload = bytes | bytearray | memoryview
 
 
+class TooLongError(struct.error):
+    """A message has more in it than is looked at."""
+
+
 class CdrWalk:
     """A way through a message from field to field, which raises ``struct.error`` where it cannot go on.
 
@@ -47,10 +51,14 @@ class CdrWalk:
 
     def items(self) -> range:
         """The numbers of the elements of a sequence that begins here."""
-        count = self._length()
+        count = self.count()
         if count > MAX_ITEMS:
             raise struct.error
         return range(count)
+
+    def count(self) -> int:
+        """How many elements a sequence has that begins here."""
+        return self._length()
 
     def array(self, size_bytes: int, alignment: int) -> None:
         """Pass over a sequence of elements of that size and alignment."""
@@ -94,8 +102,10 @@ class CdrWalk:
         self._steps += 1
         start = self.skip(self._uint32.size, 4)
         (length,) = self._uint32.unpack_from(self.payload, start)
-        if length > len(self.payload) or self._steps > MAX_STEPS:
+        if length > len(self.payload):
             raise struct.error
+        if self._steps > MAX_STEPS:
+            raise TooLongError
         self._keep(start)
         return int(length)
 
