@@ -66,9 +66,10 @@ def naive_relay(times_ns: list[int], target_hz: float) -> list[tuple[int, int]]:
 def test_one_thing_is_relayed_as_by_a_naive_pacer_with_foresight(
     times_ns: list[int], target_hz: float
 ) -> None:
-    arrivals = [(at_ns, sample(frames=("one",))) for at_ns in times_ns]
+    """Images by themselves on a topic of coded video: streams whose phase does not move."""
+    arrivals = samples_at(times_ns)
     index_of = {offered: i for i, (_, offered) in enumerate(arrivals)}
-    pacer = paced(target_hz, StreamKind.NAMED)
+    pacer = paced(target_hz, StreamKind.CODED_VIDEO)
     relayed = [(r.at_ns, index_of[r.sample]) for r in relay(pacer, arrivals)]
     assert relayed == naive_relay(times_ns, target_hz)
 

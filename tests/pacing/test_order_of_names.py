@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
-
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -13,6 +11,7 @@ from hypothesis import strategies as st
 from pacing.scenarios import EPOCH_NS, S, relay, sample
 from smarttestudo.pacing.cdr import DELETE, DELETE_ALL
 from smarttestudo.pacing.sample import Sample, StreamKind
+from smarttestudo.pacing.streams import MAX_STREAMS
 from smarttestudo.pacing.topic_pacer import TopicPacer
 
 kinds = st.sampled_from([StreamKind.NAMED, StreamKind.TRANSIENT_LOCAL])
@@ -67,16 +66,60 @@ def test_what_came_while_off_follows_in_its_order(
     assert [(one.deletion, *one.frames) for one in passed] == shown
 
 
-def test_of_what_names_nothing_no_part_of_a_burst_starves() -> None:
+@pytest.mark.parametrize("held", [[("a", "b"), ("b", "c")], [("b", "c"), ("a", "b")]])
+def test_of_one_time_the_first_to_come_passes_first(held: list[tuple[str, ...]]) -> None:
+    """Whatever names were there before, in their order."""
+    for known in (("a", "b", "c"), ("c", "b", "a"), ("b", "c", "a")):
+        arrivals = [(EPOCH_NS, sample(frames=(name,))) for name in known]
+        arrivals += [(EPOCH_NS + S // 10, sample(frames=frames)) for frames in held]
+        pacer = TopicPacer(kind=StreamKind.NAMED)
+        pacer.set_rate(1, EPOCH_NS)
+        relayed = [one.sample for one in relay(pacer, arrivals)]
+        assert relayed == [one for _, one in arrivals]
+
+
+@pytest.mark.parametrize("frames", [(), ("camera",), ("camera", "lens")])
+@pytest.mark.parametrize(("parts", "target_hz"), [(2, 1), (10, 1), (10, 3), (30, 5)])
+def test_of_one_name_or_none_no_part_of_a_burst_starves(
+    parts: int, target_hz: float, frames: tuple[str, ...]
+) -> None:
+    """As where ten devices send a status of the same name."""
+    seconds = round(30 * parts / target_hz)
     arrivals = [
-        (EPOCH_NS + second * S + part * S // 500, part) for second in range(300) for part in range(10)
+        (EPOCH_NS + second * S + part * S // 500, sample(frames=frames))
+        for second in range(seconds)
+        for part in range(parts)
     ]
-    parts = {sample(): part for _, part in arrivals}
     pacer = TopicPacer(kind=StreamKind.NAMED)
-    pacer.set_rate(1, EPOCH_NS)
-    times = [at_ns for at_ns, _ in arrivals]
-    passed = Counter(
-        parts[one.sample] for one in relay(pacer, list(zip(times, parts, strict=True)), drain=False)
-    )
-    assert min(passed[part] for part in range(10)) >= 20
-    assert sum(passed.values()) == pytest.approx(300, abs=2)
+    pacer.set_rate(target_hz, EPOCH_NS)
+    part_of = {one: number % parts for number, (_, one) in enumerate(arrivals)}
+    passed = [part_of[one.sample] for one in relay(pacer, arrivals, drain=False)]
+    assert len(passed) == pytest.approx(target_hz * seconds, abs=2 + target_hz)
+    # The first two bursts show that they are some.
+    length = max(30, 3 * parts)
+    for start in range(int(2 * target_hz), len(passed) - length, length):
+        assert set(passed[start : start + length]) == set(range(parts))
+
+
+def test_of_more_names_than_are_told_apart_none_starves() -> None:
+    known = [(EPOCH_NS - 1, sample(frames=(f"known {number}",))) for number in range(MAX_STREAMS)]
+    more = [
+        (EPOCH_NS + second * S + part * S // 500, sample(frames=(f"more {part}",)))
+        for second in range(120)
+        for part in range(10)
+    ]
+    pacer = TopicPacer(kind=StreamKind.NAMED)
+    pacer.set_rate(1, EPOCH_NS - S)
+    relayed = relay(pacer, [*known, *more], drain=False)[MAX_STREAMS:]
+    for start_ns in range(EPOCH_NS, EPOCH_NS + 90 * S, 10 * S):
+        passed = {r.sample.frames for r in relayed if start_ns <= r.at_ns < start_ns + 30 * S}
+        assert len(passed) == 10
+
+
+def test_a_message_of_several_names_that_share_a_stream_counts_once() -> None:
+    names = [tuple(f"{number} {i}" for i in range(3)) for number in range(MAX_STREAMS // 3 + 20)]
+    arrivals = [(EPOCH_NS + tenth * S // 10, sample(frames=names[-1])) for tenth in range(200)]
+    pacer = TopicPacer(kind=StreamKind.NAMED)
+    pacer.set_rate(2, EPOCH_NS - S)
+    relay(pacer, [(EPOCH_NS - 1, sample(frames=frames)) for frames in names], drain=False)
+    assert len(relay(pacer, arrivals, drain=False)) == pytest.approx(40, abs=2)

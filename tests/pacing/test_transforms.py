@@ -111,11 +111,11 @@ def test_a_last_word_waits_until_its_frame_is_due_again() -> None:
         (EPOCH_NS + S // 10, word_of_a),
         (EPOCH_NS + S // 5, word_of_b),
     ]
-    words = relay(transforms(1), arrivals)[1:]
-    assert [(r.sample, r.at_ns - EPOCH_NS) for r in words] == [
-        (word_of_a, 11 * S // 10),
-        (word_of_b, 3 * S // 2),
-    ]
+    first, last = relay(transforms(1), arrivals)[1:]
+    assert (first.sample, first.at_ns - EPOCH_NS) == (word_of_a, 11 * S // 10)
+    # The phase of b's rate moves by up to a tenth of the period, as something was held back.
+    assert last.sample is word_of_b
+    assert 3 * S // 2 <= last.at_ns - EPOCH_NS <= 16 * S // 10
 
 
 def test_messages_without_frames_are_thinned_as_one_stream() -> None:

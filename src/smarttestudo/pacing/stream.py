@@ -15,13 +15,15 @@ from smarttestudo.pacing.source_gaps import BurstGaps, SourceGaps
 class Stream(ABC):
     """The messages of one publisher, or those that hold one name; opened by its first message."""
 
-    __slots__ = ("finished", "grid", "held", "held_ns", "source")
+    __slots__ = ("finished", "grid", "held", "held_ns", "held_number", "source")
 
     def __init__(self, pace: Pace, now_ns: int) -> None:
         self.grid = Grid(pace, now_ns)
         self.source = self.new_source()
         self.held: Sample | None = None
         self.held_ns = now_ns
+        self.held_number = 0
+        """Which of the topic's messages is held, where they name streams."""
         self.finished = False
 
     def offer(self, sample: Sample, now_ns: int) -> bool:
@@ -129,7 +131,7 @@ class VolatileStream(Stream):
 
 
 class PublisherStream(VolatileStream):
-    """All messages of one publisher, which may send several things in turn, or in bursts.
+    """All messages of one publisher, or of one name; several things may come in turn, or in bursts.
 
     None of those starves: the messages of a burst are due as if they came one mean gap apart, and the phase
     of the grid moves wherever something was held back.

@@ -122,18 +122,18 @@ class Streams(ABC, Generic[AnyStream]):
     def _streams_of(self, sample: Sample, now_ns: int) -> list[AnyStream]:
         keys: Sequence[Hashable] = sample.frames or (sample.publisher,)
         known = self._streams
-        return [known.get(key) or self._open_stream(key, now_ns) for key in keys]
+        streams = [known.get(key) or self._open_stream(key, now_ns) for key in keys]
+        # Names beyond the most share one.
+        return streams if len(known) < MAX_STREAMS else list(dict.fromkeys(streams))
 
-    def _open_stream(
-        self, key: Hashable, now_ns: int, open_stream: Callable[[Pace, int], AnyStream] | None = None
-    ) -> AnyStream:
+    def _open_stream(self, key: Hashable, now_ns: int) -> AnyStream:
         self._opens_to_prune -= 1
         if self._opens_to_prune == 0:
             self._streams = {k: stream for k, stream in self._streams.items() if not stream.is_idle(now_ns)}
             self._opens_to_prune = max(OPENS_TO_PRUNE, len(self._streams))
         if len(self._streams) >= MAX_STREAMS:
             key = _Rest
-        return self._streams.setdefault(key, (open_stream or self._open)(self._pace, now_ns))
+        return self._streams.setdefault(key, self._open(self._pace, now_ns))
 
     def _arm(self, now_ns: int) -> None:
         first_ns = min((stream.release_ns for stream in self._streams.values()), default=NEVER_NS)
@@ -146,24 +146,19 @@ class NamedStreams(Streams[AnyStream]):
     It counts for all its streams, yet none is ever due later than one period after it, so that one that
     passed along with others does not starve once they are gone. The final message is that of each stream;
     one that is final for several passes once. No message passes behind a newer one of a name in it: what is
-    held for other names goes first. Messages that name none are those of their publisher, whose streams
-    ``open_unnamed`` opens. One that deletes markers passes in any case.
+    held for other names goes first. Messages that name none are those of their publisher. One that deletes
+    markers passes in any case.
     """
 
-    __slots__ = ("_open_unnamed",)
+    __slots__ = ("_arrivals",)
 
-    def __init__(
-        self,
-        open_stream: Callable[[Pace, int], AnyStream],
-        pace: Pace,
-        *,
-        open_unnamed: Callable[[Pace, int], AnyStream],
-    ) -> None:
+    def __init__(self, open_stream: Callable[[Pace, int], AnyStream], pace: Pace) -> None:
         super().__init__(open_stream, pace)
-        self._open_unnamed = open_unnamed
+        self._arrivals = 0
 
     def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
         """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
+        self._arrivals += 1
         streams = self._streams_of(sample, now_ns)
         is_due, first_due_ns = sample.deletion > 0 and not self._pace.is_off, NEVER_NS
         for stream in streams:
@@ -176,12 +171,13 @@ class NamedStreams(Streams[AnyStream]):
             for stream in self._streams.values():
                 stream.held = None
         if is_due:
-            before = self._release_older(sample, now_ns, now_ns)
+            before = self._release_older(sample, self._arrivals, now_ns)
             for stream in streams:
                 stream.settle(now_ns)
             return (*before, Pass(sample))
         for stream in streams:
             stream.hold(sample, now_ns)
+            stream.held_number = self._arrivals
         # What is held waits until it is due or longer; wake finds out.
         self.wake_ns = min(self.wake_ns, max(first_due_ns, now_ns))
         return ()
@@ -192,9 +188,9 @@ class NamedStreams(Streams[AnyStream]):
             return ()
         passes: list[Pass] = []
         due = [stream for stream in self._streams.values() if stream.release_ns <= now_ns]
-        for stream in sorted(due, key=lambda one: one.held_ns):
+        for stream in sorted(due, key=lambda one: one.held_number):
             if stream.held is not None:
-                passes += self._release_older(stream.held, stream.held_ns, now_ns)
+                passes += self._release_older(stream.held, stream.held_number, now_ns)
                 passes += self._release(stream, now_ns)
         self._arm(now_ns)
         return passes
@@ -203,12 +199,16 @@ class NamedStreams(Streams[AnyStream]):
         """Whether ``sample`` did not pass, but still may."""
         return any(stream.held is sample for stream in self._streams.values())
 
-    def _release_older(self, sample: Sample, came_ns: int, now_ns: int) -> Sequence[Pass]:
-        """Relay what is held and shares a name with ``sample``, or with what goes before it, in its order."""
+    def _release_older(self, sample: Sample, number: int, now_ns: int) -> Sequence[Pass]:
+        """Relay what came before arrival ``number``, which is ``sample``, and shares a name with it.
+
+        What shares one with what goes first goes before that, in its order.
+        """
+        own = set(self._streams_of(sample, now_ns))
         held = {
             stream.held: stream
-            for name, stream in self._streams.items()
-            if stream.held is not None and stream.held_ns <= came_ns and name not in sample.frames
+            for stream in self._streams.values()
+            if stream.held is not None and stream.held_number < number and stream not in own
         }
         held.pop(sample, None)
         names, before = set(sample.frames), list[AnyStream]()
@@ -216,7 +216,7 @@ class NamedStreams(Streams[AnyStream]):
             for other in found:
                 before.append(held.pop(other))
                 names.update(other.frames)
-        before.sort(key=lambda stream: stream.held_ns)
+        before.sort(key=lambda stream: stream.held_number)
         return [passed for stream in before for passed in self._release(stream, now_ns)]
 
     def _release(self, stream: AnyStream, now_ns: int) -> Sequence[Pass]:
@@ -228,12 +228,6 @@ class NamedStreams(Streams[AnyStream]):
             if other.held is sample:
                 other.held = None
         return (Pass(sample),)
-
-    def _streams_of(self, sample: Sample, now_ns: int) -> list[AnyStream]:
-        if sample.frames:
-            return super()._streams_of(sample, now_ns)
-        key = sample.publisher
-        return [self._streams.get(key) or self._open_stream(key, now_ns, self._open_unnamed)]
 
 
 class PublisherStreams(Streams[AnyStream]):

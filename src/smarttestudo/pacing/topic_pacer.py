@@ -17,12 +17,11 @@ from smarttestudo.pacing.groups import GroupStream
 from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.repeat import RepeatStream
 from smarttestudo.pacing.sample import Pacer, Pass, Sample, StreamKind, WhenSlow
-from smarttestudo.pacing.stream import LatchedStream, PublisherStream, VolatileStream
+from smarttestudo.pacing.stream import LatchedStream, PublisherStream
 from smarttestudo.pacing.streams import NamedStreams, PublisherStreams, Streams
 
 AnyStreams = (
-    Streams[VolatileStream]
-    | Streams[PublisherStream]
+    Streams[PublisherStream]
     | Streams[LatchedStream]
     | Streams[RepeatStream]
     | Streams[GroupStream]
@@ -257,9 +256,9 @@ class TopicPacer(Pacer):
                 heartbeat_hz=accuracy.heartbeat_hz,
             )
         if self._kind is StreamKind.NAMED:
-            return NamedStreams(VolatileStream, self._pace, open_unnamed=PublisherStream)
+            return NamedStreams(PublisherStream, self._pace)
         if self._kind is StreamKind.TRANSIENT_LOCAL:
-            return NamedStreams(LatchedStream, self._pace, open_unnamed=LatchedStream)
+            return NamedStreams(LatchedStream, self._pace)
         if self._kind is StreamKind.CODED_VIDEO:
             return PublisherStreams(GroupStream, self._pace)
         if self._when_slow is WhenSlow.REPEAT:
