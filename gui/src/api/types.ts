@@ -322,7 +322,7 @@ export interface DurationValue {
   unit: DurationUnit;
 }
 
-export type Edit = Replace | Insert | Delete | Duplicate | Move | Substitute | NewZone | MoveZone | ResizeZone;
+export type Edit = Replace | Insert | Delete | Duplicate | Move | NewZone | MoveZone | ResizeZone | Substitute;
 
 /** The new text and its document. */
 export interface EditAnswer {

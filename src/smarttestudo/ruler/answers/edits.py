@@ -72,7 +72,8 @@ class Move(Struct, frozen=True, kw_only=True, tag_field="kind", tag="move"):
     index: int
 
 
-Edit = Replace | Insert | Delete | Duplicate | Move | Substitute | NewZone | MoveZone | ResizeZone
+StatementEdit = Replace | Insert | Delete | Duplicate | Move | NewZone | MoveZone | ResizeZone
+Edit = StatementEdit | Substitute
 
 
 class EditRequest(Draft, frozen=True, kw_only=True):
@@ -113,11 +114,13 @@ class EditedTexts:
 
     def edit(self, request: EditRequest) -> EditAnswer:
         """A text with edits. Raises ``EditError`` for one that the text or the language does not allow."""
-        text, document = request.text, self._checked(request).document
+        text = request.text
         for number, edit in enumerate(request.edits):
-            if number:
-                document = read_document(text, request.name)
-            text = _edited(document, edit)
+            if isinstance(edit, Substitute):
+                text = _substituted(text, edit)
+            else:
+                document = read_document(text, request.name) if number else self._checked(request).document
+                text = _edited(document, edit)
         return self._answer(request, text)
 
     def import_rules(self, request: ImportRequest) -> EditAnswer:
@@ -149,7 +152,7 @@ def export(request: ExportRequest) -> TextAnswer:
     return TextAnswer(text=exported(request))
 
 
-def _edited(before: Document, edit: Edit) -> str:
+def _edited(before: Document, edit: StatementEdit) -> str:
     match edit:
         case Replace():
             return replaced(before, edit.id, new_statement(edit.statement))
@@ -161,8 +164,6 @@ def _edited(before: Document, edit: Edit) -> str:
             return duplicated(before, edit.id)
         case Move():
             return moved(before, edit.id, edit.collection, edit.index)
-        case Substitute():
-            return _substituted(before.text, edit)
         case NewZone() | MoveZone() | ResizeZone():
             return zone_edited(before, edit)
 
