@@ -22,7 +22,7 @@ SECTIONS: Mapping[str, Sequence[str]] = {
     "On a robot": ("robot", "domain"),
     "Over a link": ("link",),
     "Incidents": ("incidents", "loop"),
-    "Recordings": ("bags", "replays", "accuracy", "report", "fleet"),
+    "Recordings": ("bags", "replays", "accuracy", "report"),
     "From Python": ("api.py",),
     "The demo": ("demo",),
     "The Ruler's page": ("ruler/answers", "ruler/server", "language", "checks", "editing"),

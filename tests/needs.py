@@ -26,7 +26,7 @@ from smarttestudo.ruler.server.page import is_page_built
 from thin_link.network_namespaces import NetworkError, require_links
 
 _TESTS = Path(__file__).parent
-_FILES_WITH_EXTRAS = ("docs/test_site.py", "docs/test_site_search.py", "fleet/test_workers.py")
+_FILES_WITH_EXTRAS = ("docs/test_site.py", "docs/test_site_search.py", "bags/many/test_workers.py")
 _CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
 _LEFT_OUT = "testudo_left_out"
 

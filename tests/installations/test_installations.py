@@ -18,8 +18,8 @@ from pathlib import Path
 
 import pytest
 
+from bags.many.dask_processes import dask_processes
 from cli.test_command_lines import COMMANDS
-from fleet.dask_processes import dask_processes
 from installations.environments import (
     LIMIT_S,
     ROOT,

@@ -10,6 +10,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from smarttestudo.bags.bag_summary import BagSummary
+from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.bags.topic_selection import is_selected, select_topics
 from smarttestudo.cli import bag_figures
 from smarttestudo.cli.bag_options import add_topics_and_form, print_tables
@@ -23,7 +24,6 @@ from smarttestudo.cli.recordings import (
     recordings_asked,
 )
 from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_S, counted, grouped
-from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.report import bag_tables
 from smarttestudo.report.table import Table
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.accuracy.comparison import View
+from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.cli.bag_options import (
     add_form,
     print_incident,
@@ -29,7 +30,6 @@ from smarttestudo.cli.recordings import (
 )
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.report.accuracy_comparison_table import accuracy_sentences, accuracy_tables
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_sets import load_rules

@@ -8,6 +8,7 @@ import argparse
 
 from smarttestudo.bags.bag_comparison import BagComparison, compare_bags
 from smarttestudo.bags.incident_mark import incident_subtitles
+from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.cli import bag_figures
 from smarttestudo.cli.bag import measured
@@ -17,7 +18,6 @@ from smarttestudo.cli.output import write_line, write_lines
 from smarttestudo.cli.progress import Progress
 from smarttestudo.cli.recording_options import add_pair, add_several
 from smarttestudo.cli.recordings import RecordingCommand, each_recording, pairs_asked
-from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.report import comparison_tables
 from smarttestudo.report.table import Table
 

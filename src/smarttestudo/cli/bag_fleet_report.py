@@ -14,6 +14,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from smarttestudo import __version__
+from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, is_url
 from smarttestudo.cli.bag_figures import print_written
 from smarttestudo.cli.bag_options import topic_mapping
@@ -23,7 +24,6 @@ from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.files.whole_file import whole_file
-from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.rules.rule_files import rule_files_named, sha256_of
 
 if TYPE_CHECKING:

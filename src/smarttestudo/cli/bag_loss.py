@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.accuracy.bounds import bounded_topics, needs_decisions
+from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.cli.bag_options import (
     add_map,
     add_predict,
@@ -35,7 +36,6 @@ from smarttestudo.cli.recordings import (
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.language.properties import ARRIVAL_PROPERTIES, is_field_path
 from smarttestudo.loop.decision_log import read_decisions
 from smarttestudo.report.accuracy_curve_table import accuracy_table

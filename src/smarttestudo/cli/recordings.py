@@ -14,6 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar, cast
 
+from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.bags.remote_path import RemotePath, is_remote
 from smarttestudo.cli.bag_options import CsvPrinter, print_json, print_notice, print_notices
 from smarttestudo.cli.output import write_line, write_lines
@@ -22,11 +23,10 @@ from smarttestudo.cli.progress import Progress, progress, silent
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import require_separate
-from smarttestudo.fleet.row_tables import RowTable
 
 if TYPE_CHECKING:
-    from smarttestudo.fleet.parquet import ParquetFolder
-    from smarttestudo.fleet.workers import Workers
+    from smarttestudo.bags.many.parquet import ParquetFolder
+    from smarttestudo.bags.many.workers import Workers
 
 EXIT_ERROR = 1
 _CLUSTER_TIMEOUT_S = 10.0
@@ -101,7 +101,7 @@ Asked = AskedOne | TestudoError
 
 def recordings_asked(arguments: argparse.Namespace) -> list[AskedOne]:
     """The recordings that the command line names, in their order."""
-    from smarttestudo.fleet.recordings import find_recordings  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.bags.many.recordings import find_recordings  # noqa: PLC0415  needs packages a robot lacks
 
     return [
         {"bag": found.path, "key": found.key}
@@ -112,7 +112,7 @@ def recordings_asked(arguments: argparse.Namespace) -> list[AskedOne]:
 
 def pairs_asked(arguments: argparse.Namespace) -> list[Asked]:
     """Pairs of the recordings that A and B name."""
-    from smarttestudo.fleet.recordings import find_recordings, pair_recordings  # noqa: PLC0415  as above
+    from smarttestudo.bags.many.recordings import find_recordings, pair_recordings  # noqa: PLC0415  as above
 
     a, b, timeout_s = arguments.a, arguments.b, arguments.timeout
     if b is None:
@@ -194,7 +194,7 @@ def _parquet_folder(arguments: argparse.Namespace, asked: Sequence[Asked]) -> Pa
     """The folder of ``--parquet``, which must not be in a recording."""
     if arguments.parquet is None:
         return None
-    from smarttestudo.fleet.parquet import ParquetFolder  # noqa: PLC0415  most have no extra fleet
+    from smarttestudo.bags.many.parquet import ParquetFolder  # noqa: PLC0415  most have no extra fleet
 
     found = [one for one in asked if not isinstance(one, TestudoError)]
     require_separate(
@@ -255,7 +255,7 @@ def _measure_one(
 @contextmanager
 def _workers(arguments: argparse.Namespace, there: Sequence[Mapping[str, object]]) -> Iterator[Workers]:
     """The workers that the options ask for."""
-    from smarttestudo.fleet.workers import Workers  # noqa: PLC0415  as above
+    from smarttestudo.bags.many.workers import Workers  # noqa: PLC0415  as above
 
     # A process takes longer to begin than a short recording.
     usual = min(len(os.sched_getaffinity(0)), len(there) // 2)
@@ -268,7 +268,7 @@ def _workers(arguments: argparse.Namespace, there: Sequence[Mapping[str, object]
             if not path.is_absolute():
                 cause = f"{path} is another place for each worker"
                 raise UsageError(cause, place="--dask", remedy="name recordings from the root, or by a URL")
-    from smarttestudo.fleet.dask_cluster import open_cluster  # noqa: PLC0415  as above
+    from smarttestudo.bags.many.dask_cluster import open_cluster  # noqa: PLC0415  as above
 
     with open_cluster(arguments.dask, timeout_s=_CLUSTER_TIMEOUT_S) as cluster:
         yield Workers(processes, cluster)

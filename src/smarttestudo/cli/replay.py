@@ -11,6 +11,7 @@ from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
 
+from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.loop_options import add_rules, given_value
@@ -35,7 +36,6 @@ from smarttestudo.domain.recording import RecordingReader, Storage, types_of_top
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import make_folder, require_separate
 from smarttestudo.files.whole_file import whole_file
-from smarttestudo.fleet.row_tables import RowTable
 from smarttestudo.incidents.options import INCIDENT_MEMORY
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.decision_log import decision_log

@@ -16,11 +16,11 @@ from typing import Any
 import pytest
 
 from bags.bag_factory import START_NS, BagContent, BagTopic, small_mission, write_bag, write_mcap_file
+from bags.many.commands import Command
+from bags.many.dask_processes import DaskProcesses
+from bags.many.fleet_factory import day_of, write_fleet
+from bags.many.page_tables import Tables
 from docs.code_blocks import blocks_of
-from fleet.commands import Command
-from fleet.dask_processes import DaskProcesses
-from fleet.fleet_factory import day_of, write_fleet
-from fleet.page_tables import Tables
 from report.bag_desk import Ran, thinned
 
 PAGE = "docs/how-to/many-recordings.md"

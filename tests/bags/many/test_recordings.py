@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from smarttestudo.bags.many.recordings import RecordingPair, find_recordings, pair_recordings
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.fleet.recordings import RecordingPair, find_recordings, pair_recordings
 
 NOBODY = 65534
 

@@ -18,16 +18,16 @@ from typing import Any
 
 import pytest
 
+from bags.many.commands import COMMANDS, Command
+from bags.many.fleet_factory import write_fleet
 from docs.code_blocks import blocks_of
-from fleet.commands import COMMANDS, Command
-from fleet.fleet_factory import write_fleet
+from smarttestudo.bags.many.row_tables import OF_EACH_TABLE, RowTable
 from smarttestudo.cli.main import main
-from smarttestudo.fleet.row_tables import OF_EACH_TABLE, RowTable
 
 pytestmark = pytest.mark.full
 
 PAGE = "docs/how-to/questions-to-parquet.md"
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 ROBOTS, DAYS = 2, 8
 Documents = Sequence[dict[str, Any]]
 Rows = list[tuple[Any, ...]]

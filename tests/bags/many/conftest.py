@@ -12,8 +12,8 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin
 
 from bags.bag_factory import small_mission, write_bag
-from fleet.commands import Command
-from fleet.dask_processes import DaskProcesses, dask_processes
+from bags.many.commands import Command
+from bags.many.dask_processes import DaskProcesses, dask_processes
 from report.bag_desk import thinned
 
 RULES = "begin\n    SetFrequency /odom 5\n    SetFrequency /scan 1\nend\n"

@@ -14,11 +14,11 @@ from pathlib import Path
 
 import pytest
 
-from fleet import tasks
-from fleet.dask_processes import DaskProcesses, dask_processes
+from bags.many import tasks
+from bags.many.dask_processes import DaskProcesses, dask_processes
+from smarttestudo.bags.many.dask_cluster import ClusterError, open_cluster
+from smarttestudo.bags.many.workers import Workers
 from smarttestudo.domain.errors import RecordingError, TestudoError
-from smarttestudo.fleet.dask_cluster import ClusterError, open_cluster
-from smarttestudo.fleet.workers import Workers
 
 pytestmark = pytest.mark.full
 TIMEOUT_S = 60

@@ -19,9 +19,9 @@ from threading import Thread
 import pytest
 
 from bags.bag_factory import small_mission, write_mcap_file
+from bags.many.commands import COMMANDS, Command
+from bags.many.dask_processes import DaskProcesses, dask_processes
 from docs.code_blocks import blocks_of
-from fleet.commands import COMMANDS, Command
-from fleet.dask_processes import DaskProcesses, dask_processes
 from report.bag_desk import Ran
 
 pytestmark = pytest.mark.full

@@ -14,8 +14,8 @@ import pytest
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from bags.bag_factory import IMAGE, ODOM, START_NS, BagContent, BagMessage, odometry, small_mission, write_bag
-from fleet.commands import Command
-from fleet.object_store import BUCKET, ObjectStore, object_store
+from bags.many.commands import Command
+from bags.many.object_store import BUCKET, ObjectStore, object_store
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.recording import Channel, Storage
 

@@ -11,12 +11,12 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Generic, TypeVar
 
+from smarttestudo.bags.many.processes import OpenPool, process_pools
 from smarttestudo.domain.errors import TestudoError, testudo_error
 from smarttestudo.domain.units import counted
-from smarttestudo.fleet.processes import OpenPool, process_pools
 
 if TYPE_CHECKING:
-    from smarttestudo.fleet.dask_cluster import DaskCluster
+    from smarttestudo.bags.many.dask_cluster import DaskCluster
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

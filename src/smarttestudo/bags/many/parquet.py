@@ -13,9 +13,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from smarttestudo import __version__
+from smarttestudo.bags.many.row_tables import ColumnType, RowTable
 from smarttestudo.files.outputs import make_folder
 from smarttestudo.files.whole_file import whole_binary_file
-from smarttestudo.fleet.row_tables import ColumnType, RowTable
 
 _TYPES: Mapping[ColumnType, pa.DataType] = {
     ColumnType.TEXT: pa.string(),
