@@ -18,6 +18,7 @@ from bags.bag_factory import (
     MAP_NAME,
     ODOM,
     START_NS,
+    TYPES,
     BagContent,
     BagMessage,
     odometry,
@@ -30,8 +31,10 @@ from bags.bag_factory import (
 )
 from bags.bag_reading import read_bag
 from smarttestudo.bags.definitions import RosbagDecoder
-from smarttestudo.bags.measure import measure_bag
+from smarttestudo.bags.measure import measure_bag, measure_run
 from smarttestudo.bags.reader import open_recording
+from smarttestudo.bags.writer import create_recording
+from smarttestudo.domain.recording import Channel
 
 MISSION = small_mission()
 
@@ -197,3 +200,16 @@ def test_names_that_mean_something_in_an_address_are_taken_as_they_are(tmp_path:
     folder = write_bag(tmp_path / "plain", MISSION)
     folder = folder.rename(tmp_path / name)
     assert read_bag(folder).messages == list(MISSION.messages)
+
+
+def test_a_robot_whose_odometry_got_a_field_is_followed_through_both_definitions(tmp_path: Path) -> None:
+    text, _ = TYPES.generate_msgdef(ODOM.type_name, ros_version=2)
+    head, *parts = text.split("=" * 80)
+    longer = "".join((f"{head}float64 quality\n", *("=" * 80 + part for part in parts)))
+    with create_recording(tmp_path / "bag") as writer:
+        for at in range(20):
+            definition, end = (text, b"") if at < 10 else (longer, bytes(8))
+            channel = Channel(topic="/odom", type_name=ODOM.type_name, definition=definition)
+            writer.write(channel, START_NS + at * 10**9, odometry(at, 0.0) + end)
+    path = measure_run(tmp_path / "bag", lambda _: None).path
+    assert [point.x_m for point in path] == [*range(20)]

@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Protocol, cast
 
 from smarttestudo.bags.floor import PathPoint
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel, MessageDecoder
+from smarttestudo.domain.recording import Channel, MessageDecoder, first_of_topics
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.language.properties import part_reader, value_reader
 from smarttestudo.language.properties.field_path import field_reader
@@ -70,7 +70,9 @@ class PosePlaces:
 
     def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """As ``PathReader``."""
-        if channel is not self._channel or stamp_ns < self._due_ns:
+        if stamp_ns < self._due_ns or channel.topic != self._channel.topic:
+            return
+        if channel.type_name != self._channel.type_name:
             return
         self._due_ns = stamp_ns + _STEP_NS
         message = self._decoder.decode(channel, payload)
@@ -196,8 +198,9 @@ def places_in(
     transforms = [channel for channel in known if channel.type_name == _TRANSFORMS]
     if transforms and by_transforms:
         return TransformPlaces(transforms, decoder, start_ns)
-    localized = _by_name(known, _LOCALIZED, "/amcl_pose")
-    odometry = _by_name(known, _ODOMETRY, "/odom")
+    of_topics = first_of_topics(known).values()
+    localized = _by_name(of_topics, _LOCALIZED, "/amcl_pose")
+    odometry = _by_name(of_topics, _ODOMETRY, "/odom")
     poses = [
         PosePlaces(channel, decoder, start_ns)
         for channel in (*localized, *odometry)
@@ -238,6 +241,6 @@ def _frame(message: object, path: str) -> str:
     return name.lstrip("/") if isinstance(name, str) else ""
 
 
-def _by_name(channels: Sequence[Channel], type_name: str, first: str) -> list[Channel]:
+def _by_name(channels: Iterable[Channel], type_name: str, first: str) -> list[Channel]:
     alike = (channel for channel in channels if channel.type_name == type_name)
     return sorted(alike, key=lambda channel: (channel.topic != first, channel.topic))

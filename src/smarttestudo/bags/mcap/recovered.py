@@ -186,7 +186,7 @@ class RecoveredMcapFile:
         """See what the file counts itself."""
         try:
             read_summary(file)
-        except (struct.error, ValueError):
+        except (struct.error, ValueError, OSError):
             self._has_damaged_index = True
         with suppress(struct.error, ValueError):
             statistics = read_statistics(self._records.statistics)
