@@ -166,3 +166,21 @@ def test_the_hull_of_a_box_leaves_out_what_is_not_bounded() -> None:
         {SIGNALS[0]: Region.where(Operator.NOT_EQUAL, 3), SIGNALS[1]: Region.where(Operator.LESS, 3)}
     )
     assert hull == {SIGNALS[1]: (-math.inf, 3)}
+
+
+def test_a_query_after_the_effort_is_spent_looks_at_one_node() -> None:
+    boxes: list[Box] = [
+        {Signal(f"/topic_{i}", "x"): Region.where(Operator.GREATER, 1.0)} for i in range(1000)
+    ]
+    index = BoxIndex([IndexEntry(owner=i, kind=i, box=box, hull=hull_of(box)) for i, box in enumerate(boxes)])
+    asked: list[Signal] = []
+
+    def interval_of(signal: Signal) -> tuple[float, float]:
+        asked.append(signal)
+        return 0.0, 0.0
+
+    effort = Effort(3)
+    for _ in range(2):
+        with pytest.raises(TooComplexError):
+            list(index.near(interval_of, effort))
+    assert len(asked) <= 3 + 8

@@ -323,6 +323,8 @@ class RosbagRecording:
         if first is None:
             return
         is_packed = _is_packed(first)
+        # It may be of hundreds of MB.
+        del first
         sizes = _unpacked_sizes(file, channels) if is_packed else file.sizes(channels)
         delivered = count()
         try:

@@ -5,11 +5,12 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import BinaryIO, Protocol
 
 from smarttestudo.domain.units import grouped
 
+Buffer = bytes | memoryview
 MAX_UNPACKED_BYTES = 1_000_000_000
 """A message or a chunk is not unpacked if it is longer; a file may be that long whatever its ratio is."""
 MAX_RATIO = 1000
@@ -33,20 +34,27 @@ class Decompressor(Protocol):
     def unused_data(self) -> bytes | None:
         """The bytes that came behind it."""
 
-    def decompress(self, data: bytes, /) -> bytes:
+    def decompress(self, data: Buffer, /) -> bytes:
         """What more bytes of the frame unpack to."""
 
 
-def unpack_frames(
+def unpack_file(
     packed: BinaryIO, unpacked: BinaryIO, begin: Callable[[], Decompressor], most_bytes: int
 ) -> bool:
     """Unpack all frames, one after the other, each by one that ``begin`` makes: whether the last is whole.
 
     Raises ``TooLargeError`` beyond ``most_bytes``, and what the decompressor raises on damage.
     """
+    return _unpack(iter(lambda: packed.read(_PIECE_BYTES), b""), unpacked, begin, most_bytes)
+
+
+def _unpack(
+    pieces: Iterable[Buffer], unpacked: BinaryIO, begin: Callable[[], Decompressor], most_bytes: int
+) -> bool:
     frame = begin()
     unpacked_bytes = 0
-    while data := packed.read(_PIECE_BYTES):
+    for read in pieces:
+        data = read
         while data:
             if frame.eof:
                 frame = begin()
@@ -58,12 +66,19 @@ def unpack_frames(
     return frame.eof
 
 
-def unpacked_content(packed: bytes, begin: Callable[[], Decompressor], declared_bytes: int) -> bytes:
-    """The content as far as it goes. Raises as ``unpack_frames``, and for a length that is never unpacked."""
+def unpacked_content(
+    packed: Buffer, begin: Callable[[], Decompressor], declared_bytes: int
+) -> tuple[bytes, bool]:
+    """The content as far as it goes, and whether its last frame is whole.
+
+    Raises as ``unpack_file``, and for a length that is never unpacked.
+    """
     require_at_most(MAX_UNPACKED_BYTES, declared_bytes)
     content = io.BytesIO()
-    unpack_frames(io.BytesIO(packed), content, begin, declared_bytes)
-    return content.getvalue()
+    view = memoryview(packed)
+    pieces = (view[at : at + _PIECE_BYTES] for at in range(0, len(view), _PIECE_BYTES))
+    is_whole = _unpack(pieces, content, begin, declared_bytes)
+    return content.getvalue(), is_whole
 
 
 def require_at_most(most_bytes: int, content_bytes: int | None) -> None:

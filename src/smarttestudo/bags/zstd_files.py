@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import zstandard
@@ -15,7 +14,8 @@ from smarttestudo.bags.unpacking import (
     Decompressor,
     TooLargeError,
     require_at_most,
-    unpack_frames,
+    unpack_file,
+    unpacked_content,
 )
 
 HEADER_BYTES = 18
@@ -32,7 +32,7 @@ def unpack(source: Path, target: Path) -> bool:
         packed.seek(0)
         require_at_most(most_bytes, unpacked_file_bytes(source))
         try:
-            return unpack_frames(packed, unpacked, begin_frame, most_bytes)
+            return unpack_file(packed, unpacked, begin_frame, most_bytes)
         except zstandard.ZstdError:
             return False
 
@@ -45,13 +45,12 @@ def unpacked_file_bytes(path: Path) -> int | None:
 
 def unpack_message(packed: bytes) -> bytes | None:
     """The payload in ``packed``, ``None`` where it is cut off, damaged or too long."""
-    payload = io.BytesIO()
     try:
         require_at_most(MAX_UNPACKED_BYTES, unpacked_bytes(packed[:HEADER_BYTES]))
-        is_whole = unpack_frames(io.BytesIO(packed), payload, begin_frame, MAX_UNPACKED_BYTES)
+        payload, is_whole = unpacked_content(packed, begin_frame, MAX_UNPACKED_BYTES)
     except (zstandard.ZstdError, TooLargeError, MemoryError):
         return None
-    return payload.getvalue() if is_whole else None
+    return payload if is_whole else None
 
 
 def begin_frame() -> Decompressor:

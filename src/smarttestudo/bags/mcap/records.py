@@ -33,7 +33,7 @@ from smarttestudo.bags.mcap.record_bytes import (
     record_places,
 )
 from smarttestudo.bags.stored_file import OutlineError
-from smarttestudo.bags.unpacking import TooLargeError, unpacked_content
+from smarttestudo.bags.unpacking import Buffer, TooLargeError, unpacked_content
 from smarttestudo.bags.zstd_files import begin_frame
 from smarttestudo.domain.dataclass import dataclass
 
@@ -217,14 +217,15 @@ def _header_of(message: Message, head_bytes: int) -> MessageHeader:
     )
 
 
-def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
+def chunk_content(chunk: Buffer, *, is_whole: bool) -> bytes:
     """The records in ``chunk``, decompressed as far as it goes."""
+    chunk = memoryview(chunk)
     name_bytes = int.from_bytes(chunk[28:32], "little")
     if len(chunk) < CHUNK_HEADER.size + name_bytes:
         if is_whole:
             raise ValueError("a chunk is shorter than its header")
         return b""
-    compression = chunk[32 : 32 + name_bytes].decode()
+    compression = str(chunk[32 : 32 + name_bytes], "utf-8")
     declared_bytes = int.from_bytes(chunk[16:24], "little")
     content = _decompress(compression, chunk[CHUNK_HEADER.size + name_bytes :], declared_bytes)
     checksum = int.from_bytes(chunk[24:28], "little")
@@ -233,7 +234,7 @@ def chunk_content(chunk: bytes, *, is_whole: bool) -> bytes:
     return content
 
 
-def whole_chunk_content(chunk: bytes) -> bytes:
+def whole_chunk_content(chunk: Buffer) -> bytes:
     """The records in a chunk of a whole file. Raises ``OutlineError`` where they cannot be decompressed."""
     try:
         content = chunk_content(chunk, is_whole=True)
@@ -249,13 +250,13 @@ def _unpacked_bytes(chunk: bytes) -> int:
     return int.from_bytes(chunk[16:24], "little")
 
 
-def _decompress(compression: str, data: bytes, declared_bytes: int) -> bytes:
+def _decompress(compression: str, data: Buffer, declared_bytes: int) -> bytes:
     if compression == "":
-        return data
+        return bytes(data)
     if compression == "zstd":
-        return unpacked_content(data, begin_frame, declared_bytes)
+        return unpacked_content(data, begin_frame, declared_bytes)[0]
     if compression == "lz4":
-        return unpacked_content(data, lz4.frame.LZ4FrameDecompressor, declared_bytes)
+        return unpacked_content(data, lz4.frame.LZ4FrameDecompressor, declared_bytes)[0]
     raise ValueError(f"unknown compression {compression!r}")
 
 

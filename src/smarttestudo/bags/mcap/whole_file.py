@@ -198,8 +198,8 @@ class McapFile(ContinuedFile):
         if chunk.compression:
             from smarttestudo.bags.mcap.records import whole_chunk_content  # noqa: PLC0415  slow to import
 
-            records = whole_chunk_content(data[FRAME.size :])
-            return _wanted(_messages_of(records, 0, channels, head_bytes), chunk, channels)
+            data = whole_chunk_content(memoryview(data)[FRAME.size :])
+            return _wanted(_messages_of(data, 0, channels, head_bytes), chunk, channels)
         if len(data) != CHUNK_START.size + chunk.uncompressed_size:
             raise OutlineError("a chunk is of another size than its index says")
         if is_altered(data):
