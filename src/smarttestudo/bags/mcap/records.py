@@ -245,7 +245,7 @@ def whole_chunk_content(chunk: Buffer) -> bytes:
     return content
 
 
-def _unpacked_bytes(chunk: bytes) -> int:
+def _unpacked_bytes(chunk: bytes | memoryview) -> int:
     """How long the records of a chunk are, as it says."""
     return int.from_bytes(chunk[16:24], "little")
 
