@@ -202,6 +202,34 @@ def test_of_a_group_longer_than_that_the_first_two_seconds_worth_pass_and_then_t
     assert 20 <= counts[3] <= 24
 
 
+def in_lumps(frames: Sequence[tuple[int, Sample]], lump: int) -> list[tuple[int, Sample]]:
+    """So many arrive together, with the last of them."""
+    times_ns = [at_ns for at_ns, _ in frames]
+    last = len(frames) - 1
+    return [(times_ns[min(i // lump * lump + lump - 1, last)], one) for i, (_, one) in enumerate(frames)]
+
+
+@pytest.mark.parametrize("length", [150, 250, 300])
+@pytest.mark.parametrize(
+    ("share", "lump"),
+    [(0.9, 1), (0.93, 1), *((share, lump) for share in (0.97, 0.99, 0.997) for lump in (1, 8))],
+)
+def test_of_long_groups_a_few_percent_below_the_source_as_much_passes(
+    share: float, length: int, lump: int
+) -> None:
+    arrivals = in_lumps(video([length] * 20, 30, jitter=0.2), lump)
+    relayed = relay(paced(30 * share), arrivals, drain=False)
+    assert len(relayed) == pytest.approx(30 * share * 20 * length / 30, rel=0.03)
+    assert_decodable(arrivals, relayed)
+
+
+@pytest.mark.parametrize("target_hz", [30, 30.5, 45])
+@pytest.mark.parametrize("length", [30, 300])
+def test_of_lumps_at_their_own_rate_or_above_every_frame_passes(length: int, target_hz: float) -> None:
+    arrivals = in_lumps(video([length] * 6, 30), 8)
+    assert len(relay(paced(target_hz), arrivals, drain=False)) == len(arrivals)
+
+
 def test_at_its_own_rate_or_above_every_frame_passes() -> None:
     for target_hz in (30, 40, math.inf):
         for groups in ([30] * 10, [300, 7, 90], [1] * 50):

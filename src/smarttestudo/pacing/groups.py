@@ -12,6 +12,10 @@ from smarttestudo.pacing.stream import VolatileStream
 
 AHEAD_AT_MOST_NS = 2 * NS_PER_S
 """A group takes what its rate gives in so long, or in as long as the groups before it lasted, at once."""
+LATER_AHEAD_NS = NS_PER_S * 5 // 4
+"""Later in a long group, frames pass that are due in so long: near the source's rate, only the last wait."""
+FIRST_AHEAD_NS = NS_PER_S * 3 // 8
+"""The same for the first group, of which nothing is known yet: its frames may come in lumps."""
 _FORGOTTEN_AFTER_NS = 60 * NS_PER_S
 
 
@@ -51,7 +55,8 @@ def begins_group(frame: VideoFrame | None) -> bool:
 class GroupStream(VolatileStream):
     """Passes whole beginnings of groups: a key frame, and what follows it until one is not due.
 
-    A group has what the rate gives for as long as the groups before it lasted, however soon its frames come.
+    A group has what the rate gives for as long as the groups before it lasted, however soon its frames come,
+    but of one that is long not much ahead of its time.
     Parameters before a key frame count with it. Before the first key frame all passes. Of what did not pass
     only a key frame is held.
     """
@@ -74,8 +79,7 @@ class GroupStream(VolatileStream):
         if begins:
             self._lasted_ns = (self._lasted_ns[1], 0 if is_first else now_ns - self._began_ns)
             self._began_ns = now_ns
-        ahead_ns = 0 if sample.frame is None else min(max(self._lasted_ns), AHEAD_AT_MOST_NS)
-        is_due = now_ns >= grid.due_ns or grid.due_ns < self._began_ns + ahead_ns
+        is_due = now_ns >= grid.due_ns or (sample.frame is not None and grid.due_ns < self._until_ns(now_ns))
         if not group.is_broken and (is_due or (not group.is_known and not grid.pace.is_off)):
             self._pass(now_ns)
             return True
@@ -106,6 +110,17 @@ class GroupStream(VolatileStream):
         """Whether a fresh stream would do as well, which takes any frame for one that can be decoded."""
         is_forgotten = not self.group.is_broken or now_ns - self._came_ns > _FORGOTTEN_AFTER_NS
         return is_forgotten and super().is_idle(now_ns)
+
+    def _until_ns(self, now_ns: int) -> int:
+        """Frames that are due before that pass now: what the rate gives while the group lasts.
+
+        Where frames come in lumps, two of them may be missing in how long it is known to last.
+        """
+        began_ns, lasted_ns = self._began_ns, max(self._lasted_ns)
+        if lasted_ns == 0:
+            return now_ns + FIRST_AHEAD_NS
+        at_most_ns = max(began_ns + AHEAD_AT_MOST_NS, now_ns + LATER_AHEAD_NS)
+        return min(began_ns + lasted_ns + 2 * self.source.longest_ns, at_most_ns)
 
     def _pass(self, now_ns: int) -> None:
         if self.group.awaits_key:
