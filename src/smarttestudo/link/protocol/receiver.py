@@ -85,6 +85,7 @@ class LinkReceiver:
         self._offset = LeastOfWindow(CLOCK_WINDOW_NS)
         self._round_trip_ns = 0
         self._newest: dict[int, int] = {}
+        self._video: dict[int, VideoReader] = {}
         self._groups: dict[int, VideoGroup] = {}
         """The last group of each stream of coded video."""
         self._ages_ms: dict[int, float] = {}
@@ -176,11 +177,14 @@ class LinkReceiver:
         if known is None or said.info is None or replace(known, prediction=said.info.prediction) != said.info:
             self._newest.pop(said.stream, None)
             self._groups.pop(said.stream, None)
+            self._video.pop(said.stream, None)
+            if said.info is not None and (video := VideoReader.of(said.info.type_name)) is not None:
+                self._video[said.stream] = video
         return said
 
-    def _group(self, stream: int, info: StreamInfo, payload: bytes, *, follows: bool) -> VideoGroup | None:
+    def _group(self, stream: int, payload: bytes, *, follows: bool) -> VideoGroup | None:
         """The group of coded video with ``payload`` in it: the robot's end does not know what was late."""
-        video = VideoReader.of(info.type_name)
+        video = self._video.get(stream)
         frame = None if video is None else video.frame(payload)
         if frame is None and stream not in self._groups:
             return None
@@ -201,7 +205,7 @@ class LinkReceiver:
         if not 0 < ahead < NUMBERS // 2:
             self.counts.repeated += 1
             return None
-        group = self._group(chunk.stream, info, payload, follows=ahead == 1)
+        group = self._group(chunk.stream, payload, follows=ahead == 1)
         if transit_ns > LATE_AFTER_NS + 4 * self._round_trip_ns and not chunk.is_kept:
             if group is not None:
                 group.is_broken = True
