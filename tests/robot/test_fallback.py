@@ -207,6 +207,19 @@ def test_the_log_says_that_a_topic_has_one_rate_on_the_graph_and_the_link(broken
     assert run(broken, where=BOTH).lines[0].endswith(f"{words}, on this robot's graph as over the link")
 
 
+def test_patches_are_thinned_only_where_a_rate_is_written(tmp_path: Path) -> None:
+    patches = {"/map_updates": "map_msgs/msg/OccupancyGridUpdate", "/costmap": "nav2_msgs/msg/CostmapUpdate"}
+    path = tmp_path / "rules.adirf"
+    path.write_text(f"begin SetFrequency /costmap 2\n{BROKEN.removeprefix('begin')}", encoding="utf-8")
+
+    def join(robot: RunningRobot) -> None:
+        for topic, type_name in patches.items():
+            robot.joins(topic, topic.encode(), type_name=type_name)
+
+    joined = run(path, steps={1: join}, seconds=8)
+    assert joined.targets_hz() == READ | {"/map_updates": math.inf, "/costmap": 2.0}
+
+
 def test_a_mended_file_and_a_push_come_into_force_and_a_push_that_is_not_kept_goes(broken: Path) -> None:
     mended = run(broken, steps={2: lambda robot: (broken.write_text(GOOD), reload(robot))})
     assert mended.targets_hz() == {"/odom": 3.0}

@@ -19,6 +19,7 @@ from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import fallback_rules
 from smarttestudo.language.syntax import KeepAtLeast, SetFrequency
+from smarttestudo.pacing.sample import is_patch
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.output_topics import OutputTopic, is_output_topic, output_topics
 
@@ -53,10 +54,11 @@ class ReadableRates:
     defaults: Mapping[str, Rate] = field(default_factory=dict)
     floors_hz: Mapping[str, float] = field(default_factory=dict)
 
-    def rate(self, topic: str) -> Rate:
-        """The rate of ``topic``, at least ``LEAST_HZ``."""
+    def rate(self, topic: str, *, is_patch: bool = False) -> Rate:
+        """The rate of ``topic``, at least ``LEAST_HZ``; patches are only thinned where a rate is written."""
+        unwritten = Rate.full() if is_patch else Rate(LEAST_HZ)
         floor_hz = self.floors_hz.get(topic, 0.0)
-        return max(self.defaults.get(topic, Rate(LEAST_HZ)), Rate(floor_hz), Rate(LEAST_HZ))
+        return max(self.defaults.get(topic, unwritten), Rate(floor_hz), Rate(LEAST_HZ))
 
 
 def readable_rates(texts: Mapping[str, str], resolve: Resolve) -> ReadableRates:
@@ -134,7 +136,10 @@ class FallbackTopics:
             return LiveRules(
                 rule_set=fallback_rules(dict.fromkeys(topics, Rate.full())), output_topics=topics
             )
-        rates = {topic: readable.rate(topic) for topic in topics}
+        types = self._robot.topics()
+        rates = {
+            topic: readable.rate(topic, is_patch=any(map(is_patch, types.get(topic, ())))) for topic in topics
+        }
         floors_hz = {topic: hz for topic, hz in readable.floors_hz.items() if topic in topics}
         return LiveRules(rule_set=fallback_rules(rates, floors_hz), output_topics=topics)
 
@@ -149,7 +154,8 @@ class FallbackTopics:
                 here = "" if self._output_topic.is_elsewhere else ", on this robot's graph as over the link"
                 return (
                     f"until there are rules, defaults and floors that can be read count, none below "
-                    f"{LEAST_HZ:g} Hz, and all other topics have {LEAST_HZ:g} Hz{here}"
+                    f"{LEAST_HZ:g} Hz, updates of maps and scenes are at Full, and all other topics have "
+                    f"{LEAST_HZ:g} Hz{here}"
                 )
 
     def _leave(self, testudos: frozenset[str]) -> bool:
