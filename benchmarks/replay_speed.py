@@ -24,10 +24,10 @@ from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.writer import create_recording
-from smarttestudo.demo.mission import record_mission
 from smarttestudo.domain.recording import Storage
 from smarttestudo.replays.replay import ReplayRequest, replay
 from smarttestudo.rules.rule_sets import load_rules
+from smarttestudo.simulation.demo.mission import record_mission
 from smarttestudo.simulation.warehouse import patrol
 
 WARM_UPS = 1

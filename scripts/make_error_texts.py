@@ -17,14 +17,15 @@ NOTE = "<!-- Written by scripts/make_error_texts.py; change the code instead. --
 SECTIONS: Mapping[str, Sequence[str]] = {
     "Command lines": ("cli",),
     "Rule files, profiles, missions and maps": (
-        "files", "rules", "optimizer", "simulation", "ruler/project",
+        "files", "rules", "optimizer", "simulation/mission_file.py", "simulation/messages",
+        "simulation/physics", "ruler/project",
     ),
     "On a robot": ("robot", "domain"),
     "Over a link": ("link",),
     "Incidents": ("incidents", "loop"),
     "Recordings": ("bags", "replays", "accuracy", "report"),
     "From Python": ("api.py",),
-    "The demo": ("demo",),
+    "The demo": ("simulation/demo",),
     "The Ruler's page": ("ruler/answers", "ruler/server", "language", "checks", "editing"),
 }  # fmt: skip
 """Folders and files of the code, by where a user meets their texts."""

@@ -26,7 +26,7 @@ PROCESSES = ("tests/ros", "tests/ruler/browser")
 """Nothing in these folders is plain."""
 REPORTERS = ("default", "junit", "./tests/progress.mjs")
 NPM_TEST = ("sh", "scripts/gui_npm.sh", "test", "--", *(f"--reporter={name}" for name in REPORTERS))
-QUICK_LEAVES = ("accuracy", "bags/many", "demo", "report", "ruler", "simulation")
+QUICK_LEAVES = ("accuracy", "bags/many", "report", "ruler", "simulation")
 """Folders of tests that make recordings, reports or a server."""
 BACKGROUND = 10
 """How much less than live tests, which wait for real time, what only computes gets of the processors."""

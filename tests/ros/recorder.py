@@ -19,11 +19,11 @@ from collections.abc import Hashable
 from functools import partial
 from pathlib import Path
 
-from smarttestudo.demo.live import recorded
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.robot import Qos, Robot
 from smarttestudo.robot.ros import open_robot
+from smarttestudo.simulation.demo.live import recorded
 
 SPAN_S = 1.0
 

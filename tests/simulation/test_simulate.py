@@ -9,9 +9,9 @@ from collections import Counter
 import pytest
 
 from robot.small_graph import SmallGraph
-from smarttestudo.demo.simulate import SimulateRequest, simulate
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.camera import FrameSize
+from smarttestudo.simulation.demo.simulate import SimulateRequest, simulate
 from smarttestudo.simulation.messages.messages import RobotMessages
 from smarttestudo.simulation.readings import CAMERA_TOPICS
 

@@ -31,7 +31,7 @@ from smarttestudo.robot.ros.discovery import discovery_variables
 if TYPE_CHECKING:
     from smarttestudo.accuracy.comparison import AccuracyComparison
     from smarttestudo.accuracy.loss_report import LossReport
-    from smarttestudo.demo.demo import DemoOutcome
+    from smarttestudo.simulation.demo.demo import DemoOutcome
 
 _DEFAULT_OUT = Path("demo-out")
 _DEFAULT_SECONDS = 200.0
@@ -86,7 +86,7 @@ def add_arguments(parser: CommandParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo and print what came of it."""
-    from smarttestudo.demo.demo import DemoRequest, run_demo  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.simulation.demo.demo import DemoRequest, run_demo  # noqa: PLC0415  needs packages a robot lacks
 
     require_separate({"--out": arguments.out})
     if arguments.physics and not arguments.live:
@@ -121,9 +121,9 @@ def _recorder(opened: ExitStack) -> Robot:
 
 
 def _print(outcome: DemoOutcome, out: Path, *, with_thesis: bool) -> None:
-    from smarttestudo.demo import demo  # noqa: PLC0415  see run
-    from smarttestudo.demo.rules import PREDICTED, RULES, WITHIN  # noqa: PLC0415
     from smarttestudo.report.summary import declared_sentence  # noqa: PLC0415
+    from smarttestudo.simulation.demo import demo  # noqa: PLC0415  see run
+    from smarttestudo.simulation.demo.rules import PREDICTED, RULES, WITHIN  # noqa: PLC0415
 
     for table in (frequency_table(outcome.comparison), bandwidth_table(outcome.comparison)):
         print_table(table)

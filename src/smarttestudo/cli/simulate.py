@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _drive(
     arguments: argparse.Namespace, frames: FrameSize, robot: Robot, stopped: Callable[[], bool]
 ) -> None:
-    from smarttestudo.demo.simulate import SimulateRequest, simulate  # noqa: PLC0415  see run
+    from smarttestudo.simulation.demo.simulate import SimulateRequest, simulate  # noqa: PLC0415  see run
 
     simulate(
         SimulateRequest(
@@ -76,7 +76,7 @@ def _drive(
 def _drive_with_physics(
     arguments: argparse.Namespace, frames: FrameSize, robot: Robot, stopped: Callable[[], bool]
 ) -> None:
-    from smarttestudo.demo.physics import SimulatePhysicsRequest, simulate_physics  # noqa: PLC0415
+    from smarttestudo.simulation.demo.physics import SimulatePhysicsRequest, simulate_physics  # noqa: PLC0415
     from smarttestudo.simulation.physics.drive import RobotKind, teleop_of  # noqa: PLC0415  see run
 
     kind = RobotKind(arguments.robot or RobotKind.WAFFLE.value)

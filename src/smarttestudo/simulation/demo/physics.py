@@ -9,14 +9,14 @@ from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from smarttestudo.demo.lost_time import LostTime
-from smarttestudo.demo.mission import JPEG_BYTES, route_of
-from smarttestudo.demo.simulate import advertise, left_out
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher, Robot
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.simulation.camera import FrameSize
+from smarttestudo.simulation.demo.lost_time import LostTime
+from smarttestudo.simulation.demo.mission import JPEG_BYTES, route_of
+from smarttestudo.simulation.demo.simulate import advertise, left_out
 from smarttestudo.simulation.messages.messages import RobotMessages, qos_of
 from smarttestudo.simulation.physics.drive import PhysicalRobot, PhysicsRequest, RobotKind, physical_robot
 from smarttestudo.simulation.physics.teleop import Teleop

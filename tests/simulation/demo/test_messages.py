@@ -13,8 +13,8 @@ from PIL import Image as PillowImage
 from rosbags.typesys import Stores, get_typestore
 
 from simulation.missions import START_NS, readings
-from smarttestudo.demo.mission import JPEG_BYTES
 from smarttestudo.simulation.camera import FrameSize
+from smarttestudo.simulation.demo.mission import JPEG_BYTES
 from smarttestudo.simulation.messages.messages import RobotMessages
 from smarttestudo.simulation.readings import Command, Image, Odometry, Scan, TimedReading, Topic, Transforms
 

@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 
-from demo.demo_runs import GOLDEN, run_testudo, without_replay
 from made_demos import EXAMPLES, Ran, made_demo
 from report.golden_files import assert_reads_as
+from simulation.demo.demo_runs import GOLDEN, run_testudo, without_replay
 from smarttestudo.language.formatter import format_rules
 
 ERRANDS = ("--mission", "examples/errands.mission.toml")

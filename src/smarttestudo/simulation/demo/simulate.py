@@ -7,12 +7,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from smarttestudo.demo.lost_time import LostTime
-from smarttestudo.demo.mission import JPEG_BYTES, route_of
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.robot import Publisher, Robot
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.simulation.camera import FrameSize
+from smarttestudo.simulation.demo.lost_time import LostTime
+from smarttestudo.simulation.demo.mission import JPEG_BYTES, route_of
 from smarttestudo.simulation.messages.messages import RobotMessages, qos_of
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
 from smarttestudo.simulation.readings import TimedReading, Topic

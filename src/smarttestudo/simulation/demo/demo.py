@@ -15,11 +15,6 @@ from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules
 from smarttestudo.bags.comparison import Comparison
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.demo import thesis
-from smarttestudo.demo.folder import MARKER, demo_folder
-from smarttestudo.demo.live import LOGS, LiveDemoRequest, record_live
-from smarttestudo.demo.mission import bytes_per_second, record_mission, route_of
-from smarttestudo.demo.rules import PREDICTED, RULES, WITHIN, DemoRules, put_rules
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.robot import Robot
@@ -31,6 +26,11 @@ from smarttestudo.replays.replay import ReplayRequest, replay
 from smarttestudo.report.bag_report import Progress, ReportRequest, bag_report
 from smarttestudo.report.document import render_report
 from smarttestudo.report.run_report import Fact, RunReport
+from smarttestudo.simulation.demo import thesis
+from smarttestudo.simulation.demo.folder import MARKER, demo_folder
+from smarttestudo.simulation.demo.live import LOGS, LiveDemoRequest, record_live
+from smarttestudo.simulation.demo.mission import bytes_per_second, record_mission, route_of
+from smarttestudo.simulation.demo.rules import PREDICTED, RULES, WITHIN, DemoRules, put_rules
 from smarttestudo.simulation.route import Route
 from smarttestudo.simulation.tour import Tour
 from smarttestudo.simulation.warehouse import warehouse

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from demo.demo_runs import GOLDEN, Messages, binned_hz, messages_of, run_testudo, without_replay
 from made_demos import Ran
 from report.golden_files import assert_reads_as
+from simulation.demo.demo_runs import GOLDEN, Messages, binned_hz, messages_of, run_testudo, without_replay
 from smarttestudo.bags.reader import open_recording
 
 THESIS_CHANGE_PERCENT = {

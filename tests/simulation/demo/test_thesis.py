@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from demo.demo_runs import Messages, binned_hz, messages_of
 from made_demos import Ran, made_demo
+from simulation.demo.demo_runs import Messages, binned_hz, messages_of
 
 UNCHANGED_BY_BLOCKS = ("/camera/image_raw", "/imu", "/joint_states", "/camera/camera_info")
 TABLES = {

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from demo.demo_runs import Messages, messages_of
 from made_demos import Ran, made_demo
+from simulation.demo.demo_runs import Messages, messages_of
 
 
 @pytest.fixture(scope="session")

@@ -7,8 +7,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from robot.status.virtual_robot import Source, VirtualRobot
-from smarttestudo.demo.live import lost_lines, recorded
 from smarttestudo.domain.recording import Channel
+from smarttestudo.simulation.demo.live import lost_lines, recorded
 
 
 def test_messages_that_a_recording_lost_are_counted_topic_by_topic(tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ def _rules() -> RuleSet:
 
 
 def test_the_rules_are_the_example_of_that_name() -> None:
-    examples = Path(__file__).parents[2] / "examples"
+    examples = Path(__file__).parents[3] / "examples"
 
     assert (examples / "warehouse.adirf").read_text("utf-8") == _text()
 

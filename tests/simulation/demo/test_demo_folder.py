@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from bags.bag_factory import small_mission, write_bag
-from smarttestudo.demo.demo import DemoRequest, run_demo
-from smarttestudo.demo.folder import MARKER, DemoFolderError, demo_folder
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.simulation.demo.demo import DemoRequest, run_demo
+from smarttestudo.simulation.demo.folder import MARKER, DemoFolderError, demo_folder
 
 
 def _make(out: Path, text: str) -> None:

@@ -13,7 +13,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from smarttestudo.bags.writer import create_recording
-from smarttestudo.demo.mission import DECLARED_BYTES
 from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.domain.names import DECISIONS_TOPIC, output_name
@@ -23,6 +22,7 @@ from smarttestudo.domain.robot import Qos, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_S, grouped, ns_from_s
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.robot.output_topics import DEFAULT_OUTPUT_TOPIC
+from smarttestudo.simulation.demo.mission import DECLARED_BYTES
 from smarttestudo.simulation.messages.messages import RobotMessages
 from smarttestudo.simulation.readings import CAMERA_TOPICS, Topic
 
