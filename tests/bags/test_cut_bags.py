@@ -193,6 +193,15 @@ def test_a_cut_bag_of_simulated_time_starts_at_zero(tmp_path: Path, storage: Sto
         assert recording.start_ns == 0
 
 
+@pytest.mark.parametrize("size_bytes", [8, 9, 30, 36, 37, 60])
+def test_of_a_file_that_ends_in_its_header_nothing_can_be_read(tmp_path: Path, size_bytes: int) -> None:
+    path = write_mcap_file(tmp_path / "short.mcap", MISSION)
+    path.write_bytes(path.read_bytes()[:size_bytes])
+    read = read_or_refuse(path)
+    assert isinstance(read, RecordingError)
+    assert read.cause in NOTHING_LEFT
+
+
 @pytest.mark.parametrize("has_schema", [True, False])
 @pytest.mark.parametrize("in_chunk", [True, False])
 def test_a_cut_file_may_have_its_schema_behind_its_channel_or_nowhere(

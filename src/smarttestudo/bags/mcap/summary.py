@@ -96,10 +96,7 @@ def read_summary(file: BinaryIO) -> McapSummary | None:
 
     Raises ``struct.error`` or ``ValueError`` where it makes no sense or was altered, and ``OSError``.
     """
-    end = file.seek(-FOOTER_BYTES, os.SEEK_END)
-    op, size_bytes, start, _, checksum, last = _FOOTER.unpack(file.read(FOOTER_BYTES))
-    if (op, size_bytes, last) != (Op.FOOTER, FOOTER_BYTES - FRAME.size - len(magic.MCAP), magic.MCAP):
-        raise ValueError("no footer")
+    start, end, checksum = _read_footer(file)
     if not start:
         return None
     if start > end:
@@ -118,6 +115,17 @@ def read_summary(file: BinaryIO) -> McapSummary | None:
             case Op.STATISTICS:
                 summary.statistics = read_statistics(content)
     return summary
+
+
+def _read_footer(file: BinaryIO) -> tuple[int, int, int]:
+    """Where the summary begins and ends, and its checksum."""
+    end = file.seek(0, os.SEEK_END) - FOOTER_BYTES
+    if end < 0:
+        raise ValueError("no footer")
+    op, size_bytes, start, _, checksum, last = _FOOTER.unpack(_read_at(file, end, FOOTER_BYTES))
+    if (op, size_bytes, last) != (Op.FOOTER, FOOTER_BYTES - FRAME.size - len(magic.MCAP), magic.MCAP):
+        raise ValueError("no footer")
+    return start, end, checksum
 
 
 def _read_at(file: BinaryIO, at: int, size_bytes: int) -> bytes:
