@@ -146,6 +146,9 @@ class Decoded:
     def why_undecodable(self, channel: Channel) -> str | None:
         return None
 
+    def is_standard(self, channel: Channel) -> bool:
+        return True
+
     def unread(self, channel: Channel) -> list[str]:
         return []
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import random
 from contextlib import suppress
@@ -14,11 +15,13 @@ import numpy as np
 import pytest
 from rosbags.interfaces import Nodetype
 
-from bags.bag_factory import ODOM, START_NS, TYPES, odometry
+from bags.bag_factory import ODOM, START_NS, TYPES, message_of, odometry
+from smarttestudo.api import measure_bag, read_rules, replay
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.readable_types import empty_store, types_within
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.robot_path import places_in
+from smarttestudo.bags.statistics import Latency
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.cli.main import main
 from smarttestudo.domain.errors import RecordingError
@@ -200,3 +203,61 @@ def test_no_command_fails_on_a_place_that_is_no_measurement(
     ):
         assert main(command.split()) == 0
         assert "Traceback" not in capsys.readouterr().err, command
+
+
+def write_with_first_fields(path: Path, type_name: str, fields: list[Any], message: Any) -> None:
+    """A bag of twenty messages at 10 Hz, of a type that begins with ``fields``, which are zero."""
+    types: Any = {**types_within(TYPES.fielddefs, ODOM.type_name)}
+    types[type_name] = [], [*fields, *types[type_name][1]]
+    store = empty_store()
+    store.register(types)
+    definition, _ = store.generate_msgdef(ODOM.type_name, ros_version=2)
+    with create_recording(path) as writer:
+        channel = Channel(topic="/x", type_name=ODOM.type_name, definition=definition)
+        for at in range(20):
+            payload = bytes(store.serialize_cdr(message(store.types, at), ODOM.type_name))
+            writer.write(channel, START_NS + at * 10**8, payload)
+
+
+def made(types: Any, type_name: str, **values: Any) -> Any:
+    """A message of a redefined type whose other fields are those of the type of ROS 2, or zero."""
+    kind = types[type_name]
+    plain = message_of(type_name)
+    names = [field.name for field in dataclasses.fields(kind) if not field.name.startswith("_")]
+    return kind(**{name: values.get(name, getattr(plain, name, 0)) for name in names})
+
+
+def moving(types: Any, at: int) -> Any:
+    odom = made(types, ODOM.type_name)
+    odom.pose.pose.position.x = at / 20
+    return odom
+
+
+@pytest.mark.parametrize(
+    ("name", "least", "most", "notices"),
+    [
+        ("position", 20, 20, ("/x: 20 messages could not be compared with the receiver's picture",)),
+        ("pose_x", 4, 6, ()),
+    ],
+)
+def test_a_bound_reads_no_bytes_of_a_type_that_has_other_fields(
+    name: str, least: int, most: int, notices: tuple[str, ...], tmp_path: Path
+) -> None:
+    write_with_first_fields(tmp_path / "bag", ODOM.type_name, [("first", of_base("float64"))], moving)
+    rules = tmp_path / "r.adirf"
+    rules.write_text(f"begin SetFrequency /x Full KeepWithin /x {name} 0.2 end")
+    outcome = replay(tmp_path / "bag", read_rules(rules), tmp_path / "seen")
+    assert least <= outcome.topics["/x"].messages_out <= most
+    assert len(outcome.notices) == len(notices)
+    assert all(notice.startswith(start) for notice, start in zip(outcome.notices, notices, strict=True))
+
+
+def test_a_header_that_is_not_that_of_ros_2_has_no_latency(tmp_path: Path) -> None:
+    def stamped(types: Any, at: int) -> Any:
+        odom = made(types, ODOM.type_name)
+        odom.header = made(types, "std_msgs/msg/Header", seq=at)
+        return odom
+
+    write_with_first_fields(tmp_path / "bag", "std_msgs/msg/Header", [("seq", of_base("uint32"))], stamped)
+    (topic,) = measure_bag(tmp_path / "bag", latency=True).topics
+    assert topic.latency == Latency()

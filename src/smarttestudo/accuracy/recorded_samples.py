@@ -94,8 +94,11 @@ class SampleTaker:
         reading = self._readings.get(topic)
         if reading is None or topic in self.samples:
             return
-        samples = self.samples[topic] = TopicSamples(channel, reading.properties, reading.level_unit)
-        if channel.type_name in STREAM_TYPES:
+        is_standard = self._decoder.is_standard(channel)
+        samples = self.samples[topic] = TopicSamples(
+            channel, reading.properties, reading.level_unit, is_standard=is_standard
+        )
+        if channel.type_name in STREAM_TYPES and is_standard:
             self._readers[topic] = StreamReader(channel.type_name)
         if reading.choose_fields is not None and channel.type_name not in reading.undecoded_types:
             why = self._decoder.why_undecodable(channel)

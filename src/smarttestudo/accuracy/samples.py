@@ -154,10 +154,15 @@ class TopicSamples:
     )
 
     def __init__(
-        self, channel: Channel, properties: Collection[str] = (), level_unit: LevelUnit | None = None
+        self,
+        channel: Channel,
+        properties: Collection[str] = (),
+        level_unit: LevelUnit | None = None,
+        *,
+        is_standard: bool = True,
     ) -> None:
         self.channel = channel
-        self.track = Track(channel.type_name, properties, level_unit)
+        self.track = Track(channel.type_name, properties, level_unit, is_standard=is_standard)
         self.stamps_ns = array("q")
         self.sizes = array("q")
         self.frames: list[tuple[str, ...]] = []

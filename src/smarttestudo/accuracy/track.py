@@ -38,10 +38,17 @@ class Track:
     Kept is the serialized message, which is small where it can be read without decoding; else its readings.
     """
 
-    __slots__ = ("_gauges", "_level_unit", "_type_name", "is_used", "kept", "needs_decoded")
+    __slots__ = ("_gauges", "_is_standard", "_level_unit", "_type_name", "is_used", "kept", "needs_decoded")
 
-    def __init__(self, type_name: str, properties: Collection[str], level_unit: LevelUnit | None) -> None:
-        self._type_name, self._level_unit = type_name, level_unit
+    def __init__(
+        self,
+        type_name: str,
+        properties: Collection[str],
+        level_unit: LevelUnit | None,
+        *,
+        is_standard: bool = True,
+    ) -> None:
+        self._type_name, self._level_unit, self._is_standard = type_name, level_unit, is_standard
         self._gauges = self.gauges(properties)
         self.is_used = bool(self._gauges)
         self.needs_decoded = needs_decoded(self._gauges)
@@ -53,7 +60,7 @@ class Track:
 
     def gauges(self, properties: Iterable[str]) -> tuple[Gauge, ...]:
         """The gauges of a picture of these of its properties."""
-        return gauges_for(self._type_name, properties, self._level_unit)
+        return gauges_for(self._type_name, properties, self._level_unit, is_standard=self._is_standard)
 
     def add(
         self, stamp_ns: int, payload: bytes, message: object | None = None, frames: tuple[str, ...] = ()

@@ -19,6 +19,7 @@ from smarttestudo.bags.readable_types import (
     BROKEN_MESSAGE,
     ReadableType,
     empty_store,
+    layout,
     nest_at_most,
     types_within,
 )
@@ -73,6 +74,11 @@ class TypeLibrary:
         known = _known(channel)
         return known if isinstance(known, str) else None
 
+    def is_standard(self, channel: Channel) -> bool:
+        """Whether messages have the bytes of the type of that name in ROS 2, as far as anybody knows."""
+        types = self.types_for(channel)
+        return types is None or is_standard(types, channel.type_name)
+
     def definition_and_digest(self, channel: Channel) -> tuple[str, str]:
         """Definition and digest of the channel's type in a bag; empty strings where nobody knows."""
         if channel.definition is not None and channel.digest:
@@ -107,6 +113,13 @@ def _known(channel: Channel) -> Typesdict | str:
     if schema is not None:
         return f"its type {name} is defined in {schema.encoding or 'no known language'}, not by ROS 2"
     return f"neither the recording nor ROS 2 defines {name}"
+
+
+def is_standard(types: Typesdict, name: str) -> bool:
+    """Whether a type has the fields of that of ROS 2, in whatever release; true of one that ROS 2 lacks."""
+    known = [fields for release in _STORES if name in (fields := _release(release).fielddefs)]
+    own = layout(types, name)
+    return not known or any(layout(fields, name) == own for fields in known)
 
 
 @lru_cache(maxsize=len(_STORES))
@@ -210,6 +223,10 @@ class RosbagDecoder:
     def why_undecodable(self, channel: Channel) -> str | None:
         """As ``TypeLibrary``: of a type that the bag defines or ROS 2 knows, CDR is decoded."""
         return self._library.why_undecodable(channel)
+
+    def is_standard(self, channel: Channel) -> bool:
+        """As ``TypeLibrary``."""
+        return self._library.is_standard(channel)
 
     def unread(self, channel: Channel) -> Sequence[str]:
         """The paths, without indices, of fields that stay unknown, as ROS 2 lacks them in Python."""

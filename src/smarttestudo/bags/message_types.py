@@ -31,8 +31,10 @@ class MessageTypes:
         types = self._types.types_for(channel)
         if types is None:
             return False
+        from smarttestudo.bags.definitions import is_standard  # noqa: PLC0415  as below
+
         fields = types[channel.type_name][1]
-        return bool(fields) and fields[0][1][1] == _HEADER
+        return bool(fields) and fields[0][1][1] == _HEADER and is_standard(types, _HEADER)
 
     @cached_property
     def _types(self) -> TypeLibrary:

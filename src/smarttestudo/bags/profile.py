@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from smarttestudo.bags.definitions import TypeLibrary
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.profile import Profile
@@ -31,12 +32,13 @@ def profile_of_recording(
     recording declares sizes, they count as the messages' sizes. ``proposals`` are tiers by topic,
     the accuracies in ``levels`` are measured in place of proposed ones.
     """
-    declared_bytes = recording.declared_bytes
+    declared_bytes, types = recording.declared_bytes, TypeLibrary()
     sources = first_of_topics(recording.channels)
     chosen = select_topics(patterns, sources.keys(), place=name) if patterns else sources.keys()
     measures = {
         channel.topic: TopicMeasure(
             channel.type_name,
+            is_standard=types.is_standard(channel),
             is_declared=channel.topic in declared_bytes,
             # rosbag2 stores what each publisher offered that was there when recording began.
             publishers=len(channel.qos),

@@ -27,6 +27,7 @@ _WIDE_TEXT, _WIDE_CHARACTER = "testudo/WideText", "testudo/WideCharacter"
 _STANDS_FOR = {"wstring": _WIDE_TEXT, "wchar": _WIDE_CHARACTER, "float128": _LONG_DOUBLE}
 # Bytes of each character of a wide text, and of one alone: Fast CDR 2, Fast CDR 1, and as XTypes has it.
 _WIDTHS = ((4, 2), (4, 4), (2, 2))
+_SAME_BYTES = {"byte": "uint8", "char": "uint8"}
 _LAST_UNIT = 0xFFFF
 
 
@@ -138,6 +139,19 @@ def nest_at_most(types: Typesdict, deepest: int) -> bool:
     for _ in range(deepest):
         left = {name: inner for name, inner in left.items() if not inner.isdisjoint(left)}
     return not left
+
+
+def layout(types: Typesdict, name: str) -> tuple[object, ...]:
+    """The names and kinds of all fields of a type and, in their place, of the types within it."""
+    return tuple((field.lower(), _layout(types, desc)) for field, desc in types[name][1])
+
+
+def _layout(types: Typesdict, desc: FieldDesc) -> object:
+    inner = _inner(desc)
+    count = cast("Any", desc[1])[1] if desc[0] == Nodetype.ARRAY else 0
+    base = _base(inner)
+    of = layout(types, cast("str", inner[1])) if base is None else _SAME_BYTES.get(base, base)
+    return int(desc[0]), count, of
 
 
 def with_inner(desc: FieldDesc, replace: Callable[[FieldDesc], FieldDesc]) -> FieldDesc:

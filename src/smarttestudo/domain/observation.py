@@ -34,12 +34,15 @@ class SourceChanged:
     """The publishers of ``topic`` are now ``publishers`` many, and ``transient_local`` or not.
 
     ``type_name`` is the topic's ROS type, for instance ``nav_msgs/msg/Odometry``, or empty while unknown.
+    It ``is_standard`` unless a recording defines other fields of that type than ROS 2: what is read of
+    messages without decoding them is unknown then.
     """
 
     topic: str
     publishers: int
     transient_local: bool
     type_name: Annotated[str, JsonEntry(name="type")] = ""
+    is_standard: Annotated[bool, JsonEntry(name="standard", omits_default=True)] = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

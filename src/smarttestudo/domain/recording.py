@@ -157,6 +157,9 @@ class MessageDecoder(Protocol):
     def why_undecodable(self, channel: Channel) -> str | None:
         """Why no message of the channel can be decoded; ``None`` where they can."""
 
+    def is_standard(self, channel: Channel) -> bool:
+        """Whether messages have the bytes of the type of that name in ROS 2, as far as anybody knows."""
+
     def unread(self, channel: Channel) -> Collection[str]:
         """The paths, without indices, of fields that stay unknown, as ROS 2 lacks them in Python."""
 

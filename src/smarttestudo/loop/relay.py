@@ -64,6 +64,7 @@ class Relay:
         "_accuracy",
         "_floor_hz",
         "_is_reckoned",
+        "_is_standard",
         "_level_unit",
         "_picture_number",
         "_rate_hz",
@@ -100,6 +101,7 @@ class Relay:
         self._picture_number = 0
         self._level_unit = profile.level_unit
         self._type_name = profile.type_name or ""
+        self._is_standard = True
         self._when_slow = when_slow
         self._stale_after_ns = _stale_after_ns(profile)
         self.statistics = RelayStatistics(now_ns)
@@ -186,7 +188,9 @@ class Relay:
         )
 
     def _picture(self, names: Iterable[str]) -> Picture:
-        gauges = gauges_for(self._type_name, dict.fromkeys(names), self._level_unit)
+        gauges = gauges_for(
+            self._type_name, dict.fromkeys(names), self._level_unit, is_standard=self._is_standard
+        )
         self.needs_decoded = needs_decoded(gauges)
         self._picture_number += 1
         return Picture(gauges, reckons=self._is_reckoned)
@@ -256,7 +260,8 @@ class Relay:
         has_other_type = change.type_name not in ("", self._type_name)
         if self._type_name and has_other_type:
             self.pacer.forget()
-        self._type_name = change.type_name or self._type_name
+        has_other_type = has_other_type or change.is_standard is not self._is_standard
+        self._type_name, self._is_standard = change.type_name or self._type_name, change.is_standard
         if has_other_type and self._accuracy is not None:
             self._accuracy = replace(self._accuracy, picture=self._picture(self._accuracy.bounds))
             self._apply_accuracy(now_ns)
@@ -298,7 +303,8 @@ class Relay:
         return self.relayed(self.pacer.set_kind(kind, now_ns), now_ns)
 
     def _stream_reader(self) -> StreamReader | None:
-        return StreamReader(self._type_name) if self._type_name in STREAM_TYPES else None
+        is_read = self._is_standard and self._type_name in STREAM_TYPES
+        return StreamReader(self._type_name) if is_read else None
 
     def _own_pacer(self) -> TopicPacer:
         return TopicPacer(kind=self._kind(), when_slow=self._when_slow, stale_after_ns=self._stale_after_ns)

@@ -54,19 +54,21 @@ class TopicMeasure:
         self,
         type_name: str,
         *,
+        is_standard: bool = True,
         is_declared: bool = False,
         publishers: int = 1,
         known: Mapping[LevelledProperty, AccuracyTiers] = MappingProxyType({}),
     ) -> None:
         self.type_name = type_name
-        self._accuracy = AccuracyMeasure(type_name, known) if levelled_properties(type_name) else None
+        is_gauged = is_standard and levelled_properties(type_name)
+        self._accuracy = AccuracyMeasure(type_name, known) if is_gauged else None
         self.is_declared = is_declared
         self.publishers = publishers
         self.largest_bytes = 0
         self.lost_share = 0.0
         self._flow = Flow()
         self._intervals = Intervals()
-        self._streams = StreamCount(type_name) if type_name in STREAM_TYPES else None
+        self._streams = StreamCount(type_name) if is_standard and type_name in STREAM_TYPES else None
 
     @property
     def needs_payload(self) -> bool:

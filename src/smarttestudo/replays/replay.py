@@ -221,6 +221,7 @@ class _Run:
                 publishers=1,
                 transient_local=channel.transient_local,
                 type_name=channel.type_name,
+                is_standard=topic not in self._topics.redefined,
             )
             for topic, channel in self._topics.sources.items()
         )

@@ -43,13 +43,15 @@ def topics_decoded(rule_set: RuleSet) -> frozenset[str]:
 class ReplayTopics:
     """By source: the channel of each recorded topic, what relayed ones are called, where they are written.
 
-    ``unread`` are the signals of fields that nobody can read.
+    ``unread`` are the signals of fields that nobody can read, ``redefined`` the sources whose types are not
+    those of ROS 2.
     """
 
     sources: Mapping[str, Channel]
     output_topics: Mapping[str, str]
     outputs: Mapping[str, Channel]
     unread: Collection[Signal]
+    redefined: Collection[str]
 
 
 def replay_topics(
@@ -69,7 +71,10 @@ def replay_topics(
         for signal in rule_set.signals
         if signal.topic in sources and _field(signal) in decoder.unread(sources[signal.topic])
     }
-    return ReplayTopics(sources=sources, output_topics=names, outputs=outputs, unread=unread)
+    redefined = {topic for topic, channel in sources.items() if not decoder.is_standard(channel)}
+    return ReplayTopics(
+        sources=sources, output_topics=names, outputs=outputs, unread=unread, redefined=redefined
+    )
 
 
 def _field(signal: Signal) -> str:

@@ -140,13 +140,16 @@ def wraps(spec: PropertySpec) -> bool:
 
 
 def gauges_for(
-    type_name: str, names: Iterable[str], level_unit: LevelUnit | None = None
+    type_name: str, names: Iterable[str], level_unit: LevelUnit | None = None, *, is_standard: bool = True
 ) -> tuple[Gauge, ...]:
-    """The reader of these properties of messages of ``type_name``; what only some of them need comes last."""
+    """The reader of these properties of messages of ``type_name``; what only some of them need comes last.
+
+    Unless the type ``is_standard``, serialized messages do not have the bytes of its name, and are decoded.
+    """
     reckoned: dict[str, Distance] = {}
     fields: list[str] = []
     for name in names:
-        distance = _reckoned(type_name, name)
+        distance = _reckoned(type_name, name) if is_standard else None
         if distance is None:
             fields.append(name)
         else:
