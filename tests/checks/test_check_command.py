@@ -303,3 +303,14 @@ def test_a_battery_that_is_recorded_in_percent_may_be_compared_in_percent(
     )
     assert run_check(rules, "--bag", bag) == 0
     assert ("share-as-percent" in capsys.readouterr().out) is is_share
+
+
+def test_a_topic_of_a_recording_that_cannot_be_decoded_is_told_with_the_reason(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with create_recording(folder / "bag") as recording:
+        recording.write(Channel(topic="/odom", type_name="nav_msgs/msg/Odometry"), 1, b"\0\1\0\0")
+        recording.write(Channel(topic="/gps", type_name="gps", serialization_format="json"), 2, b"{}")
+    assert run_check("good.adirf", "--bag", "bag", "--format", "json") == 0
+    said = capsys.readouterr().err
+    assert said == "note: /gps: recorded as json, not as cdr; checks of its fields stay unknown\n"

@@ -13,18 +13,19 @@ from smarttestudo.domain.recording import Channel
 if TYPE_CHECKING:
     from smarttestudo.bags.definitions import TypeLibrary
 
+_COUNTED = "its messages are counted, but cannot be decoded"
 _HEADER = "std_msgs/msg/Header"
 
 
 class MessageTypes:
     """Types by the recording's own definitions, or else by those of ROS 2."""
 
-    def notices(self, channels: Iterable[Channel]) -> Iterator[str]:
-        """A notice of each channel whose messages cannot be decoded."""
+    def notices(self, channels: Iterable[Channel], so: str = _COUNTED) -> Iterator[str]:
+        """A notice of each channel whose messages cannot be decoded, and what follows from that."""
         for channel in channels:
             why = self._types.why_undecodable(channel)
             if why is not None:
-                yield f"{channel.topic}: {why}; its messages are counted, but cannot be decoded"
+                yield f"{channel.topic}: {why}; {so}"
 
     def has_header(self, channel: Channel) -> bool:
         """Whether messages begin with a std_msgs/Header; false if no definition says so."""

@@ -147,7 +147,7 @@ def layout(types: Typesdict, name: str) -> tuple[object, ...]:
 
 
 def _layout(types: Typesdict, desc: FieldDesc) -> object:
-    inner = _inner(desc)
+    inner = inner_of(desc)
     count = cast("Any", desc[1])[1] if desc[0] == Nodetype.ARRAY else 0
     base = _base(inner)
     of = layout(types, cast("str", inner[1])) if base is None else _SAME_BYTES.get(base, base)

@@ -139,10 +139,12 @@ def _profile_of(path: Path) -> Profile:
 
 
 def _topics_of(bag: Path) -> dict[str, str]:
+    from smarttestudo.bags.message_types import MessageTypes  # noqa: PLC0415  as the next
     from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
     from smarttestudo.cli.bag_options import print_notices  # noqa: PLC0415  loads what tables need
     from smarttestudo.domain.recording import types_of_topics  # noqa: PLC0415
 
     with open_recording(bag) as recording:
-        print_notices(recording.notices())
+        undecodable = MessageTypes().notices(recording.channels, "checks of its fields stay unknown")
+        print_notices((*recording.notices(), *undecodable))
         return types_of_topics(recording.channels)
