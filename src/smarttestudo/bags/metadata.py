@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Mapping
 from dataclasses import field
 from pathlib import Path
@@ -69,7 +70,7 @@ def embedded_metadata(path: Path) -> BagMetadata | None:
     """The metadata that Iron and later also write into the storage file at ``path``, if they are there."""
     text = _text_in_mcap(path) if path.suffix == ".mcap" else _text_in_sqlite(path)
     try:
-        return None if text is None else _metadata(_loaded(text))
+        return None if text is None or len(text) > MAX_BYTES else _metadata(_loaded(text))
     except _WRONG_SHAPE:
         return None
 
@@ -87,18 +88,13 @@ def require_known_formats(metadata: BagMetadata, folder: Path) -> None:
 
 
 def _text_in_mcap(path: Path) -> str | None:
-    from mcap.reader import make_reader  # noqa: PLC0415  slow to import
-
-    from smarttestudo.bags.mcap.records import BROKEN  # noqa: PLC0415
+    from smarttestudo.bags.mcap.summary import read_metadata as read_record  # noqa: PLC0415
 
     try:
         with path.open("rb") as file:
-            for record in make_reader(file).iter_metadata():
-                if record.name == "rosbag2":
-                    return record.metadata.get("serialized_metadata")
-    except (*_WRONG_SHAPE, *BROKEN, OSError):
-        pass
-    return None
+            return read_record(file, "rosbag2").get("serialized_metadata")
+    except (struct.error, MemoryError, OSError, *_WRONG_SHAPE):
+        return None
 
 
 def _text_in_sqlite(path: Path) -> str | None:
@@ -126,10 +122,12 @@ def _metadata(values: Mapping[str, Any]) -> BagMetadata:
     notes = values.get("custom_data")
     channels = [_channel(entry, qos) for entry in ([] if topics in _NOTHING else topics)]
     return BagMetadata(
-        file_names=tuple(str(name) for name in values["relative_file_paths"]),
+        file_names=tuple(_scalar(name) for name in values["relative_file_paths"]),
         message_count=_count(values.get("message_count")),
         channels=tuple(channel for channel in channels if channel is not None),
-        custom_data={} if notes in _NOTHING else {key: str(value) for key, value in notes.items()},
+        custom_data=(
+            {} if notes in _NOTHING else {_scalar(key): _scalar(value) for key, value in notes.items()}
+        ),
         storage=_text(values.get("storage_identifier")),
         compression=_text(values.get("compression_format")).lower(),
         notices=(
@@ -149,12 +147,12 @@ def _channel(stored: object, qos: QosReader) -> Channel | None:
     entry = stored.get("topic_metadata") if isinstance(stored, Mapping) else None
     if not isinstance(entry, Mapping) or not entry.get("name") or not entry.get("type"):
         return None
-    topic = str(entry["name"])
+    topic = _scalar(entry["name"])
     serialization_format = _text(entry.get("serialization_format")) or "cdr"
     profiles = qos.read_or_note(topic, entry.get("offered_qos_profiles"))
     return Channel(
         topic=topic,
-        type_name=ros_type_name(str(entry["type"]), serialization_format),
+        type_name=ros_type_name(_scalar(entry["type"]), serialization_format),
         digest=_text(entry.get("type_description_hash")),
         qos=profiles,
         serialization_format=serialization_format,
@@ -163,4 +161,11 @@ def _channel(stored: object, qos: QosReader) -> Channel | None:
 
 
 def _text(value: object) -> str:
-    return "" if value in _NOTHING else str(value)
+    return "" if value in _NOTHING else _scalar(value)
+
+
+def _scalar(value: object) -> str:
+    """A text. Raises ``TypeError`` for a list, of which aliases may make one that never ends."""
+    if not isinstance(value, str):
+        raise TypeError("a text was expected")
+    return value

@@ -26,6 +26,8 @@ from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
 from smarttestudo.domain.units import counted, grouped
 
+MAX_COMPARED = 20
+"""With so many definitions of a topic another one is compared; with more it counts as one of its own."""
 ChannelKey = tuple[str, str, str, str | None]
 
 
@@ -60,7 +62,9 @@ class MergedChannels:
         alike = self._alike.setdefault((channel.topic, channel.type_name), [])
         number = self._numbers.get(key_of(channel))
         if number is None:
-            number = next((one for one in alike if _means_the_same(self._merged[one], channel)), None)
+            number = next(
+                (one for one in alike[:MAX_COMPARED] if _means_the_same(self._merged[one], channel)), None
+            )
         if number is None:
             number = len(self._merged)
             self._merged.append(channel)

@@ -23,6 +23,7 @@ from smarttestudo.bags.mcap.record_bytes import (
     read_bytes,
     read_notes,
     read_text,
+    record_places,
 )
 from smarttestudo.domain.dataclass import dataclass
 
@@ -34,7 +35,9 @@ _CHUNK_START = struct.Struct("<QQQQI")
 _CHUNK_END = struct.Struct("<QQ")
 _STATISTICS = struct.Struct("<QHIIIIQQI")
 _PLACE = struct.Struct("<HQ")
-_DESCRIBED = frozenset({Op.SCHEMA, Op.CHANNEL, Op.CHUNK_INDEX, Op.STATISTICS})
+_METADATA_PLACE = struct.Struct("<QQ")
+_DESCRIBED = frozenset({Op.SCHEMA, Op.CHANNEL, Op.CHUNK_INDEX, Op.STATISTICS, Op.METADATA_INDEX})
+MAX_METADATA_BYTES = 50_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,13 +85,32 @@ class StatisticsEntry:
 
 @dataclass(slots=True, kw_only=True)
 class McapSummary:
-    """Content of a summary, which begins at byte ``start``, schemas and channels by their numbers."""
+    """Content of a summary, which begins at byte ``start``, schemas and channels by their numbers.
+
+    Where metadata are is by their name.
+    """
 
     start: int
     statistics: StatisticsEntry | None = None
     schemas: dict[int, SchemaEntry] = field(default_factory=dict)
     channels: dict[int, ChannelEntry] = field(default_factory=dict)
     chunks: list[ChunkEntry] = field(default_factory=list)
+    metadata_places: dict[str, int] = field(default_factory=dict)
+
+    def add(self, kind: int, content: bytes) -> None:
+        """Take a record in."""
+        match kind:
+            case Op.SCHEMA:
+                number, self.schemas[number] = _schema(content)
+            case Op.CHANNEL:
+                number, self.channels[number] = _channel(content)
+            case Op.CHUNK_INDEX:
+                self.chunks.append(_chunk(content))
+            case Op.STATISTICS:
+                self.statistics = read_statistics(content)
+            case Op.METADATA_INDEX:
+                name, _ = read_text(content, _METADATA_PLACE.size)
+                self.metadata_places.setdefault(name, *_METADATA_PLACE.unpack_from(content)[:1])
 
 
 def read_summary(file: BinaryIO) -> McapSummary | None:
@@ -105,15 +127,7 @@ def read_summary(file: BinaryIO) -> McapSummary | None:
         raise ValueError("the summary is not that of its checksum")
     summary = McapSummary(start=start)
     for kind, content in _records(file, start, end):
-        match kind:
-            case Op.SCHEMA:
-                number, summary.schemas[number] = _schema(content)
-            case Op.CHANNEL:
-                number, summary.channels[number] = _channel(content)
-            case Op.CHUNK_INDEX:
-                summary.chunks.append(_chunk(content))
-            case Op.STATISTICS:
-                summary.statistics = read_statistics(content)
+        summary.add(kind, content)
     return summary
 
 
@@ -126,6 +140,29 @@ def _read_footer(file: BinaryIO) -> tuple[int, int, int]:
     if (op, size_bytes, last) != (Op.FOOTER, FOOTER_BYTES - FRAME.size - len(magic.MCAP), magic.MCAP):
         raise ValueError("no footer")
     return start, end, checksum
+
+
+def read_metadata(file: BinaryIO, name: str) -> dict[str, str]:
+    """The texts of the first metadata of a name, none where there are none; errors as ``read_summary``.
+
+    A file without a summary is walked through.
+    """
+    try:
+        summary = read_summary(file)
+    except (struct.error, ValueError):
+        summary = None
+    start = len(magic.MCAP) if summary is None else summary.metadata_places.get(name)
+    if start is None:
+        return {}
+    for op, at, end, _ in record_places(file, start, file.seek(0, os.SEEK_END), 0):
+        if op == Op.METADATA and end - at <= MAX_METADATA_BYTES:
+            content = _read_at(file, at + FRAME.size, end - at - FRAME.size)
+            found, place = read_text(content, 0)
+            if found == name:
+                return read_notes(content, place)[0]
+        if summary is not None:
+            break
+    return {}
 
 
 def _read_at(file: BinaryIO, at: int, size_bytes: int) -> bytes:
