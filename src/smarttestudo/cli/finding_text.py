@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import TextIO
 
 from smarttestudo.cli.output import write_styled
+from smarttestudo.domain.errors import shortened
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.source import Span
 from smarttestudo.domain.utf_8 import without_mark
@@ -40,13 +41,13 @@ def finding_lines(finding: Finding, lines: Sequence[str], *, colour: bool = Fals
     tint, bold, reset = (_COLOURS[finding.severity], _BOLD, _RESET) if colour else ("", "", "")
     place = f"{finding.path}:{finding.span.line}:{finding.span.column}"
     kind = f"{finding.severity.value}[{finding.code}]"
-    shown = [f"{bold}{_visible(place)}:{reset} {tint}{kind}:{reset} {_visible(finding.message)}"]
+    shown = [f"{bold}{_visible(place)}:{reset} {tint}{kind}:{reset} {_visible(shortened(finding.message))}"]
     if finding.span.line <= len(lines):
         text, underline = _excerpt(lines[finding.span.line - 1], finding.span)
         if text:
             shown += [f"{_INDENT}{text}", f"{_INDENT}{tint}{underline}{reset}"]
     if finding.hint:
-        shown.append(f"{_INDENT}hint: {_visible(finding.hint)}")
+        shown.append(f"{_INDENT}hint: {_visible(shortened(finding.hint))}")
     return shown
 
 

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+_MOST_CHARACTERS = 1000
+
 
 class TestudoError(Exception):
     """Something the user can act on: where it is, what is wrong, what to do.
@@ -22,8 +24,15 @@ class TestudoError(Exception):
 
     def __str__(self) -> str:
         """One line: ``place: error: cause; remedy``."""
-        head = f"{self.place}: error: {self.cause}" if self.place else f"error: {self.cause}"
+        cause = shortened(self.cause)
+        head = f"{self.place}: error: {cause}" if self.place else f"error: {cause}"
         return f"{head}; {self.remedy}" if self.remedy else head
+
+
+def shortened(text: str) -> str:
+    """``text`` without its middle where it is too long for a message: files name things of any length."""
+    half = _MOST_CHARACTERS // 2
+    return text if len(text) <= _MOST_CHARACTERS else f"{text[:half]} … {text[-half:]}"
 
 
 def testudo_error(error: Exception) -> TestudoError:

@@ -12,7 +12,7 @@ from smarttestudo.language.comments import NO_TRIVIA, Comment, Trivia
 from smarttestudo.language.parser.suggestions import closest, described, did_you_mean, hint_on
 from smarttestudo.language.parser.tokens import KEYWORDS, Token, TokenKind
 
-MAX_FINDINGS = 1000
+MAX_FINDINGS = 100
 
 
 class FindingLog:
