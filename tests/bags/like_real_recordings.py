@@ -83,6 +83,7 @@ def from_stamp_zero(folder: Path) -> Path:
         folder / "a_0.mcap",
         *chunk(*described, *messages, frames=1),
         described=described,
+        counts_stamp_0=False,
         library="mcap go",
     )
     return write_metadata(
@@ -213,6 +214,7 @@ LIKE_REAL_ONES = (
         name="stamps from 0",
         make=from_stamp_zero,
         messages={"a_empty": 50, "b_text": 50},
+        duration_s=0.49,
         rates_hz={"a_empty": 100, "b_text": 100},
         rules="begin\nSetFrequency /b_text Full\nend\n",
         is_quiet=False,

@@ -186,17 +186,31 @@ def encodings_mixed(folder: Path) -> Path:
     return write_records(folder / "a.mcap", *chunk(*described, *messages), described=described)
 
 
+EVENT = "example_interfaces/srv/AddTwoInts_Event"
+SERVICE = "int64 a\nint64 b\n---\nint64 sum\n"
+
+
+def event_at(number: int) -> bytes:
+    """What both ends of a service tell of a call; its request is within."""
+    return packed("B3xiI16B4xqI4xqqI4x", number % 4, number, 0, *[7] * 16, number, 1, 2, 3, 0)
+
+
 def service_events(folder: Path) -> Path:
-    """Rosbag2 stores the text of the service; the message has what is within its event before that."""
-    event = "example_interfaces/srv/AddTwoInts_Event"
-    text = "int64 a\nint64 b\n---\nint64 sum\n"
-    described = (*ODOMETRY, schema(2, event, text=text), channel(2, "/add/_service_event", 2))
-    layout = "B3xiI16B4xqI4xqqI4x"
-    numbers = [
-        packed(layout, number % 4, number, 0, *[7] * 16, number, 1, 2, 3, 0) for number in range(COUNT)
-    ]
-    messages = [*drive(), *drive(payload=numbers.__getitem__, of=2)]
+    """Rosbag2 stores the text of the service for its events."""
+    described = (*ODOMETRY, schema(2, EVENT, text=SERVICE), channel(2, "/add/_service_event", 2))
+    messages = [*drive(), *drive(payload=event_at, of=2)]
     return write_records(folder / "a.mcap", *chunk(*described, *messages), described=described)
+
+
+def service_events_in_tables(folder: Path) -> Path:
+    """There the text stands under the name of the service."""
+    numbers = range(COUNT)
+    tables = [
+        Table("/odom", ODOM.type_name, [(stamp_of(number), odometry_at(number)) for number in numbers]),
+        Table("/add/_service_event", EVENT, [(stamp_of(number), event_at(number)) for number in numbers]),
+    ]
+    service = {EVENT.removesuffix("_Event"): SERVICE}
+    return write_tables(folder / "a.db3", tables, distribution="rolling", definitions=service)
 
 
 def undefined(folder: Path) -> Path:
@@ -214,11 +228,14 @@ UNDECODABLE = (
         said=[["/fix", "json"], ["/scene", "protobuf"], ["/old", "ros1"]],
         is_quiet=False,
     ),
-    a_drive(
-        "events of a service",
-        service_events,
-        messages={"/odom": COUNT, "/add/_service_event": COUNT},
-        is_quiet=False,
+    *(
+        a_drive(
+            f"events of a service in {storage}",
+            make,
+            messages={"/odom": COUNT, "/add/_service_event": COUNT},
+            curves={"/odom": "pose_x", "/add/_service_event": "info.event_type"},
+        )
+        for storage, make in (("MCAP", service_events), ("SQLite", service_events_in_tables))
     ),
     Case(
         name="a type that nobody defines",

@@ -151,6 +151,7 @@ def write_records(
     described: Sequence[McapRecord] = ODOMETRY,
     is_closed: bool = True,
     counts_channels: bool = True,
+    counts_stamp_0: bool = True,
     library: str = "libmcap 1.1.0",
 ) -> Path:
     """An MCAP file of these records; its summary has ``described``, an index of each chunk and the counts."""
@@ -174,7 +175,13 @@ def write_records(
         data += written(
             *described,
             *indexes,
-            _statistics(described, len(indexes), stamps, counts_channels=counts_channels),
+            _statistics(
+                described,
+                len(indexes),
+                stamps,
+                counts_channels=counts_channels,
+                counts_stamp_0=counts_stamp_0,
+            ),
         )
         data += written(Footer(summary_start=summary_start, summary_offset_start=0, summary_crc=0)) + MAGIC
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -202,6 +209,7 @@ def _statistics(
     stamps: Mapping[int, Sequence[int]],
     *,
     counts_channels: bool,
+    counts_stamp_0: bool,
 ) -> Statistics:
     every = [one for of_channel in stamps.values() for one in of_channel]
     return Statistics(
@@ -211,7 +219,7 @@ def _statistics(
         chunk_count=chunks,
         message_count=len(every),
         message_end_time=max(every, default=0),
-        message_start_time=min(every, default=0),
+        message_start_time=min((one for one in every if one or counts_stamp_0), default=0),
         metadata_count=0,
         schema_count=sum(isinstance(one, Schema) for one in described),
     )
@@ -232,8 +240,17 @@ class Table:
     qos: str = ""
 
 
-def write_tables(path: Path, tables: Sequence[Table], *, distribution: str = "foxy") -> Path:
-    """A .db3 as Foxy writes it, with two tables; as Rolling does, with version 4 of the schema."""
+def write_tables(
+    path: Path,
+    tables: Sequence[Table],
+    *,
+    distribution: str = "foxy",
+    definitions: Mapping[str, str] | None = None,
+) -> Path:
+    """A .db3 as Foxy writes it, with two tables; as Rolling does, with version 4 of the schema.
+
+    ``definitions`` are those of types that ROS 2 has not.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     is_new = distribution != "foxy"
     with sqlite3.connect(path) as database:
@@ -246,7 +263,7 @@ def write_tables(path: Path, tables: Sequence[Table], *, distribution: str = "fo
             "CREATE INDEX timestamp_idx ON messages (timestamp ASC);"
         )
         if is_new:
-            _describe(database, tables, distribution)
+            _describe(database, tables, distribution, definitions or {})
         for number, one in enumerate(tables, start=1):
             row = [number, one.topic, one.type_name, one.serialization_format, one.qos, *([""] * is_new)]
             database.execute(f"INSERT INTO topics VALUES ({', '.join('?' * len(row))})", row)
@@ -262,7 +279,9 @@ def write_tables(path: Path, tables: Sequence[Table], *, distribution: str = "fo
     return path
 
 
-def _describe(database: sqlite3.Connection, tables: Sequence[Table], distribution: str) -> None:
+def _describe(
+    database: sqlite3.Connection, tables: Sequence[Table], distribution: str, definitions: Mapping[str, str]
+) -> None:
     database.executescript(
         "CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);"
         "CREATE TABLE metadata(id INTEGER PRIMARY KEY, metadata_version INTEGER NOT NULL, "
@@ -276,8 +295,8 @@ def _describe(database: sqlite3.Connection, tables: Sequence[Table], distributio
         database.execute(
             "INSERT INTO metadata (metadata_version, metadata) VALUES (?, 'version: 8')", [version]
         )
-    for type_name in dict.fromkeys(one.type_name for one in tables):
-        text, _ = TYPES.generate_msgdef(type_name, ros_version=2)
+    for type_name in dict.fromkeys(one.type_name.removesuffix("_Event") for one in tables):
+        text = definitions.get(type_name) or TYPES.generate_msgdef(type_name, ros_version=2)[0]
         database.execute(
             "INSERT INTO message_definitions (topic_type, encoding, encoded_message_definition, "
             "type_description_hash) VALUES (?, 'ros2msg', ?, '')",

@@ -35,6 +35,7 @@ class Case:
     name: str
     make: Callable[[Path], Path]
     messages: Mapping[str, int]
+    duration_s: float | None = None
     rates_hz: Mapping[str, float] = dataclasses.field(default_factory=dict)
     curves: Mapping[str, str] = dataclasses.field(default_factory=dict)
     left_out: Mapping[str, str] = dataclasses.field(default_factory=dict)

@@ -71,6 +71,8 @@ def test_the_table_counts_as_a_plain_reader_does(case: Case, bag: Path) -> None:
 def test_info(case: Case, bag: Path, capsys: pytest.CaptureFixture[str]) -> None:
     info = answer(capsys, "bag", "info", bag)
     assert {topic: one["messages"] for topic, one in info["topics"].items()} == case.messages
+    if case.duration_s is not None:
+        assert info["duration_s"] == pytest.approx(case.duration_s)
     assert (info["readable_percent"] == 100) == case.is_whole
     assert_said(case, info["notices"])
 

@@ -119,8 +119,9 @@ class McapFile(ContinuedFile):
         self._opened: BinaryIO | None = None
         super().__init__(
             message_count=index.statistics.message_count,
-            start_ns=index.statistics.message_start_time,
-            end_ns=index.statistics.message_end_time,
+            # The statistics of some writers leave out messages of stamp 0.
+            start_ns=min((index.statistics.message_start_time, *(one.message_start_time for one in chunks))),
+            end_ns=max((index.statistics.message_end_time, *(one.message_end_time for one in chunks))),
         )
 
     def count_of(self, number: int) -> int:

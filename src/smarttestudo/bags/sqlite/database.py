@@ -235,6 +235,9 @@ def _definitions(database: apsw.Connection) -> dict[tuple[str, str], _Definition
         for row in rows:
             columns = dict(zip((column[0] for column in rows.description), row, strict=True))
             name, stored = str(columns["topic_type"]), columns["encoded_message_definition"]
+            if "/srv/" in name and not name.endswith("_Event"):
+                # That of a service stands under its name; what is recorded are its events.
+                name = f"{name}_Event"
             data = stored if isinstance(stored, bytes) else str(stored or "").encode("utf-8", "replace")
             definition = stored_definition(name, str(columns["encoding"] or ""), data)
             if definition != (None, None):
