@@ -48,9 +48,10 @@ def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
         remedy = "free some space there, or set TMPDIR to a folder that has more"
         raise RecordingError(cause, place=str(path), remedy=remedy) from error
     except TooLargeError as error:
-        cause = f"it is not decompressed: {error} and than {MAX_RATIO} times the file"
         raise RecordingError(
-            cause, place=str(path), remedy="unpack it with zstd -d if it is right"
+            f"it is not decompressed: {error} and than {MAX_RATIO} times the file",
+            place=str(path),
+            remedy="unpack it with zstd -d if it is right",
         ) from error
     try:
         require_bag_file(target)

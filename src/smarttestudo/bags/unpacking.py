@@ -35,7 +35,7 @@ class Decompressor(Protocol):
         """The bytes that came behind it."""
 
     def decompress(self, data: Buffer, /) -> bytes:
-        """What more bytes of the frame unpack to."""
+        """Content that more bytes of the frame unpack to."""
 
 
 def unpack_file(

@@ -49,7 +49,7 @@ def in_time_order(
 
 
 def _with_next(places: Iterable[tuple[int, _Place]]) -> Iterator[tuple[_Place, float]]:
-    """Each place, and the stamp from which on the messages of the next one come."""
+    """Places, each with the stamp from which on the messages of the next one come."""
     remaining = iter(places)
     for _, place in islice(remaining, 1):
         here = place
@@ -92,7 +92,7 @@ class _Pending:
         return bool(self._heap) and self._heap[0][0] < before_ns
 
     def taken(self, before_ns: float) -> Iterator[FoundMessage]:
-        """Those before a stamp, in their order; they are no longer pending."""
+        """Messages before a stamp, in their order; they are no longer pending."""
         heap = self._heap
         while heap and heap[0][0] < before_ns:
             _, _, message, run = heap[0]
