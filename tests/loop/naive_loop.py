@@ -32,6 +32,11 @@ class NaiveDecision:
     values: dict[str, float | None]
 
 
+def _differs(before: NaiveRequest, after: NaiveRequest) -> bool:
+    is_settled = (before.reason == "unknown") == (after.reason == "unknown")
+    return not is_settled or (before.height, before.place) != (after.height, after.place)
+
+
 @dataclass(kw_only=True)
 class NaiveLoop:
     """Time counts from the start and only forward; ``settle_ns`` and ``stale_after_ns`` as in the profile."""
@@ -52,7 +57,7 @@ class NaiveLoop:
             self.requests.setdefault(topic, []).append((now, naive_request(self.files, topic, values)))
             before, after = self.effective.get(topic), self.settled(self.requests[topic], now)
             self.effective[topic] = after
-            if before is None or (before.height, before.place) != (after.height, after.place):
+            if before is None or _differs(before, after):
                 decisions.append(
                     NaiveDecision(
                         t_ns=now, topic=topic, before=before, after=after, values=self.read(after, values)

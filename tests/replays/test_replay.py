@@ -523,3 +523,15 @@ def test_a_replay_says_what_its_rates_do_to_video_and_patches(tmp_path: Path) ->
         "/updates: 59 of 90 messages: changes are left out: each message changes a part of those before, "
         "so what is shown stays wrong; write Full",
     )
+
+
+def test_a_rule_that_was_in_doubt_decides_once_it_is_known_to_hold(tmp_path: Path) -> None:
+    """The rate stays, but from then on the rule has decided it."""
+    rules = (
+        'SetFrequency /odom 10 Rule "Far" If CheckValue /odom pose_y > 0.2 Then SetFrequency /odom 20 EndIf'
+    )
+    decisions = replay_content(small_mission(), rules, tmp_path).decisions
+    assert [(one.t_s, one.planned.reason, one.planned.rule, one.planned.rate.hz) for one in decisions] == [
+        (0.0, Reason.UNKNOWN, "Far", 20.0),
+        (0.24, Reason.BLOCK, "Far", 20.0),
+    ]

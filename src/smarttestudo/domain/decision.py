@@ -62,7 +62,7 @@ class PlannedRate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Decision:
-    """One change of a plan: another rate, other bounds, or another deciding block.
+    """One change of a plan: another rate, other bounds, another deciding block, or one no more in doubt.
 
     ``t_s`` counts from the loop's start. ``values`` holds what the deciding condition read, by signal
     name; unknown values are ``None``. ``from_rate`` is ``None`` on the first decision of a topic. ``is_end``:

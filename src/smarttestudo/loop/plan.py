@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.evaluator import RequestedRate
 from smarttestudo.loop.knowledge.knowledge import Knowledge, Settling
@@ -78,6 +78,7 @@ def _differs(before: RequestedRate, after: RequestedRate) -> bool:
         before_plan.rate != after_plan.rate
         or before_plan.within != after_plan.within
         or before.block != after.block
+        or (before_plan.reason is Reason.UNKNOWN) != (after_plan.reason is Reason.UNKNOWN)
     )
 
 
