@@ -8,10 +8,12 @@ from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
+from dataclasses import field
 from functools import partial
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from smarttestudo.bags.many.processes import OpenPool, process_pools
+from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError, testudo_error
 from smarttestudo.domain.units import counted
 
@@ -66,8 +68,8 @@ class Workers:
         try:
             with process_pools() as open_pool:
                 run = _Run(
-                    partial(attempt, task),
-                    items,
+                    work=partial(attempt, task),
+                    items=items,
                     open_pool=open_pool,
                     threads=threads,
                     processes=self._processes,
@@ -93,35 +95,25 @@ def attempt(task: Callable[[Item], Result], item: Item) -> Result | TestudoError
         return testudo_error(error)
 
 
+@dataclass(slots=True, kw_only=True)
 class _Run(Generic[Item, Result]):
     """One pass over items."""
 
-    def __init__(
-        self,
-        work: Callable[[Item], Result | TestudoError],
-        items: Sequence[Item],
-        *,
-        open_pool: OpenPool,
-        threads: ThreadPoolExecutor,
-        processes: int,
-        cluster: DaskCluster | None,
-    ) -> None:
-        self._work = work
-        self._items = items
-        self._open_pool = open_pool
-        self._threads = threads
-        self._processes = processes
-        self._cluster = cluster
-        self._pool: Executor | None = None
-        self._ahead = _AHEAD_PER_WORKER * (processes if cluster is None else cluster.threads)
-        self._begun = 0
-        self._under_way: deque[Future[Result | TestudoError]] = deque()
-        self._alone: set[Future[Result | TestudoError]] = set()
-        self.tried_again = 0
-        self.failure: TestudoError | None = None
+    work: Callable[[Item], Result | TestudoError]
+    items: Sequence[Item]
+    open_pool: OpenPool
+    threads: ThreadPoolExecutor
+    processes: int
+    cluster: DaskCluster | None
+    tried_again: int = 0
+    failure: TestudoError | None = None
+    _pool: Executor | None = None
+    _begun: int = 0
+    _under_way: deque[Future[Result | TestudoError]] = field(default_factory=deque)
+    _alone: set[Future[Result | TestudoError]] = field(default_factory=set)
 
     def results(self) -> Generator[Result | TestudoError]:
-        for _ in self._items:
+        for _ in self.items:
             self._submit_more()
             self._await_first()
             if self._is_lost(self._under_way[0]):
@@ -133,18 +125,19 @@ class _Run(Generic[Item, Result]):
 
     def end(self) -> None:
         """Let a cluster go on without what is under way; processes end with their pools."""
-        if self._cluster is not None and self._pool is not None:
+        if self.cluster is not None and self._pool is not None:
             with suppress(Exception):
                 self._pool.shutdown(wait=False)
 
     def _submit_more(self) -> None:
         """Submit what is next; what a broken pool left comes before another pool is opened."""
+        workers = self.processes if self.cluster is None else self.cluster.threads
         while (
-            self._begun < len(self._items)
-            and len(self._under_way) < self._ahead
+            self._begun < len(self.items)
+            and len(self._under_way) < _AHEAD_PER_WORKER * workers
             and (self._pool is not None or not self._under_way)
         ):
-            future = self._submitted(self._items[self._begun])
+            future = self._submitted(self.items[self._begun])
             if future is not None:
                 self._under_way.append(future)
                 self._begun += 1
@@ -154,13 +147,13 @@ class _Run(Generic[Item, Result]):
         try:
             if self._pool is None:
                 self._pool = (
-                    self._open_pool(self._processes) if self._cluster is None else self._cluster.open_pool()
+                    self.open_pool(self.processes) if self.cluster is None else self.cluster.open_pool()
                 )
-            return self._pool.submit(self._work, item)
+            return self._pool.submit(self.work, item)
         except BrokenExecutor:
             pass
         except Exception:  # a closed client raises all kinds
-            if self._cluster is None:
+            if self.cluster is None:
                 raise
         self._give_up_pool()
         return None
@@ -168,7 +161,7 @@ class _Run(Generic[Item, Result]):
     def _await_first(self) -> None:
         """Wait until the first is done, or its pool is lost."""
         while not wait([self._under_way[0]], _POLL_S).done:
-            if self._cluster is not None and self._cluster.loss():
+            if self.cluster is not None and self.cluster.loss():
                 return
 
     def _is_lost(self, future: Future[Result | TestudoError]) -> bool:
@@ -189,22 +182,21 @@ class _Run(Generic[Item, Result]):
             self._give_up_pool()
         for place, future in enumerate(self._under_way):
             if self._is_lost(future) and (is_broken or future.done()):
-                again = self._threads.submit(self._work_alone, self._items[start + place])
+                again = self.threads.submit(self._work_alone, self.items[start + place])
                 self._under_way[place] = again
                 self._alone.add(again)
                 self.tried_again += 1
 
     def _give_up_pool(self) -> None:
         self._pool = None
-        if self._cluster is not None:
-            rest = len(self._items) - self._begun + len(self._under_way)
-            self.failure, self._cluster = self._cluster.failure(rest), None
-            self._ahead = _AHEAD_PER_WORKER * self._processes
+        if self.cluster is not None:
+            rest = len(self.items) - self._begun + len(self._under_way)
+            self.failure, self.cluster = self.cluster.failure(rest), None
 
     def _work_alone(self, item: Item) -> Result | TestudoError:
         try:
-            with self._open_pool(1) as pool:
-                return pool.submit(self._work, item).result()
+            with self.open_pool(1) as pool:
+                return pool.submit(self.work, item).result()
         except BrokenExecutor:
             return WorkerError(
                 "each process that worked on it was ended",
