@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import field
 from typing import Annotated
 
 from smarttestudo.accuracy.bounds import BoundLoss
@@ -165,7 +166,8 @@ class LossReport:
 
     ``fields``, ``topics``, ``crossings`` and ``images`` are in the order of A's topics; ``carried`` is over
     all shared topics, also those not asked for. ``bounds`` are those of the rules, empty without any.
-    ``notices`` say what was left out and why, a line each.
+    ``after_end`` counts messages of B, by topic, that came when A had ended, such as what was held back; no
+    figure holds them. ``notices`` say what was left out and why, a line each.
     """
 
     a: str
@@ -177,6 +179,7 @@ class LossReport:
     images: tuple[ImageLoss, ...]
     carried: Carried
     bounds: tuple[BoundLoss, ...] = ()
+    after_end: Mapping[str, int] = field(default_factory=dict)
     notices: tuple[str, ...] = ()
 
     def fields_of(self, topic: str) -> tuple[FieldLoss, ...]:
@@ -203,6 +206,7 @@ class LossReport:
             "images": [loss.to_json() for loss in self.images],
             **({"bounds": [loss.to_json() for loss in self.bounds]} if self.bounds else {}),
             "bytes": self.carried.to_json(),
+            **({"after_end": dict(self.after_end)} if self.after_end else {}),
             "notices": list(self.notices),
         }
 

@@ -45,7 +45,7 @@ from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.units import NS_PER_S, grouped
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.properties import accuracy_properties_of
 from smarttestudo.language.rule_set import RuleSet
 
@@ -165,11 +165,11 @@ class LossMeasurement:
                 received_bytes=sum(shared.received.size_bytes for shared in topics),
                 fixed_bytes=sum(shared.fixed.size_bytes for shared in topics),
             ),
+            after_end=self._after_end(received.after_end),
             notices=(
                 *sent.notices,
                 *received.notices,
                 *self._notices(topics),
-                *self._after_end(received.after_end),
                 *_late_notices(carried),
             ),
         )
@@ -299,12 +299,9 @@ class LossMeasurement:
             yield f"{topic}: a check reads it, which {self._b.name} lacks; its crossings are left out"
         yield from self._bound_notices()
 
-    def _after_end(self, messages: Mapping[str, int]) -> Iterator[str]:
-        """Messages of B that came when A had ended, as what was held back does after a replay."""
-        shown = {topic: messages[self._partners[topic]] for topic in sorted(self._asked)}
-        listed = [f"{grouped(count)} of {topic}" for topic, count in shown.items() if count]
-        if listed:
-            yield f"{self._b.name}: after the end of {self._a.name} came {', '.join(listed)}: not counted"
+    def _after_end(self, messages: Mapping[str, int]) -> dict[str, int]:
+        came = {topic: messages.get(self._partners[topic], 0) for topic in sorted(self._asked)}
+        return {topic: count for topic, count in came.items() if count}
 
     def _bound_notices(self) -> Iterator[str]:
         for topic in sorted(self._written):

@@ -134,8 +134,14 @@ def age_table(report: LossReport) -> Table:
             Column(heading="Max", unit="s"),
         ),
         rows=tuple(_age_row(loss, report.duration_s) for loss in report.topics),
-        footnotes=(_AGE_NOTE,),
+        footnotes=(_AGE_NOTE, *_after_end_note(report)),
     )
+
+
+def _after_end_note(report: LossReport) -> Iterator[str]:
+    if report.after_end:
+        listed = ", ".join(f"{grouped(count)} of {topic}" for topic, count in report.after_end.items())
+        yield f"Of B, {listed} came after the end of A, which no figure holds."
 
 
 def crossing_table(report: LossReport) -> Table:
