@@ -150,7 +150,8 @@ def test_images_that_arrive_sooner_than_an_answer_are_fetched_with_few_requests(
     store.put(file, "small.mcap")
     before = store.ranges
     there = testudo("bag", "rates", f"s3://{BUCKET}/small.mcap", "--json")
-    assert store.ranges - before <= 40
+    # One more than the images need: messages may lie before the first chunk, too.
+    assert store.ranges - before <= 41
     assert without_names(there.out) == without_names(testudo("bag", "rates", str(file), "--json").out)
 
 
