@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -16,7 +17,6 @@ from smarttestudo.accuracy.recorded_samples import TopicReading, read_samples
 from smarttestudo.accuracy.samples import TopicSamples
 from smarttestudo.accuracy.track import Message
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate_meter import mean_hz
 from smarttestudo.domain.record import JsonObject

@@ -7,11 +7,11 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import groupby
 from operator import attrgetter
 
 from smarttestudo.accuracy.track import Message
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record import JsonObject
 from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecords
 from smarttestudo.pacing.reckoning.gauges import Gauge

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from operator import itemgetter
 
 from smarttestudo.accuracy.arms import Later, Receiver
 from smarttestudo.accuracy.track import Message
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.record import JsonObject
 from smarttestudo.domain.units import FIRST_STAMP_NS, NS_PER_S

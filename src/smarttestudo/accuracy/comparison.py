@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from enum import Enum
 from typing import Annotated
 
 from smarttestudo.accuracy.arms import PacedPicture
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record import JsonEntry, JsonObject
 
 

@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import zip_longest
 
 from smarttestudo.accuracy.loss_report import CrossingLoss, Sightings
 from smarttestudo.accuracy.samples import Series
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.signal import ArrivalProperty, Signal
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.normal_form import reads

@@ -7,6 +7,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from smarttestudo.accuracy.accuracy_curve import (
@@ -27,7 +28,6 @@ from smarttestudo.accuracy.recorded_samples import (
 from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.topic_selection import select_topics
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import RATE_STEP_HZ

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from smarttestudo.accuracy.samples import TopicSamples
 from smarttestudo.accuracy.track import thinned
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.optimizer.greedy import allocate

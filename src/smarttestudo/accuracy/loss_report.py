@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Annotated
 
 from smarttestudo.accuracy.bounds import BoundLoss
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record import JsonEntry, JsonObject
 
 

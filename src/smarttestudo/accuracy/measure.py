@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from smarttestudo.accuracy.crossings import Threshold, crossing_loss
 from smarttestudo.accuracy.loss_report import (
@@ -19,7 +20,6 @@ from smarttestudo.accuracy.loss_report import (
 )
 from smarttestudo.accuracy.reconstruction import field_error
 from smarttestudo.accuracy.samples import IMAGE_TYPES, Field, Series, TopicSamples
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import NS_PER_S
 
 _PERCENTILE = 0.95

@@ -19,13 +19,13 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarttestudo.accuracy.loss_report import ErrorSize, FieldError
 from smarttestudo.accuracy.samples import FULL_TURN, Series
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import NS_PER_S
 
 Floats = NDArray[np.float64]

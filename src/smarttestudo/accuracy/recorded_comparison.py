@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from smarttestudo.accuracy.arms import PacedPicture, Receiver, picture_errors
@@ -27,7 +27,6 @@ from smarttestudo.accuracy.recorded_samples import (
 )
 from smarttestudo.accuracy.samples import IMAGE_TYPES, TopicSamples
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel, RecordingReader, first_of_topics
 from smarttestudo.language.properties import accuracy_properties_of, properties_for_bounds

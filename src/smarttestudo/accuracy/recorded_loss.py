@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
@@ -41,7 +41,6 @@ from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.measure import measure_bag
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.topic_selection import is_selected, select_topics
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile

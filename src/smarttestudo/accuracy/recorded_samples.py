@@ -7,11 +7,10 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 from smarttestudo.accuracy.samples import Field, TopicSamples
 from smarttestudo.bags.definitions import RosbagDecoder
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.recording import TWO_TYPES, Channel, RecordingReader

@@ -10,10 +10,10 @@ import math
 from array import array
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from copy import copy
+from dataclasses import dataclass
 from numbers import Real
 
 from smarttestudo.accuracy.track import Track, thinned
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.rate_meter import mean_hz
 from smarttestudo.domain.recording import Channel

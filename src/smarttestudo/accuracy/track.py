@@ -8,9 +8,9 @@ import math
 from array import array
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from copy import copy
+from dataclasses import dataclass
 from typing import NamedTuple, cast
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.language.properties import gauges_for, needs_decoded
 from smarttestudo.pacing.reckoning.gauges import Gauge, Reading

@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.comparison import Comparison, TopicComparison, compare
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.units import grouped

@@ -5,13 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from smarttestudo.bags import magic
 from smarttestudo.bags.metadata import BagMetadata, read_metadata, require_known_formats
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.bags.remote_path import is_remote
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.files.input_file import require_file
 

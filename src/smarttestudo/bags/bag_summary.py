@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated
 
 from smarttestudo.bags.statistics import Latency, RecordingSpan, TopicStatistics
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.infinite_values import infinite_entry
 from smarttestudo.domain.record import JsonEntry, to_json
 from smarttestudo.domain.recording import Storage

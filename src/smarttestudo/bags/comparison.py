@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 from smarttestudo.bags.statistics import TopicStatistics
 from smarttestudo.bags.targets import Target
-from smarttestudo.domain.dataclass import dataclass
 
 
 def change_percent(before: float | None, after: float | None) -> float | None:

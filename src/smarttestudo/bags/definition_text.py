@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.recording import ForeignSchema
 
 SEPARATOR = "=" * 80 + "\n"

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.floor_plan import FloorZone, Rectangle
 from smarttestudo.language.normal_form import Every, Form, InRegion, Some, merged, over_states
 from smarttestudo.language.region import Region

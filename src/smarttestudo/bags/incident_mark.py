@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from smarttestudo.bags.statistics import RecordingSpan
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import NS_PER_S, counted, grouped, utc_time
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import chain, groupby, islice
 from operator import attrgetter
 from pathlib import Path
@@ -24,7 +25,6 @@ from smarttestudo.bags.statistics import (
     topic_statistics,
 )
 from smarttestudo.bags.trace import TraceAccumulator
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.intervals import Intervals
 from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader

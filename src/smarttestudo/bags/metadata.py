@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,6 @@ from ruamel.yaml.error import YAMLError
 
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.bags.qos import QosReader, is_transient_local
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, Storage
 from smarttestudo.domain.type_names import ros_type_name

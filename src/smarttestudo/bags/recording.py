@@ -9,7 +9,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, count, islice, pairwise
 from operator import itemgetter
@@ -21,7 +21,6 @@ from smarttestudo.bags.metadata import BagMetadata
 from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
 from smarttestudo.bags.stray_stamps import YEAR_NS, StrayStamps, stray_stamps
 from smarttestudo.bags.written_order import LEAST_BACK_NS, notices_of_back
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
 from smarttestudo.domain.units import counted, grouped

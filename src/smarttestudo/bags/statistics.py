@@ -7,11 +7,10 @@ from __future__ import annotations
 import math
 from array import array
 from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 from smarttestudo.bags.trace import TraceAccumulator
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate_meter import mean_hz
 from smarttestudo.domain.record import JsonEntry
 from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S

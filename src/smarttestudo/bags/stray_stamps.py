@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import TypeVar
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.recording import Channel, RecordedSize
 from smarttestudo.domain.units import NS_PER_S, counted, grouped, utc_time
 

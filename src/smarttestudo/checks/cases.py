@@ -11,9 +11,8 @@ column and message) that it gives, one a line.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from importlib.resources import files
-
-from smarttestudo.domain.dataclass import dataclass
 
 MAX_CHARACTERS = 1_000_000
 _CHECK, _EXAMPLE, _NOTE = "// # ", "// ## ", "//"

@@ -6,12 +6,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.rule_check import Found
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Fix
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.source import Span

@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Finding, Fix, ProfileFix, Severity
 from smarttestudo.domain.source import Span
 

@@ -8,7 +8,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import timedelta
 from enum import Enum
 from pathlib import Path
@@ -17,7 +17,6 @@ from textwrap import wrap
 from smarttestudo.cli.output import write_lines
 from smarttestudo.cli.terminal import is_unicode
 from smarttestudo.domain.bound_texts import bound_texts
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link_state import LinkState

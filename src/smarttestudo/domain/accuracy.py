@@ -7,9 +7,9 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from enum import Enum
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Tier
 
 

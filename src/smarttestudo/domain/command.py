@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.names import full_topic_names
 from smarttestudo.domain.robot import Publisher

@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Annotated
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.infinite_values import infinite_entry, with_infinite
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import Decimals, JsonEntry, from_json, to_json

@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import Enum
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.source import Span
 
 

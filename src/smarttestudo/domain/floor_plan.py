@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from enum import Enum
-
-from smarttestudo.domain.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,11 +8,11 @@ import re
 import sys
 import unicodedata
 from collections.abc import Mapping
+from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
 from enum import Enum
 from typing import Annotated
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.metric import Metered, MetricKind
 from smarttestudo.domain.record import AtMost, JsonEntry
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_MS

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Literal
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record import from_json
 
 

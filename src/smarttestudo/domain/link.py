@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.link_state import LinkState, StreamCounts
 from smarttestudo.domain.questions import Asked
 from smarttestudo.domain.robot import Publisher, Qos

@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import Enum
-
-from smarttestudo.domain.dataclass import dataclass
 
 
 class MetricKind(Enum):

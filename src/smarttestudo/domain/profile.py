@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
-from smarttestudo.domain.dataclass import dataclass
 
 
 class LevelUnit(Enum):

@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError
 
 OUTAGE_NAME = "outage"

@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
 from enum import Enum, auto
 from typing import TYPE_CHECKING, Protocol
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.parameter import (
     Accept,
     Parameter,

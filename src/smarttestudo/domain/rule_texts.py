@@ -6,10 +6,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record.plain import read_any
 
 

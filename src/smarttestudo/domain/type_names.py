@@ -5,8 +5,7 @@
 from __future__ import annotations
 
 import re
-
-from smarttestudo.domain.dataclass import dataclass
+from dataclasses import dataclass
 
 _NAME = r"[A-Za-z]\w{0,199}"
 _OF_SERVICE = r"_(?:Request|Response|Event)"

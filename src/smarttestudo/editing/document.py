@@ -8,9 +8,9 @@ import hashlib
 from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import count
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.editing.line_index import LineIndex
 from smarttestudo.editing.token_range import TokenRange
 from smarttestudo.language.comments import Comment

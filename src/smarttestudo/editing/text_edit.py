@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.editing.line_index import LineIndex
 from smarttestudo.editing.token_range import TokenRange
 from smarttestudo.language.comments import COMMENT_START, Comment

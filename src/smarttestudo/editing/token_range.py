@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.editing.line_index import LineIndex
 from smarttestudo.language.comments import Comment
 from smarttestudo.language.parser.tokens import Token

@@ -9,10 +9,10 @@ import os
 import stat
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError, RecordingError
 from smarttestudo.domain.remote_incidents import RemoteIncident
 from smarttestudo.files.input_file import sha256_of_files

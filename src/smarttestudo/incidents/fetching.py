@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterator
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.incidents.transfer_messages import MAX_ASK_BYTES, TransferPiece
 

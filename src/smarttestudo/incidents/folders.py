@@ -11,7 +11,7 @@ import struct
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from operator import attrgetter
 from pathlib import Path
@@ -21,7 +21,6 @@ from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.mcap.writer import FileContent
 from smarttestudo.bags.mcap.written_file import complete_files
 from smarttestudo.bags.metadata_text import METADATA_NAME, metadata_text
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError, testudo_error
 from smarttestudo.domain.incident import (
     IncidentRecord,

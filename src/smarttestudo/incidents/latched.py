@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Hashable, Iterable, Sequence
+from dataclasses import dataclass
 from operator import attrgetter
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.incidents.topic_ring import GivenUp, SourceMessage
 from smarttestudo.pacing.cdr import FrameReader
 

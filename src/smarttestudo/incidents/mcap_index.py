@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import struct
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
 
@@ -20,7 +20,6 @@ from smarttestudo.bags.mcap.record_bytes import (
     read_channel,
     record_places,
 )
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.incidents.transfer_order import ByteRange, MessageRange
 
 _MAX_CHANNEL_BYTES = 1_000_000

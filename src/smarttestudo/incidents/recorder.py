@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import mmap
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import chain
 from typing import Protocol
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.domain.steady_time import SteadyTime
 from smarttestudo.incidents.latched import Gone, LatchedSamples, holds_static_frames, nobody

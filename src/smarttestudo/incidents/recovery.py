@@ -7,13 +7,12 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME, read_record
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.bags.mcap.written_file import complete_files
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.incident import IncidentRecord, Missing, MissingReason
 from smarttestudo.domain.remote_incidents import OUTAGE_RULE

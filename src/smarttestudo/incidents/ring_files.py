@@ -10,10 +10,10 @@ import tempfile
 from array import array
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from operator import attrgetter
 from pathlib import Path
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.files.whole_file import not_written
 from smarttestudo.incidents.topic_ring import GivenUp, SourceMessage

@@ -12,12 +12,11 @@ from bisect import bisect_left
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.incidents.topic_ring import IncidentMessage
 
 ChannelOf = Callable[[str, int], StoredChannel | None]

@@ -8,10 +8,10 @@ import os
 import stat
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import is_incident_folder_name
 from smarttestudo.files.whole_file import not_written

@@ -9,11 +9,11 @@ import shutil
 import stat
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME, errors_at, read_record
 from smarttestudo.bags.metadata_text import METADATA_NAME
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import IncidentRecord, incident_folder_name, is_incident_folder_name
 from smarttestudo.domain.remote_incidents import RemoteIncident

@@ -10,12 +10,11 @@ from array import array
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import chain, islice
 from operator import attrgetter
 from typing import NamedTuple, Protocol, overload
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.units import NS_PER_S
 

@@ -9,8 +9,8 @@ has held (``HeldTime``), and which of two regions a value was in last (``LastSee
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.formatter.text import number_text

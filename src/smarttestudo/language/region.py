@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import reduce
 from types import MappingProxyType
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.language.syntax import Operator
 
 Bound = tuple[float, int]

@@ -8,11 +8,10 @@ Fields that hold comments and blank lines do not count when trees are compared.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from enum import Enum
 from itertools import chain
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.source import Span
 from smarttestudo.language.comments import NO_TRIVIA, Comment, Trivia

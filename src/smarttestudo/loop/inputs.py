@@ -5,10 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Annotated
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.observation import Change, ListenersChanged, SourceChanged
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile

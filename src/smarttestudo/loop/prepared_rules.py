@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rests import Rest, no_rest, resting
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.evaluator import Evaluator

@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
 from smarttestudo.loop.knowledge.knowledge import Knowledge

@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import BoundNeeds, Model, Requirement
 from smarttestudo.optimizer.problem import round_down

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from enum import Enum
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import Model, Requirement
 from smarttestudo.optimizer.quality import interval_hz, skipped_thresholds, tier_of

@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.optimizer.changes import Change, most_saved, reductions_of
 from smarttestudo.optimizer.model import Model, Requirement

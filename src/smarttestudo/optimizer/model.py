@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty, rounded_up
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Tier

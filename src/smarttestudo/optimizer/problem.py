@@ -6,9 +6,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
-
-from smarttestudo.domain.dataclass import dataclass
 
 _RELATIVE_SLACK = 1e-9
 _STEPS_PER_HZ = 1000

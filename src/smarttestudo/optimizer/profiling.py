@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
 
 from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.intervals import Intervals
 from smarttestudo.domain.rate import MAX_RATE_HZ, MIN_SOURCE_HZ, RATE_STEP_HZ, SLOW_HZ
 from smarttestudo.domain.rate_meter import Flow

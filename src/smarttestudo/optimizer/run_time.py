@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.optimizer.greedy import Segment, fill
 from smarttestudo.optimizer.problem import fits, round_down, used_kb_per_s

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Annotated
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record import JsonEntry
 from smarttestudo.pacing.grid import NEVER_NS, Grid, Pace
 from smarttestudo.pacing.reckoning.picture import Picture

@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple, Protocol
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.type_names import short_type_name
 from smarttestudo.pacing.cdr import STREAM_TYPES

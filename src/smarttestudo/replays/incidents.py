@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.stored_channels import stored_channels
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.units import BYTES_PER_MB, counted

@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from statistics import fmean
 from typing import Annotated, NamedTuple
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.record import JsonEntry, to_json
 from smarttestudo.domain.units import BYTES_PER_KB

@@ -7,11 +7,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from enum import Enum
 
 from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost
 from smarttestudo.accuracy.arms import PacedPicture
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.report.scale import multiples, round_step
 
 _MARGIN = 1.15

@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.report.table import Align, Column, Number, Row, Table, Text, percent_cell
 
 if TYPE_CHECKING:

@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from smarttestudo.bags.incident_mark import IncidentMark
 from smarttestudo.bags.targets import target_spans
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.report.markup import Markup, tag
 from smarttestudo.report.rule_styles import RuleStyles

@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.report.accuracy_curve_section import accuracy_curve_section
 from smarttestudo.report.decision_chart import Lane, lanes
 from smarttestudo.report.decision_section import decision_section

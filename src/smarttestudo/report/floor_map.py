@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import groupby, pairwise
 
 from smarttestudo.bags.floor import PathPoint
 from smarttestudo.bags.incident_mark import IncidentMark
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, OccupancyMap
 from smarttestudo.report.map_frame import (
     MapFrame,

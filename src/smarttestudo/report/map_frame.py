@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import chain
 
 from smarttestudo.bags.floor import PathPoint
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, OccupancyMap, Rectangle
 from smarttestudo.report.markup import Markup, coordinate, tag
 from smarttestudo.report.scale import Scale, label, linear, multiples, round_step

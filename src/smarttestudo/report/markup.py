@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from html import escape
 from itertools import zip_longest
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import grouped
 from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.table import Column, Row, Table, Text, format_cell

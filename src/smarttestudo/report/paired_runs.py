@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from smarttestudo.bags.bag_comparison import compare_bags, shorter_notices
 from smarttestudo.bags.comparison import Comparison, TopicComparison, compare
@@ -13,7 +13,6 @@ from smarttestudo.bags.measure import MeasuredRun
 from smarttestudo.bags.statistics import RecordingSpan
 from smarttestudo.bags.targets import mean_target, target_spans
 from smarttestudo.bags.topic_selection import select_topics
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.loop.decision_log import with_run_starts

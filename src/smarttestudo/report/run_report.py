@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from smarttestudo.accuracy.accuracy_curve import AccuracyCurve
 from smarttestudo.accuracy.comparison import AccuracyComparison
@@ -13,7 +13,6 @@ from smarttestudo.bags.comparison import Comparison
 from smarttestudo.bags.floor import PathPoint
 from smarttestudo.bags.incident_mark import IncidentMark
 from smarttestudo.bags.statistics import IntervalBin
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.report.comparison_tables import RunNames, bandwidth_table, frequency_table

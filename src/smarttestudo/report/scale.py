@@ -7,11 +7,10 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from smarttestudo.bags.targets import TargetSpan
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.report.rule_styles import RuleStyle
 
 _ROUND_STEPS = (1.0, 2.0, 5.0, 10.0)

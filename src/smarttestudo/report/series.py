@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from statistics import fmean
 
 from smarttestudo.bags.statistics import RecordingSpan
 from smarttestudo.bags.trace import SecondBin, TraceAccumulator
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 
 MAX_POINTS = 2000

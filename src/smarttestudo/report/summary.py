@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.bags.comparison import Comparison
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_KB, BYTES_PER_MB, counted, grouped
 from smarttestudo.report.table import MISSING, format_number, percent_text
 

@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
 from textwrap import wrap
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import grouped
 from smarttestudo.domain.visible_text import visible
 

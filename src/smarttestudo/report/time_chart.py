@@ -5,13 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from itertools import accumulate
 from statistics import fmean, median
 
 from smarttestudo.bags.incident_mark import IncidentMark
 from smarttestudo.bags.targets import TargetSpan, target_spans
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.report.rule_styles import RuleStyles, styles_of
 from smarttestudo.report.rule_timeline import by_topic, deciding_spans

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 from smarttestudo.bags.incident_mark import IncidentMark
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.markup import Markup, tag
 from smarttestudo.report.scale import label, multiples, round_step, tick_label

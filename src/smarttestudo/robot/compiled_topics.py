@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from smarttestudo.domain.compiled_relay import (
@@ -16,7 +16,6 @@ from smarttestudo.domain.compiled_relay import (
     MessageCopy,
     RelayState,
 )
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.robot import Publisher, Subscription
 from smarttestudo.domain.units import LAST_STAMP_NS

@@ -6,10 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import field
+from dataclasses import dataclass, field
 from enum import Enum
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.rate import MAX_RATE_HZ, Rate
 from smarttestudo.domain.robot import Robot

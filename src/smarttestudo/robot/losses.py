@@ -6,9 +6,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate_meter import WINDOW_NS
 from smarttestudo.domain.robot import Endpoint, Subscription
 from smarttestudo.domain.status import LossBeforeRelay

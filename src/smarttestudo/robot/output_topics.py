@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import (
     DECISIONS_TOPIC,

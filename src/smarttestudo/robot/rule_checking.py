@@ -16,11 +16,10 @@ import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from io import BytesIO
 from multiprocessing.connection import Connection, Pipe
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleBlock, WrittenBlock

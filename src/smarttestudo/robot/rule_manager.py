@@ -6,10 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import Robot

@@ -8,12 +8,11 @@ import hashlib
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from itertools import count
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RuleFileError, TestudoError, said, testudo_error
 from smarttestudo.domain.rests import Rest
 from smarttestudo.language.normal_form import Resolve

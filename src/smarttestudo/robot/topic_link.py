@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.robot import Endpoint, Qos
 from smarttestudo.robot.topic import OpenTopic
 

@@ -5,13 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.floor_plan import FloorPlan, ObstacleKind, Point
 from smarttestudo.simulation.lidar import Floats, RayCaster
 from smarttestudo.simulation.readings import CameraInfo, CompressedImage, Image, Lens, Pixels, Reading, Topic

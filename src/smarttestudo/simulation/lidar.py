@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.floor_plan import FloorPlan, Point
 from smarttestudo.simulation.readings import Reading, Scan, Topic
 from smarttestudo.simulation.robot import DifferentialDrive

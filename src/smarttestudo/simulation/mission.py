@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.simulation.body_sensors import (
     InertialUnit,

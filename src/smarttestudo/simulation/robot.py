@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Pose, Quaternion, Vector
 

@@ -12,8 +12,8 @@ import itertools
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.simulation.geometry import BodyVelocity, Pose

@@ -8,12 +8,11 @@ from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from smarttestudo.bags.many.processes import OpenPool, process_pools
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError, testudo_error
 from smarttestudo.domain.units import counted
 

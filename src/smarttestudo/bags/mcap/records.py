@@ -9,6 +9,7 @@ import struct
 from collections import Counter
 from collections.abc import Generator, Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import BinaryIO
 
 import lz4.frame  # type: ignore[import-untyped]
@@ -35,7 +36,6 @@ from smarttestudo.bags.mcap.record_bytes import (
 from smarttestudo.bags.stored_file import OutlineError
 from smarttestudo.bags.unpacking import Buffer, TooLargeError, unpacked_content
 from smarttestudo.bags.zstd_files import begin_frame
-from smarttestudo.domain.dataclass import dataclass
 
 _CONTENT = frozenset({Op.SCHEMA, Op.CHANNEL, Op.MESSAGE, Op.CHUNK})
 _KNOWN = frozenset(Op)

@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 import struct
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import partial
 from typing import BinaryIO
 
@@ -25,7 +25,6 @@ from smarttestudo.bags.mcap.record_bytes import (
     read_text,
     record_places,
 )
-from smarttestudo.domain.dataclass import dataclass
 
 _FOOTER = struct.Struct("<BQQQI8s")
 _SUMMED_FOOTER_BYTES = FRAME.size + 16

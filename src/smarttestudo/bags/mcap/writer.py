@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from smarttestudo.bags.mcap.record_bytes import (
@@ -28,7 +28,6 @@ from smarttestudo.bags.mcap.record_bytes import (
     schema_record,
     statistics,
 )
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.files.removal import remove
 
 CHUNK_BYTES = 1 << 20

@@ -8,12 +8,11 @@ import struct
 from array import array
 from bisect import bisect_left
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import grouped
 
 if TYPE_CHECKING:

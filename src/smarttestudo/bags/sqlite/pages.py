@@ -8,11 +8,11 @@ import struct
 import sys
 from array import array
 from collections.abc import Iterator
+from dataclasses import dataclass
 from os import SEEK_END
 from typing import Protocol
 
 from smarttestudo.bags import magic
-from smarttestudo.domain.dataclass import dataclass
 
 _READ_BYTES = 1 << 20
 _WORD_BYTES = 4

@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cache
 
 from smarttestudo.checks.analysis.branch_index import BranchIndex
 from smarttestudo.checks.analysis.results import State
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes import Box, Domain, Effort, TooComplexError, find_box
 from smarttestudo.language.boxes.index import Interval, meets

@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.boxes import Border
 from smarttestudo.language.resolved_rules import Branch, ResolvedBlock, ResolvedRate

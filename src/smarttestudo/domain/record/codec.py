@@ -11,13 +11,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record.entry import AtMost, Decimals, JsonEntry, Mark, Significant, json_name, marks
 from smarttestudo.domain.record.plain import PLAIN, read_any, read_mapping
 

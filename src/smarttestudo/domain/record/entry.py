@@ -5,10 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import Enum
 from typing import Annotated, Any, TypeVar, get_args, get_origin
-
-from smarttestudo.domain.dataclass import dataclass
 
 _Method = TypeVar("_Method", bound=Callable[..., object])
 

@@ -10,11 +10,11 @@ nothing is lost to rounding.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, pairwise
 from math import ceil, floor
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError
 
 Corner = tuple[int, int]

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from enum import Enum
 from itertools import product
 from types import MappingProxyType
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.syntax import (
     And,

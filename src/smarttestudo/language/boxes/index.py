@@ -8,9 +8,9 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from heapq import heappop, heappush
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes.box import Box, Effort
 

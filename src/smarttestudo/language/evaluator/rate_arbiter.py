@@ -6,10 +6,9 @@ from __future__ import annotations
 
 from bisect import bisect_left, insort
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
 from smarttestudo.language.evaluator.literal import TRUE, UNKNOWN

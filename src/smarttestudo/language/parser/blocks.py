@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from smarttestudo.domain.dataclass import dataclass
+from dataclasses import dataclass
+
 from smarttestudo.domain.finding import Fix
 from smarttestudo.language.comments import NO_TRIVIA, Comment, Trivia, label_in
 from smarttestudo.language.parser.conditions import parse_condition, parse_property

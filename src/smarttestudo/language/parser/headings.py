@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.finding import Fix
 from smarttestudo.language.parser.cursor import SAFE_PLACES, BrokenStatementError, Cursor
 from smarttestudo.language.parser.tokens import Token, TokenKind

@@ -7,8 +7,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-
-from smarttestudo.domain.dataclass import dataclass
+from dataclasses import dataclass
 
 Reader = Callable[[object], float]
 """Reads a decoded message; NaN stands for unknown."""

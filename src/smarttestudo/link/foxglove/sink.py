@@ -9,7 +9,7 @@ import re
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from foxglove import Channel, Context, Schema, start_server
 from foxglove.websocket import ChannelView, Client, ServerListener
@@ -17,7 +17,6 @@ from foxglove.websocket import ChannelView, Client, ServerListener
 from smarttestudo.bags.definition_text import is_idl_definition
 from smarttestudo.bags.definitions import TypeLibrary
 from smarttestudo.domain import recording
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import PortError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.say_once import SayOnce

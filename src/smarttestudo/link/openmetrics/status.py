@@ -7,12 +7,11 @@ from __future__ import annotations
 import math
 import types
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import is_dataclass
+from dataclasses import dataclass, is_dataclass
 from functools import cache
 from operator import attrgetter
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.metric import Metered, Metric, MetricKind, MetricName, Sample
 from smarttestudo.domain.record import marks
 from smarttestudo.domain.status import RuntimeStatus, TopicStatus

@@ -5,10 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from smarttestudo.domain.command import IncomingCommands, TooOld
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.link import OutgoingLink
 from smarttestudo.domain.robot import Publisher, Qos, Robot

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.chunks import SESSION_OFFSETS, Chunk
 

@@ -7,10 +7,9 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.incidents.fetching import ANSWERED_WITHIN_NS
 from smarttestudo.link.protocol.window import Window

@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import dataclass
 from typing import NamedTuple
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.link.protocol.wire import HEAD_BYTES, Kind, frame, kind_of, malformed
 
 MAX_MESSAGE_BYTES = 64 * 1024 * 1024

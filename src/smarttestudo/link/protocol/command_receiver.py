@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from smarttestudo.domain.command import MAX_AGE_NS
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S

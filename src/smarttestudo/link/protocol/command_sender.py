@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
 
 from smarttestudo.domain.command import MAX_AGE_NS, MAX_COMMAND_BYTES, SentCounts
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S

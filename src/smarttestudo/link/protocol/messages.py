@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from smarttestudo.domain.command import MAX_COMMAND_BYTES, MAX_COMMAND_TOPICS
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.link import Prediction, StreamInfo
 from smarttestudo.domain.link_state import CommandTopic

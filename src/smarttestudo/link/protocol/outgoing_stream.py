@@ -6,10 +6,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Collection, Hashable, Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin
 from smarttestudo.domain.link_state import StreamCounts
 from smarttestudo.domain.units import NS_PER_S

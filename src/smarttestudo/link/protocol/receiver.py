@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from smarttestudo.domain.dataclass import dataclass
+from dataclasses import dataclass
+
 from smarttestudo.link.protocol.messages import Report
 
 MAX_RECEIVERS = 64

@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.link import StreamInfo
 from smarttestudo.link.zenoh.arrivals import LinkEvent, RobotPresence, StreamSaid
 

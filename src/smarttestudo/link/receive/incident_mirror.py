@@ -7,11 +7,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryFile
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import said
 from smarttestudo.domain.remote_incidents import (
     FetchProgress,

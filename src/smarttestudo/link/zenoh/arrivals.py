@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.link.worker import AutoResetEvent
 

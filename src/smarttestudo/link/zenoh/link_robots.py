@@ -7,11 +7,10 @@ from __future__ import annotations
 import queue
 from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TypeVar
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.parameter import Got, SilentNodeError, Values, WasSet
 from smarttestudo.domain.questions import GetParameters, GetTopics, Question, SetParameters

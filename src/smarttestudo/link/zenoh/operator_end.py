@@ -7,11 +7,10 @@ from __future__ import annotations
 import secrets
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 import zenoh
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import STATUS_TOPIC

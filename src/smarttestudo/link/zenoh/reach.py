@@ -7,9 +7,9 @@ from __future__ import annotations
 import socket
 import ssl
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.zenoh.security import LinkOptions, Locator, key_files, tls_settings
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 import ipaddress
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError, UsageError
 
 _LOCAL_PROTOCOLS = ("unixsock-stream", "unixpipe")

@@ -7,11 +7,10 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import zenoh
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.protocol.keys import ALL_STATUSES, MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.protocol.status_stream import Record, StatusReceiver

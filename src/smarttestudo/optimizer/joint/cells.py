@@ -7,8 +7,8 @@ from __future__ import annotations
 import bisect
 import math
 from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.boxes import Box, Domain, Effort, boxes_where
 from smarttestudo.language.normal_form import reads, signals_of

@@ -8,9 +8,8 @@ import heapq
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -13,7 +14,6 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullLocator
 
 from smarttestudo.bags.statistics import IntervalBin
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.report.figures.styles import INK, plain
 from smarttestudo.report.run_report import RunReport, charted_series
 

@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from matplotlib.lines import Line2D
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.report.rule_styles import DEFAULTS, RuleStyle
 from smarttestudo.report.styles import BUDGET_DASH, DASHES, DEFAULTS_WIDTH, ON_PAPER, PATH_WIDTH
 

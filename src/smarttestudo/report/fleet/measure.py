@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
 
@@ -21,7 +21,6 @@ from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.statistics import RecordingSpan
 from smarttestudo.bags.topic_selection import is_selected
 from smarttestudo.bags.trace import TraceAccumulator
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.units import NS_PER_S

@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import counted, grouped
 from smarttestudo.report.document import html_document
 from smarttestudo.report.fleet.recording_numbers import RecordingNumbers

@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from datetime import datetime, timezone
 from typing import Annotated
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record import JsonEntry, to_json
 from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.report.summary import PositionError

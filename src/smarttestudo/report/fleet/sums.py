@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.report.fleet.recording_numbers import (
     BoundNumbers,
     RecordingNumbers,

@@ -6,9 +6,8 @@ from __future__ import annotations
 
 import heapq
 from collections import defaultdict
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
 from smarttestudo.report.fleet.sums import BoundSums, RuleSums, Sums, Volume, of_recording
 from smarttestudo.report.fleet.trend import Trend

@@ -6,11 +6,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from datetime import datetime, timedelta, timezone
 from enum import Enum
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
 from smarttestudo.report.fleet.sums import Sums

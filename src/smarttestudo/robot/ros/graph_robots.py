@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.names import NAME_OPTION, STATUS_TOPIC
 from smarttestudo.domain.parameter import Got, SilentNodeError, Values, WasSet

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -13,7 +14,6 @@ from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.exceptions import NameValidationException, ParameterException
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError, UsageError, said
 from smarttestudo.domain.parameter import (
     Accept,

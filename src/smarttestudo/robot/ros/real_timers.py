@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-
-from smarttestudo.domain.dataclass import dataclass
+from dataclasses import dataclass
 
 
 @dataclass(slots=True)

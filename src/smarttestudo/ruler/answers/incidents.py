@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from msgspec import Struct
 
 from smarttestudo.bags.incident_record import RECORD_NAME
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.incident import IncidentRecord
 from smarttestudo.domain.remote_incidents import RemoteIncident

@@ -9,10 +9,10 @@ it has a link and a name on it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Literal
 
 from smarttestudo.domain.bound_texts import bound_texts
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.link_state import LinkState, TopicOnLink
 from smarttestudo.domain.record import Measured
 from smarttestudo.domain.status import DiagnosticLevel, RulesInForce, RuntimeStatus

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from msgspec import Struct
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile

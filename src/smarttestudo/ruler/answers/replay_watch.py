@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from smarttestudo.bags.floor import PathPoint
 from smarttestudo.bags.trace import TraceAccumulator
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, MessageDecoder, RecordingReader, first_of_topics
 from smarttestudo.domain.signal import Truth

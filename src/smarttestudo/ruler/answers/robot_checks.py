@@ -8,12 +8,12 @@ import math
 from array import array
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import islice
 from threading import Lock
 
 from msgspec import Struct
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.ruler.answers.replay_watch import BlockTurns

@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
 from enum import Enum
 from threading import Lock
 
 from msgspec import Struct
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import json_name
 from smarttestudo.domain.status import BlockStatus, RulesOrigin, RuntimeStatus

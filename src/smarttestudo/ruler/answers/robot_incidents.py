@@ -9,13 +9,12 @@ import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, ExitStack
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 from msgspec import Struct
 
 from smarttestudo.bags.incident_record import RECORD_NAME
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.remote_incidents import FetchProgress, RemoteIncident, RemoteIncidents
 from smarttestudo.ruler.answers.incident_keeping import INCIDENTS_FOLDER

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from smarttestudo.accuracy.reconstruction import TimeBins
@@ -13,7 +14,6 @@ from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.checks import CheckContext, check_rules
 from smarttestudo.domain.bound_texts import bound_texts
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile

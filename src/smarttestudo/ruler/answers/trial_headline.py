@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Annotated
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.record import Mark
 from smarttestudo.domain.units import counted
 from smarttestudo.ruler.answers.trial_loss import TryImages, TryLoss, TryTopicLoss

@@ -6,10 +6,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.incident import IncidentRecord, Missing
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.folders import first_record, record_holding

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 from smarttestudo.accuracy.crossings import thresholds_of
@@ -19,7 +20,6 @@ from smarttestudo.accuracy.measure import (
 from smarttestudo.accuracy.reconstruction import BinnedSeries, TimeBins, binned_age, binned_error
 from smarttestudo.accuracy.recorded_samples import SampleTaker, TopicReading
 from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel, RecordingReader
 from smarttestudo.domain.units import NS_PER_S, grouped

@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from msgspec import Struct
 
 from smarttestudo.checks.blocks import BLOCKS_CLASH
 from smarttestudo.checks.wording import check_text
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.source import Span
 from smarttestudo.editing import Document

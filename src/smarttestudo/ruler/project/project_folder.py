@@ -11,13 +11,13 @@ import stat
 import threading
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from enum import Enum
 from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from smarttestudo.bags.bag_files import find_bag_files
 from smarttestudo.bags.metadata_text import METADATA_NAME
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.files.input_file import read_input, require_file
 from smarttestudo.files.removal import remove

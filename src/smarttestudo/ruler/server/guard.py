@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from http.cookies import CookieError, SimpleCookie
 from ipaddress import ip_address
 from urllib.parse import parse_qs, urlsplit
@@ -20,7 +20,6 @@ from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.ruler.server.errors import RequestError, error_answer
 from smarttestudo.ruler.server.permission import Permission, note_permission, only_reads
 from smarttestudo.ruler.server.token_page import token_page

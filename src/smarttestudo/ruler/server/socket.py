@@ -9,13 +9,13 @@ import contextlib
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Literal
 
 import msgspec
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from smarttestudo import __version__
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.answers.live_view import Live, RobotSummary
 from smarttestudo.ruler.server.permission import Permission, noted_permission

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarttestudo import __version__
@@ -15,7 +15,6 @@ from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules
 from smarttestudo.bags.comparison import Comparison
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S

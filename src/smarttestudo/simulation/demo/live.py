@@ -9,11 +9,10 @@ import subprocess
 import sys
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarttestudo.bags.writer import create_recording
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.domain.names import DECISIONS_TOPIC, output_name
 from smarttestudo.domain.payload import Payload

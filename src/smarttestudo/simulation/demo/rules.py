@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.rules.rule_files import read_rule_text

@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.robot import Publisher, Robot
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.simulation.camera import FrameSize

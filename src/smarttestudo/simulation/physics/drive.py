@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.simulation.camera import Camera, FrameSize, raspberry_pi_lens
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Pose

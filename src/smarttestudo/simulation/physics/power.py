@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from smarttestudo.domain.dataclass import dataclass
+from dataclasses import dataclass
 
 _FULL_V_SHARE = 1.13
 _EMPTY_V_SHARE = 0.90

@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement, tostring
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.floor_plan import FloorPlan, ObstacleKind, Rectangle
 from smarttestudo.simulation.geometry import Pose
 from smarttestudo.simulation.physics.names import FLOOR

@@ -8,8 +8,8 @@ import ctypes
 import os
 import struct
 from ctypes import c_char, c_int, c_size_t, c_void_p
+from dataclasses import dataclass
 
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError
 
 RCL_RET_OK = 0

@@ -10,12 +10,12 @@ import struct
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from ctypes import c_int, c_size_t, c_uint64, c_void_p
+from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from pathlib import Path
 
 from smarttestudo.domain.compiled_relay import MessageCopy
-from smarttestudo.domain.dataclass import dataclass
 from smarttestudo.domain.errors import RosError
 from smarttestudo.robot.ros.rcl.bindings import bytes_at
 from smarttestudo.robot.ros.rcl.relay_library import LIBRARY, REMEDY
