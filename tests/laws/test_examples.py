@@ -41,7 +41,10 @@ def laws(tmp_path: Path) -> Path:
 def run(laws: Path, *options: str) -> str:
     """What pytest says of the laws of another folder, by the settings of this one."""
     command = (sys.executable, "-m", "pytest", "-p", "conftest", "-p", "no:cacheprovider", *options, ".")
-    environment = {**os.environ, "PYTHONPATH": str(TESTS)}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(TESTS), str(TESTS.parent / "benchmarks")]),
+    }
     return subprocess.run(
         command, cwd=laws, env=environment, check=False, capture_output=True, text=True
     ).stdout

@@ -71,7 +71,7 @@ def test_of_a_topic_too_slow_for_tiers_and_of_empty_messages_the_profile_reads_b
     assert profile.topic("/scan").message_kb is None
 
 
-@pytest.mark.parametrize("last_ns", [1_700_000_000 * S, 1_000_000_100])
+@pytest.mark.parametrize("last_ns", [300 * 86_400 * S, 1_000_000_100])
 def test_of_stamps_that_no_source_has_the_profile_reads_back_without_a_rate(
     tmp_path: Path, last_ns: int
 ) -> None:

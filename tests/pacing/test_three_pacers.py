@@ -218,7 +218,8 @@ class NaiveStream:
             if self.lag_ns < 2 * self.step_ns <= 2 * gap_ns:
                 self.lag_ns -= self.lag_ns // 8
             most_ns = min(8 * (self.burst_ns() - self.step_ns), 2 * NS_PER_S) if self.has_bursts() else 0
-            self.lag_ns = max(min(self.lag_ns + gap_ns - self.step_ns, most_ns), 0)
+            late_ns = min(gap_ns, max(gaps[:-1], default=0)) - self.step_ns
+            self.lag_ns = max(min(self.lag_ns + late_ns, most_ns), 0)
 
     def has_bursts(self) -> bool:
         return self.step_ns > 0 and self.burst_ns() >= Fraction(5, 4) * self.step_ns

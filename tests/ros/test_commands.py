@@ -122,8 +122,8 @@ def test_another_type_at_the_operator_s_costs_that_topic_and_is_said(
     )
     operators.source(joy={"type": JOY_TYPE, "hz": 5}, goal_pose={"type": GOAL_TYPE, "hz": 5})
     said = receiving.line_with("/joy is not sent to ada")
-    assert said.strip() == (
-        f"testudo: /joy is not sent to ada: it is {JOY_TYPE} here and std_msgs/msg/String at ada"
+    assert said.strip().endswith(
+        f"  testudo: /joy is not sent to ada: it is {JOY_TYPE} here and std_msgs/msg/String at ada"
     )
     while len((arrived := station.result("go on"))["goal"]) < 5:
         pass

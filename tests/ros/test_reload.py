@@ -102,7 +102,7 @@ def test_rules_whose_file_name_is_not_utf_8_are_followed_and_told(robot: SmallRo
     assert remote.ask("get", "writable_rules_file") == shown
     assert json.loads(remote.ask("get", "rules_in_force"))["files"] == [{"name": shown, "text": text}]
     replace_text(path, "begin")
-    assert f"{shown}:1:6: error: " in runtime.line_with(STAY)
+    assert f"{folder}/r\\udce9gles.adirf:1:6: error: " in runtime.line_with(STAY)
     success, message = remote.ask("reload")
     assert (success, message.startswith(f"{shown}:1:6: error: ")) == (False, True)
     replace_text(path, text.replace("10", "20"))

@@ -158,6 +158,7 @@ class BurstGaps(SourceGaps):
         is_first = now_ns // BUCKET_NS != self._number
         if is_first:
             self._begin_bucket(now_ns // BUCKET_NS)
+        longest_ns = self.longest_ns
         gap_ns = self._add(count, (now_ns - last_ns) // count)
         if is_first or gap_ns >= self.step_ns:
             self.step_ns = self.mean_ns
@@ -166,7 +167,9 @@ class BurstGaps(SourceGaps):
             # So small a rest is the error of the mean gap: else it would grow, and messages be lost by it.
             lag_ns -= lag_ns // REST_SHARE
         most_ns = MOST_LAG * (self.weighted_mean_ns - step_ns) if self.comes_in_bursts else 0
-        self.lag_ns = max(min(lag_ns + count * (gap_ns - step_ns), most_ns, LONGEST_NS), 0)
+        # One gap that is longer than all before it is an outage, not yet the pause between bursts.
+        late_ns = min(gap_ns, longest_ns) - step_ns
+        self.lag_ns = max(min(lag_ns + count * late_ns, most_ns, LONGEST_NS), 0)
 
     @property
     def comes_in_bursts(self) -> bool:

@@ -16,7 +16,6 @@ from enum import Enum
 from itertools import islice
 from pathlib import Path, PurePosixPath
 
-from smarttestudo.bags.bag_files import find_bag_files
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.files.input_file import read_input, require_file
@@ -133,6 +132,8 @@ class ProjectFolder:
 
     def bag(self, name: str) -> Path:
         """The path of the bag ``name``, of which no link leads out of the project."""
+        from smarttestudo.bags.bag_files import find_bag_files  # noqa: PLC0415  --help works without packages
+
         path = self.path(name)
         mode = _mode(path)
         if mode is None:

@@ -182,14 +182,15 @@ static void record_arrival(stream_t *stream, int64_t now) {
     }
     int is_first = number > last_ns / BUCKET_NS;
     if (is_first) begin_buckets(stream, last_ns / BUCKET_NS, number);
-    int64_t gap_ns = min_ns(now - last_ns, LONGEST_NS);
+    int64_t gap_ns = min_ns(now - last_ns, LONGEST_NS), longest_ns = stream->sum.longest_ns;
     add_gap(&stream->buckets[number % BUCKETS], gap_ns);
     add_gap(&stream->sum, gap_ns);
     if (is_first || gap_ns >= stream->step_ns) stream->step_ns = stream->sum.total_ns / stream->sum.count;
     int64_t step_ns = stream->step_ns, lag_ns = stream->lag_ns;
     if (gap_ns >= step_ns && lag_ns < 2 * step_ns) lag_ns -= lag_ns / REST_SHARE;
     int64_t most_ns = comes_in_bursts(stream) ? MOST_LAG * (weighted_mean_ns(stream) - step_ns) : 0;
-    stream->lag_ns = max_ns(min_ns(lag_ns + gap_ns - step_ns, min_ns(most_ns, LONGEST_NS)), 0);
+    int64_t late_ns = min_ns(gap_ns, longest_ns) - step_ns;
+    stream->lag_ns = max_ns(min_ns(lag_ns + late_ns, min_ns(most_ns, LONGEST_NS)), 0);
 }
 
 /* The grid: each function is the method of that name in pacing/grid.py. */
