@@ -165,9 +165,14 @@ def test_the_bandwidth_of_several_topics_is_their_sum_in_each_second(
 
 
 @given(st.lists(st.integers(-(2**65), 2**65), min_size=1))
-def test_a_latency_of_clocks_that_are_centuries_apart_is_one(latencies_ns: list[int]) -> None:
+def test_latencies_of_clocks_that_differ_are_counted_and_in_no_number(latencies_ns: list[int]) -> None:
     latencies = LatencyAccumulator()
     for latency_ns in latencies_ns:
         latencies.add(latency_ns)
-    held_s = min(max(latencies_ns) / NS_PER_S, 2**63 / NS_PER_S)
-    assert latencies.latency().max_s == pytest.approx(max(held_s, -(2**63) / NS_PER_S))
+    of_one_clock = [one for one in latencies_ns if -60 * NS_PER_S <= one < 86_400 * NS_PER_S]
+    assert (latencies.messages, latencies.of_other_clocks) == (
+        len(latencies_ns),
+        len(latencies_ns) - len(of_one_clock),
+    )
+    if of_one_clock:
+        assert latencies.latency().max_s == pytest.approx(max(of_one_clock) / NS_PER_S)

@@ -34,7 +34,8 @@ FROM messages ORDER BY timestamp, id
 _HEADS = _SIZES.replace("END", "END, substr(data, 1, ?)")
 _NO_MESSAGE = "a row without topic, stamp or payload"
 _SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages WHERE typeof(timestamp) = 'integer'"
-_ROWS = "SELECT count(*) FROM messages NOT INDEXED"
+# SQLite counts all rows in one step, which no limit of steps ends where pages lead in circles.
+_ROWS = "SELECT total(1) FROM messages NOT INDEXED"
 _COUNT = "SELECT count(*) FROM messages WHERE topic_id = ?"
 _MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestamp, id"
 
