@@ -81,6 +81,26 @@ def test_recordings_are_joined_by_metadata_beside_them(tmp_path: Path) -> None:
     assert len(find_bag_files(tmp_path / "both").paths) == 2
 
 
+def test_a_file_that_the_metadata_do_not_name_is_left_out_with_a_notice(tmp_path: Path) -> None:
+    write_split_bag(tmp_path / "bag", [MISSION.between(0, HALF), MISSION.between(HALF, None)])
+    first, second = sorted((tmp_path / "bag").glob("*.db3"))
+    (tmp_path / "bag" / "metadata.yaml").write_text(listing([first.name]))
+    assert find_bag_files(tmp_path / "bag").notices == (
+        f"{second}: not read, as the metadata do not name it",
+    )
+
+
+def test_a_letter_of_another_encoding_costs_itself(tmp_path: Path) -> None:
+    path = write_bag(tmp_path / "bag", MISSION) / "metadata.yaml"
+    written = path.read_text("utf-8")
+    named = written.replace("custom_data: null", "custom_data: {operator: Jörgen}")
+    assert named != written
+    path.write_bytes(named.encode("latin-1"))
+    metadata = read_metadata(tmp_path / "bag")
+    assert metadata.message_count == len(MISSION.messages)
+    assert metadata.custom_data == {"operator": "J\ufffdrgen"}
+
+
 def test_an_entry_that_is_indented_too_far_is_one_of_the_list(tmp_path: Path) -> None:
     folder = write_split_bag(tmp_path / "bag - b", [MISSION.between(0, HALF), MISSION.between(HALF, None)])
     first, second = (f"bag - b_{number}.db3" for number in (0, 1))

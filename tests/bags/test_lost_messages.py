@@ -150,6 +150,14 @@ def test_messages_beside_chunks_are_read(tmp_path: Path, place: str) -> None:
     assert read(path) == Reading(WRITTEN, is_whole=True)
 
 
+def test_messages_of_a_channel_that_nobody_describes_are_missing(tmp_path: Path) -> None:
+    path, channel_at = tmp_path / "homeless.mcap", FRAME.size
+    homeless = [one[:channel_at] + struct.pack("<H", 99) + one[channel_at + 2 :] for one in RECORDS]
+    path.write_bytes(file_of(ANNOUNCED, *RECORDS, *homeless))
+    with open_recording(path) as recording:
+        assert (recording.message_count, recording.readable_share) == (len(RECORDS), 0.5)
+
+
 def indexed_file(outside: int, counted: int) -> bytes:
     """A file whose summary names one chunk, and counts ``counted`` of the ``outside`` messages behind it."""
     data = file_start() + ANNOUNCED

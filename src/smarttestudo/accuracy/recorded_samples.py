@@ -93,14 +93,14 @@ class SampleTaker:
         reading = self._readings.get(topic)
         if reading is None or topic in self.samples:
             return
-        is_standard = self._decoder.is_standard(channel)
+        is_standard, why = self._decoder.is_standard(channel), self._decoder.why_undecodable(channel)
+        properties = reading.properties if why is None else ()
         samples = self.samples[topic] = TopicSamples(
-            channel, reading.properties, reading.level_unit, is_standard=is_standard
+            channel, properties, reading.level_unit, is_standard=is_standard
         )
-        if channel.type_name in STREAM_TYPES and is_standard:
+        if channel.type_name in STREAM_TYPES and is_standard and why is None:
             self._readers[topic] = StreamReader(channel.type_name)
         if reading.choose_fields is not None and channel.type_name not in reading.undecoded_types:
-            why = self._decoder.why_undecodable(channel)
             if why is None:
                 self._undecided[topic] = reading.choose_fields
             else:

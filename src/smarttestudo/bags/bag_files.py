@@ -112,11 +112,16 @@ def _in_folder(folder: Path) -> BagFiles:
         else:
             missing.append(folder / name)
     lost = (f"{path}: missing, but named in the metadata" for path in missing)
+    others = (
+        f"{path}: not read, as the metadata do not name it"
+        for path in sorted(folder.iterdir())
+        if present and str(path) not in present and _expected_magic(path) is not None
+    )
     return BagFiles(
         paths=tuple(present.values()) or _storage_files(folder),
         missing=tuple(missing),
         metadata=metadata,
-        notices=(*(f"{folder}: {notice}" for notice in metadata.notices), *lost),
+        notices=(*(f"{folder}: {notice}" for notice in metadata.notices), *lost, *others),
     )
 
 

@@ -54,7 +54,8 @@ def read_metadata(folder: Path) -> BagMetadata:
         require_file(path)
         if path.stat().st_size > MAX_BYTES:
             raise RecordingError(f"{METADATA_NAME} is larger than 50 MB", place=str(folder))
-        text = path.read_text("utf-8")
+        # A letter of another encoding, as in a note, costs itself.
+        text = path.read_bytes().decode("utf-8", "replace")
     except FileNotFoundError as error:
         raise RecordingError(f"{METADATA_NAME} is missing", place=str(folder)) from error
     except (OSError, ValueError) as error:

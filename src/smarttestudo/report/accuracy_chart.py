@@ -15,6 +15,8 @@ from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.report.scale import multiples, round_step
 
 _MARGIN = 1.15
+_LEAST = 1e-300
+"""An error that is smaller counts as none: there is no room for a margin among the numbers."""
 _STEPS = ((1, 2, 3, 5), (1, 2, 5), (1,))
 _LEAST_TICKS, _MOST_TICKS = 3, 7
 
@@ -103,7 +105,7 @@ def _points(
 ) -> tuple[tuple[int, float], ...]:
     costs = (cost(point) for point in points)
     errors = (error(one) for one in costs if one is not None)
-    known = {(one.messages, one.worst) for one in errors if 0 < one.worst < math.inf}
+    known = {(one.messages, one.worst) for one in errors if _LEAST < one.worst < math.inf}
     return tuple(sorted(known, key=lambda point: (point[0], -point[1])))
 
 

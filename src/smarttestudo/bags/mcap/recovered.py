@@ -123,8 +123,9 @@ class RecoveredMcapFile:
         """The share of the file's bytes that is there and not damaged; unknown if it is cut off."""
         if self._records.cut_off_at is not None:
             return self._records.file_bytes / self._whole_bytes if self._whole_bytes else None
-        if self._promised > self._held:
-            return self.message_count / self._promised
+        promised = max(self._promised, self._held)
+        if promised > self.message_count:
+            return self.message_count / promised
         return 1 - self._records.damaged_bytes / self._records.file_bytes
 
     def close(self) -> None:
