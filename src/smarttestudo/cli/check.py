@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TypeVar
 
 from smarttestudo.checks import CheckContext
-from smarttestudo.checks.context import ObservedValues
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings, summary
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
@@ -58,16 +57,16 @@ def add_arguments(parser: CommandParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print all findings; 1 if one is an error or a file could not be read."""
     profile = None if arguments.profile is None else _profile_of(arguments.profile)
-    bag_topics = _topics(arguments)
+    robot_topics = _robot_topics(arguments)
     texts, unreadable = _read(arguments.files)
     results = [parse(text, path) for path, text in texts.items()]
-    context = CheckContext(profile=profile, bag_topics=bag_topics, has_all_files=not unreadable)
+    context = CheckContext(profile=profile, bag_topics=robot_topics, has_all_files=not unreadable)
     if arguments.connect:
         context = replace(
             context, topics_lack="the robot publishes no", topics_have="which the robot publishes"
         )
     elif arguments.bag is not None:
-        context = replace(context, observed=_observed(arguments.bag, results, profile))
+        context = _with_recording(context, arguments.bag, results)
     findings = all_findings(results, context)
     if arguments.format == "json":
         write_lines(json.dumps([finding.to_json() for finding in findings], indent=2).split("\n"))
@@ -105,11 +104,11 @@ def _try(read: Callable[[], _T], failures: list[RuleFileError]) -> _T | None:
         return None
 
 
-def _topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
-    """The topics and types of a recording or of a robot, if one is named."""
+def _robot_topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
+    """The topics and types of a robot, if one is named."""
     options = connect_options(arguments)
     if options is None:
-        return None if arguments.bag is None else _topics_of(arguments.bag)
+        return None
     if arguments.bag is not None:
         raise UsageError("topics come from one place", place="--bag", remedy="leave out --bag or --connect")
     from smarttestudo.link.zenoh import open_link_robots  # noqa: PLC0415  most checks ask no robot
@@ -118,33 +117,25 @@ def _topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
         return topics_of_robot(robots, arguments.robot, stopped)
 
 
-def _observed(
-    bag: Path, results: Sequence[ParseResult], profile: Profile | None
-) -> Mapping[Signal, ObservedValues]:
-    """The values that the recording has of what the rules' checks read."""
-    from smarttestudo.bags.observed_values import observed_values  # noqa: PLC0415  as _topics_of
-    from smarttestudo.bags.reader import open_recording  # noqa: PLC0415
+def _with_recording(context: CheckContext, bag: Path, results: Sequence[ParseResult]) -> CheckContext:
+    """``context`` with topics and types of a recording, and the values in it of what the rules read."""
+    from smarttestudo.bags.message_types import MessageTypes  # noqa: PLC0415  as the next
+    from smarttestudo.bags.observed_values import observed_values  # noqa: PLC0415  as the next
+    from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.cli.bag_options import print_notices  # noqa: PLC0415  loads what tables need
+    from smarttestudo.domain.recording import types_of_topics  # noqa: PLC0415  as above
 
     blocks = resolve_rules([result.file for result in results], resolve_topic).blocks
     checks = (check for block in blocks for check in checks_in(block.block.condition))
     signals = {Signal(resolve_topic(check.topic.text), check.property) for check in checks}
     with open_recording(bag) as recording:
-        return observed_values(recording, signals, profile)
+        observed = observed_values(recording, signals, context.profile)
+        undecodable = MessageTypes().notices(recording.channels, "checks of its fields stay unknown")
+        print_notices((*recording.notices(), *undecodable))
+        return replace(context, bag_topics=types_of_topics(recording.channels), observed=observed)
 
 
 def _profile_of(path: Path) -> Profile:
     from smarttestudo.rules.profile_file import load_profile  # noqa: PLC0415  it loads a parser of TOML
 
     return load_profile(path)
-
-
-def _topics_of(bag: Path) -> dict[str, str]:
-    from smarttestudo.bags.message_types import MessageTypes  # noqa: PLC0415  as the next
-    from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
-    from smarttestudo.cli.bag_options import print_notices  # noqa: PLC0415  loads what tables need
-    from smarttestudo.domain.recording import types_of_topics  # noqa: PLC0415
-
-    with open_recording(bag) as recording:
-        undecodable = MessageTypes().notices(recording.channels, "checks of its fields stay unknown")
-        print_notices((*recording.notices(), *undecodable))
-        return types_of_topics(recording.channels)
