@@ -120,9 +120,8 @@ class Receiver:
         while self._next is not None and self._next.stamp_ns <= end_ns:
             self._show_next(self._next)
 
-    def errors(self, sent: Message, later: Later) -> dict[str, float]:
-        """How far each property that a message of the robot says is off in the picture after it."""
-        self.catch_up(sent, later)
+    def errors(self, sent: Message) -> dict[str, float]:
+        """How far each property that ``sent`` says is off in the picture, which has caught up with it."""
         errors = self._picture.judged_errors(sent.readings, None)
         return dict.fromkeys(errors, 0.0) if self._has_just_shown(sent) else errors
 
@@ -147,7 +146,8 @@ def picture_errors(
     for message, later in with_later(sent):
         now_ns = message.stamp_ns
         for receiver, properties in zip(receivers, found, strict=True):
-            errors = receiver.errors(message, later)
+            receiver.catch_up(message, later)
+            errors = receiver.errors(message)
             for name in {**properties, **errors}:
                 error = errors.get(name, math.inf)
                 properties.setdefault(name, ErrorOverTime(now_ns)).add(error, now_ns)

@@ -165,7 +165,7 @@ class BoundWatch:
         self._advance(now_ns)
         if not self._bounds:
             return
-        errors = self._receiver.errors(message, later)
+        errors = self._receiver.errors(message)
         for name, bound in self._bounds.items():
             tally = self._tally(name, bound)
             if name in errors:
