@@ -135,26 +135,27 @@ def _types_in(definition: str, type_name: str) -> Typesdict | str:
     What the definition names and does not define is as in ROS 2.
     """
     try:
-        types = _parsed(definition, type_name)
+        found = _with_inner(_parsed(definition, type_name), type_name)
+        require_few_values(found, type_name)
     except _BROKEN_DEFINITION as error:
         return str(error)
+    return found
+
+
+def _with_inner(types: Typesdict, type_name: str) -> Typesdict:
+    """The type and those within it, of ROS 2 where ``types`` lack one. Raises ``DefinitionError``."""
     lacks = type_name
-    for release in (None, *_STORES):
+    for release in (None, *_STORES) if type_name in types else ():
         known = types if release is None else {**_release(release).fielddefs, **types}
         try:
-            found = types_within(known, type_name) if type_name in types else {}
+            found = types_within(known, type_name)
         except KeyError as error:
             lacks = str(error.args[0])
             continue
-        if found:
-            if not nest_at_most(found, _DEEPEST):
-                return f"its types nest without end, or beyond {_DEEPEST}"
-            try:
-                require_few_values(found, type_name)
-            except ValueError as error:
-                return str(error)
-            return found
-    return f"it does not define {lacks}"
+        if not nest_at_most(found, _DEEPEST):
+            raise DefinitionError(f"its types nest without end, or beyond {_DEEPEST}")
+        return found
+    raise DefinitionError(f"it does not define {lacks}")
 
 
 def _parsed(definition: str, type_name: str) -> Typesdict:
@@ -173,7 +174,7 @@ def _parsed(definition: str, type_name: str) -> Typesdict:
             try:
                 types[of] = [], msg_fields(part, of.partition("/")[0], name.kind if name else "msg")
             except DefinitionError:
-                if of == type_name or not _is_standard(of):
+                if of == type_name or not _is_of_ros(of):
                     raise
     if not own[0].is_idl and not is_generated:
         # The first text is that of the type, whatever its header calls it.
@@ -189,7 +190,7 @@ def _types_of_idl(section: Section) -> Typesdict:
         raise DefinitionError(f"the text from line {section.line} on is no IDL") from error
 
 
-def _is_standard(type_name: str) -> bool:
+def _is_of_ros(type_name: str) -> bool:
     return any(type_name in _release(release).fielddefs for release in _STORES)
 
 

@@ -13,7 +13,7 @@ from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.checks.context import ObservedValues
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import RecordingReader
+from smarttestudo.domain.recording import RecordingReader, first_of_topics
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import counted
 from smarttestudo.language.parser.suggestions import closest
@@ -46,7 +46,7 @@ def observed_values(
     recording: RecordingReader, signals: Collection[Signal], profile: Profile | None = None
 ) -> dict[Signal, ObservedValues]:
     """Values of each of ``signals`` whose topic the recording has; of two types the first counts."""
-    channels = {channel.topic: channel for channel in reversed(recording.channels)}
+    channels = first_of_topics(recording.channels)
     decoder, found = RosbagDecoder(), dict[str, dict[Signal, _Observed]]()
     for signal in signals:
         if signal.topic in channels and signal.property not in ARRIVAL_PROPERTIES:

@@ -200,8 +200,9 @@ class RosbagRecording:
         readable = sum(file.message_count for file in files)
         if not self._lacks_files and all(file.readable_share == 1 for file in files):
             return min(1.0, readable / self._promised_messages) if self._promised_messages else 1.0
-        promised = max(self._promised_messages, (not self._lacks_files and _messages_once(files)) or 0)
-        return readable / promised if promised >= readable and promised else None
+        told = None if self._lacks_files else _messages_once(files)
+        promised = max(self._promised_messages, told or 0)
+        return readable / promised if promised and promised >= readable else None
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[RecordedMessage]:
         """All messages, or those of ``topics``, in time order; memory does not grow with their number."""

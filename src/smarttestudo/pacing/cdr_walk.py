@@ -57,12 +57,20 @@ class CdrWalk:
         return range(count)
 
     def count(self) -> int:
-        """How many elements a sequence has that begins here."""
-        return self._length()
+        """How many elements a sequence has that begins here, or bytes a text."""
+        self._steps += 1
+        start = self.skip(self._uint32.size, 4)
+        (length,) = self._uint32.unpack_from(self.payload, start)
+        if length > len(self.payload):
+            raise struct.error
+        if self._steps > MAX_STEPS:
+            raise TooLongError
+        self._keep(start)
+        return int(length)
 
     def array(self, size_bytes: int, alignment: int) -> None:
         """Pass over a sequence of elements of that size and alignment."""
-        if count := self._length():
+        if count := self.count():
             self.skip(count * size_bytes, alignment)
 
     def number(self) -> int:
@@ -74,14 +82,14 @@ class CdrWalk:
 
     def text(self) -> str:
         """A text, which is kept."""
-        start = self.skip(self._length(), 1)
+        start = self.skip(self.count(), 1)
         self._keep(start)
         return text_at(self.payload, start, self.at)
 
     def skip_texts(self, count: int = 1) -> None:
         """Pass over so many texts."""
         for _ in range(count):
-            self.skip(self._length(), 1)
+            self.skip(self.count(), 1)
 
     def header(self) -> None:
         """Pass over a std_msgs/Header."""
@@ -97,17 +105,6 @@ class CdrWalk:
             fields.append(f"{start - end}x{kept_end - start}s")
             end = kept_end
         return struct.Struct("".join((*fields, f"{len(self.payload) - end}x")))
-
-    def _length(self) -> int:
-        self._steps += 1
-        start = self.skip(self._uint32.size, 4)
-        (length,) = self._uint32.unpack_from(self.payload, start)
-        if length > len(self.payload):
-            raise struct.error
-        if self._steps > MAX_STEPS:
-            raise TooLongError
-        self._keep(start)
-        return int(length)
 
     def _keep(self, start: int) -> None:
         """Keep what begins at ``start`` and ends here, together with what was kept just before it."""

@@ -84,9 +84,9 @@ class StatisticsEntry:
 
 @dataclass(slots=True, kw_only=True)
 class McapSummary:
-    """Content of a summary, which begins at byte ``start``, schemas and channels by their numbers.
+    """Content of a summary, which begins at byte ``start``.
 
-    Where metadata are is by their name.
+    Schemas and channels are by their numbers, the bytes at which metadata begin by their names.
     """
 
     start: int
@@ -109,7 +109,7 @@ class McapSummary:
                 self.statistics = read_statistics(content)
             case Op.METADATA_INDEX:
                 name, _ = read_text(content, _METADATA_PLACE.size)
-                self.metadata_places.setdefault(name, *_METADATA_PLACE.unpack_from(content)[:1])
+                self.metadata_places.setdefault(name, _METADATA_PLACE.unpack_from(content)[0])
 
 
 def read_summary(file: BinaryIO) -> McapSummary | None:
