@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -98,31 +99,39 @@ def _in_folder(folder: Path) -> BagFiles:
         notice = f"{folder}: {error.cause}; the files in the folder were read instead"
         return BagFiles(paths=paths, metadata=BagMetadata(), notices=(notice,))
     require_known_formats(metadata, folder)
+    present, missing = _named_files(folder, metadata.file_names)
+    lost = (f"{path}: missing, but named in the metadata" for path in missing)
+    # Paths behind a URL are equal only as texts.
+    named = set(map(str, present))
+    others = (
+        f"{path}: not read, as the metadata do not name it"
+        for path in sorted(folder.iterdir())
+        if named and str(path) not in named and _expected_magic(path) is not None
+    )
+    return BagFiles(
+        paths=present or _storage_files(folder),
+        missing=missing,
+        metadata=metadata,
+        notices=(*(f"{folder}: {notice}" for notice in metadata.notices), *lost, *others),
+    )
+
+
+def _named_files(folder: Path, names: Iterable[str]) -> tuple[tuple[Path, ...], tuple[Path, ...]]:
+    """The files that metadata in ``folder`` name, and the places of those that are missing."""
     present: dict[str, Path] = {}
     missing: list[Path] = []
-    names = [*reversed(dict.fromkeys(metadata.file_names))]
-    while names:
-        name = names.pop()
+    to_find = deque(dict.fromkeys(names))
+    while to_find:
+        name = to_find.popleft()
         places = (one for one in _places(folder, name) if str(one) not in present and one.is_file())
         place = next(places, None)
         if place is not None:
             present[str(place)] = place
         elif _CONTINUED in name:
-            names += reversed(name.split(_CONTINUED))
+            to_find.extendleft(reversed(name.split(_CONTINUED)))
         else:
             missing.append(folder / name)
-    lost = (f"{path}: missing, but named in the metadata" for path in missing)
-    others = (
-        f"{path}: not read, as the metadata do not name it"
-        for path in sorted(folder.iterdir())
-        if present and str(path) not in present and _expected_magic(path) is not None
-    )
-    return BagFiles(
-        paths=tuple(present.values()) or _storage_files(folder),
-        missing=tuple(missing),
-        metadata=metadata,
-        notices=(*(f"{folder}: {notice}" for notice in metadata.notices), *lost, *others),
-    )
+    return tuple(present.values()), tuple(missing)
 
 
 def _places(folder: Path, name: str) -> Iterator[Path]:
