@@ -14,9 +14,9 @@ import statistics
 import warnings
 from collections.abc import Callable
 
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
-from smarttestudo.domain.source import Span
 from smarttestudo.optimizer.model import Model, Requirement, needs_of
 from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem
 from smarttestudo.optimizer.rule_rates import solve_requirements

@@ -16,8 +16,14 @@ import pytest
 
 import smarttestudo
 from bags.bag_factory import small_mission, write_bag
-from smarttestudo.domain.errors import ProfileError, RuleFileError, TestudoError, UsageError
-from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.domain.errors import (
+    Extra,
+    ProfileError,
+    RuleFileError,
+    TestudoError,
+    UsageError,
+    how_to_install,
+)
 
 SIGNATURES = {
     "check_rules": "(*rules, profile=None)",
@@ -62,7 +68,7 @@ def test_importing_the_package_alone_imports_nothing_else() -> None:
 import sys
 before = set(sys.modules)
 import smarttestudo
-from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.domain.errors import Extra, how_to_install
 new = {name.partition(".")[0] for name in set(sys.modules) - before} - sys.stdlib_module_names
 assert new == {"smarttestudo"}, new
 assert "smarttestudo.api" not in sys.modules

@@ -42,7 +42,7 @@ def __getattr__(name: str) -> object:
     """
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from smarttestudo.domain.packages import missing_package  # noqa: PLC0415  see above
+    from smarttestudo.domain.errors import missing_package  # noqa: PLC0415  see above
 
     try:
         return getattr(import_module("smarttestudo.api"), name)

@@ -21,11 +21,11 @@ from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, is_url, remote_path
 from smarttestudo.checks import CheckContext
-from smarttestudo.domain.budget import budget_kb_per_s as budget_kb_per_s_of
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.profile import budget_kb_per_s as budget_kb_per_s_of
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RuleSet

@@ -21,8 +21,8 @@ from smarttestudo.bags.measure import measure_bag, measure_run
 from smarttestudo.bags.msg_fields import msg_fields
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.writer import create_recording
+from smarttestudo.domain.names import ros_type_name
 from smarttestudo.domain.recording import Channel, ForeignSchema, Storage
-from smarttestudo.domain.type_names import ros_type_name
 
 NAME = "demo/msg/Level"
 HEADER = "builtin_interfaces/Time stamp\nstring frame_id\n"

@@ -33,7 +33,7 @@ from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.statistics import RecordingSpan, topic_statistics
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.intervals import Intervals
+from smarttestudo.domain.rate_meter import Intervals
 
 MISSION = small_mission()
 Size = tuple[str, int, int]

@@ -5,8 +5,7 @@
 from __future__ import annotations
 
 from smarttestudo.checks import CheckContext, check_rules
-from smarttestudo.domain.finding import Finding
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Finding, Span
 from smarttestudo.language.parser import parse
 
 ONE_BLOCK = "begin SetFrequency /odom 10 If {} Then SetFrequency /odom 4 EndIf end"

@@ -28,9 +28,8 @@ from smarttestudo.cli import check
 from smarttestudo.cli.commands import command_parser
 from smarttestudo.cli.finding_text import finding_lines, print_findings, summary
 from smarttestudo.domain.errors import ProfileError, UsageError
-from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.finding import Finding, Severity, Span
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.source import Span
 
 GOOD = "begin\n  SetFrequency /odom 10\nend\n"
 DOUBTFUL = "begin\n  SetFrequency /odom 10\n  SetFrequency /odom 4\nend\n"

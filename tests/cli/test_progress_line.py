@@ -17,7 +17,7 @@ import pytest
 
 from smarttestudo.cli.progress import written_over
 from smarttestudo.cli.remote_incidents import progress_line
-from smarttestudo.domain.remote_incidents import FetchProgress
+from smarttestudo.domain.incident import FetchProgress
 
 FETCH = FetchProgress(
     got_bytes=12_000_000,

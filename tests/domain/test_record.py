@@ -27,8 +27,9 @@ from smarttestudo.domain.incident import (
     LatchedSample,
     Missing,
     MissingReason,
+    incident_to_json,
+    read_incident,
 )
-from smarttestudo.domain.incident_json import incident_to_json, read_incident
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon, SourceChanged
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import (
@@ -44,7 +45,7 @@ from smarttestudo.domain.record import (
     measured_names,
     to_json,
 )
-from smarttestudo.domain.utf_8 import in_utf_8
+from smarttestudo.domain.texts import in_utf_8
 from smarttestudo.loop.decision_log import read_decisions
 from smarttestudo.loop.input_log import input_from_json, input_to_json
 from smarttestudo.loop.inputs import ChangeInput, MessageInput, RuleTextsInput, WakeInput

@@ -13,7 +13,7 @@ import pytest
 
 from incidents.test_store import NAME, RECORD
 from smarttestudo.cli.main import main
-from smarttestudo.domain.incident_json import incident_text
+from smarttestudo.domain.incident import incident_text
 from smarttestudo.files.removal import ForeignFilesError, remove, temporary_folder
 from smarttestudo.incidents.space import make_room
 

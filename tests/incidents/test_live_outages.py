@@ -16,8 +16,7 @@ from loop.loop_driver import rule_set_of
 from robot.memory_link import MemoryLink
 from robot.status.virtual_robot import SECOND, VirtualRobot
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
-from smarttestudo.domain.link import MessageOrigin, MissedMessage
-from smarttestudo.domain.link_state import LinkState
+from smarttestudo.domain.link import LinkState, MessageOrigin, MissedMessage
 from smarttestudo.domain.robot import Qos
 from smarttestudo.domain.status import RulesInForce
 from smarttestudo.incidents.live_outages import FOLDER_NS, MAX_FOLDERS, LiveOutages

@@ -23,8 +23,8 @@ from smarttestudo.domain.incident import (
     LatchedSample,
     Missing,
     MissingReason,
+    incident_text,
 )
-from smarttestudo.domain.incident_json import incident_text
 
 RECORD = IncidentRecord(
     name="near miss",

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.remote_incidents import RemoteIncident
+from smarttestudo.domain.incident import RemoteIncident
 from smarttestudo.incidents.transfer_messages import (
     AskBytes,
     AskList,

@@ -32,7 +32,7 @@ from installations.environments import (
 )
 from link.zenoh.ends import free_endpoint, until
 from ros.ros_processes import Process, SmallRobot
-from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.domain.errors import Extra, how_to_install
 
 ODOM = {"type": "nav_msgs/msg/Odometry", "hz": 50}
 RULES = """begin

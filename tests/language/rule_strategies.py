@@ -15,8 +15,8 @@ from itertools import zip_longest
 
 from hypothesis import strategies as st
 
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Tier
-from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.tokens import KEYWORDS
 from smarttestudo.language.syntax import (
     Action,

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from language.rule_strategies import bare
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Tier
-from smarttestudo.domain.source import Span
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import (
     And,

@@ -12,10 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from loop.loop_driver import SECOND, LoopDriver
-from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.observation import Arrival
-from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.profile import UNLIMITED_KB_PER_S, Profile, TopicProfile
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.knowledge.link_use import SourceLoad
 from smarttestudo.loop.monitor import meter

@@ -21,9 +21,8 @@ from optimizer.naive import small_kb_per_s
 from pacing.reckoning.ros_messages import ODOMETRY
 from replays.replay_runs import ReplayRun, replay_content
 from replays.test_replay_bounds import driven, recorded
-from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty, rounded_up
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
-from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.profile import AccuracyTiers, LevelledProperty, Profile, TopicProfile, rounded_up
 from smarttestudo.domain.rate import Rate
 from smarttestudo.language.evaluator import RequestedRate
 from smarttestudo.loop.knowledge.link_use import LinkUse

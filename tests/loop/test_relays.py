@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from loop.loop_driver import MS, SECOND, LoopDriver
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.robot import Payload
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.topic_pacer import TopicPacer
 

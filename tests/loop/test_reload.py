@@ -7,9 +7,9 @@ from __future__ import annotations
 import pytest
 
 from loop.loop_driver import MS, ODOMETRY, SECOND, LoopDriver
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.robot import Payload
 from smarttestudo.language.rule_set import fallback_rules
 from smarttestudo.loop.inputs import MessageInput, WakeInput
 from smarttestudo.pacing.sample import WhenSlow

@@ -10,8 +10,7 @@ from functools import cache
 
 from hypothesis import strategies as st
 
-from smarttestudo.domain.accuracy import AccuracyTiers
-from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.domain.profile import AccuracyTiers, TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.model import Model, Requirement, TopicNeeds
 from smarttestudo.optimizer.problem import Demand, Piece, used_kb_per_s

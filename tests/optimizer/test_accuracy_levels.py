@@ -16,9 +16,8 @@ from hypothesis import strategies as st
 
 from optimizer.instances import accuracy_tiers
 from smarttestudo.cli.main import main
-from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.names import resolve_topic
-from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.profile import LevelledProperty, Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.parser import parse
 from smarttestudo.optimizer.model import Model

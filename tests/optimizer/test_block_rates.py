@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from optimizer.instances import accuracy_tiers, entries
 from optimizer.naive import naive_solve
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Tier
-from smarttestudo.domain.source import Span
 from smarttestudo.optimizer.model import BoundNeeds, Model, Requirement, TopicNeeds
 from smarttestudo.optimizer.problem import exact_sum, used_kb_per_s
 from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem

@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from optimizer.instances import requirement
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate import Tier
-from smarttestudo.domain.source import Span
 from smarttestudo.optimizer.changes import Change, Reduction
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.problem import fits

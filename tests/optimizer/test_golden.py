@@ -7,8 +7,8 @@ from __future__ import annotations
 import pytest
 
 from optimizer import golden
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Tier
-from smarttestudo.domain.source import Span
 from smarttestudo.optimizer.model import Model, Requirement, needs_of
 from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem
 from smarttestudo.optimizer.rule_rates import Optimization, solve_requirements

@@ -10,9 +10,8 @@ import pytest
 
 from robot.status.virtual_robot import Source, VirtualRobot
 from smarttestudo.cli.main import main
-from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.profile import LevelledProperty, Profile
 from smarttestudo.robot.profile import RobotProfile, profile_of_robot
 from smarttestudo.rules.profile_file import load_profile
 

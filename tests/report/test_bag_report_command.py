@@ -16,7 +16,7 @@ from bags.bag_factory import START_NS, BagContent, small_mission, write_bag
 from report.bag_desk import Ran
 from report.golden_files import assert_reads_as, page_lines
 from smarttestudo.cli.main import main
-from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.domain.errors import Extra, how_to_install
 from smarttestudo.domain.units import NS_PER_S
 
 RULES = """begin

@@ -9,7 +9,7 @@ import statistics
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.domain.intervals import Intervals
+from smarttestudo.domain.rate_meter import Intervals
 
 
 @given(batches=st.lists(st.lists(st.integers(0, 10**13), max_size=20), max_size=4))

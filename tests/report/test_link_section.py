@@ -20,7 +20,7 @@ from report.golden_files import assert_reads_as, page_lines
 from report.test_report import GOLDEN, LARGEST_BYTES, bare_report
 from robot.status.statuses import RELAYED, STATUS
 from smarttestudo.bags.writer import create_recording
-from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.link import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.recording import Channel

@@ -28,8 +28,8 @@ from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Rectangle
 from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.document import render_report
 from smarttestudo.report.markup import tag
 from smarttestudo.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS

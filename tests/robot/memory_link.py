@@ -7,9 +7,16 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
-from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
-from smarttestudo.domain.link_state import LinkState, StreamCounts
-from smarttestudo.domain.questions import Asked
+from smarttestudo.domain.link import (
+    LinkNeeds,
+    LinkState,
+    MessageOrigin,
+    MissedMessage,
+    Prediction,
+    StreamCounts,
+    StreamInfo,
+)
+from smarttestudo.domain.parameter import Asked
 from smarttestudo.domain.robot import Publisher
 
 

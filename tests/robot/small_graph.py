@@ -8,10 +8,11 @@ from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import (
     DataPath,
+    Diagnostic,
     Endpoint,
+    Payload,
     PollGraph,
     Publisher,
     Qos,
@@ -19,7 +20,6 @@ from smarttestudo.domain.robot import (
     RobotLog,
     Subscription,
 )
-from smarttestudo.domain.status import Diagnostic
 from unasked_robot import UnaskedRobot
 
 NODE = "/smarttestudo"

@@ -15,8 +15,7 @@ from incidents.incident_runs import AMPLE_BYTES, KeepingSink, rules_of
 from robot.small_graph import SmallGraph
 from robot.test_copied_topics import MemoryRelays
 from smarttestudo.domain.decision import Decision, Reason
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Endpoint, GraphChange, PollGraph, Subscription
+from smarttestudo.domain.robot import Endpoint, GraphChange, Payload, PollGraph, Subscription
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.incidents.recorder import IncidentRecorder

@@ -23,8 +23,7 @@ from smarttestudo.domain.compiled_relay import (
     RelayCounts,
     RelayState,
 )
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import GraphChange, PollGraph, Publisher, Subscription
+from smarttestudo.domain.robot import GraphChange, Payload, PollGraph, Publisher, Subscription
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.triggers import Trigger

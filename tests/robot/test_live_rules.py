@@ -16,7 +16,7 @@ from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC, resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.visible_topics import is_visible
+from smarttestudo.domain.robot import is_visible
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import compile_rules
 from smarttestudo.robot.decisions import decision_line

@@ -12,9 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from loop.loop_driver import SECOND, LoopDriver
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile, TopicProfile
-from smarttestudo.domain.robot import Receive
+from smarttestudo.domain.robot import Payload, Receive
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.robot.sampling import LiveSampling
 

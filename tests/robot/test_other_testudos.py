@@ -9,7 +9,7 @@ import pytest
 from robot.small_graph import SmallGraph
 from robot.test_live_topics import DRIVER, OTHER, Live, lines_with
 from smarttestudo.domain.names import DECISIONS_TOPIC
-from smarttestudo.domain.visible_topics import UNKNOWN_NODE, receiving_node
+from smarttestudo.domain.robot import UNKNOWN_NODE, receiving_node
 from smarttestudo.robot.fallback import FallbackTopics
 from smarttestudo.robot.output_topics import OutputTopic
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.domain.rule_texts import RuleTexts
+from smarttestudo.domain.remote_robots import RuleTexts
 
 texts = st.builds(
     RuleTexts,

@@ -12,8 +12,7 @@ from typing import Annotated
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.run import PART_KINDS, add_arguments
 from smarttestudo.domain.metric import Metered, MetricKind
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Subscription
+from smarttestudo.domain.robot import Payload, Subscription
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.robot.option import Option, number
 from smarttestudo.robot.part import Part, PartContext, PartKind

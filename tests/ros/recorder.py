@@ -19,9 +19,8 @@ from collections.abc import Hashable
 from functools import partial
 from pathlib import Path
 
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.robot import Qos, Robot
+from smarttestudo.domain.robot import Payload, Qos, Robot
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.simulation.demo.live import recorded
 

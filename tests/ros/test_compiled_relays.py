@@ -23,8 +23,7 @@ from smarttestudo.domain.compiled_relay import (
     RelayCounts,
     RelayState,
 )
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import DataPathKind, Qos, Robot
+from smarttestudo.domain.robot import DataPathKind, Payload, Qos, Robot
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.robot.ros import open_robot
 

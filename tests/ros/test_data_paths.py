@@ -18,8 +18,7 @@ from typing import Any
 import pytest
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import DataPath, DataPathKind, Publisher, Qos, Robot
+from smarttestudo.domain.robot import DataPath, DataPathKind, Payload, Publisher, Qos, Robot
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.rcl.bindings import RclLibrary
 from smarttestudo.robot.ros.rcl.buffers import KEPT_BUFFERS

@@ -11,8 +11,7 @@ import pytest
 from robot.memory_link import MemoryLink
 from robot.small_graph import TEXT, SmallGraph
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.link import StreamInfo
-from smarttestudo.domain.link_state import LinkState
+from smarttestudo.domain.link import LinkState, StreamInfo
 from smarttestudo.domain.robot import GraphChange, Publisher, Qos
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.linked_node import LinkedPath

@@ -13,8 +13,8 @@ import pytest
 from ros.ros_processes import LINE_TIMEOUT_S, SmallRobot
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.parameter import SilentNodeError, Values
+from smarttestudo.domain.remote_robots import RuleTexts
 from smarttestudo.domain.robot import DataPathKind, Robot
-from smarttestudo.domain.rule_texts import RuleTexts
 from smarttestudo.robot.ros import open_robot
 
 NODE = "/smarttestudo"

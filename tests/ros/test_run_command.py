@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from ros.ros_processes import TESTUDO, SmallRobot
-from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.domain.errors import Extra, how_to_install
 
 RULES = "begin SetFrequency /imu 10 end"
 WITHOUT_ROS = (

@@ -21,7 +21,7 @@ from link.zenoh.ends import until
 from ros.ros_processes import SmallRobot
 from ruler.page_socket import PageSocket, open_socket
 from ruler.ruler_server import TIMEOUT_S, Page, served
-from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.domain.errors import Extra, how_to_install
 from smarttestudo.domain.units import NS_PER_S
 
 NODE = "/smarttestudo"

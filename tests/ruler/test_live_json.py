@@ -9,8 +9,8 @@ from dataclasses import replace
 
 from robot.status.statuses import STATUS
 from smarttestudo.domain.record import to_json
-from smarttestudo.domain.rule_texts import RuleTexts
-from smarttestudo.domain.status_json import status_from_text
+from smarttestudo.domain.remote_robots import RuleTexts
+from smarttestudo.domain.status import status_from_text
 from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.answers.live_view import live_model, robot_summaries
 from smarttestudo.ruler.answers.robot_watch import RuleWords, SeenRobot, words_of

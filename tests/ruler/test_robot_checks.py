@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from robot.status.statuses import STATUS
-from smarttestudo.domain.rule_texts import RuleTexts
+from smarttestudo.domain.remote_robots import RuleTexts
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import BlockStatus, CheckStatus, RulesInForce, RulesOrigin
 from smarttestudo.language.syntax import Operator

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from robot.status.statuses import RELAYED, STATUS
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.rule_texts import RuleTexts
+from smarttestudo.domain.remote_robots import RuleTexts
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import BlockStatus, CheckStatus, RulesInForce, RulesOrigin, RuntimeStatus
 from smarttestudo.ruler.answers.robot_history import (

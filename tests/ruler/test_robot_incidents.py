@@ -19,7 +19,7 @@ import pytest
 from link.zenoh.ends import WITHIN_S, free_endpoint, refuse_warning
 from ruler.incident_projects import ALL_OF_IT, NEAR_MISS, write_incidents
 from ruler.ruler_server import Page, served
-from smarttestudo.domain.remote_incidents import RemoteIncidents
+from smarttestudo.domain.incident import RemoteIncidents
 from smarttestudo.link.zenoh import open_link_incidents, open_robot_end
 from smarttestudo.link.zenoh.security import LinkOptions
 

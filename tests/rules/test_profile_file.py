@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
 from smarttestudo.domain.errors import ProfileError
-from smarttestudo.domain.profile import LevelUnit, Profile, TopicProfile
+from smarttestudo.domain.profile import AccuracyTiers, LevelledProperty, LevelUnit, Profile, TopicProfile
 from smarttestudo.rules.profile_file import load_profile
 
 WHOLE = """\

@@ -24,8 +24,8 @@ from smarttestudo.bags.readable_types import (
     types_within,
 )
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.names import TypeName, full_type_name
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.type_names import TypeName, full_type_name
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict

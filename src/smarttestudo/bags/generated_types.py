@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 
 from smarttestudo.bags.definition_text import Section
-from smarttestudo.domain.type_names import TypeName
+from smarttestudo.domain.names import TypeName
 
 _PARTS = re.compile(r"^---[ \t]*$", re.MULTILINE)
 _NAMES = {2: ("Request", "Response"), 3: ("Goal", "Result", "Feedback")}

@@ -20,7 +20,7 @@ RECORD_NAME = "incident.json"
 
 def read_record(folder: Path) -> IncidentRecord:
     """The record of the incident in ``folder``. Raises ``RecordingError`` where it cannot be read."""
-    from smarttestudo.domain.incident_json import MAX_RECORD_BYTES, read_incident  # noqa: PLC0415  most are no incident
+    from smarttestudo.domain.incident import MAX_RECORD_BYTES, read_incident  # noqa: PLC0415  most are no incident
 
     place = folder / RECORD_NAME
     with errors_at(place):

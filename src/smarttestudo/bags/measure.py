@@ -26,7 +26,7 @@ from smarttestudo.bags.statistics import (
 )
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.intervals import Intervals
+from smarttestudo.domain.rate_meter import Intervals
 from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader
 from smarttestudo.domain.units import counted, grouped
 from smarttestudo.pacing.cdr import STAMPED_BYTES, header_stamp_ns

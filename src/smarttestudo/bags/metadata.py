@@ -16,8 +16,8 @@ from ruamel.yaml.error import YAMLError
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.names import ros_type_name
 from smarttestudo.domain.recording import Channel, Storage
-from smarttestudo.domain.type_names import ros_type_name
 from smarttestudo.files.input_file import require_file
 
 MAX_BYTES = 50_000_000

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, cast
 from rosbags.interfaces import Nodetype
 
 from smarttestudo.bags.definition_text import Section
-from smarttestudo.domain.type_names import full_type_name
+from smarttestudo.domain.names import full_type_name
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Fielddefs, FieldDesc

@@ -19,7 +19,7 @@ from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER, output_name
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.say_once import SayOnce
+from smarttestudo.domain.texts import SayOnce
 from smarttestudo.files.outputs import require_new, write_error
 from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, OutputFileError, whole_file

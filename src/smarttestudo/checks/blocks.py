@@ -11,9 +11,8 @@ from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Clash, RedundantRate, Shadow, SharedBorder, wins_over
 from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.domain.finding import Fix, Severity
+from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.source import Span
 from smarttestudo.language.boxes import Border
 from smarttestudo.language.parser.tokens import TokenKind
 from smarttestudo.language.resolved_rules import ResolvedRate

@@ -11,10 +11,9 @@ from smarttestudo.checks import wording
 from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in, is_text
 from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import CheckSite, RuleModel
-from smarttestudo.domain.finding import Fix, Severity
+from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.signal import ArrivalProperty, Truth
-from smarttestudo.domain.source import Span
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.language.comments import COMMENT_START
 from smarttestudo.language.formatter.conditions import write_condition

@@ -8,8 +8,7 @@ import difflib
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from smarttestudo.domain.finding import Fix
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Fix, Span
 from smarttestudo.language.syntax import Block, Collection, RuleFile, TopicName
 
 

@@ -8,8 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.domain.finding import Finding, Fix, ProfileFix, Severity
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Finding, Fix, ProfileFix, Severity, Span
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

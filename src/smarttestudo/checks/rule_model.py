@@ -11,8 +11,8 @@ from functools import cache, partial
 from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.fixes import DefaultPlace, default_place
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.signal import Signal, Truth
-from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (
     InRegion,
     LastSeen,

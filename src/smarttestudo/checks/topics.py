@@ -12,9 +12,8 @@ from smarttestudo.checks.fixes import close_topic, new_default, write_topic
 from smarttestudo.checks.property_doubt import doubt_about, found_in
 from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.domain.finding import ProfileFix, Severity
+from smarttestudo.domain.finding import ProfileFix, Severity, Span
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.suggestions import did_you_mean, edit_distance
 from smarttestudo.language.resolved_rules import ResolvedRate
 

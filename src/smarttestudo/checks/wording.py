@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.signal import Signal
-from smarttestudo.domain.source import Span
 from smarttestudo.language.formatter.text import duration_text
 from smarttestudo.language.normal_form import HELD, is_derived
 from smarttestudo.language.resolved_rules import Branch

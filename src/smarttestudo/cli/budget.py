@@ -6,12 +6,12 @@ from __future__ import annotations
 
 import argparse
 
-from smarttestudo.domain import budget
+from smarttestudo.domain import profile
 
 
 def budget_kb_per_s(text: str) -> float:
     """A budget from the command line; ``ArgumentTypeError`` for anything but a number of KB/s."""
     try:
-        return budget.budget_kb_per_s(text)
+        return profile.budget_kb_per_s(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from error

@@ -23,7 +23,7 @@ from smarttestudo.cli.terminal import duration_s, stop_signals
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.robot import Robot
-from smarttestudo.domain.visible_text import visible
+from smarttestudo.domain.texts import visible
 from smarttestudo.language.properties import is_field_path
 from smarttestudo.robot.echo import Bounds, Echo, EchoedTopic, unheard_error
 from smarttestudo.robot.ros import open_robot

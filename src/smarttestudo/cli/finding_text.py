@@ -12,10 +12,8 @@ from typing import TextIO
 
 from smarttestudo.cli.output import write_styled
 from smarttestudo.domain.errors import shortened
-from smarttestudo.domain.finding import Finding, Severity
-from smarttestudo.domain.source import Span
-from smarttestudo.domain.utf_8 import without_mark
-from smarttestudo.domain.visible_text import visible
+from smarttestudo.domain.finding import Finding, Severity, Span
+from smarttestudo.domain.texts import visible, without_mark
 
 _INDENT = "    "
 _SHOWN_COLUMNS = 100

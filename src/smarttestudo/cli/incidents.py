@@ -17,10 +17,9 @@ from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.remote_incidents import fetch, incident_table, list_remote
 from smarttestudo.cli.robots import add_robot
 from smarttestudo.cli.tables import print_table
-from smarttestudo.domain.errors import RecordingError, UsageError
-from smarttestudo.domain.incident_json import incident_to_json
+from smarttestudo.domain.errors import RecordingError, UsageError, missing_package
+from smarttestudo.domain.incident import incident_to_json
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.domain.packages import missing_package
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, counted, utc_time
 from smarttestudo.incidents.store import IncidentStore, StoredIncident
 from smarttestudo.report.table import Align, Column, Number, Row, Table, Text

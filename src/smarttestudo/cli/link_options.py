@@ -106,7 +106,7 @@ def open_link(
 
     Raises ``LinkError`` as ``open_robot_end`` does, and ``UsageError`` for options of a link without one.
     """
-    from smarttestudo.domain.command import command_topics  # noqa: PLC0415  most commands have no link
+    from smarttestudo.domain.link import command_topics  # noqa: PLC0415  most commands have no link
 
     options = _robot_options(arguments, command_topics(arguments.accept, "--accept"))
     if options is None:

@@ -17,8 +17,7 @@ from typing import TextIO, cast
 
 from smarttestudo.cli.output import write_line
 from smarttestudo.cli.terminal import Terminated, is_unicode, terminating_signals
-from smarttestudo.domain.errors import TestudoError, UsageError
-from smarttestudo.domain.packages import missing_package
+from smarttestudo.domain.errors import TestudoError, UsageError, missing_package
 
 EXIT_ERROR = 1
 EXIT_USAGE = 2

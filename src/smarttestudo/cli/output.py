@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from typing import TextIO
 
 from smarttestudo.cli.terminal import is_unicode
-from smarttestudo.domain.visible_text import visible
+from smarttestudo.domain.texts import visible
 
 _ASCII = str.maketrans({"–": "-", "−": "-", "─": "-", "…": "~"})
 

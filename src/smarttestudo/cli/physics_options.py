@@ -7,8 +7,7 @@ from __future__ import annotations
 import argparse
 import math
 
-from smarttestudo.domain.errors import UsageError
-from smarttestudo.domain.packages import Extra, MissingPackageError, how_to_install
+from smarttestudo.domain.errors import Extra, MissingPackageError, UsageError, how_to_install
 
 _ROBOTS = ("waffle", "quadrotor")
 

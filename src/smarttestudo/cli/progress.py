@@ -12,7 +12,7 @@ from typing import TextIO
 
 from smarttestudo.cli.output import write_styled
 from smarttestudo.cli.terminal import is_unicode
-from smarttestudo.domain.visible_text import visible
+from smarttestudo.domain.texts import visible
 
 Report = Callable[[float], None]
 """Takes the share of the work done, 0 … 1."""

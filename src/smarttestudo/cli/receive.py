@@ -22,12 +22,11 @@ from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.cli.top_table import open_screen
-from smarttestudo.domain.command import command_topics
 from smarttestudo.domain.errors import RosError, UsageError, said
-from smarttestudo.domain.link import Sink
+from smarttestudo.domain.link import Sink, command_topics
 from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
+from smarttestudo.domain.robot import receiving_node, relaying_nodes
 from smarttestudo.domain.units import NS_PER_S, utc_time
-from smarttestudo.domain.visible_topics import receiving_node, relaying_nodes
 from smarttestudo.link.foxglove import open_foxglove_sink
 from smarttestudo.link.protocol.messages import MAX_PREDICTED
 from smarttestudo.link.receive.arrival_log import ArrivalLog

@@ -19,8 +19,8 @@ from smarttestudo.cli.progress import written_over
 from smarttestudo.cli.tables import print_table
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import LinkError, UsageError
+from smarttestudo.domain.incident import FetchProgress, OnProgress, RemoteIncident, RemoteIncidents
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.domain.remote_incidents import FetchProgress, OnProgress, RemoteIncident, RemoteIncidents
 from smarttestudo.domain.units import BYTES_PER_KB, BYTES_PER_MB
 from smarttestudo.link.zenoh import open_link_incidents
 from smarttestudo.report.table import Align, Column, Number, Row, Table, Text

@@ -16,13 +16,13 @@ from textwrap import wrap
 
 from smarttestudo.cli.output import write_lines
 from smarttestudo.cli.terminal import is_unicode
-from smarttestudo.domain.bound_texts import bound_texts
-from smarttestudo.domain.decision import Reason
+from smarttestudo.domain.decision import Reason, bound_texts
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import LinkState
-from smarttestudo.domain.status import DiagnosticLevel, RulesInForce, RuntimeStatus, Silence, TopicStatus
+from smarttestudo.domain.link import LinkState
+from smarttestudo.domain.robot import DiagnosticLevel
+from smarttestudo.domain.status import RulesInForce, RuntimeStatus, Silence, TopicStatus
+from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import counted, grouped
-from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.table import (
     Align,
     Cell,

@@ -8,8 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Publisher, Subscription
+from smarttestudo.domain.robot import Payload, Publisher, Subscription
 
 MAX_PERIOD_NS = 1 << 50
 """The longest period that is paced there, 13 days: beyond, times would not fit into 64 bits."""

@@ -1,13 +1,28 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Findings of the checker, and fixes for them."""
+"""Places in a text file, findings of the checker there, and fixes for them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
-from smarttestudo.domain.source import Span
+
+class Span(NamedTuple):
+    """A stretch of text; lines and columns count from 1, the end column is one past the last character.
+
+    A tuple, because reading a file makes one for each of its words.
+    """
+
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+
+    def to(self, last: Span) -> Span:
+        """The stretch from the start of this span to the end of ``last``."""
+        return Span(self.line, self.column, last.end_line, last.end_column)
 
 
 class Severity(Enum):

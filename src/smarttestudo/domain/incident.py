@@ -1,21 +1,26 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Record of an incident, which lies beside its messages."""
+"""Records of incidents, as JSON, too, and the incidents that robots hold."""
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 import unicodedata
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta, timezone
 from enum import Enum
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Protocol
 
+from smarttestudo.domain.errors import LinkError, RecordingError
+from smarttestudo.domain.infinite_values import infinite_entry, with_infinite
+from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.metric import Metered, MetricKind
-from smarttestudo.domain.record import AtMost, JsonEntry
-from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_MS
+from smarttestudo.domain.record import AtMost, JsonEntry, from_json, to_json
+from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_MS, utc_time
 
 DEFAULT_INCIDENT_MEMORY_MB = 256
 """How much of the past is kept in memory for recordings, unless told otherwise."""
@@ -181,3 +186,132 @@ class IncidentState:
             MetricKind.COUNTER,
         ),
     ] = 0
+
+
+MAX_RECORD_BYTES = 4_000_000
+
+
+def incident_to_json(incident: IncidentRecord) -> dict[str, object]:
+    """The object in ``incident.json``; times that end in ``_ns`` count from 1970."""
+    return {
+        "version": INCIDENT_VERSION,
+        "time": utc_time(incident.triggered_ns),
+        **to_json(incident),
+        **infinite_entry(incident.values),
+    }
+
+
+def incident_text(incident: IncidentRecord) -> str:
+    """Content of ``incident.json``."""
+    return f"{json_text(incident_to_json(incident), indent=2)}\n"
+
+
+def read_incident(text: bytes, place: str) -> IncidentRecord:
+    """The record that ``incident.json`` at ``place`` holds.
+
+    Raises ``RecordingError`` for a text that is cut, edited or of another version.
+    """
+    try:
+        found = json.loads(text)
+        if isinstance(found, dict) and (version := found.get("version")) != INCIDENT_VERSION:
+            raise RecordingError(
+                f"version {str(version)[:20]} of an incident is not known",
+                place=place,
+                remedy="read it with the SmartTestudo that wrote it",
+            )
+        record = from_json(IncidentRecord, found)
+        return _ordered(replace(record, values=with_infinite(record.values, found)))
+    except (ValueError, RecursionError) as error:
+        raise RecordingError(
+            "does not hold the record of an incident", place=place, remedy="was it cut or edited?"
+        ) from error
+
+
+def _ordered(incident: IncidentRecord) -> IncidentRecord:
+    if not incident.from_ns <= incident.triggered_ns <= incident.to_ns:
+        raise ValueError(incident.triggered_ns)
+    return incident
+
+
+OUTAGE_NAME = "outage"
+OUTAGE_RULE = "(link)"
+"""What stands in the place of a rule's name where the link's outage was the reason."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RemoteIncident:
+    """An incident on a robot, as its list says; ``name`` is that of its folder.
+
+    ``label`` is the name in the ``Record``, ``rule`` that of the block. Stamps are the robot's clock.
+    ``missing`` are the reasons (``MissingReason``) for which messages of the window are not there.
+    """
+
+    robot: str
+    name: str
+    label: str
+    rule: str
+    triggered_ns: int
+    from_ns: int
+    to_ns: int
+    messages: int
+    size_bytes: int
+    is_read: bool = False
+    missing: tuple[str, ...] = ()
+
+    @property
+    def is_outage(self) -> bool:
+        """Whether it holds what could not be sent during an outage."""
+        return (self.label, self.rule) == (OUTAGE_NAME, OUTAGE_RULE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FetchProgress:
+    """How far a fetch is: ``got_bytes`` of ``total_bytes``, those of earlier attempts included.
+
+    ``level_hz`` is the grid of the skeleton that is whole for all topics of small messages: 1, 2, 4 … Hz;
+    ``None`` before the first, infinite once all of their messages are there, so that large ones remain.
+    ``rate_bytes_per_s`` is that of the last seconds; ``waits_for`` says why nothing comes, where that is so.
+    """
+
+    got_bytes: int
+    total_bytes: int
+    rate_bytes_per_s: float = 0.0
+    level_hz: float | None = None
+    waits_for: str | None = None
+
+
+class SilentRobotError(LinkError):
+    """A robot is connected and does not answer: it has no incidents to offer, or is still starting."""
+
+
+OnProgress = Callable[[FetchProgress], None]
+"""Takes the progress, a few times a second, on the thread that fetches."""
+
+
+class RemoteIncidents(Protocol):
+    """Robots by their names on the link; calls wait, and may come from any thread."""
+
+    def robots(self, within_s: float) -> Sequence[str]:
+        """The robots that are there now, sorted; waits so long until all that were there before are known."""
+
+    @property
+    def problem(self) -> str | None:
+        """Why no robot can be heard now; ``None`` where one could be."""
+
+    def list(self, robot: str) -> Sequence[RemoteIncident]:
+        """The incidents of a robot, oldest first. Raises ``TestudoError``, as ``SilentRobotError``."""
+
+    def fetch(
+        self,
+        robot: str,
+        name: str,
+        folder: Path,
+        on_progress: OnProgress,
+        cancelled: Callable[[], bool],
+    ) -> Path | None:
+        """Have the incident ``name`` below ``folder``, byte for byte as the robot has it; where it then is.
+
+        Until it is whole it is ``folder/.NAME.partial``, with which another call goes on. ``None`` if
+        ``cancelled``, which is asked often, said so first. A robot that leaves is waited for.
+        Raises ``TestudoError``.
+        """

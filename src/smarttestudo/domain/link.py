@@ -1,17 +1,141 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Streams, messages and ends of a link that carries a robot's topics."""
+"""Streams, messages, commands and ends of a link that carries a robot's topics, and how the link does."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Annotated, Protocol
 
-from smarttestudo.domain.link_state import LinkState, StreamCounts
-from smarttestudo.domain.questions import Asked
+from smarttestudo.domain.metric import Metered, MetricKind
+from smarttestudo.domain.names import full_topic_names
+from smarttestudo.domain.parameter import Asked
+from smarttestudo.domain.record import Count, JsonEntry, Measured
 from smarttestudo.domain.robot import Publisher, Qos
+from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamCounts:
+    """Messages of one topic at the robot's end of a link, since the start.
+
+    ``sent`` went out whole. ``replaced`` gave way to newer ones before their first byte was sent;
+    ``overflowed`` were dropped because the queue of the topic was full, or waited for publishers that are
+    gone, of which there were too many, once an operator's end had been there; where it ``is_losing``, some of
+    these within the last minute. ``queued_bytes`` wait now.
+    """
+
+    sent: Annotated[
+        Count,
+        Metered(
+            "topic_link_sent", "messages", "Messages that went out whole over the link.", MetricKind.COUNTER
+        ),
+    ] = 0
+    replaced: Annotated[
+        Count,
+        Metered(
+            "topic_link_replaced",
+            "messages",
+            "Messages that gave way to newer ones before the link.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
+    overflowed: Annotated[
+        Count,
+        Metered(
+            "topic_link_overflowed",
+            "messages",
+            "Messages lost because the topic's queue was full.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
+    queued_bytes: Annotated[
+        Count, Metered("topic_link_queued", "bytes", "What waits for the link of the topic.")
+    ] = 0
+    is_losing: Annotated[bool, JsonEntry(name="losing")] = False
+
+    def __add__(self, other: StreamCounts) -> StreamCounts:
+        """The counts of both."""
+        return StreamCounts(
+            sent=self.sent + other.sent,
+            replaced=self.replaced + other.replaced,
+            overflowed=self.overflowed + other.overflowed,
+            queued_bytes=self.queued_bytes + other.queued_bytes,
+            is_losing=self.is_losing or other.is_losing,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkState:
+    """State of the link at the robot's end; ``None`` for what was not measured yet.
+
+    ``capacity_kb_per_s`` is what the link carries, ``round_trip_ms`` the least of the last seconds,
+    ``outages`` how often nothing arrived at the operator's end for more than a second and four round trips,
+    whether its connection was cut or it was started anew. ``sessions`` counts how often an operator's end
+    came that may lack what was sent before. All operator's ends that are there reckon the topics in
+    ``predicted`` where they are told how; ``operators`` are their numbers.
+    """
+
+    is_connected: Annotated[
+        bool,
+        JsonEntry(name="connected"),
+        Metered("link_connected", "", "1 if an operator is connected over the link, else 0."),
+    ] = False
+    capacity_kb_per_s: Annotated[
+        Measured | None,
+        Metered("link_capacity", "bytes_per_second", "What the link carries, where it is the limit."),
+    ] = None
+    round_trip_ms: Annotated[
+        Measured | None,
+        Metered("link_round_trip", "seconds", "The least round trip of the last seconds on the link."),
+    ] = None
+    outages: Annotated[
+        int,
+        Metered(
+            "link",
+            "outages",
+            "How often nothing arrived at the operator's end for more than a second and four round trips.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
+    sessions: Annotated[int, JsonEntry(is_absent=True)] = 0
+    predicted: Annotated[frozenset[str], JsonEntry(is_absent=True)] = frozenset()
+    operators: Annotated[frozenset[int], JsonEntry(is_absent=True)] = frozenset()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicOnLink:
+    """How one topic does on a link.
+
+    ``age_ms`` is how old its last message was when it arrived at the operator's end; ``None`` while unknown.
+    """
+
+    counts: Annotated[StreamCounts, JsonEntry(is_merged=True)]
+    age_ms: Annotated[
+        Measured | None,
+        Metered("topic_link_age", "seconds", "Age of the last message when it arrived at the operator."),
+    ] = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommandTopic:
+    """A topic that a robot accepts, as the robot's end knows it.
+
+    ``type_name`` is what the robot's own nodes subscribe with, ``None`` where none does or ``problem`` says
+    why nothing is delivered. Of the messages that were ``received``, some were ``delivered``, some
+    ``too_old`` and some ``refused``. ``age_ms`` is how old the last one was when it arrived, at most.
+    """
+
+    topic: str
+    type_name: Annotated[str | None, JsonEntry(name="type")] = None
+    problem: str | None = None
+    received: Count = 0
+    delivered: int = 0
+    too_old: int = 0
+    refused: int = 0
+    age_ms: Measured | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,3 +292,72 @@ class Sink(Protocol):
 
     def close(self) -> None:
         """Nothing more comes."""
+
+
+MAX_AGE_NS = NS_PER_S // 2
+"""Nothing older is delivered."""
+MAX_COMMAND_BYTES = 64_000
+MAX_COMMAND_TOPICS = 16
+
+
+@dataclass(slots=True)
+class SentCounts:
+    """Messages of one topic at the operator's end, since the robot's end is known.
+
+    ``replaced`` ones gave way to newer ones, ``expired`` ones became too old, before they were sent;
+    ``too_large`` ones were refused.
+    """
+
+    sent: int = 0
+    replaced: int = 0
+    expired: int = 0
+    too_large: int = 0
+
+
+class IncomingCommands(Protocol):
+    """Commands from operators at the robot's end of a link. Calls never wait for the link."""
+
+    @property
+    def topics(self) -> Sequence[CommandTopic]:
+        """State of each accepted topic."""
+
+    @property
+    def has_operator(self) -> bool:
+        """Whether an operator's end that sends anything is connected."""
+
+    def sent_names(self) -> Sequence[tuple[str, ...]]:
+        """Topics that each operator's end heard lately sends."""
+
+    def follow(
+        self, topic: str, type_name: str | None, publisher: Publisher | None, problem: str | None = None
+    ) -> None:
+        """From now on give ``publisher`` the messages of ``topic``, which are of that type."""
+
+
+class TooOld:
+    """Says of which topics all that arrives lately is too old; each once, until something is delivered."""
+
+    def __init__(self) -> None:
+        self._before: dict[str, CommandTopic] = {}
+        self._said: set[str] = set()
+
+    def new_sentences(self, topics: Sequence[CommandTopic]) -> list[str]:
+        """A sentence for each topic of which that is new since the last poll."""
+        sentences = []
+        for now in topics:
+            before = self._before.get(now.topic, now)
+            self._before[now.topic] = now
+            if now.delivered > before.delivered:
+                self._said.discard(now.topic)
+            elif now.too_old > before.too_old and now.topic not in self._said and now.age_ms is not None:
+                self._said.add(now.topic)
+                sentences.append(
+                    f"{now.topic} arrives {now.age_ms:.0f} ms old; "
+                    f"nothing older than {MAX_AGE_NS // NS_PER_MS} ms is delivered"
+                )
+        return sentences
+
+
+def command_topics(names: Sequence[str], option: str) -> tuple[str, ...]:
+    """The topics that ``option`` names, each once. Raises ``UsageError``."""
+    return full_topic_names(names, option, most=MAX_COMMAND_TOPICS, like="/joy")

@@ -65,3 +65,37 @@ class RemoteParameters(Protocol):
 
     def set(self, node: str, values: Values, was_set: WasSet) -> None:
         """Have ``node`` give its parameters these values, each by itself."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GetParameters:
+    """The values of these parameters; the answer is by name."""
+
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GetTopics:
+    """Topics that the robot's own nodes publish; the answer is the types by topic."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetParameters:
+    """Give parameters these values, each by itself; the answer is the reasons of those that were refused."""
+
+    values: Values
+
+
+Question = GetParameters | GetTopics | SetParameters
+Answer = Values
+
+
+class Asked(Protocol):
+    """A question that waits for its answer, which may be given once and by any thread."""
+
+    @property
+    def question(self) -> Question:
+        """Question that was asked."""
+
+    def answer(self, answer: Answer | TestudoError) -> None:
+        """Answer it, or say why not; never waits for who asked."""

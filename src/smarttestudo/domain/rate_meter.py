@@ -1,14 +1,79 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""How many messages come, how often, and how much they carry: counted, and measured over the last seconds."""
+"""How often messages come: rates, periods and intervals of a flow."""
 
 from __future__ import annotations
 
+import math
 from collections import deque
+from collections.abc import Iterable
 from typing import NamedTuple
 
-from smarttestudo.domain.source_period import INTERVALS_NEEDED, silence_limit_ns
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
+
+INTERVALS_KEPT = 20
+INTERVALS_NEEDED = 3
+STALE_PERIODS = 5
+STALE_AT_LEAST_NS = 2 * NS_PER_S
+
+
+class SourcePeriod:
+    """The mean of a source's last 20 arrival intervals."""
+
+    __slots__ = ("_arrivals_ns",)
+
+    def __init__(self) -> None:
+        self._arrivals_ns: deque[int] = deque(maxlen=INTERVALS_KEPT + 1)
+
+    def record(self, now_ns: int) -> None:
+        """Count an arrival; a clock that jumped back starts the count anew."""
+        arrivals_ns = self._arrivals_ns
+        if arrivals_ns and now_ns < arrivals_ns[-1]:
+            arrivals_ns.clear()
+        arrivals_ns.append(now_ns)
+
+    @property
+    def arrivals_ns(self) -> tuple[int, ...]:
+        """The arrivals that count, oldest first."""
+        return tuple(self._arrivals_ns)
+
+    @property
+    def last_ns(self) -> int | None:
+        """The last arrival, ``None`` before the first."""
+        return self._arrivals_ns[-1] if self._arrivals_ns else None
+
+    @property
+    def mean_ns(self) -> int | None:
+        """The mean interval in ns, ``None`` before the second arrival."""
+        arrivals_ns = self._arrivals_ns
+        intervals = len(arrivals_ns) - 1
+        return (arrivals_ns[-1] - arrivals_ns[0]) // intervals if intervals > 0 else None
+
+    @property
+    def is_known(self) -> bool:
+        """Whether enough intervals were seen to say when silence makes the source stale."""
+        return len(self._arrivals_ns) > INTERVALS_NEEDED
+
+    def stale_from_ns(self, *, stale_after_ns: int | None, transient_local: bool) -> int | None:
+        """The first time at which the last arrival counts as stale; ``None`` while it never will.
+
+        Stale is older than the larger of 2 s and five periods, not before three intervals were seen, nor
+        ever on a transient_local topic. ``stale_after_ns`` replaces all of that.
+        """
+        arrivals_ns = self._arrivals_ns
+        if not arrivals_ns:
+            return None
+        last_ns, intervals = arrivals_ns[-1], len(arrivals_ns) - 1
+        if stale_after_ns is not None:
+            return last_ns + stale_after_ns + 1
+        if transient_local or not self.is_known:
+            return None
+        return last_ns + silence_limit_ns(last_ns - arrivals_ns[0], intervals) + 1
+
+
+def silence_limit_ns(span_ns: int, intervals: int) -> int:
+    """How long a source may be silent that had so many ``intervals`` in ``span_ns``: 2 s or five of them."""
+    return max(STALE_AT_LEAST_NS, STALE_PERIODS * span_ns // intervals)
 
 
 def mean_hz(messages: int, span_ns: int) -> float | None:
@@ -181,3 +246,55 @@ class FlowMeter:
         if self.flow.messages <= INTERVALS_NEEDED or not self._window.intervals:
             return None
         return silence_limit_ns(self._window.span_ns, self._window.intervals)
+
+
+class Intervals:
+    """How even a topic's messages are, counted one by one in constant memory."""
+
+    __slots__ = ("_last_ns", "_mean_ns", "_squares_ns2", "count", "longest_ns")
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.longest_ns = 0
+        self._last_ns: int | None = None
+        self._mean_ns = 0.0
+        self._squares_ns2 = 0.0
+
+    def record(self, stamp_ns: int) -> None:
+        """Take in the next message; B. P. Welford, Technometrics 1962, on corrected sums of squares."""
+        if self._last_ns is not None:
+            interval_ns = stamp_ns - self._last_ns
+            self.count += 1
+            if interval_ns > self.longest_ns:  # noqa: PLR1730 - half the time of max()
+                self.longest_ns = interval_ns
+            distance = interval_ns - self._mean_ns
+            self._mean_ns += distance / self.count
+            self._squares_ns2 += distance * (interval_ns - self._mean_ns)
+        self._last_ns = stamp_ns
+
+    def record_all(self, stamps_ns: Iterable[int]) -> None:
+        """Take in several messages, at a fraction of what ``record`` costs for each."""
+        last_ns, count, longest_ns = self._last_ns, self.count, self.longest_ns
+        mean_ns, squares_ns2 = self._mean_ns, self._squares_ns2
+        for stamp_ns in stamps_ns:
+            if last_ns is not None:
+                interval_ns = stamp_ns - last_ns
+                count += 1
+                if interval_ns > longest_ns:  # noqa: PLR1730 - half the time of max()
+                    longest_ns = interval_ns
+                distance = interval_ns - mean_ns
+                mean_ns += distance / count
+                squares_ns2 += distance * (interval_ns - mean_ns)
+            last_ns = stamp_ns
+        self._last_ns, self.count, self.longest_ns = last_ns, count, longest_ns
+        self._mean_ns, self._squares_ns2 = mean_ns, squares_ns2
+
+    @property
+    def longest_s(self) -> float | None:
+        """The longest interval in seconds; ``None`` without one."""
+        return self.longest_ns / NS_PER_S if self.count else None
+
+    @property
+    def jitter_s(self) -> float | None:
+        """The standard deviation of the intervals in seconds; ``None`` below two intervals."""
+        return math.sqrt(self._squares_ns2 / self.count) / NS_PER_S if self.count > 1 else None

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum, auto
+from enum import Enum, IntEnum, auto
 from typing import TYPE_CHECKING, Protocol
 
 from smarttestudo.domain.parameter import (
@@ -17,13 +17,25 @@ from smarttestudo.domain.parameter import (
     RemoteParameters,
     Values,
 )
-from smarttestudo.domain.payload import Payload
-
-if TYPE_CHECKING:
-    from smarttestudo.domain.status import Diagnostic
 
 if TYPE_CHECKING:
     from smarttestudo.domain.compiled_relay import CompiledRelays
+from smarttestudo.domain.names import DECISIONS_TOPIC, NAME_OPTION
+
+
+class Payload(Protocol):
+    """The bytes of a serialized message: ``bytes`` itself, or a buffer of the middleware.
+
+    Its content never changes while somebody holds it. ``payload[a:b]`` copies a part, and ``payload[:]``,
+    unless it is ``bytes``, all of it: a large message is copied only where somebody looks.
+    """
+
+    def __len__(self) -> int:
+        """How many bytes it has."""
+
+    def __getitem__(self, part: slice, /) -> bytes:
+        """The bytes of ``part``."""
+
 
 Receive = Callable[[Payload, Hashable], None]
 """Takes a serialized message and the identity of its publisher, or ``None``."""
@@ -167,6 +179,26 @@ class DataPath(Protocol):
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""
+
+
+class DiagnosticLevel(IntEnum):
+    """The levels of diagnostic_msgs/msg/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Diagnostic:
+    """One diagnostic_msgs/msg/DiagnosticStatus: ``name`` is what it is about, ``values`` are for reading."""
+
+    name: str
+    level: DiagnosticLevel
+    message: str
+    hardware_id: str
+    values: Mapping[str, str]
 
 
 class RobotLog(Protocol):
@@ -322,3 +354,49 @@ class Robot(Protocol):
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""
+
+
+_OF_ROS = frozenset({"/rosout", "/parameter_events"})
+UNKNOWN_NODE = "/_NODE_NAME_UNKNOWN_"
+"""How the name ends that an endpoint has until its node is discovered, too."""
+
+
+def receiving_node(receiver: int) -> str:
+    """The name of the node that publishes what the operator's end of that number receives."""
+    return f"testudo_receive_{receiver}"
+
+
+def relaying_nodes(robot: Robot, warn: Callable[[str], None] | None = None) -> frozenset[str]:
+    """The nodes that relay, this one among them: they publish decisions, or what this one sends.
+
+    ``warn`` is told where another one has the name of this one.
+    """
+    relaying = [endpoint.node for endpoint in robot.publishers(DECISIONS_TOPIC)]
+    if warn is not None and relaying.count(robot.name) > 1:
+        warn(
+            f"another {robot.name} relays on this ROS graph, or was killed a moment ago: "
+            "end one of them, as what both relay arrives twice; or, for two robots, give each a name, as "
+            f"with {NAME_OPTION}: rules can be pushed to neither so"
+        )
+    return frozenset({*relaying, robot.name, *robot.fed_nodes})
+
+
+def visible_topics(robot: Robot) -> dict[str, list[Endpoint]]:
+    """The publishers of each topic, without hidden topics, those of ROS and those of SmartTestudo nodes."""
+    testudos = relaying_nodes(robot)
+    names = [name for name in robot.topics() if is_visible(name)]
+    published = {
+        name: [endpoint for endpoint in robot.publishers(name) if endpoint.node not in testudos]
+        for name in sorted(names)
+    }
+    return {name: endpoints for name, endpoints in published.items() if endpoints}
+
+
+def topic_types(robot: Robot) -> dict[str, str]:
+    """The types of the visible topics."""
+    return {topic: publishers[0].type_name for topic, publishers in visible_topics(robot).items()}
+
+
+def is_visible(name: str) -> bool:
+    """Whether it is neither ROS's own nor hidden, as those of which a part begins with an underscore."""
+    return name not in _OF_ROS and "/_" not in name

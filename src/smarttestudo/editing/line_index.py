@@ -8,8 +8,8 @@ import re
 from collections.abc import Iterable
 from itertools import accumulate
 
-from smarttestudo.domain.source import Span
-from smarttestudo.domain.utf_8 import without_mark
+from smarttestudo.domain.finding import Span
+from smarttestudo.domain.texts import without_mark
 from smarttestudo.language.parser.tokens import Token
 
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n|\Z)")

@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.utf_8 import in_utf_8
+from smarttestudo.domain.texts import in_utf_8
 
 _MOST_NAMED = 3
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from smarttestudo.domain.errors import ProfileError
-from smarttestudo.domain.utf_8 import without_mark
+from smarttestudo.domain.texts import without_mark
 from smarttestudo.files.input_file import read_input
 
 if sys.version_info >= (3, 11):

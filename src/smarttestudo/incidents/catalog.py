@@ -14,7 +14,7 @@ from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.domain.errors import LinkError, RecordingError
-from smarttestudo.domain.remote_incidents import RemoteIncident
+from smarttestudo.domain.incident import RemoteIncident
 from smarttestudo.files.input_file import sha256_of_files
 from smarttestudo.incidents.mcap_index import file_ranges
 from smarttestudo.incidents.store import READ_NAME, IncidentStore

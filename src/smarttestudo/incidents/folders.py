@@ -29,8 +29,8 @@ from smarttestudo.domain.incident import (
     Missing,
     MissingReason,
     incident_folder_name,
+    incident_text,
 )
-from smarttestudo.domain.incident_json import incident_text
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.files.removal import remove, temporary_folder
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written, whole_file

@@ -13,8 +13,7 @@ from pathlib import Path
 
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.incident import IncidentRecord, IncidentState
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Robot, Subscription
+from smarttestudo.domain.robot import Payload, Robot, Subscription
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB, NS_PER_S, grouped
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX

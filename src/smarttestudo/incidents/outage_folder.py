@@ -13,9 +13,8 @@ from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.bags.mcap.written_file import complete_files
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.incident import IncidentRecord, IncidentTopic, Missing
+from smarttestudo.domain.incident import OUTAGE_NAME, OUTAGE_RULE, IncidentRecord, IncidentTopic, Missing
 from smarttestudo.domain.link import MissedMessage
-from smarttestudo.domain.remote_incidents import OUTAGE_NAME, OUTAGE_RULE
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written
 from smarttestudo.incidents.folders import (
     finish_folder,

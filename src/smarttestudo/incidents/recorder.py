@@ -11,7 +11,7 @@ from itertools import chain
 from typing import Protocol
 
 from smarttestudo.domain.incident import Missing, MissingReason
-from smarttestudo.domain.steady_time import SteadyTime
+from smarttestudo.domain.timing import SteadyTime
 from smarttestudo.incidents.latched import Gone, LatchedSamples, holds_static_frames, nobody
 from smarttestudo.incidents.missing import add_loss, missing_for_memory, unheard, without
 from smarttestudo.incidents.topic_ring import (

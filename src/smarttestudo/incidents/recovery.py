@@ -14,8 +14,7 @@ from smarttestudo.bags.incident_record import RECORD_NAME, read_record
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.bags.mcap.written_file import complete_files
 from smarttestudo.domain.errors import RecordingError, TestudoError
-from smarttestudo.domain.incident import IncidentRecord, Missing, MissingReason
-from smarttestudo.domain.remote_incidents import OUTAGE_RULE
+from smarttestudo.domain.incident import OUTAGE_RULE, IncidentRecord, Missing, MissingReason
 from smarttestudo.domain.units import counted, utc_time
 from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written

@@ -15,8 +15,12 @@ from pathlib import Path
 from smarttestudo.bags.incident_record import RECORD_NAME, errors_at, read_record
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.incident import IncidentRecord, incident_folder_name, is_incident_folder_name
-from smarttestudo.domain.remote_incidents import RemoteIncident
+from smarttestudo.domain.incident import (
+    IncidentRecord,
+    RemoteIncident,
+    incident_folder_name,
+    is_incident_folder_name,
+)
 from smarttestudo.files.removal import ForeignFilesError, remove, temporary_folder
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Span
 
 COMMENT_START = "//"
 _DECORATION = "/-=*#_~ \t"

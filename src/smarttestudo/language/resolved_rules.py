@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
-from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import Form, Resolve, negation, normal_form
 from smarttestudo.language.syntax import (
     Action,

@@ -12,10 +12,10 @@ from typing import Protocol
 
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Rate, Tier
-from smarttestudo.domain.rests import Rest, resting
 from smarttestudo.domain.signal import Signal
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.timing import Rest, resting
 from smarttestudo.language.normal_form import (
     Every,
     Form,

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from smarttestudo.domain.observation import Change, ListenersChanged, SourceChanged
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import JsonEntry
+from smarttestudo.domain.robot import Payload
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.pacing.sample import WhenSlow

@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.domain.rests import Rest, no_rest, resting
 from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.timing import Rest, no_rest, resting
 from smarttestudo.language.evaluator import Evaluator
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
 

@@ -10,8 +10,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from smarttestudo.domain.observation import SourceChanged
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.domain.robot import Payload
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.properties import gauges_for, needs_decoded
 from smarttestudo.loop.inputs import MessageInput

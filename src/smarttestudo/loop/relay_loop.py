@@ -16,8 +16,8 @@ from smarttestudo.domain.observation import (
     SourceChanged,
 )
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.rests import Rest, no_rest
 from smarttestudo.domain.signal import Truth
+from smarttestudo.domain.timing import Rest, no_rest
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, MessageInput, RulesInput, WakeInput

@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
-from smarttestudo.domain.alarm_clock import AlarmClock
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.timing import AlarmClock
 from smarttestudo.loop.inputs import MessageInput
 from smarttestudo.loop.relay import ReckonedPicture, Relay, Relayed
 from smarttestudo.loop.statistics import RelayStatistics

@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 
-from smarttestudo.domain.alarm_clock import AlarmClock
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.timing import AlarmClock
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.language.evaluator import RequestedRate
 from smarttestudo.language.rule_set import RuleBlock

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
+from smarttestudo.domain.profile import AccuracyTiers, LevelledProperty
 from smarttestudo.language.properties import gauges_for, properties_for_bounds
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
 from smarttestudo.pacing.cdr import StreamReader

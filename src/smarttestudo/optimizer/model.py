@@ -9,9 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty, rounded_up
 from smarttestudo.domain.errors import ProfileError
-from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.profile import AccuracyTiers, LevelledProperty, Profile, TopicProfile, rounded_up
 from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.problem import Demand, Piece
 from smarttestudo.optimizer.quality import envelope_pieces, interval_hz

@@ -9,12 +9,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
-from smarttestudo.domain.intervals import Intervals
+from smarttestudo.domain.profile import AccuracyTiers, LevelledProperty
 from smarttestudo.domain.rate import MAX_RATE_HZ, MIN_SOURCE_HZ, RATE_STEP_HZ, SLOW_HZ
-from smarttestudo.domain.rate_meter import Flow
+from smarttestudo.domain.rate_meter import Flow, Intervals
+from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import BYTES_PER_KB, counted
-from smarttestudo.domain.visible_text import visible
 from smarttestudo.optimizer.accuracy_measure import AccuracyMeasure, levelled_properties
 from smarttestudo.optimizer.wording import kb_text
 from smarttestudo.pacing.bound import HEARTBEAT_HZ

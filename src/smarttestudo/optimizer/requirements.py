@@ -10,10 +10,9 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cache
 
-from smarttestudo.domain.accuracy import AccuracyTiers
-from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.finding import Span
+from smarttestudo.domain.profile import AccuracyTiers, Profile
 from smarttestudo.domain.rate import SLOW_HZ, Rate, Tier
-from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.resolved_rules import (
     Branch,

@@ -8,9 +8,9 @@ import re
 from collections.abc import Mapping
 from itertools import accumulate
 
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.source import Span
-from smarttestudo.domain.utf_8 import without_mark
+from smarttestudo.domain.texts import without_mark
 from smarttestudo.language.formatter import number_text
 from smarttestudo.language.syntax import RuleFile, SetFrequency, tiers_in
 from smarttestudo.optimizer.requirements import StatementKey

@@ -8,8 +8,7 @@ import itertools
 import math
 from collections.abc import Mapping
 
-from smarttestudo.domain.accuracy import rounded_up
-from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.domain.profile import TopicProfile, rounded_up
 
 Within = Mapping[str, float]
 """The bounds of one topic, by property."""

@@ -15,8 +15,8 @@ from enum import Enum
 from types import MappingProxyType
 from typing import NamedTuple
 
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.type_names import short_type_name
+from smarttestudo.domain.names import short_type_name
+from smarttestudo.domain.robot import Payload
 from smarttestudo.pacing.cdr_walk import HEADER_BYTES, aligned, byte_order
 
 READ_BYTES = 16_384

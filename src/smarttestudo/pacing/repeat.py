@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from smarttestudo.domain.source_period import SourcePeriod, silence_limit_ns
+from smarttestudo.domain.rate_meter import SourcePeriod, silence_limit_ns
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.grid import NEVER_NS, Pace
 from smarttestudo.pacing.sample import Pass, Sample

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple, Protocol
 
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.type_names import short_type_name
+from smarttestudo.domain.names import short_type_name
+from smarttestudo.domain.robot import Payload
 from smarttestudo.pacing.cdr import STREAM_TYPES
 from smarttestudo.pacing.coded_video import VideoFrame, is_coded_video
 from smarttestudo.pacing.reckoning.gauges import Reading

@@ -12,11 +12,10 @@ from pathlib import Path
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.link_state import StreamCounts, TopicOnLink
+from smarttestudo.domain.link import StreamCounts, TopicOnLink
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.status_json import status_from_text
+from smarttestudo.domain.status import RuntimeStatus, status_from_text
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.report.series import Series, SeriesPoint, coarser
 from smarttestudo.report.table import Align, Column, Number, Row, Table, Text

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from html import escape
 from itertools import zip_longest
 
+from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import grouped
-from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.table import Column, Row, Table, Text, format_cell
 
 _WITHOUT_CONTENT = frozenset({"meta", "wbr", "rect", "line", "path", "circle", "polyline", "polygon"})

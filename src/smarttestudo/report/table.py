@@ -11,8 +11,8 @@ from enum import Enum
 from itertools import pairwise
 from textwrap import wrap
 
+from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import grouped
-from smarttestudo.domain.visible_text import visible
 
 MISSING = "–"
 _MINUS = "−"

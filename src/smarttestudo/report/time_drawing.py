@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from smarttestudo.bags.incident_mark import IncidentMark
-from smarttestudo.domain.visible_text import visible
+from smarttestudo.domain.texts import visible
 from smarttestudo.report.markup import Markup, tag
 from smarttestudo.report.scale import label, multiples, round_step, tick_label
 from smarttestudo.report.series import coarser

@@ -8,17 +8,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import CommandTopic, TopicOnLink
+from smarttestudo.domain.link import CommandTopic, TopicOnLink
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import to_json
-from smarttestudo.domain.status import (
-    Diagnostic,
-    DiagnosticLevel,
-    Fallback,
-    RuntimeStatus,
-    Silence,
-    TopicStatus,
-)
+from smarttestudo.domain.robot import Diagnostic, DiagnosticLevel
+from smarttestudo.domain.status import Fallback, RuntimeStatus, Silence, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped
 from smarttestudo.robot.status import TOLERANCE_PERCENT
 

@@ -10,11 +10,9 @@ from difflib import get_close_matches
 from itertools import islice
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.rate_meter import Flow, FlowMeter
-from smarttestudo.domain.robot import Qos, Robot, Subscription
+from smarttestudo.domain.robot import Payload, Qos, Robot, Subscription, is_visible
 from smarttestudo.domain.units import NS_PER_S, grouped
-from smarttestudo.domain.visible_topics import is_visible
 from smarttestudo.language.properties import part_reader, properties_of, value_reader
 from smarttestudo.robot.topic import LiveSource, live_source, suits
 

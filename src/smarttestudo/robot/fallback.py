@@ -11,9 +11,8 @@ from enum import Enum
 
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.rate import MAX_RATE_HZ, Rate
-from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.robot import UNKNOWN_NODE, Robot, is_visible, relaying_nodes
 from smarttestudo.domain.status import Fallback
-from smarttestudo.domain.visible_topics import UNKNOWN_NODE, is_visible, relaying_nodes
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import fallback_rules

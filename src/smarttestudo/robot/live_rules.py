@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.rule_texts import RuleTexts
+from smarttestudo.domain.remote_robots import RuleTexts
 from smarttestudo.domain.status import RulesInForce
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 from smarttestudo.domain.compiled_relay import MessageCopy
 from smarttestudo.domain.errors import error_at
 from smarttestudo.domain.observation import ClockJumped, LinkBudget
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import GraphChange, Robot
-from smarttestudo.domain.say_once import SayOnce
+from smarttestudo.domain.robot import GraphChange, Payload, Robot
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus
+from smarttestudo.domain.texts import SayOnce
 from smarttestudo.files.own_process import read_own_process
 from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, MessageInput, RulesInput, WakeInput

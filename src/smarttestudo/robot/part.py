@@ -9,10 +9,9 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from smarttestudo.domain.command import IncomingCommands
 from smarttestudo.domain.decision import Decision
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Robot, Subscription
+from smarttestudo.domain.link import IncomingCommands
+from smarttestudo.domain.robot import Payload, Robot, Subscription
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.loop.inputs import ChangeInput, WakeInput
 from smarttestudo.loop.relay import Relayed

@@ -9,11 +9,9 @@ from dataclasses import dataclass, replace
 
 from smarttestudo.bags.topic_selection import is_selected, select_topics
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.robot import Endpoint, Receive, Robot, Subscription
+from smarttestudo.domain.robot import Endpoint, Payload, Receive, Robot, Subscription, visible_topics
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.domain.visible_topics import visible_topics
 from smarttestudo.optimizer.profiling import TopicMeasure, profile_text
 from smarttestudo.robot.losses import LiveLosses
 from smarttestudo.robot.topic import live_source

@@ -7,8 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable, Sequence, Set
 from contextlib import ExitStack
 
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Publisher
+from smarttestudo.domain.robot import Payload, Publisher
 from smarttestudo.robot.gone_publishers import GonePublishers
 
 MAX_PUBLISHERS = 64

@@ -13,8 +13,8 @@ from smarttestudo.domain.errors import RosError, UsageError
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RulesInForce, RulesOrigin
+from smarttestudo.domain.texts import in_utf_8
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.robot.fallback import FallbackChoice, FallbackTopics
 from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules

@@ -14,7 +14,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from smarttestudo.domain.errors import RuleFileError, TestudoError, said, testudo_error
-from smarttestudo.domain.rests import Rest
+from smarttestudo.domain.timing import Rest
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.prepared_rules import PreparedRules

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from smarttestudo.domain.command import IncomingCommands
+from smarttestudo.domain.link import IncomingCommands
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import Fallback
 from smarttestudo.domain.units import counted

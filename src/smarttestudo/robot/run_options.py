@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from smarttestudo.domain.budget import budget_kb_per_s
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import is_topic_prefix
 from smarttestudo.domain.parameter import Accept, Access, Parameter, ParameterValue
+from smarttestudo.domain.profile import budget_kb_per_s
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import STATUS_HZ
 from smarttestudo.pacing.sample import WhenSlow

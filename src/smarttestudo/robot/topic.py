@@ -10,8 +10,7 @@ from dataclasses import dataclass, field, replace
 
 from smarttestudo.domain.errors import TestudoError, error_at
 from smarttestudo.domain.names import require_publishable
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import DataPath, Endpoint, Publisher, Qos, Receive, Subscription
+from smarttestudo.domain.robot import DataPath, Endpoint, Payload, Publisher, Qos, Receive, Subscription
 from smarttestudo.robot.publisher_pool import PublisherPool
 
 OnProblem = Callable[[TestudoError | None], None]

@@ -10,7 +10,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from smarttestudo.domain.rests import Rest
+from smarttestudo.domain.timing import Rest
 
 _SWITCH_INTERVAL_S = 0.000_5
 _WORK_S, _REST_S = 0.000_5, 0.001

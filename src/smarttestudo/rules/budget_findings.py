@@ -8,9 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from smarttestudo.checks import wording
 from smarttestudo.domain.errors import ProfileError
-from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.finding import Finding, Severity, Span
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.source import Span
 from smarttestudo.language.boxes import Domain
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import (

@@ -12,7 +12,7 @@ import tomlkit
 from tomlkit.items import Comment, Item, Key, Null, Table, Trivia, Whitespace
 
 from smarttestudo.domain.errors import ProfileError
-from smarttestudo.domain.utf_8 import without_mark
+from smarttestudo.domain.texts import without_mark
 from smarttestudo.files.toml_text import KeyPath, parse_toml
 
 Value = str | float | Sequence[float] | None

@@ -13,11 +13,16 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
-from smarttestudo.domain.budget import MAX_BUDGET_KB_PER_S
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
-from smarttestudo.domain.profile import LevelUnit, Profile, TopicProfile
+from smarttestudo.domain.profile import (
+    MAX_BUDGET_KB_PER_S,
+    AccuracyTiers,
+    LevelledProperty,
+    LevelUnit,
+    Profile,
+    TopicProfile,
+)
 from smarttestudo.domain.rate import MAX_RATE_HZ, MIN_SOURCE_HZ, RATE_STEP_HZ, Tier
 from smarttestudo.files.toml_text import KeyPath, parse_toml, read_toml_text
 

@@ -15,7 +15,7 @@ from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.status import RulesInForce
-from smarttestudo.domain.utf_8 import in_utf_8
+from smarttestudo.domain.texts import in_utf_8
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RefusedTiers, RuleSet, TierValues, compile_rules

@@ -9,8 +9,8 @@ from functools import cache
 
 from hypothesis import strategies as st
 
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.signal import Signal
-from smarttestudo.domain.source import Span
 from smarttestudo.language.syntax import (
     And,
     Block,

@@ -32,9 +32,8 @@ from bags.bag_factory import (
 )
 from link.foxglove.foxglove_client import decoded_by_foxglove, foxglove_client
 from link.zenoh.ends import until
-from smarttestudo.domain.errors import PortError
+from smarttestudo.domain.errors import MissingPackageError, PortError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
-from smarttestudo.domain.packages import MissingPackageError
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.foxglove import open_foxglove_sink
 from smarttestudo.link.foxglove.sink import FoxgloveSink

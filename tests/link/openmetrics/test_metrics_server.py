@@ -18,9 +18,8 @@ from prometheus_client.openmetrics.parser import text_string_to_metric_families 
 from prometheus_client.parser import text_string_to_metric_families as prometheus_text
 
 from link.openmetrics.scraping import OPENMETRICS, TIMEOUT_S, scraped
-from smarttestudo.domain.errors import PortError
+from smarttestudo.domain.errors import MissingPackageError, PortError
 from smarttestudo.domain.metric import Metric, MetricKind, MetricName
-from smarttestudo.domain.packages import MissingPackageError
 from smarttestudo.link.openmetrics import open_metrics_server
 from smarttestudo.link.openmetrics.server import MOST_CLIENTS, MetricsServer
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 import pytest
 
 from robot.status.statuses import RELAYED, STATUS
-from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.link import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.metric import MetricKind, MetricName
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.link.openmetrics.run_metrics import DECISIONS, RunMetrics

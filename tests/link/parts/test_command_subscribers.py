@@ -11,9 +11,8 @@ import pytest
 
 from robot.status.virtual_robot import VirtualRobot
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.link_state import CommandTopic
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Endpoint, Publisher, Qos
+from smarttestudo.domain.link import CommandTopic
+from smarttestudo.domain.robot import Endpoint, Payload, Publisher, Qos
 from smarttestudo.link.parts.command_subscribers import QOS, SAY_AFTER_NS, CommandSubscribers
 
 JOY = "sensor_msgs/msg/Joy"

@@ -7,8 +7,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable
 
-from smarttestudo.domain.link import LinkNeeds, MessageOrigin, StreamInfo
-from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.link import LinkNeeds, MessageOrigin, StreamCounts, StreamInfo
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.protocol.messages import REPORTS, Announcement
 from smarttestudo.link.protocol.receiver import LinkReceiver

@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 from link.protocol.simulated_link import Ends, Link, S, Source
 from link.protocol.whole_chunks import WholeChunks
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link import LinkNeeds, Prediction, ReceivedMessage, StreamInfo
-from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.link import LinkNeeds, Prediction, ReceivedMessage, StreamCounts, StreamInfo
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.protocol.acknowledgements import NOTHING_RECEIVED, Acknowledgement
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, Chunk

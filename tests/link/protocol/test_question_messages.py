@@ -11,8 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.errors import LinkError, UsageError
-from smarttestudo.domain.parameter import ParameterValue, Values
-from smarttestudo.domain.questions import GetParameters, GetTopics, Question, SetParameters
+from smarttestudo.domain.parameter import (
+    GetParameters,
+    GetTopics,
+    ParameterValue,
+    Question,
+    SetParameters,
+    Values,
+)
 from smarttestudo.link.protocol.messages import (
     ANSWERS,
     CHANGING_QUESTIONS,

@@ -9,9 +9,8 @@ from itertools import pairwise
 import pytest
 
 from link.protocol.simulated_link import Ends, Link, S, Source, quantile
-from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
-from smarttestudo.domain.link import LinkNeeds, StreamInfo
-from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.link import LinkNeeds, StreamCounts, StreamInfo
+from smarttestudo.domain.profile import UNLIMITED_KB_PER_S
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.protocol.acknowledgements import NOTHING_RECEIVED
 from smarttestudo.link.protocol.messages import Report

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.remote_incidents import (
+from smarttestudo.domain.incident import (
     OUTAGE_NAME,
     OUTAGE_RULE,
     FetchProgress,

@@ -14,8 +14,7 @@ from link.zenoh.ends import ODOM
 from robot.status.virtual_robot import Source, VirtualRobot
 from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.cli.top_table import Style
-from smarttestudo.domain.command import SentCounts
-from smarttestudo.domain.link_state import CommandTopic
+from smarttestudo.domain.link import CommandTopic, SentCounts
 from smarttestudo.domain.names import output_name
 from smarttestudo.link.protocol.command_sender import CommandedRobot
 from smarttestudo.link.protocol.keys import Boot

@@ -9,13 +9,19 @@ from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
 from loop.loop_driver import rule_set_of
-from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
-from smarttestudo.domain.link_state import LinkState, StreamCounts
+from smarttestudo.domain.link import (
+    LinkNeeds,
+    LinkState,
+    MessageOrigin,
+    MissedMessage,
+    Prediction,
+    StreamCounts,
+    StreamInfo,
+)
 from smarttestudo.domain.observation import SourceChanged
-from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.parameter import Asked
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.questions import Asked
-from smarttestudo.domain.robot import Publisher, Qos
+from smarttestudo.domain.robot import Payload, Publisher, Qos
 from smarttestudo.link.parts.live_link import LinkWatch
 from smarttestudo.link.protocol.sender import LinkSender
 from smarttestudo.loop import RelayLoop

@@ -14,9 +14,7 @@ from link.zenoh.ends import refuse_warning, until
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.bags.metadata_text import METADATA_NAME, metadata_text
-from smarttestudo.domain.incident import IncidentRecord, IncidentTopic
-from smarttestudo.domain.incident_json import incident_text
-from smarttestudo.domain.remote_incidents import FetchProgress
+from smarttestudo.domain.incident import FetchProgress, IncidentRecord, IncidentTopic, incident_text
 from smarttestudo.link.zenoh import open_link_incidents, open_robot_end
 from smarttestudo.link.zenoh.link_incidents import LinkIncidents
 from smarttestudo.link.zenoh.robot_end import RobotEnd

@@ -23,7 +23,7 @@ from link.zenoh.fetched_incidents import (
 )
 from link.zenoh.memory_zenoh import VirtualTime, network, virtual_time
 from smarttestudo.domain.errors import LinkError, TestudoError
-from smarttestudo.domain.remote_incidents import FetchProgress
+from smarttestudo.domain.incident import FetchProgress
 from smarttestudo.incidents.transfer_messages import (
     AskBytes,
     AskPlan,

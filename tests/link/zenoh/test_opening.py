@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 
 from link.zenoh.ends import free_endpoint, refuse_warning, robot_end
-from smarttestudo.domain.errors import TestudoError, UsageError
-from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.domain.errors import Extra, TestudoError, UsageError, how_to_install
 from smarttestudo.link.protocol.keys import boot_of, new_boot
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end, suspended_too_ns
 from smarttestudo.link.zenoh.security import LinkOptions

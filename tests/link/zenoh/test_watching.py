@@ -25,7 +25,7 @@ from link.zenoh.ends import (
 from robot.status.statuses import STATUS
 from smarttestudo.cli.robots import wait_for_all
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
+from smarttestudo.domain.parameter import GetParameters, GetTopics, SetParameters
 from smarttestudo.domain.record import to_json
 from smarttestudo.link.zenoh import open_link_robots, open_robot_end
 from smarttestudo.link.zenoh.link_robots import LinkRobots

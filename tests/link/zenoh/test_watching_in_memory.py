@@ -28,8 +28,7 @@ from link.zenoh.test_watching import (
 from smarttestudo.cli import robots as cli_robots
 from smarttestudo.cli.robots import topics_of_robot
 from smarttestudo.domain.errors import LinkError, UsageError
-from smarttestudo.domain.parameter import SilentNodeError
-from smarttestudo.domain.questions import SetParameters
+from smarttestudo.domain.parameter import SetParameters, SilentNodeError
 from smarttestudo.link.protocol.messages import CHANGING_QUESTIONS
 from smarttestudo.link.protocol.wire import WIRE_VERSION
 from smarttestudo.link.zenoh import open_link_robots, open_robot_end

@@ -12,8 +12,9 @@ from pacing.bitstreams import IDR, NON_IDR_P, PPS, SPS, compressed_image, compre
 from robot.status.status_driver import StatusDriver
 from smarttestudo.cli.top_table import SortKey, topic_lines
 from smarttestudo.domain.record import from_json, to_json
-from smarttestudo.domain.say_once import SayOnce
-from smarttestudo.domain.status import DiagnosticLevel, RuntimeStatus, ThinningDoubt
+from smarttestudo.domain.robot import DiagnosticLevel
+from smarttestudo.domain.status import RuntimeStatus, ThinningDoubt
+from smarttestudo.domain.texts import SayOnce
 from smarttestudo.robot.diagnostics import diagnostics
 from smarttestudo.robot.status import doubt_lines
 

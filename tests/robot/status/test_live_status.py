@@ -16,8 +16,7 @@ from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import Endpoint, Qos
-from smarttestudo.domain.status import LossBeforeRelay, Silence
-from smarttestudo.domain.status_json import status_from_text
+from smarttestudo.domain.status import LossBeforeRelay, Silence, status_from_text
 from smarttestudo.loop.inputs import MessageInput
 from smarttestudo.robot.losses import SourceLoss
 from smarttestudo.robot.topic_link import not_offered

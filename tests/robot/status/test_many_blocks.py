@@ -15,8 +15,7 @@ from robot.status.statuses import STATUS
 from robot.status.virtual_robot import VirtualRobot
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
-from smarttestudo.domain.status import MOST_BLOCKS, RuntimeStatus
-from smarttestudo.domain.status_json import status_from_text
+from smarttestudo.domain.status import MOST_BLOCKS, RuntimeStatus, status_from_text
 from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.robot.status_topics import BLOCKS_PER_SLICE, StatusPublisher, StatusTelling, StatusTimer
 

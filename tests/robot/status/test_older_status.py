@@ -20,8 +20,7 @@ from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.signal import Truth
-from smarttestudo.domain.status import RulesOrigin, Silence
-from smarttestudo.domain.status_json import status_from_text
+from smarttestudo.domain.status import RulesOrigin, Silence, status_from_text
 from smarttestudo.robot.ros.graph_robots import GraphRobots
 from smarttestudo.ruler.answers.answer_json import answer_json
 from smarttestudo.ruler.answers.live_view import Live, live_model, robot_summaries

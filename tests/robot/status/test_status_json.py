@@ -18,10 +18,17 @@ from hypothesis import strategies as st
 from robot.status.statuses import RELAYED, STATUS
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import CommandTopic
+from smarttestudo.domain.link import CommandTopic
 from smarttestudo.domain.record import to_json
-from smarttestudo.domain.status import MOST_UPTIME_S, LossBeforeRelay, RulesOrigin, Silence, TopicStatus
-from smarttestudo.domain.status_json import status_from_json, status_from_text
+from smarttestudo.domain.status import (
+    MOST_UPTIME_S,
+    LossBeforeRelay,
+    RulesOrigin,
+    Silence,
+    TopicStatus,
+    status_from_json,
+    status_from_text,
+)
 
 TEXT = json.dumps(to_json(STATUS))
 RECORD = json.loads(TEXT)

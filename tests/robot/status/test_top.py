@@ -22,7 +22,7 @@ from smarttestudo.cli.terminal import key_presses
 from smarttestudo.cli.top_table import Line, SortKey, Style, cropped, print_lines, summary_lines, topic_lines
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link_state import CommandTopic, LinkState
+from smarttestudo.domain.link import CommandTopic, LinkState
 from smarttestudo.domain.status import LossBeforeRelay, RulesInForce, RulesOrigin, Silence, TopicStatus
 from smarttestudo.robot.diagnostics import node_health
 

@@ -10,10 +10,11 @@ from types import SimpleNamespace
 from typing import cast
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import (
     DataPath,
+    Diagnostic,
     Endpoint,
+    Payload,
     PollGraph,
     Publisher,
     Qos,
@@ -21,7 +22,6 @@ from smarttestudo.domain.robot import (
     RobotLog,
     Subscription,
 )
-from smarttestudo.domain.status import Diagnostic
 from unasked_robot import UnaskedRobot
 
 SECOND = 1_000_000_000

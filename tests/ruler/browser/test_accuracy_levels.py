@@ -11,7 +11,7 @@ from playwright.sync_api import Locator, expect
 
 from bags.bag_factory import small_mission, write_bag
 from ruler.browser.ruler_page import RulerPage
-from smarttestudo.domain.accuracy import AccuracyTiers, LevelledProperty
+from smarttestudo.domain.profile import AccuracyTiers, LevelledProperty
 from smarttestudo.rules.profile_file import load_profile
 
 PROFILE = """\

@@ -24,7 +24,7 @@ from ruler.browser.ruler_page import RulerPage
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.domain.link_state import CommandTopic, LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.link import CommandTopic, LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import Fallback, RulesInForce, RulesOrigin, RuntimeStatus
 from smarttestudo.rules.profile_file import load_profile

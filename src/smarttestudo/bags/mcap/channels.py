@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.bags.definition_text import stored_definition
 from smarttestudo.bags.qos import QosReader, is_transient_local
+from smarttestudo.domain.names import ros_type_name
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.type_names import ros_type_name
 
 if TYPE_CHECKING:
     from mcap.records import Channel as ChannelRecord

@@ -17,8 +17,8 @@ from smarttestudo.bags.definition_text import stored_definition
 from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.bags.sqlite.log import WriteAheadLog
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.names import ros_type_name
 from smarttestudo.domain.recording import Channel, ForeignSchema
-from smarttestudo.domain.type_names import ros_type_name
 
 _FLAGS = apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI
 _STEPS_PER_BYTE = 50

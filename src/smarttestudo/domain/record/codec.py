@@ -17,8 +17,8 @@ from functools import cache
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
+from smarttestudo.domain.json_text import PLAIN, read_any, read_mapping
 from smarttestudo.domain.record.entry import AtMost, Decimals, JsonEntry, Mark, Significant, json_name, marks
-from smarttestudo.domain.record.plain import PLAIN, read_any, read_mapping
 
 _Value = TypeVar("_Value")
 _Encode = Callable[[Any], object]

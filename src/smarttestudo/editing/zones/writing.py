@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from decimal import Decimal
 
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Span
 from smarttestudo.editing.edits import EditError
 from smarttestudo.editing.zones.reading import Side, ZoneReading, ZoneRectangle, axis_of, zones_in
 from smarttestudo.language.normal_form import Resolve

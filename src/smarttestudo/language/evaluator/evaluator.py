@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
 
 from smarttestudo.domain.decision import PlannedRate
-from smarttestudo.domain.rests import Rest, no_rest, resting
 from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.domain.timing import Rest, no_rest, resting
 from smarttestudo.language.evaluator.graph import Graph, Propagation
 from smarttestudo.language.evaluator.literal import Latch, Leaf, Literal, Thresholds
 from smarttestudo.language.evaluator.rate_arbiter import RequestedRate, TopicArbiter

@@ -10,9 +10,8 @@ from functools import reduce
 from heapq import heappop, heappush
 from typing import TypeVar
 
-from smarttestudo.domain.alarm_clock import AlarmClock
-from smarttestudo.domain.rests import Rest
 from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.timing import AlarmClock, Rest
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.evaluator.literal import (
     FALSE,

@@ -6,8 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from smarttestudo.domain.finding import Finding, Fix, Severity
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Finding, Fix, Severity, Span
 from smarttestudo.language.comments import NO_TRIVIA, Comment, Trivia
 from smarttestudo.language.parser.suggestions import closest, described, did_you_mean, hint_on
 from smarttestudo.language.parser.tokens import KEYWORDS, Token, TokenKind

@@ -10,8 +10,7 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import NamedTuple, NoReturn
 
-from smarttestudo.domain.finding import Fix
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Fix, Span
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.language.parser.cursor import BrokenStatementError, Cursor
 from smarttestudo.language.parser.tokens import TokenKind

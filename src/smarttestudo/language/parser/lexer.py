@@ -7,8 +7,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from smarttestudo.domain.source import Span
-from smarttestudo.domain.utf_8 import without_mark
+from smarttestudo.domain.finding import Span
+from smarttestudo.domain.texts import without_mark
 from smarttestudo.language.comments import Comment
 from smarttestudo.language.parser.tokens import CONNECTIVES, KEYWORDS, Token, TokenKind
 

@@ -7,8 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from smarttestudo.domain.finding import Finding, Fix
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Finding, Fix, Span
 from smarttestudo.language.comments import COMMENT_START, NO_TRIVIA, Comment
 from smarttestudo.language.parser.blocks import (
     parse_actions,

@@ -7,7 +7,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Span
 from smarttestudo.language.comments import Comment
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from smarttestudo.domain.packages import Extra, MissingPackageError, how_to_install
+from smarttestudo.domain.errors import Extra, MissingPackageError, how_to_install
 
 if TYPE_CHECKING:
     from smarttestudo.link.foxglove.sink import FoxgloveSink

@@ -19,7 +19,7 @@ from smarttestudo.bags.definitions import TypeLibrary
 from smarttestudo.domain import recording
 from smarttestudo.domain.errors import PortError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
-from smarttestudo.domain.say_once import SayOnce
+from smarttestudo.domain.texts import SayOnce
 
 MOST_LATCHED = 100
 """Messages that are kept of one publisher, whatever depth it announces."""

@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
+from smarttestudo.domain.errors import Extra, MissingPackageError, how_to_install
 from smarttestudo.domain.metric import Metric
-from smarttestudo.domain.packages import Extra, MissingPackageError, how_to_install
 
 if TYPE_CHECKING:
     from smarttestudo.link.openmetrics.server import MetricsServer

@@ -7,12 +7,11 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
-from smarttestudo.domain.command import IncomingCommands, TooOld
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.link import OutgoingLink
+from smarttestudo.domain.link import IncomingCommands, OutgoingLink, TooOld
 from smarttestudo.domain.robot import Publisher, Qos, Robot
-from smarttestudo.domain.say_once import SayOnce
 from smarttestudo.domain.status import RuntimeStatus
+from smarttestudo.domain.texts import SayOnce
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.output_topics import OWN_TOPICS

@@ -6,10 +6,9 @@ from __future__ import annotations
 
 from smarttestudo.domain.errors import TestudoError, testudo_error
 from smarttestudo.domain.link import OutgoingLink
-from smarttestudo.domain.questions import Answer, GetParameters, GetTopics, Question, SetParameters
-from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.parameter import Answer, GetParameters, GetTopics, Question, SetParameters
+from smarttestudo.domain.robot import Robot, topic_types
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.domain.visible_topics import topic_types
 
 QUESTION_PERIOD_S = 0.1
 """How often one question is answered: more would keep messages waiting."""

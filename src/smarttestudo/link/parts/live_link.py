@@ -9,8 +9,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from smarttestudo.domain.decision import PlannedRate
-from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction
-from smarttestudo.domain.link_state import StreamCounts, TopicOnLink
+from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction, StreamCounts, TopicOnLink
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RuntimeStatus

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
+from smarttestudo.domain.profile import UNLIMITED_KB_PER_S
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.link.protocol.window import Window
 

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from smarttestudo.domain.command import MAX_AGE_NS
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link_state import CommandTopic
+from smarttestudo.domain.link import MAX_AGE_NS, CommandTopic
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.messages import (
     COMMAND_REPORTS,

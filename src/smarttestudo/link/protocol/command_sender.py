@@ -8,9 +8,8 @@ from collections import deque
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.domain.command import MAX_AGE_NS, MAX_COMMAND_BYTES, SentCounts
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.link_state import CommandTopic
+from smarttestudo.domain.link import MAX_AGE_NS, MAX_COMMAND_BYTES, CommandTopic, SentCounts
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow

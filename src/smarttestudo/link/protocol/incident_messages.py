@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from smarttestudo.domain.remote_incidents import RemoteIncident
+from smarttestudo.domain.incident import RemoteIncident
 from smarttestudo.incidents.transfer_messages import (
     MAX_ASK_BYTES,
     MAX_FILES,

@@ -9,15 +9,17 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from smarttestudo.domain.command import MAX_COMMAND_BYTES, MAX_COMMAND_TOPICS
 from smarttestudo.domain.errors import LinkError, TestudoError
-from smarttestudo.domain.link import Prediction, StreamInfo
-from smarttestudo.domain.link_state import CommandTopic
-from smarttestudo.domain.names import has_topic_form
-from smarttestudo.domain.parameter import Values
-from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
-from smarttestudo.domain.type_names import TypeName
-from smarttestudo.domain.visible_text import visible
+from smarttestudo.domain.link import (
+    MAX_COMMAND_BYTES,
+    MAX_COMMAND_TOPICS,
+    CommandTopic,
+    Prediction,
+    StreamInfo,
+)
+from smarttestudo.domain.names import TypeName, has_topic_form
+from smarttestudo.domain.parameter import GetParameters, GetTopics, SetParameters, Values
+from smarttestudo.domain.texts import visible
 from smarttestudo.link.protocol.acknowledgements import MAX_ENDED, MAX_LOST_SPANS, Acknowledgement
 from smarttestudo.link.protocol.chunks import MAX_STREAMS
 from smarttestudo.link.protocol.wire import FrameType, Kind

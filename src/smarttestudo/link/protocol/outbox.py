@@ -9,8 +9,7 @@ from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
-from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage
-from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, StreamCounts
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.acknowledgements import Acknowledgement
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, NUMBERS, SESSION_OFFSETS, Chunk

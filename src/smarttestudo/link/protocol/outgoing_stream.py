@@ -9,8 +9,7 @@ from collections.abc import Callable, Collection, Hashable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from smarttestudo.domain.link import LinkNeeds, MessageOrigin
-from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.link import LinkNeeds, MessageOrigin, StreamCounts
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.groups import VideoGroup
 

@@ -9,8 +9,15 @@ from collections.abc import Collection, Hashable, Mapping
 from dataclasses import replace
 from typing import Generic, TypeVar
 
-from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
-from smarttestudo.domain.link_state import LinkState, StreamCounts
+from smarttestudo.domain.link import (
+    LinkNeeds,
+    LinkState,
+    MessageOrigin,
+    MissedMessage,
+    Prediction,
+    StreamCounts,
+    StreamInfo,
+)
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.acknowledgements import Acknowledgement
 from smarttestudo.link.protocol.background import BackgroundAnswer, BackgroundAnswers

@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.texts import in_utf_8
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.link.protocol.wire import HEAD_BYTES, Kind, Reader, frame, kind_of, malformed, varint
 
 MAX_STATUS_BYTES = 1_000_000

@@ -13,13 +13,13 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from smarttestudo.domain.errors import said
-from smarttestudo.domain.remote_incidents import (
+from smarttestudo.domain.incident import (
     FetchProgress,
     RemoteIncident,
     RemoteIncidents,
     SilentRobotError,
 )
-from smarttestudo.domain.say_once import SayOnce
+from smarttestudo.domain.texts import SayOnce
 from smarttestudo.files.whole_file import not_written
 from smarttestudo.incidents.partial_incident import incident_there, remove_begun_fetches
 from smarttestudo.link.worker import Worker

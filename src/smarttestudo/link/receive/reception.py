@@ -11,7 +11,7 @@ from functools import partial
 from smarttestudo.domain.errors import error_at, said
 from smarttestudo.domain.link import ReceivedMessage, Sink, StreamInfo
 from smarttestudo.domain.rate_meter import Flow, FlowMeter
-from smarttestudo.domain.say_once import SayOnce
+from smarttestudo.domain.texts import SayOnce
 from smarttestudo.domain.units import NS_PER_MS
 from smarttestudo.link.receive.prediction import Predictor
 from smarttestudo.link.receive.topic_streams import CountedStream, StreamKey, TopicStreams

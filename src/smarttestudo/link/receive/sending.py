@@ -9,13 +9,17 @@ from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from smarttestudo.domain.command import MAX_COMMAND_BYTES, SentCounts, TooOld
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.link import ReceivedMessage, StreamInfo
-from smarttestudo.domain.link_state import CommandTopic
+from smarttestudo.domain.link import (
+    MAX_COMMAND_BYTES,
+    CommandTopic,
+    ReceivedMessage,
+    SentCounts,
+    StreamInfo,
+    TooOld,
+)
 from smarttestudo.domain.names import output_name
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Qos, Robot, Subscription
+from smarttestudo.domain.robot import Payload, Qos, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.command_sender import CommandedRobot
 from smarttestudo.link.protocol.keys import Boot

@@ -9,8 +9,7 @@ from collections.abc import Mapping
 
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import is_topic_name
-from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.status_json import status_from_text
+from smarttestudo.domain.status import RuntimeStatus, status_from_text
 from smarttestudo.link.openmetrics.status import status_metrics
 from smarttestudo.link.protocol.status_stream import MAX_STATUS_BYTES
 from smarttestudo.pacing.cdr import string_text

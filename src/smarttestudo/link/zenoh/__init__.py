@@ -11,8 +11,7 @@ from contextlib import closing, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from smarttestudo.domain.errors import LinkError, said
-from smarttestudo.domain.packages import Extra, how_to_install
+from smarttestudo.domain.errors import Extra, LinkError, how_to_install, said
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.arrivals import MAX_WAITING_BYTES
 from smarttestudo.link.zenoh.security import LinkOptions

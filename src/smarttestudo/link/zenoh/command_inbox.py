@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 import zenoh
 
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.link_state import CommandTopic
+from smarttestudo.domain.link import CommandTopic
 from smarttestudo.domain.robot import Publisher
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.command_receiver import CommandReceiver

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.remote_incidents import (
+from smarttestudo.domain.incident import (
     FetchProgress,
     OnProgress,
     RemoteIncident,

@@ -12,11 +12,18 @@ from functools import partial
 from typing import TypeVar
 
 from smarttestudo.domain.errors import LinkError, TestudoError
-from smarttestudo.domain.parameter import Got, SilentNodeError, Values, WasSet
-from smarttestudo.domain.questions import GetParameters, GetTopics, Question, SetParameters
+from smarttestudo.domain.parameter import (
+    GetParameters,
+    GetTopics,
+    Got,
+    Question,
+    SetParameters,
+    SilentNodeError,
+    Values,
+    WasSet,
+)
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S, GotTopics, HeardStatus
-from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.status_json import status_from_json
+from smarttestudo.domain.status import RuntimeStatus, status_from_json
 from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
 from smarttestudo.link.protocol.messages import (
     ANSWERS,

@@ -13,7 +13,7 @@ from typing import TypeVar
 import zenoh
 
 from smarttestudo.domain.errors import LinkError, TestudoError, said
-from smarttestudo.domain.questions import Answer, Question
+from smarttestudo.domain.parameter import Answer, Question
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.link.protocol.keys import Boot

@@ -14,9 +14,16 @@ from pathlib import Path
 import zenoh
 
 from smarttestudo.domain.errors import LinkError, said
-from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, Prediction, StreamInfo
-from smarttestudo.domain.link_state import LinkState, StreamCounts
-from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.link import (
+    LinkNeeds,
+    LinkState,
+    MessageOrigin,
+    MissedMessage,
+    Prediction,
+    StreamCounts,
+    StreamInfo,
+)
+from smarttestudo.domain.robot import Payload
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.incidents.catalog import IncidentCatalog
 from smarttestudo.incidents.transfer_messages import AskBytes

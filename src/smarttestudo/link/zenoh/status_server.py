@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 import zenoh
 
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.status_json import compact_status, is_measured
+from smarttestudo.domain.status import compact_status, is_measured
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.status_stream import StatusSender
 from smarttestudo.link.zenoh.compression import compress

@@ -7,13 +7,11 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Callable, Mapping
 
-from smarttestudo.domain.alarm_clock import AlarmClock
-from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
 from smarttestudo.domain.decision import PlannedRate, Reason
 from smarttestudo.domain.observation import LinkBudget
-from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.profile import UNLIMITED_KB_PER_S, Profile
 from smarttestudo.domain.signal import Signal
-from smarttestudo.domain.steady_time import SteadyTime
+from smarttestudo.domain.timing import AlarmClock, SteadyTime
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.evaluator import Evaluator, RequestedRate
 from smarttestudo.language.rule_set import RuleSet

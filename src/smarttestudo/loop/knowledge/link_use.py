@@ -13,8 +13,7 @@ from typing import NamedTuple
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.rate_meter import mean_hz
-from smarttestudo.domain.source_period import INTERVALS_NEEDED, STALE_AT_LEAST_NS, silence_limit_ns
+from smarttestudo.domain.rate_meter import INTERVALS_NEEDED, STALE_AT_LEAST_NS, mean_hz, silence_limit_ns
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, ns_from_s
 from smarttestudo.language.evaluator import RequestedRate
 from smarttestudo.language.rule_set import RuleSet

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable, Sequence
 
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import LevelUnit, TopicProfile
+from smarttestudo.domain.rate_meter import SourcePeriod
 from smarttestudo.domain.signal import ArrivalProperty, Signal
-from smarttestudo.domain.source_period import SourcePeriod
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.properties import Reader, value_reader
 from smarttestudo.language.region import Bound

@@ -10,8 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.packages import how_to_get_ros
+from smarttestudo.domain.errors import RosError, how_to_get_ros
 from smarttestudo.domain.robot import DataPathKind, OutputDomain, Robot
 from smarttestudo.robot.ros.loading import load_rclpy
 

@@ -16,8 +16,7 @@ from typing import Any
 from rclpy.serialization import deserialize_message
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Qos, Receive, Subscription
+from smarttestudo.domain.robot import Payload, Qos, Receive, Subscription
 from smarttestudo.robot.ros.message_types import has_byte_sequence, is_installed, message_type
 from smarttestudo.robot.ros.qos import qos_profile
 from smarttestudo.robot.ros.rclpy_subscription import RclpyInlet

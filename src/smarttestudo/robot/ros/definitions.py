@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.type_names import short_type_name
+from smarttestudo.domain.names import short_type_name
 from smarttestudo.robot.ros.message_types import message_type, nested_types
 
 _SEPARATOR = "=" * 80

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from smarttestudo.domain.status import Diagnostic
+from smarttestudo.domain.robot import Diagnostic
 from smarttestudo.robot.ros.message_types import message_type
 from smarttestudo.robot.ros.ros_errors import ros_errors
 

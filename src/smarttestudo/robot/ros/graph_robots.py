@@ -10,11 +10,9 @@ from dataclasses import dataclass, replace
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.names import NAME_OPTION, STATUS_TOPIC
 from smarttestudo.domain.parameter import Got, SilentNodeError, Values, WasSet
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.remote_robots import GotTopics, HeardStatus
-from smarttestudo.domain.robot import Qos, Robot
-from smarttestudo.domain.status_json import status_from_text
-from smarttestudo.domain.visible_topics import topic_types
+from smarttestudo.domain.robot import Payload, Qos, Robot, topic_types
+from smarttestudo.domain.status import status_from_text
 
 _TEXT_TYPE = "std_msgs/msg/String"
 # Several nodes may publish between two polls, and all share one queue.

@@ -12,7 +12,7 @@ from smarttestudo.domain.errors import TestudoError, error_at
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER, output_name, require_publishable
 from smarttestudo.domain.robot import DataPath, Publisher
-from smarttestudo.domain.say_once import SayOnce
+from smarttestudo.domain.texts import SayOnce
 
 MAX_DEPTH = 1000
 """Messages that a publisher keeps at most, whatever depth a robot announces."""

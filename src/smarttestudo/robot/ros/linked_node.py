@@ -12,19 +12,19 @@ from typing import Any
 
 from smarttestudo.domain.compiled_relay import CompiledRelays
 from smarttestudo.domain.link import OutgoingLink, StreamInfo
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import (
     DataPath,
     DataPathKind,
     Endpoint,
     GraphChange,
+    Payload,
     PollGraph,
     Publisher,
     Qos,
     Receive,
     Subscription,
+    receiving_node,
 )
-from smarttestudo.domain.visible_topics import receiving_node
 from smarttestudo.pacing.cdr import string_message
 from smarttestudo.robot.ros.definitions import message_definition
 from smarttestudo.robot.ros.node import RosNode

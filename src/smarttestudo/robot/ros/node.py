@@ -25,15 +25,15 @@ from smarttestudo.domain.parameter import (
 from smarttestudo.domain.robot import (
     DataPath,
     DataPathKind,
+    Diagnostic,
     Endpoint,
     OutputDomain,
     PollGraph,
     Publisher,
     Qos,
 )
-from smarttestudo.domain.status import Diagnostic
+from smarttestudo.domain.texts import in_utf_8
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.domain.utf_8 import in_utf_8
 from smarttestudo.robot.ros.data_path import open_data_path
 from smarttestudo.robot.ros.definitions import message_definition
 from smarttestudo.robot.ros.diagnostics import diagnostics_publisher

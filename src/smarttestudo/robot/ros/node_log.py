@@ -11,7 +11,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.logging import LoggingSeverity
 
 from smarttestudo.domain.robot import RobotLog
-from smarttestudo.domain.visible_text import visible
+from smarttestudo.domain.texts import visible
 
 
 def node_log(node: Any) -> RobotLog:

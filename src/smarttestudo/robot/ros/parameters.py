@@ -26,7 +26,7 @@ from smarttestudo.domain.parameter import (
     Values,
     WasSet,
 )
-from smarttestudo.domain.utf_8 import in_utf_8
+from smarttestudo.domain.texts import in_utf_8
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 

@@ -7,9 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Publisher, Qos, Receive, Subscription
-from smarttestudo.domain.say_once import SayOnce
+from smarttestudo.domain.robot import Payload, Publisher, Qos, Receive, Subscription
+from smarttestudo.domain.texts import SayOnce
 from smarttestudo.robot.ros.byte_topics import ByteTopics
 from smarttestudo.robot.ros.message_types import decoded, is_installed, message_type
 from smarttestudo.robot.ros.qos import qos_profile

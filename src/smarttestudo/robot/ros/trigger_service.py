@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from smarttestudo.domain.errors import RosError, TestudoError
-from smarttestudo.domain.utf_8 import in_utf_8
+from smarttestudo.domain.texts import in_utf_8
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 

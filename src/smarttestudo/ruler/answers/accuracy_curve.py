@@ -12,9 +12,8 @@ from msgspec import Struct
 
 from smarttestudo.accuracy import accuracy_curve as loss
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.profile import LevelledProperty, Profile
 from smarttestudo.domain.recording import types_of_topics
 from smarttestudo.optimizer.accuracy_measure import PROPOSED_BOUNDS, bounds_need_hz, levelled_properties
 

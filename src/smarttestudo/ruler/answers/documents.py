@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from msgspec import Struct
 
 from smarttestudo.domain import finding as checker
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Span
 from smarttestudo.editing import CollectionPart, Document, comment_texts
 from smarttestudo.ruler.answers.checked_text import CheckedText
 from smarttestudo.ruler.answers.statement_trees import StatementWriter

@@ -12,8 +12,7 @@ from msgspec import Struct
 
 from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.incident import IncidentRecord
-from smarttestudo.domain.remote_incidents import RemoteIncident
+from smarttestudo.domain.incident import IncidentRecord, RemoteIncident
 from smarttestudo.files.zip_stream import zip_pieces
 from smarttestudo.incidents.store import IncidentStore, StoredIncident
 from smarttestudo.language.properties import property_spec

@@ -12,10 +12,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from smarttestudo.domain.bound_texts import bound_texts
-from smarttestudo.domain.link_state import LinkState, TopicOnLink
+from smarttestudo.domain.decision import bound_texts
+from smarttestudo.domain.link import LinkState, TopicOnLink
 from smarttestudo.domain.record import Measured
-from smarttestudo.domain.status import DiagnosticLevel, RulesInForce, RuntimeStatus
+from smarttestudo.domain.robot import DiagnosticLevel
+from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.domain.units import BYTES_PER_KB
 from smarttestudo.robot.diagnostics import Health, accepted_text, node_health, recording_text, topic_health
 from smarttestudo.ruler.answers.robot_watch import RobotCheck, SeenRobot, written_checks

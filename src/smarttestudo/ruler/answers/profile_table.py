@@ -10,9 +10,9 @@ from typing import Any
 
 from msgspec import Struct, structs
 
-from smarttestudo.domain.accuracy import LevelledProperty
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import is_topic_name
+from smarttestudo.domain.profile import LevelledProperty
 from smarttestudo.files.toml_text import KeyPath, parse_toml
 from smarttestudo.rules.profile_edit import edited_profile
 from smarttestudo.rules.profile_file import parse_profile

@@ -13,7 +13,7 @@ from msgspec import Struct
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.parameter import ParameterValue, Refusals, Values
-from smarttestudo.domain.rule_texts import RuleTexts
+from smarttestudo.domain.remote_robots import RuleTexts
 from smarttestudo.language.parser import parse
 from smarttestudo.robot.rule_manager import CONFIRM_WITHIN_S
 from smarttestudo.ruler.answers.checked_text import Draft

@@ -16,7 +16,7 @@ from msgspec import Struct
 
 from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.domain.errors import LinkError, TestudoError
-from smarttestudo.domain.remote_incidents import FetchProgress, RemoteIncident, RemoteIncidents
+from smarttestudo.domain.incident import FetchProgress, RemoteIncident, RemoteIncidents
 from smarttestudo.ruler.answers.incident_keeping import INCIDENTS_FOLDER
 from smarttestudo.ruler.answers.incidents import told_of_listed
 from smarttestudo.ruler.project.project_folder import ForbiddenPathError, ProjectFolder

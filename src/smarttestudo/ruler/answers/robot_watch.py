@@ -10,8 +10,7 @@ from functools import partial
 
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.parameter import Refusals, Values
-from smarttestudo.domain.remote_robots import HeardStatus, RemoteRobots
-from smarttestudo.domain.rule_texts import RuleTexts
+from smarttestudo.domain.remote_robots import HeardStatus, RemoteRobots, RuleTexts
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import Block, Operator, checks_in

@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypedDict
 
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Tier
-from smarttestudo.domain.source import Span
 from smarttestudo.editing import Document, EditError, Entry, NewStatement, comment_texts
 from smarttestudo.language.formatter.text import number_text
 from smarttestudo.language.parser.durations import duration_ns

@@ -13,8 +13,7 @@ from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.checks import CheckContext, check_rules
-from smarttestudo.domain.bound_texts import bound_texts
-from smarttestudo.domain.decision import Decision, Reason
+from smarttestudo.domain.decision import Decision, Reason, bound_texts
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader, types_of_topics

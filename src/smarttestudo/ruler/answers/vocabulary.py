@@ -10,8 +10,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from smarttestudo.domain.accuracy import AccuracyTiers
-from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.profile import AccuracyTiers, Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.properties import (

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 from msgspec import Struct
 
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.names import resolve_topic
-from smarttestudo.domain.source import Span
 from smarttestudo.editing import (
     CollectionPart,
     Document,

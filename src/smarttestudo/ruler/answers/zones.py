@@ -12,8 +12,8 @@ from msgspec import Struct
 
 from smarttestudo.checks.blocks import BLOCKS_CLASH
 from smarttestudo.checks.wording import check_text
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.names import resolve_topic
-from smarttestudo.domain.source import Span
 from smarttestudo.editing import Document
 from smarttestudo.editing.zones import Zone, ZoneReading, ZoneRectangle, zones_in
 from smarttestudo.language.syntax import Block, sets_in

@@ -15,9 +15,8 @@ from pathlib import Path
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.domain.names import DECISIONS_TOPIC, output_name
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.recording import Channel, RecordingWriter
-from smarttestudo.domain.robot import Qos, Robot, Subscription
+from smarttestudo.domain.robot import Payload, Qos, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_S, grouped, ns_from_s
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.robot.output_topics import DEFAULT_OUTPUT_TOPIC

@@ -10,8 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Publisher, Robot
+from smarttestudo.domain.robot import Payload, Publisher, Robot
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.demo.lost_time import LostTime

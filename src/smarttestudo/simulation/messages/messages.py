@@ -11,9 +11,8 @@ from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
 from smarttestudo.bags.qos import stored_qos
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.robot import Qos
+from smarttestudo.domain.robot import Payload, Qos
 from smarttestudo.simulation.geometry import BodyVelocity
 from smarttestudo.simulation.messages import motion, sensing, state
 from smarttestudo.simulation.messages.sensing import JpegEncoder

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.packages import missing_package
+from smarttestudo.domain.errors import TestudoError, missing_package
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import Quaternion, Vector
 from smarttestudo.simulation.physics.names import FLOOR, HIDDEN_GROUP

@@ -15,8 +15,7 @@ from weakref import WeakSet
 from rclpy.executors import TimeoutException
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Publisher, Qos, Receive, Subscription
+from smarttestudo.domain.robot import Payload, Publisher, Qos, Receive, Subscription
 from smarttestudo.robot.ros.byte_topics import ByteTopics
 from smarttestudo.robot.ros.graph_polls import LEAST_PERIOD_S
 from smarttestudo.robot.ros.message_types import decoded, is_installed

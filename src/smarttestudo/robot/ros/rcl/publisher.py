@@ -10,8 +10,7 @@ from typing import Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Qos
+from smarttestudo.domain.robot import Payload, Qos
 from smarttestudo.robot.ros.message_types import message_type
 from smarttestudo.robot.ros.qos import qos_profile
 from smarttestudo.robot.ros.rcl.bindings import RCL_RET_OK, RclLibrary

@@ -16,8 +16,13 @@ from pathlib import Path
 import pytest
 
 from smarttestudo.domain.record import to_json
-from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.status_json import compact_status, is_measured, status_from_json, status_from_text
+from smarttestudo.domain.status import (
+    RuntimeStatus,
+    compact_status,
+    is_measured,
+    status_from_json,
+    status_from_text,
+)
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.status_stream import StatusReceiver, StatusSender
 from smarttestudo.link.zenoh.compression import compress, decompress

@@ -7,7 +7,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.domain.alarm_clock import AlarmClock
+from smarttestudo.domain.timing import AlarmClock
 
 settings_of_alarms = st.tuples(st.sampled_from("abc"), st.one_of(st.none(), st.integers(0, 30)))
 turns = st.lists(st.tuples(st.lists(settings_of_alarms, max_size=4), st.integers(0, 6)), max_size=12)

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.domain.visible_text import visible
+from smarttestudo.domain.texts import visible
 
 TEXTS = st.text(st.characters() | st.characters(categories=("Cc", "Cf", "Cs", "Zl", "Zp")))
 

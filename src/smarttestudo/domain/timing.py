@@ -1,11 +1,49 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Alarms that are put off far more often than they ring."""
+"""Time of a clock that may jump, alarms, and rests in long work."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
 from heapq import heappop, heappush
 from typing import Generic, TypeVar
+
+
+class SteadyTime:
+    """The clock's time, where a clock that jumps back counts as one that stood still meanwhile.
+
+    What is remembered (arrivals, waiting requests, held messages) so keeps its age across a jump: nothing
+    waits for the clock to catch up, and nothing expires early. A jump ahead is time that passed, unless it
+    is left out.
+    """
+
+    __slots__ = ("_behind_ns", "now_ns")
+
+    def __init__(self, start_ns: int) -> None:
+        self.now_ns = start_ns
+        self._behind_ns = 0
+
+    def advance(self, clock_ns: int) -> int:
+        """The steady time when the clock shows ``clock_ns``."""
+        steady_ns = clock_ns + self._behind_ns
+        if steady_ns < self.now_ns:
+            self._behind_ns += self.now_ns - steady_ns
+            return self.now_ns
+        self.now_ns = steady_ns
+        return steady_ns
+
+    def leave_out(self, ahead_ns: int) -> None:
+        """The clock jumped ahead by so much, and has not been asked since."""
+        self._behind_ns -= ahead_ns
+
+    def at(self, clock_ns: int) -> int:
+        """Time that ``advance`` would return; nothing changes."""
+        return max(self.now_ns, clock_ns + self._behind_ns)
+
+    def on_clock(self, steady_ns: int) -> int:
+        """Time that the clock will show at ``steady_ns``, unless it jumps again."""
+        return steady_ns - self._behind_ns
+
 
 Key = TypeVar("Key", str, int)
 
@@ -54,3 +92,20 @@ class AlarmClock(Generic[Key]):
                 self.set(key, wanted_ns)
         self.next_ns = self._entries[0][0] if self._entries else None
         return due
+
+
+_Item = TypeVar("_Item")
+
+Rest = Callable[[], None]
+"""Called between two small pieces of work."""
+
+
+def no_rest() -> None:
+    """Go on at once, for work that others wait for."""
+
+
+def resting(items: Iterable[_Item], rest: Rest) -> Iterator[_Item]:
+    """``items``, with a rest before each."""
+    for item in items:
+        rest()
+        yield item

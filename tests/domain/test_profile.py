@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from optimizer.instances import accuracy_tiers
-from smarttestudo.domain.accuracy import AccuracyTiers, rounded_up
+from smarttestudo.domain.profile import AccuracyTiers, rounded_up
 from smarttestudo.domain.rate import Tier
 
 MEASURED = AccuracyTiers(bounds=(0.5, 0.2, 0.1, 0.05, 0.02, 0.01), needs_hz=(0.9, 1.5, 2.6, 4.2, 8.5, 16.0))
