@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 
-INTERVALS_KEPT = 20
+SOURCE_INTERVALS_KEPT = 20
 INTERVALS_NEEDED = 3
 STALE_PERIODS = 5
 STALE_AT_LEAST_NS = 2 * NS_PER_S
@@ -23,7 +23,7 @@ class SourcePeriod:
     __slots__ = ("_arrivals_ns",)
 
     def __init__(self) -> None:
-        self._arrivals_ns: deque[int] = deque(maxlen=INTERVALS_KEPT + 1)
+        self._arrivals_ns: deque[int] = deque(maxlen=SOURCE_INTERVALS_KEPT + 1)
 
     def record(self, now_ns: int) -> None:
         """Count an arrival; a clock that jumped back starts the count anew."""
