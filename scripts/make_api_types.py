@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 import msgspec
 
 from smarttestudo.domain.rate import Tier
-from smarttestudo.domain.record import JsonEntry, JsonObject, Mark, json_name, marks
+from smarttestudo.domain.record import JsonEntry, Mark, derived_entry, json_name, marks
 from smarttestudo.robot.ros import open_graph_robots
 from smarttestudo.ruler.answers.robot_incidents import RobotIncidents
 from smarttestudo.ruler.answers.robot_link import RobotLink
@@ -113,7 +113,7 @@ class _Writer:
             self._write(name, lambda: _enum_text(kind))
         elif issubclass(kind, msgspec.Struct):
             self._write(name, lambda: self._struct_text(kind))
-        elif hasattr(kind, "to_json") and not issubclass(kind, JsonObject):
+        elif hasattr(kind, "to_json"):
             return self.word(get_type_hints(kind.to_json)["return"])
         elif is_dataclass(kind):
             self._write(name, lambda: _interface_text(kind, self._record_lines(kind)))
@@ -163,8 +163,9 @@ class _Writer:
                 is_left_out = entry.omits_default or (kind in self._asked and _has_default(field))
                 mark = "?" if is_left_out else ""
                 yield f"  {entry.name or field.name}{mark}: {self._entry_word(hint, entry, field)};"
-        for name, getter in _derived(kind):
-            yield f"  {name}: {self.word(get_type_hints(getter, include_extras=True)['return'])};"
+        for entry, getter in _derived(kind):
+            mark = "?" if entry.omits_default else ""
+            yield f"  {entry.name}{mark}: {self.word(get_type_hints(getter, include_extras=True)['return'])};"
 
     def _entry_word(self, hint: Any, entry: JsonEntry, field: Field[Any]) -> str:
         if entry.keyed_by:
@@ -190,10 +191,10 @@ def _interface_text(kind: type, lines: Iterator[str]) -> str:
     return "\n".join([*_comment(kind), f"export interface {kind.__name__} {{", *lines, "}", ""])
 
 
-def _derived(kind: type) -> Iterator[tuple[str, Any]]:
+def _derived(kind: type) -> Iterator[tuple[JsonEntry, Any]]:
     """The properties that are entries, too."""
     getters = [one.fget for one in vars(kind).values() if isinstance(one, property)]
-    return ((vars(one)["record_entry"], one) for one in getters if "record_entry" in vars(one))
+    return ((entry, one) for one in getters if (entry := derived_entry(one)) is not None)
 
 
 def _stands_by_its_fields(kind: Any) -> bool:

@@ -26,6 +26,7 @@ from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.profile import budget_kb_per_s as budget_kb_per_s_of
+from smarttestudo.domain.record import to_json
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RuleSet
@@ -47,13 +48,6 @@ class Tabular(Protocol):
 
     def rows(self) -> Iterable[Mapping[str, object]]:
         """Its rows, by column."""
-
-
-class Record(Protocol):
-    """A result that is one row of a table."""
-
-    def to_json(self) -> dict[str, object]:
-        """The row, by column."""
 
 
 def check_rules(*rules: AnyPath, profile: AnyPath | None = None) -> tuple[Finding, ...]:
@@ -148,7 +142,7 @@ def read_decisions(path: AnyPath) -> list[Decision]:
     return decision_log.read_decisions(_path(path, "path"))
 
 
-def rows(result: Tabular | Iterable[Record]) -> list[dict[str, object]]:
+def rows(result: Tabular | Iterable[Decision | Finding]) -> list[dict[str, object]]:
     """A result of this module as rows by column, as ``pandas.DataFrame`` takes them.
 
     One for each topic of a recording or replay, each field of a loss, each decision, each finding.
@@ -156,7 +150,7 @@ def rows(result: Tabular | Iterable[Record]) -> list[dict[str, object]]:
     if isinstance(result, Tabular):
         return [dict(row) for row in result.rows()]
     try:
-        return [one.to_json() for one in result]
+        return [to_json(one) for one in result]
     except (TypeError, AttributeError) as error:
         raise UsageError(
             f"a result of a function of smarttestudo is needed, not {result!r:.40}",

@@ -95,6 +95,7 @@ def test_one_message_has_no_mean_rate_but_a_binned_one() -> None:
         "mean_hz": None,
         "binned_hz": 1.0,
         "kb_per_s": 0.05,
+        "kbit_per_s": 0.4,
         "declared": False,
     }
 

@@ -14,6 +14,7 @@ from smarttestudo.accuracy.accuracy_curve import (
     AccuracyCurve,
     AccuracyPoint,
     BoundCost,
+    FixedPicture,
     Motion,
 )
 from smarttestudo.accuracy.arms import PacedPicture
@@ -339,8 +340,8 @@ def demo_like_accuracy() -> AccuracyCurve:
 
 
 def _cost(bound: float, messages: int, worse: float) -> BoundCost:
-    within, fixed = (
-        PacedPicture(messages=messages, rmse=worst / 2, worst=worst, unknown=0)
-        for worst in (0.99 * bound, worse * bound)
+    close, far = 0.99 * bound, worse * bound
+    return BoundCost(
+        within=PacedPicture(messages=messages, rmse=close / 2, worst=close, unknown=0),
+        fixed=FixedPicture(hz=messages / 60, messages=messages, rmse=far / 2, worst=far, unknown=0),
     )
-    return BoundCost(within=within, fixed=fixed, fixed_hz=messages / 60)

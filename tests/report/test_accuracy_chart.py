@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -19,6 +20,7 @@ from smarttestudo.accuracy.accuracy_curve import (
     AccuracyCurve,
     AccuracyPoint,
     BoundCost,
+    FixedPicture,
     Motion,
 )
 from smarttestudo.accuracy.arms import PacedPicture
@@ -26,14 +28,17 @@ from smarttestudo.report.accuracy_chart import accuracy_chart
 from smarttestudo.report.accuracy_curve_section import draw_accuracy
 from smarttestudo.report.document import render_report
 
-ERRORS = st.builds(
-    PacedPicture,
-    messages=st.integers(1, 10**7),
-    rmse=st.just(0.0),
-    worst=st.one_of(st.sampled_from([0.0, 5e-324, 1e-310]), st.floats(1e-9, 1e9)),
-    unknown=st.just(0),
+NUMBERS: dict[str, Any] = {
+    "messages": st.integers(1, 10**7),
+    "rmse": st.just(0.0),
+    "worst": st.one_of(st.sampled_from([0.0, 5e-324, 1e-310]), st.floats(1e-9, 1e9)),
+    "unknown": st.just(0),
+}
+COSTS = st.builds(
+    BoundCost,
+    within=st.builds(PacedPicture, **NUMBERS),
+    fixed=st.builds(FixedPicture, hz=st.floats(0.1, math.inf), **NUMBERS),
 )
-COSTS = st.builds(BoundCost, within=ERRORS, fixed=ERRORS, fixed_hz=st.floats(0.1, math.inf))
 CURVES = st.builds(
     AccuracyCurve,
     topic=st.just("/odom"),
@@ -96,7 +101,8 @@ def test_whatever_the_numbers_every_place_is_within_the_chart(curve: AccuracyCur
 
 def test_where_every_message_passes_there_is_no_drawing_and_still_a_table() -> None:
     nothing = PacedPicture(messages=300, rmse=0.0, worst=0.0, unknown=0)
-    cost = BoundCost(within=nothing, fixed=nothing, fixed_hz=math.inf)
+    fixed = FixedPicture(hz=math.inf, messages=300, rmse=0.0, worst=0.0, unknown=0)
+    cost = BoundCost(within=nothing, fixed=fixed)
     curve = replace(demo_like_accuracy(), points=(AccuracyPoint(bound=0.01, hold=cost, reckoned=None),))
     assert accuracy_chart(curve) is None
     page = render_report(bare_report(accuracy_curve=curve))

@@ -164,7 +164,10 @@ def test_topics_pair_with_their_relays(desk: Desk, tmp_path: Path, rename: str) 
     assert odom["a"].items() <= a["/odom"].items()
     over_s = desk.bag("info", "sent", "--json").json["duration_s"]
     kb_per_s = relay["bytes"] / 1000 / over_s
-    assert odom["b"] == {key: relay[key] for key in odom["b"]} | {"kb_per_s": kb_per_s}
+    assert odom["b"] == {key: relay[key] for key in odom["b"]} | {
+        "kb_per_s": kb_per_s,
+        "kbit_per_s": 8 * kb_per_s,
+    }
 
 
 def test_a_mapping_pairs_topics_of_any_name(desk: Desk, tmp_path: Path) -> None:

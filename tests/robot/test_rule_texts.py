@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.domain.remote_robots import RuleTexts
+from smarttestudo.domain.remote_robots import RuleText, RuleTexts
 
 texts = st.builds(
     RuleTexts,
     sha256=st.text(),
-    files=st.lists(st.tuples(st.text(), st.text())).map(tuple),
+    files=st.lists(st.builds(RuleText, st.text(), st.text())).map(tuple),
     full_names=st.dictionaries(st.text(), st.text()),
 )
 
@@ -32,5 +32,5 @@ def test_what_is_none_of_it_is_refused(text: str) -> None:
 
 
 def test_files_that_end_in_a_comment_do_not_swallow_the_next() -> None:
-    rules = RuleTexts(files=(("a", "begin end // a"), ("b", "begin end")))
+    rules = RuleTexts(files=(RuleText("a", "begin end // a"), RuleText("b", "begin end")))
     assert rules.text == "begin end // a\nbegin end"

@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from robot.status.statuses import STATUS
-from smarttestudo.domain.remote_robots import RuleTexts
+from smarttestudo.domain.remote_robots import RuleText, RuleTexts
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import BlockStatus, CheckStatus, RulesInForce, RulesOrigin
 from smarttestudo.language.syntax import Operator
@@ -30,7 +30,7 @@ begin
   Rule "Far" If (CheckValue /odom pose_x > 3) Then SetFrequency /imu 5 EndIf
 end
 """
-WORDS = words_of(RuleTexts(files=(("far.adirf", TEXT),), full_names={}))
+WORDS = words_of(RuleTexts(files=(RuleText("far.adirf", TEXT),), full_names={}))
 COLUMN = TEXT.splitlines()[2].index("CheckValue") + 1
 
 

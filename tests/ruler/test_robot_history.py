@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from robot.status.statuses import RELAYED, STATUS
 from smarttestudo.domain.decision import Reason
-from smarttestudo.domain.remote_robots import RuleTexts
+from smarttestudo.domain.remote_robots import RuleText, RuleTexts
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import BlockStatus, CheckStatus, RulesInForce, RulesOrigin, RuntimeStatus
 from smarttestudo.ruler.answers.robot_history import (
@@ -28,7 +28,7 @@ begin
   Rule "Bay" If (CheckValue /odom pose_x > 1 AND CheckValue /odom pose_y < 2) Then SetFrequency /imu 5 EndIf
 end
 """
-WORDS = words_of(RuleTexts(files=(("bay.adirf", TEXT),), full_names={}))
+WORDS = words_of(RuleTexts(files=(RuleText("bay.adirf", TEXT),), full_names={}))
 RULES = RulesInForce(paths=("bay.adirf",), sha256=WORDS.sha256, origin=RulesOrigin.FILES)
 
 

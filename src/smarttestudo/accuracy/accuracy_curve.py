@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
+from typing import Annotated
 
 from smarttestudo.accuracy.arms import Arm, PacedPicture, Strategy
 from smarttestudo.accuracy.fixed_rates import rate_of_messages
@@ -19,7 +20,7 @@ from smarttestudo.accuracy.track import Message
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate_meter import mean_hz
-from smarttestudo.domain.record import JsonObject
+from smarttestudo.domain.record import JsonEntry, derived
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.language.properties import needs_decoded, properties_for_bounds
@@ -39,24 +40,22 @@ _POSITIONS = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BoundCost(JsonObject):
-    """The cost and effect of a bound, and beside it the fixed rate of as many messages.
+class FixedPicture(PacedPicture):
+    """The picture at a fixed rate of ``hz``, which is infinite where every message passes."""
 
-    ``fixed_hz`` is infinite where every message passes.
-    """
-
-    within: PacedPicture
-    fixed: PacedPicture
-    fixed_hz: float
-
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``; a rate that is infinite is null, as everywhere."""
-        fixed_hz = None if math.isinf(self.fixed_hz) else self.fixed_hz
-        return {**self.within.to_json(), "fixed": {"hz": fixed_hz, **self.fixed.to_json()}}
+    hz: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AccuracyPoint(JsonObject):
+class BoundCost:
+    """The cost and effect of a bound, and beside it the fixed rate of as many messages."""
+
+    within: Annotated[PacedPicture, JsonEntry(is_merged=True)]
+    fixed: FixedPicture
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AccuracyPoint:
     """One bound, with a receiver that holds and with one that reckons, if what it shows can be reckoned."""
 
     bound: float
@@ -65,7 +64,7 @@ class AccuracyPoint(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Motion(JsonObject):
+class Motion:
     """Speed of a property from message to message, of the part that moves most: |x′| per s.
 
     ``part`` is a child frame or a joint, or empty.
@@ -76,45 +75,26 @@ class Motion(JsonObject):
     part: str = ""
 
     @property
+    @derived("mean_over_max")
     def share(self) -> float | None:
         """Mean over maximum: what share of a fixed rate's messages a bound needs at best with hold."""
         return self.mean_per_s / self.max_per_s if self.max_per_s else None
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "mean_per_s": self.mean_per_s,
-            "max_per_s": self.max_per_s,
-            "mean_over_max": self.share,
-            "part": self.part,
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AccuracyCurve(JsonObject):
+class AccuracyCurve:
     """A property of a topic at some bounds, beside the ``messages`` of its source and their mean rate.
 
     ``source_hz`` is ``None`` where all of them have one stamp.
     """
 
     topic: str
-    property_name: str
+    property_name: Annotated[str, JsonEntry(name="property")]
     unit: str
     messages: int
-    source_hz: float | None
-    motion: Motion
+    source_hz: Annotated[float | None, JsonEntry(is_absent=True)]
+    motion: Annotated[Motion, JsonEntry(is_merged=True)]
     points: tuple[AccuracyPoint, ...]
-
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "topic": self.topic,
-            "property": self.property_name,
-            "unit": self.unit,
-            "messages": self.messages,
-            **self.motion.to_json(),
-            "points": [point.to_json() for point in self.points],
-        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -245,7 +225,7 @@ def _curve(samples: TopicSamples, wanted: WantedProperty, end_ns: int) -> Accura
     fixed = sent(at_rates.values())
     costs = {
         (one.reckons, one.bound): BoundCost(
-            within=picture, fixed=fixed[at_rates[one]], fixed_hz=at_rates[one].rate_hz
+            within=picture, fixed=FixedPicture(hz=at_rates[one].rate_hz, **asdict(fixed[at_rates[one]]))
         )
         for one, picture in within.items()
     }

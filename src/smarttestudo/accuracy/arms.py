@@ -12,7 +12,6 @@ from itertools import groupby
 from operator import attrgetter
 
 from smarttestudo.accuracy.track import Message
-from smarttestudo.domain.record import JsonObject
 from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecords
 from smarttestudo.pacing.reckoning.gauges import Gauge
 from smarttestudo.pacing.reckoning.picture import Picture
@@ -21,7 +20,7 @@ from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PacedPicture(JsonObject):
+class PacedPicture:
     """Messages that passed, and how far the receiver's picture was off after each message of the source.
 
     ``rmse`` is over time, ``worst`` is the largest error, both without the ``unknown`` messages after which

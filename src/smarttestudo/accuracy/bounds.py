@@ -8,11 +8,12 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
+from typing import Annotated
 
 from smarttestudo.accuracy.arms import Later, Receiver
 from smarttestudo.accuracy.track import Message
 from smarttestudo.domain.decision import Decision
-from smarttestudo.domain.record import JsonObject
+from smarttestudo.domain.record import JsonEntry, derived
 from smarttestudo.domain.units import FIRST_STAMP_NS, NS_PER_S
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.decision_log import with_run_starts
@@ -28,7 +29,7 @@ BoundsFrom = tuple[int, Bounds]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BrokenStretch(JsonObject):
+class BrokenStretch:
     """From A's first message with the picture out of bounds to its next one with the picture within them.
 
     It ends earlier where the bound is no longer in force, and at the end of A. Times are in s since the start
@@ -42,7 +43,7 @@ class BrokenStretch(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BoundLoss(JsonObject):
+class BoundLoss:
     """How one bound of the rules was kept, over the messages of A while it was in force.
 
     ``broken`` counts those after which the picture was more than ``bound`` off, or showed nothing;
@@ -52,7 +53,7 @@ class BoundLoss(JsonObject):
     """
 
     topic: str
-    property_name: str
+    property_name: Annotated[str, JsonEntry(name="property")]
     unit: str
     bound: float
     reckons: bool
@@ -67,29 +68,10 @@ class BoundLoss(JsonObject):
     stretches: tuple[BrokenStretch, ...]
 
     @property
+    @derived("held")
     def is_held(self) -> bool:
         """Whether the picture was within the bound after every message."""
         return not self.broken
-
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "topic": self.topic,
-            "property": self.property_name,
-            "unit": self.unit,
-            "bound": self.bound,
-            "reckons": self.reckons,
-            "held": self.is_held,
-            "in_force_s": self.in_force_s,
-            "messages": self.messages,
-            "broken": self.broken,
-            "unreadable": self.unreadable,
-            "worst": self.worst,
-            "worst_at_s": self.worst_at_s,
-            "broken_s": self.broken_s,
-            "stretch_count": self.stretch_count,
-            "stretches": [stretch.to_json() for stretch in self.stretches],
-        }
 
 
 def bounds_of(rule_set: RuleSet) -> dict[str, dict[str, set[float]]]:

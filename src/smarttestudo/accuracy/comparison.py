@@ -10,7 +10,7 @@ from enum import Enum
 from typing import Annotated
 
 from smarttestudo.accuracy.arms import PacedPicture
-from smarttestudo.domain.record import JsonEntry, JsonObject
+from smarttestudo.domain.record import JsonEntry, derived
 
 
 class View(Enum):
@@ -21,7 +21,7 @@ class View(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PropertyAccuracy(JsonObject):
+class PropertyAccuracy:
     """One property of a topic, in ``unit``: its error, ``None`` where it was never known, and its bounds.
 
     ``bounds`` are those that the rules name, rising, empty where there is none; ``broken`` counts messages of
@@ -29,23 +29,25 @@ class PropertyAccuracy(JsonObject):
     """
 
     unit: str
-    error: PacedPicture | None
+    error: Annotated[PacedPicture | None, JsonEntry(is_absent=True)]
     bounds: tuple[float, ...] = ()
     broken: int = 0
 
-    def to_json(self) -> dict[str, object]:
-        """The entry in ``--json``."""
-        return {
-            "unit": self.unit,
-            "rmse": self.error.rmse if self.error else None,
-            "worst": self.error.worst if self.error else None,
-            "bounds": list(self.bounds),
-            "broken": self.broken,
-        }
+    @property
+    @derived()
+    def rmse(self) -> float | None:
+        """The error over time."""
+        return self.error.rmse if self.error else None
+
+    @property
+    @derived()
+    def worst(self) -> float | None:
+        """The largest error."""
+        return self.error.worst if self.error else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TopicAccuracy(JsonObject):
+class TopicAccuracy:
     """A topic in one run: how much of it passed, and how accurate its properties were."""
 
     messages: int
@@ -54,7 +56,7 @@ class TopicAccuracy(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ArmAccuracy(JsonObject):
+class ArmAccuracy:
     """One way of choosing what passes; ``size_bytes`` are those of all topics that are compared."""
 
     name: str
@@ -64,7 +66,7 @@ class ArmAccuracy(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AccuracyComparison(JsonObject):
+class AccuracyComparison:
     """The ways beside each other, of a recording called ``bag``.
 
     The first are fixed rates for the bytes of the first rules, then come the rules. ``fixed_hz`` are those
@@ -91,5 +93,9 @@ class AccuracyComparison(JsonObject):
                         "messages": passed.messages,
                         "bytes": passed.size_bytes,
                         "property": name,
-                        **one.to_json(),
+                        "unit": one.unit,
+                        "rmse": one.rmse,
+                        "worst": one.worst,
+                        "bounds": list(one.bounds),
+                        "broken": one.broken,
                     }

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 from smarttestudo.accuracy.accuracy_curve import (
     AccuracyCurve,
@@ -31,6 +32,7 @@ from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import RATE_STEP_HZ
+from smarttestudo.domain.record import JsonEntry, derived
 from smarttestudo.domain.recording import types_of_topics
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.optimizer.profiling import TierProposal, rounded
@@ -107,16 +109,32 @@ _BELOW_SOURCE = 0.95
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FieldAtRate:
+    """The error of a field, in ``unit``."""
+
+    unit: str
+    error: Annotated[FieldError, JsonEntry(is_merged=True)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CurvePoint:
     """A topic at one rate: what it carries, its age, and the error of each of the curve's fields.
 
     An error is ``None`` where nothing known of the field passed.
     """
 
-    rate_hz: float
+    rate_hz: Annotated[float, JsonEntry(name="hz")]
     kb_per_s: float
     age: Age | None
-    errors: tuple[FieldError | None, ...]
+    fields: Annotated[tuple[Field, ...], JsonEntry(is_absent=True)]
+    errors: Annotated[tuple[FieldError | None, ...], JsonEntry(is_absent=True)]
+
+    @property
+    @derived("fields")
+    def known_errors(self) -> dict[str, FieldAtRate]:
+        """The errors that are known, by the field's name."""
+        pairs = zip(self.fields, self.errors, strict=True)
+        return {one.name: FieldAtRate(unit=one.unit, error=error) for one, error in pairs if error}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,30 +146,21 @@ class LossCurve:
 
     topic: str
     source_hz: float
-    fields: tuple[Field, ...]
+    fields: Annotated[tuple[Field, ...], JsonEntry(is_absent=True)]
     points: tuple[CurvePoint, ...]
-    breakpoints: TierProposal | None
+    breakpoints: Annotated[TierProposal | None, JsonEntry(is_absent=True)]
 
-    def to_json(self) -> dict[str, object]:
-        """The topic's entry in ``--json``."""
-        return {
-            "source_hz": self.source_hz,
-            "points": [
-                {
-                    "hz": point.rate_hz,
-                    "kb_per_s": point.kb_per_s,
-                    "age": point.age.to_json() if point.age else None,
-                    "fields": {
-                        field.name: {"unit": field.unit, **error.to_json()}
-                        for field, error in zip(self.fields, point.errors, strict=True)
-                        if error
-                    },
-                }
-                for point in self.points
-            ],
-            "tiers_hz": list(self.breakpoints.tiers_hz) if self.breakpoints else None,
-            "tiers_from": self.breakpoints.origin if self.breakpoints else None,
-        }
+    @property
+    @derived()
+    def tiers_hz(self) -> tuple[float, ...] | None:
+        """Levels that are proposed."""
+        return self.breakpoints.tiers_hz if self.breakpoints else None
+
+    @property
+    @derived()
+    def tiers_from(self) -> str | None:
+        """Origin of these."""
+        return self.breakpoints.origin if self.breakpoints else None
 
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each rate and field, for ``--csv``."""
@@ -201,6 +210,7 @@ def _point(samples: TopicSamples, fields: tuple[Field, ...], rate_hz: float, end
         rate_hz=rate_hz,
         kb_per_s=passed.size_bytes / BYTES_PER_KB / duration_s,
         age=age_of(passed.stamps_ns, sent_from_ns=samples.stamps_ns[0], end_ns=end_ns),
+        fields=fields,
         errors=tuple(errors),
     )
 
@@ -225,21 +235,11 @@ class LossCurves:
     ``accuracies`` are those of messages against accuracy, empty where they were not asked for.
     """
 
-    name: str
-    curves: tuple[LossCurve, ...]
+    name: Annotated[str, JsonEntry(name="bag")]
+    curves: Annotated[tuple[LossCurve, ...], JsonEntry(name="topics", keyed_by="topic")]
     without: tuple[str, ...]
     notices: tuple[str, ...]
-    accuracies: tuple[AccuracyCurve, ...] = ()
-
-    def to_json(self) -> dict[str, object]:
-        """The object that ``--json`` prints."""
-        return {
-            "bag": self.name,
-            "topics": {curve.topic: curve.to_json() for curve in self.curves},
-            "accuracy": [curve.to_json() for curve in self.accuracies],
-            "without": list(self.without),
-            "notices": list(self.notices),
-        }
+    accuracies: Annotated[tuple[AccuracyCurve, ...], JsonEntry(name="accuracy")] = ()
 
     def accuracies_of(self, topic: str) -> tuple[AccuracyCurve, ...]:
         """The accuracy curves of one topic."""

@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from smarttestudo.accuracy.bounds import BoundLoss
-from smarttestudo.domain.record import JsonEntry, JsonObject
+from smarttestudo.domain.record import JsonEntry, to_json
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ErrorSize(JsonObject):
+class ErrorSize:
     """How large an error was over time, in the field's unit.
 
     ``rmse`` is the root of the mean square over time, ``maximum`` the largest magnitude. The relative ones
@@ -28,7 +28,7 @@ class ErrorSize(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FieldError(JsonObject):
+class FieldError:
     """The error when the last value received is held, and when those received are interpolated."""
 
     hold: ErrorSize
@@ -38,7 +38,7 @@ class FieldError(JsonObject):
 def error_columns(error: FieldError | None) -> dict[str, object]:
     """The columns of an error in ``--csv``, empty where there is none."""
     return {
-        f"{way}_{key}": size.to_json()[key] if size else None
+        f"{way}_{key}": to_json(size)[key] if size else None
         for way, size in (
             ("hold", error.hold if error else None),
             ("interpolated", error.interpolated if error else None),
@@ -51,7 +51,7 @@ _POSITION = ("pose_x", "pose_y", "pose_z")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FieldLoss(JsonObject):
+class FieldLoss:
     """One numeric field of one topic, by the name that rules read it by.
 
     ``unit`` is empty where it is unknown. ``value_range`` is greatest minus least value sent, in that unit
@@ -70,7 +70,7 @@ class FieldLoss(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Age(JsonObject):
+class Age:
     """Time since the newest message received, in s: mean, 95th percentile and maximum over time.
 
     It counts from the first message to the end of A. ``unseen_s`` are the seconds before that, from A's
@@ -84,7 +84,7 @@ class Age(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TopicArm(JsonObject):
+class TopicArm:
     """One arm's share of a topic: messages, bytes (as declared, where they are) and age."""
 
     messages: int
@@ -93,13 +93,13 @@ class TopicArm(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TopicLoss(JsonObject):
+class TopicLoss:
     """One topic that A and B share; ``received_topic`` is its name in B, ``fixed_hz`` the best fixed rate.
 
     ``fixed_hz`` is infinite where the third arm passes every message.
     """
 
-    topic: Annotated[str, JsonEntry(is_absent=True)]
+    topic: str
     received_topic: Annotated[str, JsonEntry(name="b_topic")]
     type_name: Annotated[str, JsonEntry(name="type")]
     sent: TopicArm
@@ -109,7 +109,7 @@ class TopicLoss(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sightings(JsonObject):
+class Sightings:
     """How an operator who holds the last value saw the crossings of a threshold.
 
     ``late_mean_s`` and ``late_max_s`` are over those that were late; ``None`` without one.
@@ -123,7 +123,7 @@ class Sightings(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CrossingLoss(JsonObject):
+class CrossingLoss:
     """The crossings of one check's threshold in A; ``check`` is for instance ``/odom pose_y > 5.4``."""
 
     check: str
@@ -133,7 +133,7 @@ class CrossingLoss(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Frames(JsonObject):
+class Frames:
     """Frames of one arm, and the longest time without a new one, in s; it counts to the end of A."""
 
     frames: int
@@ -141,7 +141,7 @@ class Frames(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ImageLoss(JsonObject):
+class ImageLoss:
     """One topic of images; their pixels are not looked at."""
 
     topic: str
@@ -151,7 +151,7 @@ class ImageLoss(JsonObject):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Carried(JsonObject):
+class Carried:
     """Bytes of all topics that A and B share, each arm's."""
 
     sent_bytes: Annotated[int, JsonEntry(name="sent")]
@@ -172,13 +172,13 @@ class LossReport:
     a: str
     b: str
     duration_s: float
-    topics: tuple[TopicLoss, ...]
+    topics: Annotated[tuple[TopicLoss, ...], JsonEntry(keyed_by="topic")]
     fields: tuple[FieldLoss, ...]
     crossings: tuple[CrossingLoss, ...]
     images: tuple[ImageLoss, ...]
-    carried: Carried
-    bounds: tuple[BoundLoss, ...] = ()
-    after_end: Mapping[str, int] = field(default_factory=dict)
+    carried: Annotated[Carried, JsonEntry(name="bytes")]
+    bounds: Annotated[tuple[BoundLoss, ...], JsonEntry(omits_default=True)] = ()
+    after_end: Annotated[Mapping[str, int], JsonEntry(omits_default=True)] = field(default_factory=dict)
     notices: tuple[str, ...] = ()
 
     def fields_of(self, topic: str) -> tuple[FieldLoss, ...]:
@@ -192,22 +192,6 @@ class LossReport:
     def fixed_position_rmse_m(self, topic: str) -> float | None:
         """The same as ``position_rmse_m`` with the best fixed rates."""
         return _distance_m({loss.field: loss.fixed for loss in self.fields_of(topic)})
-
-    def to_json(self) -> dict[str, object]:
-        """The object that ``--json`` prints."""
-        return {
-            "a": self.a,
-            "b": self.b,
-            "duration_s": self.duration_s,
-            "topics": {topic.topic: topic.to_json() for topic in self.topics},
-            "fields": [loss.to_json() for loss in self.fields],
-            "crossings": [loss.to_json() for loss in self.crossings],
-            "images": [loss.to_json() for loss in self.images],
-            **({"bounds": [loss.to_json() for loss in self.bounds]} if self.bounds else {}),
-            "bytes": self.carried.to_json(),
-            **({"after_end": dict(self.after_end)} if self.after_end else {}),
-            "notices": list(self.notices),
-        }
 
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each field, for ``--csv``."""

@@ -6,14 +6,24 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Annotated
 
-from smarttestudo.bags.bag_summary import BagSummary
-from smarttestudo.bags.comparison import Comparison, TopicComparison, compare
+from smarttestudo.bags.bag_summary import BagSummary, BagTotal
+from smarttestudo.bags.comparison import Comparison, compare
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.record import to_json
+from smarttestudo.domain.record import JsonEntry, derived
 from smarttestudo.domain.units import grouped
 
 _MUCH_SHORTER = 0.9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComparedTotals:
+    """All topics of each recording together, of those that are compared."""
+
+    a: BagTotal
+    b: BagTotal
+    bandwidth_change_percent: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,9 +33,32 @@ class BagComparison:
     Where ``b`` is of the time of ``a``, its bandwidths count over that: where it has nothing, nothing came.
     """
 
-    a: BagSummary
-    b: BagSummary
-    comparison: Comparison
+    a: Annotated[BagSummary, JsonEntry(is_absent=True)]
+    b: Annotated[BagSummary, JsonEntry(is_absent=True)]
+    comparison: Annotated[Comparison, JsonEntry(is_merged=True)]
+
+    @property
+    @derived("a")
+    def a_name(self) -> str:
+        """Name of the first recording."""
+        return self.a.name
+
+    @property
+    @derived("b")
+    def b_name(self) -> str:
+        """Name of the second recording."""
+        return self.b.name
+
+    @property
+    @derived()
+    def total(self) -> ComparedTotals:
+        """The sums over the topics that are compared."""
+        pairs = self.comparison.topics
+        return ComparedTotals(
+            a=self.a.only({pair.topic for pair in pairs if pair.before}).total,
+            b=self.b.only({pair.after_topic for pair in pairs}).total,
+            bandwidth_change_percent=self.comparison.bandwidth_change_percent,
+        )
 
     @property
     def names(self) -> frozenset[str]:
@@ -35,6 +68,7 @@ class BagComparison:
         return frozenset(before | {pair.after_topic for pair in pairs if pair.after_topic})
 
     @property
+    @derived()
     def notices(self) -> tuple[str, ...]:
         """Losses and oddities of either, a line each."""
         return (*self.a.notices, *self.b.notices, *shorter_notices(self.a, self.b))
@@ -45,23 +79,6 @@ class BagComparison:
             pair for pair in self.comparison.topics if pair.topic in names or pair.after_topic in names
         )
         return replace(self, comparison=Comparison(topics=kept))
-
-    def to_json(self) -> dict[str, object]:
-        """The object that ``--json`` prints; ``change_percent`` of a topic is that of ``binned_hz``."""
-        pairs = self.comparison.topics
-        a = self.a.only({pair.topic for pair in pairs if pair.before})
-        b = self.b.only({pair.after_topic for pair in pairs})
-        return {
-            "a": self.a.name,
-            "b": self.b.name,
-            "topics": {pair.topic: _pair_to_json(pair) for pair in pairs},
-            "total": {
-                "a": to_json(a.total),
-                "b": to_json(b.total),
-                "bandwidth_change_percent": self.comparison.bandwidth_change_percent,
-            },
-            "notices": list(self.notices),
-        }
 
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each pair, for ``--csv``."""
@@ -102,13 +119,3 @@ def shorter_notices(a: BagSummary, b: BagSummary) -> Iterator[str]:
             f"{b.name}: lasts {grouped(shorter_s, 1)} s; its KB/s count over the "
             f"{grouped(longer_s, 1)} s of {a.name}"
         )
-
-
-def _pair_to_json(pair: TopicComparison) -> dict[str, object]:
-    return {
-        "a": to_json(pair.before) if pair.before else None,
-        "b": to_json(pair.after) if pair.after else None,
-        "b_topic": pair.after_topic,
-        "change_percent": pair.change_percent,
-        "bandwidth_change_percent": pair.bandwidth_change_percent,
-    }

@@ -4,18 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from smarttestudo.bags.statistics import Latency, RecordingSpan, TopicStatistics
-from smarttestudo.domain.infinite_values import infinite_entry
-from smarttestudo.domain.record import JsonEntry, to_json
+from smarttestudo.domain.incident import IncidentRecord
+from smarttestudo.domain.record import JsonEntry, derived, to_json
 from smarttestudo.domain.recording import Storage
 from smarttestudo.domain.units import utc_time
-
-if TYPE_CHECKING:
-    from smarttestudo.domain.incident import IncidentRecord
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,25 +24,13 @@ class BagTopic:
     times; ``None`` where there are too few messages. ``latency`` is ``None`` where nobody asked for it.
     """
 
-    name: str
-    type_name: str
+    name: Annotated[str, JsonEntry(is_absent=True)]
+    type_name: Annotated[str, JsonEntry(name="type")]
     qos: str
-    statistics: TopicStatistics
+    statistics: Annotated[TopicStatistics, JsonEntry(is_merged=True)]
     longest_gap_s: float | None
     jitter_s: float | None
-    latency: Latency | None = None
-
-    def to_json(self) -> dict[str, object]:
-        """The topic's entry in ``--json``."""
-        return {
-            "type": self.type_name,
-            "qos": self.qos,
-            **to_json(self.statistics),
-            "kbit_per_s": self.statistics.kbit_per_s,
-            "longest_gap_s": self.longest_gap_s,
-            "jitter_s": self.jitter_s,
-            **(to_json(self.latency) if self.latency else {}),
-        }
+    latency: Annotated[Latency | None, JsonEntry(is_merged=True)] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,6 +44,17 @@ class BagTotal:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedMoment:
+    """The moment for which rules recorded an incident, as its record says."""
+
+    name: str
+    rule: str
+    time: str
+    triggered_ns: int
+    values: Annotated[Mapping[str, float | None], JsonEntry(has_infinite=True)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BagSummary:
     """A recording that is called ``name``: its topics, and what was lost or odd, a line each.
 
@@ -66,15 +62,37 @@ class BagSummary:
     ``incident`` is what rules recorded it for, if they did.
     """
 
-    name: str
+    name: Annotated[str, JsonEntry(name="bag")]
     storage: Storage
-    span: RecordingSpan
-    topics: tuple[BagTopic, ...]
-    readable_share: float | None = 1.0
+    span: Annotated[RecordingSpan, JsonEntry(is_merged=True)]
+    topics: Annotated[tuple[BagTopic, ...], JsonEntry(keyed_by="name")]
+    readable_share: Annotated[float | None, JsonEntry(is_absent=True)] = 1.0
     notices: tuple[str, ...] = ()
-    incident: IncidentRecord | None = None
+    incident: Annotated[IncidentRecord | None, JsonEntry(is_absent=True)] = None
 
     @property
+    @derived()
+    def readable_percent(self) -> float | None:
+        """The readable share in percent."""
+        return None if self.readable_share is None else 100 * self.readable_share
+
+    @property
+    @derived("incident", omits_default=True)
+    def moment(self) -> RecordedMoment | None:
+        """The moment of the incident, if it is one."""
+        found = self.incident
+        if found is None:
+            return None
+        return RecordedMoment(
+            name=found.name,
+            rule=found.rule,
+            time=utc_time(found.triggered_ns),
+            triggered_ns=found.triggered_ns,
+            values=found.values,
+        )
+
+    @property
+    @derived()
     def total(self) -> BagTotal:
         """The sum over the topics."""
         each = [topic.statistics for topic in self.topics]
@@ -101,35 +119,7 @@ class BagSummary:
         """The same with the topics in ``names``."""
         return replace(self, topics=tuple(topic for topic in self.topics if topic.name in names))
 
-    def to_json(self) -> dict[str, object]:
-        """The object that ``--json`` prints."""
-        return {
-            "bag": self.name,
-            "storage": self.storage.value,
-            "start": utc_time(self.span.start_ns),
-            "end": utc_time(self.span.end_ns),
-            "start_ns": self.span.start_ns,
-            "end_ns": self.span.end_ns,
-            "duration_s": self.span.duration_s,
-            "readable_percent": None if self.readable_share is None else 100 * self.readable_share,
-            "topics": {topic.name: topic.to_json() for topic in self.topics},
-            "total": to_json(self.total),
-            "notices": list(self.notices),
-            **({} if self.incident is None else {"incident": _moment(self.incident)}),
-        }
-
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each topic, for ``--csv``."""
         for topic in self.topics:
-            yield {"bag": self.name, "topic": topic.name, **topic.to_json()}
-
-
-def _moment(record: IncidentRecord) -> dict[str, object]:
-    return {
-        "name": record.name,
-        "rule": record.rule,
-        "time": utc_time(record.triggered_ns),
-        "triggered_ns": record.triggered_ns,
-        "values": dict(record.values),
-        **infinite_entry(record.values),
-    }
+            yield {"bag": self.name, "topic": topic.name, **to_json(topic)}

@@ -6,9 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 from smarttestudo.bags.statistics import TopicStatistics
 from smarttestudo.bags.targets import Target
+from smarttestudo.domain.record import JsonEntry, derived
 
 
 def change_percent(before: float | None, after: float | None) -> float | None:
@@ -26,13 +28,14 @@ class TopicComparison:
     the second run has is called ``/odom (B)`` where the first run has another ``/odom``.
     """
 
-    topic: str
-    before: TopicStatistics | None
-    after: TopicStatistics | None
-    after_topic: str | None = None
-    target: Target | None = None
+    topic: Annotated[str, JsonEntry(is_absent=True)]
+    before: Annotated[TopicStatistics | None, JsonEntry(name="a")]
+    after: Annotated[TopicStatistics | None, JsonEntry(name="b")]
+    after_topic: Annotated[str | None, JsonEntry(name="b_topic")] = None
+    target: Annotated[Target | None, JsonEntry(is_absent=True)] = None
 
     @property
+    @derived()
     def change_percent(self) -> float | None:
         """The change of ``binned_hz``, in percent."""
         if self.before is None or self.after is None:
@@ -40,6 +43,7 @@ class TopicComparison:
         return change_percent(self.before.binned_hz, self.after.binned_hz)
 
     @property
+    @derived()
     def bandwidth_change_percent(self) -> float | None:
         """The change of ``kb_per_s`` (and so of kbit/s), in percent."""
         if self.before is None or self.after is None:
@@ -58,7 +62,7 @@ class TopicComparison:
 class Comparison:
     """All topics of two runs, and what both runs carried in all."""
 
-    topics: tuple[TopicComparison, ...]
+    topics: Annotated[tuple[TopicComparison, ...], JsonEntry(keyed_by="topic")]
 
     @property
     def before_kb_per_s(self) -> float | None:

@@ -12,8 +12,8 @@ from typing import Annotated
 
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.rate_meter import mean_hz
-from smarttestudo.domain.record import JsonEntry
-from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S
+from smarttestudo.domain.record import JsonEntry, derived
+from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S, utc_time
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,6 +24,19 @@ class RecordingSpan:
     end_ns: int
 
     @property
+    @derived()
+    def start(self) -> str:
+        """Date and time of the first message."""
+        return utc_time(self.start_ns)
+
+    @property
+    @derived()
+    def end(self) -> str:
+        """Date and time of the last message."""
+        return utc_time(self.end_ns)
+
+    @property
+    @derived()
     def duration_s(self) -> float:
         """Seconds from the first message to the last."""
         return (self.end_ns - self.start_ns) / NS_PER_S
@@ -62,6 +75,7 @@ class TopicStatistics:
         return replace(self, kb_per_s=_kb_per_s(self.size_bytes, duration_s))
 
     @property
+    @derived()
     def kbit_per_s(self) -> float | None:
         """``kb_per_s`` in kilobits of 1000 bits."""
         return None if self.kb_per_s is None else self.kb_per_s * BITS_PER_BYTE

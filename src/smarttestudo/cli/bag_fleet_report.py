@@ -22,6 +22,7 @@ from smarttestudo.cli.output import write_line
 from smarttestudo.cli.recordings import Asked, RecordingCommand, each_recording, recordings_in
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.record import to_json
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.files.whole_file import whole_file
 from smarttestudo.rules.rule_files import rule_files_named, sha256_of
@@ -162,7 +163,7 @@ class _Recordings(RecordingCommand["RecordingNumbers"]):
         places = [_from_the_root(one) for one in (recording.a, recording.b) if one is not None]
         words = ["testudo", "bag", "report", *places, *_passed_on(self._arguments)]
         # A report of what has changed since is no report of what the page shows.
-        numbers = json_text(recording.to_json(), ascii_only=True)
+        numbers = json_text(to_json(recording), ascii_only=True)
         name = _file_name(recording, [*words, *self._inputs, numbers])
         path = self._arguments.output.absolute().parent / name
         return OwnReport(

@@ -25,6 +25,7 @@ from smarttestudo.domain.errors import RuleFileError, UsageError
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.resolved_rules import resolve_rules
@@ -69,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         context = _with_recording(context, arguments.bag, results)
     findings = all_findings(results, context)
     if arguments.format == "json":
-        write_lines(json.dumps([finding.to_json() for finding in findings], indent=2).split("\n"))
+        write_lines(json.dumps([to_json(finding) for finding in findings], indent=2).split("\n"))
     else:
         print_findings(findings, texts, sys.stdout)
         if texts:

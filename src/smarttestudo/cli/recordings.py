@@ -21,6 +21,7 @@ from smarttestudo.cli.output import write_line, write_lines
 from smarttestudo.cli.paths import own_name
 from smarttestudo.cli.progress import Progress, progress, silent
 from smarttestudo.domain.errors import TestudoError, UsageError
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import require_separate
 
@@ -40,9 +41,6 @@ class Measured(Protocol):
     @property
     def notices(self) -> Sequence[str]:
         """Losses and oddities, a line each."""
-
-    def to_json(self) -> dict[str, object]:
-        """The object that ``--json`` prints."""
 
     def rows(self) -> Iterator[dict[str, object]]:
         """The rows of ``--csv``."""
@@ -312,7 +310,7 @@ class _Output(Generic[Result]):
             self._print_heading(one)
             self._command.print_text(result)
         elif one.json:
-            print_json(self._named(one, result.to_json()))
+            print_json(self._named(one, to_json(result)))
         else:
             self._csv.print_rows(self._named(one, row) for row in result.rows())
         print_notices(self._noted(one, notice) for notice in self._command.notices(result))

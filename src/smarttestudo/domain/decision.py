@@ -9,9 +9,8 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Annotated
 
-from smarttestudo.domain.infinite_values import infinite_entry, with_infinite
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.record import Decimals, JsonEntry, from_json, to_json
+from smarttestudo.domain.record import Decimals, JsonEntry, derived, entries_of, from_json
 
 
 class Reason(Enum):
@@ -74,15 +73,19 @@ class Decision:
     topic: str
     from_rate: Annotated[Rate | None, JsonEntry(name="from_hz")]
     planned: Annotated[PlannedRate, JsonEntry(is_merged=True)]
-    values: Mapping[str, float | None]
+    values: Annotated[Mapping[str, float | None], JsonEntry(has_infinite=True)]
     is_end: Annotated[bool, JsonEntry(name="end", omits_default=True)] = False
     from_within: Mapping[str, float] = field(default_factory=dict)
 
+    @property
+    @derived("start", omits_default=True)
+    def is_first(self) -> bool:
+        """Whether the topic had no rate before."""
+        return self.from_rate is None
+
     def to_json(self) -> dict[str, object]:
         """The object of one line of the decisions file; bounds that did not change are left out."""
-        record = {**to_json(self), **infinite_entry(self.values)}
-        if self.from_rate is None:
-            record["start"] = True
+        record = entries_of(self)
         if self.from_within == self.planned.within:
             del record["from_within"], record["to_within"]
         return record
@@ -93,8 +96,7 @@ class Decision:
         decision = from_json(Decision, record)
         # Both no rate yet and Full are null.
         is_first = isinstance(record, dict) and record.get("start", False)
-        from_rate = None if is_first else decision.from_rate or Rate.full()
-        return replace(decision, from_rate=from_rate, values=with_infinite(decision.values, record))
+        return replace(decision, from_rate=None if is_first else decision.from_rate or Rate.full())
 
 
 def bound_texts(within: Mapping[str, float], reasons: Mapping[str, BoundReason]) -> tuple[str, ...]:

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
+
+from smarttestudo.domain.record import JsonEntry
 
 
 class Span(NamedTuple):
@@ -37,7 +39,7 @@ class Severity(Enum):
 class Fix:
     """A change of text that mends a finding: replace what ``span`` covers by ``replacement``."""
 
-    span: Span
+    span: Annotated[Span, JsonEntry(is_merged=True)]
     replacement: str
     title: str
 
@@ -65,26 +67,11 @@ class Finding:
     severity: Severity
     message: str
     path: str
-    span: Span
+    span: Annotated[Span, JsonEntry(is_merged=True)]
     hint: str = ""
     fix: Fix | None = None
-    related: tuple[Span, ...] = ()
-    profile_fix: ProfileFix | None = None
-
-    def to_json(self) -> dict[str, object]:
-        """The object that ``testudo check --format json`` prints."""
-        fix = self.fix
-        return {
-            "code": self.code,
-            "severity": self.severity.value,
-            "message": self.message,
-            "path": self.path,
-            **self.span._asdict(),
-            "hint": self.hint,
-            "fix": None
-            if fix is None
-            else {"title": fix.title, "replacement": fix.replacement, **fix.span._asdict()},
-        }
+    related: Annotated[tuple[Span, ...], JsonEntry(is_absent=True)] = ()
+    profile_fix: Annotated[ProfileFix | None, JsonEntry(is_absent=True)] = None
 
     def line_of_text(self) -> str:
         """``file:line:column: severity[code]: message``, the form that editors understand."""

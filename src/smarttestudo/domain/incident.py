@@ -9,14 +9,13 @@ import re
 import sys
 import unicodedata
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
 from enum import Enum
 from pathlib import Path
 from typing import Annotated, Protocol
 
 from smarttestudo.domain.errors import LinkError, RecordingError
-from smarttestudo.domain.infinite_values import infinite_entry, with_infinite
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.metric import Metered, MetricKind
 from smarttestudo.domain.record import AtMost, JsonEntry, from_json, to_json
@@ -108,7 +107,7 @@ class IncidentRecord:
     triggered_ns: _Whole
     from_ns: _Whole
     to_ns: _Whole
-    values: Mapping[str, _Finite | None]
+    values: Annotated[Mapping[str, _Finite | None], JsonEntry(has_infinite=True)]
     rules_sha256: str
     topics: Mapping[str, IncidentTopic]
     latched: tuple[LatchedSample, ...] = ()
@@ -197,7 +196,6 @@ def incident_to_json(incident: IncidentRecord) -> dict[str, object]:
         "version": INCIDENT_VERSION,
         "time": utc_time(incident.triggered_ns),
         **to_json(incident),
-        **infinite_entry(incident.values),
     }
 
 
@@ -219,8 +217,7 @@ def read_incident(text: bytes, place: str) -> IncidentRecord:
                 place=place,
                 remedy="read it with the SmartTestudo that wrote it",
             )
-        record = from_json(IncidentRecord, found)
-        return _ordered(replace(record, values=with_infinite(record.values, found)))
+        return _ordered(from_json(IncidentRecord, found))
     except (ValueError, RecursionError) as error:
         raise RecordingError(
             "does not hold the record of an incident", place=place, remedy="was it cut or edited?"

@@ -7,12 +7,19 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import NamedTuple, Protocol
 
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.json_text import read_any
 from smarttestudo.domain.parameter import Got, Values, WasSet
+from smarttestudo.domain.record import from_json, to_json
 from smarttestudo.domain.status import RuntimeStatus
+
+
+class RuleText(NamedTuple):
+    """A rule file by its name."""
+
+    name: str
+    text: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +31,7 @@ class RuleTexts:
     """
 
     sha256: str = ""
-    files: tuple[tuple[str, str], ...] = ()
+    files: tuple[RuleText, ...]
     full_names: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -34,26 +41,14 @@ class RuleTexts:
 
     def to_text(self) -> str:
         """As JSON."""
-        return json.dumps(
-            {
-                "sha256": self.sha256,
-                "files": [{"name": name, "text": text} for name, text in self.files],
-                "full_names": dict(self.full_names),
-            },
-            ensure_ascii=False,
-        )
+        return json.dumps(to_json(self), ensure_ascii=False)
 
     @staticmethod
     def from_text(text: str) -> RuleTexts:
         """Rule texts that ``to_text`` wrote. Raises ``ValueError``."""
         try:
-            record: Any = read_any(json.loads(text))
-            return RuleTexts(
-                sha256=str(record["sha256"]),
-                files=tuple((str(file["name"]), str(file["text"])) for file in record["files"]),
-                full_names={str(name): str(full) for name, full in record["full_names"].items()},
-            )
-        except (TypeError, KeyError, AttributeError, RecursionError) as error:
+            return from_json(RuleTexts, json.loads(text))
+        except RecursionError as error:
             raise ValueError(str(error)) from error
 
 

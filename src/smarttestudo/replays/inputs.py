@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarttestudo.bags.definitions import RosbagDecoder
@@ -42,10 +42,6 @@ class InputsOutcome:
     decisions: int
     duration_s: float
     notices: tuple[str, ...]
-
-    def to_json(self) -> dict[str, object]:
-        """The object that ``testudo replay --json`` prints."""
-        return asdict(self)
 
     def rows(self) -> Iterator[dict[str, object]]:
         """None: inputs are not relayed."""

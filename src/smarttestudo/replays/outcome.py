@@ -10,7 +10,7 @@ from statistics import fmean
 from typing import Annotated, NamedTuple
 
 from smarttestudo.domain.rate_meter import Flow
-from smarttestudo.domain.record import JsonEntry, to_json
+from smarttestudo.domain.record import JsonEntry, derived, to_json
 from smarttestudo.domain.units import BYTES_PER_KB
 from smarttestudo.loop.statistics import RelayStatistics, TargetRate
 from smarttestudo.pacing.bound import BoundRecord
@@ -49,6 +49,16 @@ class TopicOutcome:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayTotal:
+    """All topics of a replay together."""
+
+    messages_in: Annotated[int, JsonEntry(name="in")]
+    messages_out: Annotated[int, JsonEntry(name="out")]
+    in_kb: float
+    out_kb: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ReplayOutcome:
     """A replay's topics by source name, its number of decisions, and what was lost or odd, a line each.
 
@@ -67,22 +77,17 @@ class ReplayOutcome:
         for name, topic in self.topics.items():
             yield {"topic": name, **to_json(topic)}
 
-    def to_json(self) -> dict[str, object]:
-        """The object that ``testudo replay --json`` prints."""
-        return {
-            "topics": {name: to_json(topic) for name, topic in self.topics.items()},
-            "total": {
-                "in": sum(topic.messages_in for topic in self.topics.values()),
-                "out": sum(topic.messages_out for topic in self.topics.values()),
-                "in_kb": sum(topic.in_kb for topic in self.topics.values()),
-                "out_kb": sum(topic.out_kb for topic in self.topics.values()),
-            },
-            "decisions": self.decisions,
-            "notices": list(self.notices),
-            "incidents": list(self.incidents),
-            "duration_s": self.duration_s,
-            "wall_seconds": self.wall_seconds,
-        }
+    @property
+    @derived()
+    def total(self) -> ReplayTotal:
+        """The sums over the topics."""
+        topics = self.topics.values()
+        return ReplayTotal(
+            messages_in=sum(topic.messages_in for topic in topics),
+            messages_out=sum(topic.messages_out for topic in topics),
+            in_kb=sum(topic.in_kb for topic in topics),
+            out_kb=sum(topic.out_kb for topic in topics),
+        )
 
 
 def topic_outcome(statistics: RelayStatistics, *, output_topic: str, declared: bool) -> TopicOutcome:

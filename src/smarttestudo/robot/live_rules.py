@@ -6,10 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import starmap
 from pathlib import Path
 
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.remote_robots import RuleTexts
+from smarttestudo.domain.remote_robots import RuleText, RuleTexts
 from smarttestudo.domain.status import RulesInForce
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
@@ -56,7 +57,9 @@ class LiveRules:
     def rule_texts(self) -> RuleTexts:
         """The texts of the rules in force, for the node's parameter."""
         renamed = {name: full for name, full in self.names.items() if name != full}
-        return RuleTexts(sha256=self.rules_hash, files=tuple(self.texts.items()), full_names=renamed)
+        return RuleTexts(
+            sha256=self.rules_hash, files=tuple(starmap(RuleText, self.texts.items())), full_names=renamed
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Records: dataclasses as JSON and back, as the types of their fields say."""
 
-from smarttestudo.domain.record.codec import JsonObject, from_json, measured_names, to_json
+from smarttestudo.domain.record.codec import entries_of, from_json, measured_names, to_json
 from smarttestudo.domain.record.entry import (
     AtMost,
     Count,
@@ -12,6 +12,7 @@ from smarttestudo.domain.record.entry import (
     Measured,
     Significant,
     derived,
+    derived_entry,
     json_name,
     marks,
 )
@@ -21,11 +22,12 @@ __all__ = [
     "Count",
     "Decimals",
     "JsonEntry",
-    "JsonObject",
     "Mark",
     "Measured",
     "Significant",
     "derived",
+    "derived_entry",
+    "entries_of",
     "from_json",
     "json_name",
     "marks",

@@ -3,22 +3,31 @@
 """Records: dataclasses as JSON and back, as the types of their fields say.
 
 A field is an entry of the object under its own name, unless ``JsonEntry`` says otherwise. Enums stand by
-their values, those of numbers by their names in lower case; tuples are lists, mappings are objects; a class
-with ``to_json`` and ``from_json`` writes itself.
+their values, those of numbers by their names in lower case; tuples are lists, named ones are records,
+mappings are objects; a class with ``to_json`` and ``from_json`` writes itself.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from smarttestudo.domain.json_text import PLAIN, read_any, read_mapping
-from smarttestudo.domain.record.entry import AtMost, Decimals, JsonEntry, Mark, Significant, json_name, marks
+from smarttestudo.domain.record.entry import (
+    AtMost,
+    Decimals,
+    JsonEntry,
+    Mark,
+    Significant,
+    derived_entry,
+    json_name,
+    marks,
+)
 
 _Value = TypeVar("_Value")
 _Encode = Callable[[Any], object]
@@ -26,19 +35,15 @@ _Decode = Callable[[Any], Any]
 
 
 def to_json(record: object) -> dict[str, Any]:
-    """The object that ``record``, a dataclass, is in JSON."""
+    """The object that ``record``, a dataclass or a named tuple, is in JSON."""
+    writes_itself: Callable[[], dict[str, Any]] | None = getattr(record, "to_json", None)
+    return entries_of(record) if writes_itself is None else writes_itself()
+
+
+def entries_of(record: object) -> dict[str, Any]:
+    """The object of its fields, for a record that writes itself."""
     kind: Any = type(record)
     return _class_of(kind).encode(record)
-
-
-class JsonObject:
-    """A dataclass that writes itself: its record is an object of ``--json``."""
-
-    __slots__ = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """The object."""
-        return to_json(self)
 
 
 def from_json(kind: type[_Value], value: object) -> _Value:
@@ -70,42 +75,52 @@ def _class_of(kind: type) -> _RecordClass:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _EntryOf:
-    """One field: the ways of its value, and where it stands."""
+    """One field: its own default or what makes it, the converter of its value, and where it stands."""
 
-    field: Field[Any]
+    name: str
+    own_default: object
+    made_default: Any
     entry: JsonEntry
-    value: _Ways
+    value: _Converter
 
     @property
     def key(self) -> str:
-        return self.entry.name or self.field.name
+        return self.entry.name or self.name
 
     @property
     def default(self) -> object:
         """The value where there is no entry; raises ``ValueError`` if one is needed."""
-        if self.field.default is not MISSING:
-            return self.field.default
-        if self.field.default_factory is not MISSING:
-            return self.field.default_factory()
+        if self.own_default is not MISSING:
+            return self.own_default
+        if self.made_default is not MISSING:
+            return self.made_default()
         for null in self.value.null:
             return null
         raise ValueError(f"{self.key} is missing")
 
 
+def _entries(kind: Any) -> Iterator[_EntryOf]:
+    """The fields of a dataclass or a named tuple."""
+    hints = get_type_hints(kind, include_extras=True)
+    if is_dataclass(kind):
+        defaults = {one.name: (one.default, one.default_factory) for one in fields(kind)}
+    else:
+        defaults = {name: (kind._field_defaults.get(name, MISSING), MISSING) for name in kind._fields}
+    for name, (default, factory) in defaults.items():
+        entry = next((one for one in marks(hints[name]) if isinstance(one, JsonEntry)), JsonEntry())
+        value = _converter(hints[name], entry)
+        yield _EntryOf(name=name, own_default=default, made_default=factory, entry=entry, value=value)
+
+
 class _RecordClass:
-    """The plan of one dataclass, made once."""
+    """The plan of one dataclass or named tuple, made once."""
 
     def __init__(self, kind: type) -> None:
         self._kind = kind
-        hints = get_type_hints(kind, include_extras=True)
-        self._entries = [
-            _EntryOf(field=field, entry=entry, value=_ways(hint, entry))
-            for field in fields(kind)
-            for hint, entry in [(hints[field.name], _entry(hints[field.name]))]
-        ]
+        self._entries = [*_entries(kind)]
         self._plan = [
             (
-                one.field.name,
+                one.name,
                 None if one.entry.is_merged or one.entry.is_rest else one.key,
                 one.value.encode,
                 one.default if one.entry.omits_default else _ALWAYS,
@@ -113,15 +128,16 @@ class _RecordClass:
             for one in self._entries
             if not one.entry.is_absent
         ]
-        self._derived: list[tuple[str, str, _Encode | None]] = []
+        self._derived: list[tuple[str, str, _Encode | None, bool]] = []
         self._derived_measured: list[str] = []
         for attribute, member in vars(kind).items():
             getter = member.fget if isinstance(member, property) else None
-            if getter is not None and (name := vars(getter).get("record_entry")):
-                ways = _ways(get_type_hints(getter, include_extras=True)["return"], JsonEntry())
-                self._derived.append((name, attribute, ways.encode))
-                self._derived_measured += [name] * ways.is_measured
-        self.keys = frozenset((*self._own_keys(), *(name for name, _, _ in self._derived)))
+            if getter is not None and (entry := derived_entry(getter)):
+                value = _converter(get_type_hints(getter, include_extras=True)["return"], JsonEntry())
+                self._derived.append((entry.name, attribute, value.encode, entry.omits_default))
+                self._derived_measured += [entry.name] * value.is_measured
+        self._signed = next((one.name for one in self._entries if one.entry.has_infinite), None)
+        self.keys = frozenset((*self._own_keys(), *(name for name, *_ in self._derived)))
 
     def _own_keys(self) -> Iterator[str]:
         for one in self._entries:
@@ -129,20 +145,26 @@ class _RecordClass:
                 yield from _class_of(one.value.record).keys
             elif not one.entry.is_rest:
                 yield one.key
+        if self._signed is not None:
+            yield INFINITE_KEY
 
     def encode(self, record: object) -> dict[str, Any]:
         written: dict[str, Any] = {}
         for field, key, encode, default in self._plan:
             value = getattr(record, field)
             if key is None:
-                written.update(cast("dict[str, Any]", encode(value) if encode else value))
+                if value is not None:
+                    written.update(cast("dict[str, Any]", encode(value) if encode else value))
             elif default is _ALWAYS:
                 written[key] = value if value is None or encode is None else encode(value)
             elif value is not None and value != default:
                 written[key] = value if encode is None else encode(value)
-        for name, attribute, encode in self._derived:
+        if self._signed is not None and (signs := _signs(getattr(record, self._signed))):
+            written[INFINITE_KEY] = signs
+        for name, attribute, encode, omits_default in self._derived:
             value = getattr(record, attribute)
-            written[name] = value if value is None or encode is None else encode(value)
+            if value or not omits_default:
+                written[name] = value if value is None or encode is None else encode(value)
         return written
 
     def row(self, record: object) -> list[object]:
@@ -154,7 +176,10 @@ class _RecordClass:
     def decode(self, value: object) -> object:
         if not isinstance(value, dict):
             raise ValueError(f"not an object: {str(value)[:40]}")  # noqa: TRY004 - a stranger's text
-        return self._kind(**{one.field.name: self._read(one, value) for one in self._entries})
+        found = {one.name: self._read(one, value) for one in self._entries}
+        if self._signed is not None and INFINITE_KEY in value:
+            found[self._signed] = _with_signs(found[self._signed], value[INFINITE_KEY])
+        return self._kind(**found)
 
     def decode_row(self, value: object) -> object:
         if not isinstance(value, list) or len(value) < len(self._plan):
@@ -190,8 +215,26 @@ class _RecordClass:
         yield from self._derived_measured
 
 
+INFINITE_KEY = "infinite"
+_SIGNS = (math.inf, -math.inf)
+
+
+def _signs(values: Mapping[str, float | None]) -> dict[str, str]:
+    """The infinite ones of ``values`` by name: JSON has them as null, as unknown ones."""
+    return {name: str(value) for name, value in values.items() if value in _SIGNS}
+
+
+def _with_signs(values: Any, signs: object) -> Mapping[str, float | None]:
+    """``values`` with the infinite ones. Raises ``ValueError``."""
+    try:
+        infinite = read_mapping(signs, _closed_set(("inf", "-inf")).decode)
+    except ValueError as error:
+        raise ValueError(f"{INFINITE_KEY}: {error}") from error
+    return {**values, **{name: float(sign) for name, sign in infinite.items() if name in values}}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Ways:
+class _Converter:
     """How a value is written and read; ``null`` holds what an absent one means, ``record`` is its class.
 
     Without ``encode`` it is written as it is, and ``None`` is written as null in any case.
@@ -204,36 +247,36 @@ class _Ways:
     record: type | None = None
 
 
-def _entry(hint: Any) -> JsonEntry:
-    return next((one for one in marks(hint) if isinstance(one, JsonEntry)), JsonEntry())
-
-
-def _ways(hint: Any, entry: JsonEntry) -> _Ways:
+def _converter(hint: Any, entry: JsonEntry) -> _Converter:
     origin, parts = get_origin(hint), get_args(hint)
     if origin is Annotated:
-        return _annotated(_ways(parts[0], entry), parts[1:])
+        return _annotated(_converter(parts[0], entry), parts[1:])
     if origin in (Union, UnionType):
         return _optional(next(part for part in parts if part is not type(None)), entry)
     if origin in (tuple, frozenset):
         return _several(origin, parts, entry)
     if isinstance(hint, type) and hasattr(hint, "from_json"):
-        return _Ways(encode=lambda value: value.to_json(), decode=hint.from_json, null=_null_of(hint))
+        return _Converter(encode=lambda value: value.to_json(), decode=hint.from_json, null=_null_of(hint))
     if origin is Literal or (isinstance(hint, type) and issubclass(hint, Enum)):
         return _closed_set(parts or tuple(hint))
     if origin is not None and issubclass(origin, Mapping):
         return _mapping(parts[1])
     if hint is object:
-        return _Ways(encode=_any, decode=read_any)
-    if is_dataclass(hint):
+        return _Converter(encode=_any, decode=read_any)
+    if _is_record(hint):
         return _record(cast("type", hint))
-    return _Ways(encode=_finite_or_null if hint is float else None, decode=PLAIN[hint])
+    return _Converter(encode=_finite_or_null if hint is float else None, decode=PLAIN[hint])
+
+
+def _is_record(kind: Any) -> bool:
+    return is_dataclass(kind) or hasattr(kind, "_fields")
 
 
 def _any(value: object) -> object:
     return to_json(value) if is_dataclass(value) else value
 
 
-def _closed_set(members: tuple[Any, ...]) -> _Ways:
+def _closed_set(members: tuple[Any, ...]) -> _Converter:
     names = {one: json_name(one) for one in members}
     named = {name: one for one, name in names.items()}
 
@@ -242,7 +285,7 @@ def _closed_set(members: tuple[Any, ...]) -> _Ways:
             raise ValueError(f"none of {', '.join(named)}: {str(value)[:40]}")
         return named[value]
 
-    return _Ways(encode=names.__getitem__, decode=read)
+    return _Converter(encode=names.__getitem__, decode=read)
 
 
 def _null_of(kind: Any) -> tuple[object, ...]:
@@ -252,15 +295,14 @@ def _null_of(kind: Any) -> tuple[object, ...]:
         return ()
 
 
-def _record(kind: type) -> _Ways:
-    encode = to_json if not hasattr(kind, "to_json") else lambda record: record.to_json()
+def _record(kind: type) -> _Converter:
     # Looked up when it is needed: a record may hold its own kind.
-    return _Ways(encode=encode, decode=lambda value: _class_of(kind).decode(value), record=kind)
+    return _Converter(encode=to_json, decode=lambda value: _class_of(kind).decode(value), record=kind)
 
 
-def _optional(hint: Any, entry: JsonEntry) -> _Ways:
-    one = _ways(hint, entry)
-    return _Ways(
+def _optional(hint: Any, entry: JsonEntry) -> _Converter:
+    one = _converter(hint, entry)
+    return _Converter(
         encode=one.encode,
         decode=lambda value: None if value is None else one.decode(value),
         null=(None,),
@@ -269,7 +311,7 @@ def _optional(hint: Any, entry: JsonEntry) -> _Ways:
     )
 
 
-def _annotated(one: _Ways, extras: tuple[object, ...]) -> _Ways:
+def _annotated(one: _Converter, extras: tuple[object, ...]) -> _Converter:
     encode, decode, null = one.encode, one.decode, one.null
     for extra in extras:
         if isinstance(extra, Decimals):
@@ -281,7 +323,7 @@ def _annotated(one: _Ways, extras: tuple[object, ...]) -> _Ways:
         elif extra is Mark.NULL_IS_INFINITE:
             null = (math.inf,)
     is_measured = one.is_measured or Mark.MEASURED in extras
-    return _Ways(encode=encode, decode=decode, null=null, is_measured=is_measured, record=one.record)
+    return _Converter(encode=encode, decode=decode, null=null, is_measured=is_measured, record=one.record)
 
 
 def _rounded(digits: int) -> _Encode:
@@ -306,7 +348,7 @@ def _limited(decode: _Decode, most: float) -> _Decode:
     return read
 
 
-def _fixed(items: list[_Ways]) -> _Ways:
+def _fixed(items: list[_Converter]) -> _Converter:
     """A tuple of so many values, each of its own type."""
 
     def read(value: object) -> object:
@@ -314,7 +356,7 @@ def _fixed(items: list[_Ways]) -> _Ways:
             raise ValueError(f"not a list of {len(items)}")
         return tuple(one.decode(item) for one, item in zip(items, value, strict=True))
 
-    return _Ways(
+    return _Converter(
         encode=lambda value: [
             item if item is None or one.encode is None else one.encode(item)
             for one, item in zip(items, value, strict=True)
@@ -323,10 +365,10 @@ def _fixed(items: list[_Ways]) -> _Ways:
     )
 
 
-def _several(origin: type, parts: tuple[Any, ...], entry: JsonEntry) -> _Ways:
+def _several(origin: type, parts: tuple[Any, ...], entry: JsonEntry) -> _Converter:
     if origin is tuple and parts[-1] is not ...:
-        return _fixed([_ways(part, JsonEntry()) for part in parts])
-    hint, one = parts[0], _ways(parts[0], JsonEntry())
+        return _fixed([_converter(part, JsonEntry()) for part in parts])
+    hint, one = parts[0], _converter(parts[0], JsonEntry())
     encode, decode = one.encode, one.decode
     if entry.keyed_by:
         return _keyed(hint, entry.keyed_by)
@@ -338,7 +380,7 @@ def _several(origin: type, parts: tuple[Any, ...], entry: JsonEntry) -> _Ways:
             raise ValueError("not a list")  # noqa: TRY004 - a stranger's text
         return origin(_understood(decode, value) if entry.is_lenient else map(decode, value))
 
-    return _Ways(
+    return _Converter(
         # A set has no order that would be the same tomorrow.
         encode=_each(encode, sorted if origin is frozenset else list),
         decode=read,
@@ -361,7 +403,7 @@ def _understood(decode: _Decode, values: list[object]) -> Iterator[object]:
             continue
 
 
-def _keyed(kind: type, field: str) -> _Ways:
+def _keyed(kind: type, field: str) -> _Converter:
     """A tuple of records as an object, without the field that is the key."""
 
     def encode(value: Any) -> object:
@@ -378,13 +420,13 @@ def _keyed(kind: type, field: str) -> _Ways:
             for name, one in value.items()
         )
 
-    return _Ways(encode=encode, decode=decode, record=kind)
+    return _Converter(encode=encode, decode=decode, record=kind)
 
 
-def _mapping(hint: Any) -> _Ways:
-    one = _ways(hint, JsonEntry())
+def _mapping(hint: Any) -> _Converter:
+    one = _converter(hint, JsonEntry())
     encode = one.encode
-    return _Ways(
+    return _Converter(
         encode=dict
         if encode is None
         else lambda value: {name: None if found is None else encode(found) for name, found in value.items()},

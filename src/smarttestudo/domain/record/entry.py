@@ -21,7 +21,8 @@ class JsonEntry:
     with ``is_rest`` those of a mapping of records do, and it is read from all objects that no other field
     has; ``are_rows``: each record of the tuple is the list of its fields. ``omits_default``: while it has its
     default it has no entry. ``is_absent``: it never has one. ``is_lenient``: of a text that is read, what
-    is not understood is left out, in place of an error.
+    is not understood is left out, in place of an error. ``has_infinite``: beside a mapping of numbers, the
+    entry ``infinite`` says which of the null ones are infinite, and their signs.
     """
 
     name: str = ""
@@ -32,6 +33,7 @@ class JsonEntry:
     omits_default: bool = False
     is_absent: bool = False
     is_lenient: bool = False
+    has_infinite: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,14 +84,21 @@ def json_name(member: str | Enum) -> str:
     return member.value if isinstance(member.value, str) else member.name.lower()
 
 
-def derived(name: str = "") -> Callable[[_Method], _Method]:
+def derived(name: str = "", *, omits_default: bool = False) -> Callable[[_Method], _Method]:
     """Write the property as an entry, too; ``name`` is its key, where that is not the property's name.
 
-    Goes below ``@property``. What is read ignores the entry.
+    Goes below ``@property``. What is read ignores the entry. ``omits_default``: what is false, empty or
+    ``None`` has none.
     """
 
     def marked(method: _Method) -> _Method:
-        vars(method)["record_entry"] = name or method.__name__
+        vars(method)["record_entry"] = JsonEntry(name=name or method.__name__, omits_default=omits_default)
         return method
 
     return marked
+
+
+def derived_entry(getter: Any) -> JsonEntry | None:
+    """How a property stands in its object, by its ``getter``; ``None`` where it does not."""
+    entry: JsonEntry | None = vars(getter).get("record_entry")
+    return entry

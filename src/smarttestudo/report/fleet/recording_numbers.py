@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from typing import Annotated
 
-from smarttestudo.domain.record import JsonEntry, to_json
+from smarttestudo.domain.record import JsonEntry, derived
 from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.report.summary import PositionError
 
@@ -33,7 +33,7 @@ def _lost(messages: int, received_messages: int | None) -> int:
 class TopicNumbers:
     """A topic of A; ``received`` is ``None`` where B lacks it, and where there is no B."""
 
-    topic: Annotated[str, JsonEntry(is_absent=True)]
+    topic: str
     messages: int
     size_bytes: Annotated[int, JsonEntry(name="bytes")]
     received: Received | None = None
@@ -91,28 +91,18 @@ class RecordingNumbers:
     robot: str
     start_ns: int
     duration_s: float
-    topics: tuple[TopicNumbers, ...]
+    topics: Annotated[tuple[TopicNumbers, ...], JsonEntry(keyed_by="topic")]
     rules: tuple[RuleNumbers, ...] = ()
     bounds: tuple[BoundNumbers, ...] = ()
     position: PositionError | None = None
-    unmatched: frozenset[str] = frozenset()
+    unmatched: Annotated[frozenset[str], JsonEntry(is_absent=True)] = frozenset()
     notices: tuple[str, ...] = ()
 
-    def to_json(self) -> dict[str, object]:
-        """The object that ``--json`` prints."""
-        return {
-            "a": self.a,
-            "b": self.b,
-            "robot": self.robot,
-            "start": utc_time(self.start_ns),
-            "start_ns": self.start_ns,
-            "duration_s": self.duration_s,
-            "topics": {one.topic: to_json(one) for one in self.topics},
-            "rules": [to_json(one) for one in self.rules],
-            "bounds": [to_json(one) for one in self.bounds],
-            "position": None if self.position is None else to_json(self.position),
-            "notices": list(self.notices),
-        }
+    @property
+    @derived()
+    def start(self) -> str:
+        """Date and time of the first message of A."""
+        return utc_time(self.start_ns)
 
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each topic, for ``--csv``."""

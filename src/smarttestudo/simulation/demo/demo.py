@@ -16,6 +16,7 @@ from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRule
 from smarttestudo.bags.comparison import Comparison
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.loop.decision_log import decision_log, read_decisions
@@ -257,7 +258,7 @@ def _write_report(
         )
     )
     if report.accuracy is not None:
-        (folder / ACCURACY).write_text(json.dumps(report.accuracy.to_json(), indent=2) + "\n", "utf-8")
+        (folder / ACCURACY).write_text(json.dumps(to_json(report.accuracy), indent=2) + "\n", "utf-8")
     (folder / REPORT).write_text(render_report(report), "utf-8")
     return report
 
