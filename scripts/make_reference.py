@@ -11,8 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarttestudo.checks import CHECKS
-from smarttestudo.checks.cases import CheckCases, Example, read_cases
+from smarttestudo.checks import LINT_RULES
+from smarttestudo.checks.cases import Example, LintCases, read_cases
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.commands import command_parser
 from smarttestudo.cli.run import PART_KINDS
@@ -37,9 +37,7 @@ NOTE = "<!-- Written by scripts/make_reference.py; change the code instead. -->"
 LINES_SHOWN = 12
 CHANGES = {Access.NOBODY: "", Access.ANYONE: "yes", Access.NODE: "by the node"}
 NO_BREAK = "\N{NO-BREAK SPACE}"
-
-
-SEVERITY = {check.code: check.severity for check in CHECKS}
+RULE = {rule.code: rule for rule in LINT_RULES}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,8 +49,8 @@ class FindingsPage:
     themes: tuple[str, ...]
 
     @property
-    def cases(self) -> Sequence[CheckCases]:
-        """The cases of all its checks, by severity."""
+    def cases(self) -> Sequence[LintCases]:
+        """The cases of all its lint rules, by severity."""
         return by_severity(case for theme in self.themes for case in read_cases(theme))
 
 
@@ -87,8 +85,8 @@ def checks_page() -> Iterator[str]:
     yield from ("", "| code | severity | |", "|---|---|---|")
     place = {case.code: page.file_name for page in FINDINGS_PAGES for case in page.cases}
     for case in by_severity(case for page in FINDINGS_PAGES for case in page.cases):
-        severity = SEVERITY[case.code].value
-        yield f"| [{case.code}]({place[case.code]}#{case.code}) | {severity} | {case.meaning} |"
+        rule = RULE[case.code]
+        yield f"| [{rule.code}]({place[rule.code]}#{rule.code}) | {rule.severity.value} | {rule.meaning} |"
     yield ""
 
 
@@ -97,19 +95,19 @@ def findings_page(page: FindingsPage) -> Iterator[str]:
     yield from (NOTE, f"# Findings: {page.title}", "")
     yield from ("[All findings](checks.md)", "")
     for case in page.cases:
-        yield from check_section(case)
+        yield from lint_section(case)
 
 
-def by_severity(cases: Iterable[CheckCases]) -> Sequence[CheckCases]:
+def by_severity(cases: Iterable[LintCases]) -> Sequence[LintCases]:
     """Errors first, else as they are."""
     order = list(Severity)
-    return sorted(cases, key=lambda case: order.index(SEVERITY[case.code]))
+    return sorted(cases, key=lambda case: order.index(RULE[case.code].severity))
 
 
-def check_section(case: CheckCases) -> Iterator[str]:
-    """One check with its examples."""
-    severity = SEVERITY[case.code].value
-    yield from (f"## {case.code}", "", f"*{severity}.* {case.meaning}", "", case.why, "")
+def lint_section(case: LintCases) -> Iterator[str]:
+    """A lint rule with its examples."""
+    rule = RULE[case.code]
+    yield from (f"## {rule.code}", "", f"*{rule.severity.value}.* {rule.meaning}", "", rule.why, "")
     for example in case.bad:
         yield from ("This gives the finding:", "", *example_text(example), "")
     for example in case.good:

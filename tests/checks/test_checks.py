@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What holds for every check, and what those of single statements say."""
+"""Laws of every lint rule, and what those of single statements say."""
 
 from __future__ import annotations
 
 import importlib
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,16 +14,18 @@ import pytest
 
 from checks.rule_findings import ONE_BLOCK, applied, codes_of, covered, findings_of
 from smarttestudo import checks
-from smarttestudo.checks import CHECKS, CheckContext
-from smarttestudo.checks.cases import CheckCases, Example, read_cases
-from smarttestudo.domain.finding import Finding
+from smarttestudo.checks import LINT_RULES, CheckContext
+from smarttestudo.checks.cases import Example, LintCases, read_cases
+from smarttestudo.checks.lint_rule import Found, LintRule, lint_rule
+from smarttestudo.checks.rule_model import RuleModel
+from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.language.formatter import format_rules
 from smarttestudo.rules.profile_file import parse_profile
 
 THEMES = sorted(path.stem for path in Path(checks.__file__).parent.glob("*.adirf"))
 CASES = {case.code: case for theme in THEMES for case in read_cases(theme)}
-SEVERITY = {check.code: check.severity for check in CHECKS}
+RULES = {rule.code: rule for rule in LINT_RULES}
 BY_CODE = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 
 
@@ -32,35 +35,50 @@ def of_example(example: Example) -> list[Finding]:
 
 
 @pytest.mark.parametrize("theme", THEMES)
-def test_a_theme_and_its_case_file_have_the_same_checks(theme: str) -> None:
+def test_a_theme_and_its_case_file_have_the_same_lint_rules(theme: str) -> None:
     module = importlib.import_module(f"smarttestudo.checks.{theme}")
+    declared = [one.code for one in vars(module).values() if isinstance(one, LintRule)]
     cases = read_cases(theme)
-    assert [case.code for case in cases] == [check.code for check in module.CHECKS]
-    assert all(case.meaning.endswith(".") and case.why and case.bad and case.good for case in cases)
+    assert [case.code for case in cases] == declared
+    assert all(case.bad and case.good for case in cases)
 
 
-def test_every_check_is_one_of_a_theme() -> None:
-    assert set(CASES) == set(SEVERITY)
+def test_every_lint_rule_is_one_of_a_theme_and_explains_itself() -> None:
+    assert set(CASES) == set(RULES)
+    assert all(rule.meaning.endswith(".") and rule.why.endswith(".") for rule in LINT_RULES)
+
+
+def test_the_docstring_of_a_lint_rule_is_its_text() -> None:
+    @lint_rule("made-up", Severity.INFO)
+    def made_up(rules: RuleModel) -> Iterator[Found]:
+        """A rule is made up.
+
+        Nobody can follow
+        such a rule.
+        """
+        return iter(())
+
+    assert (made_up.meaning, made_up.why) == ("A rule is made up.", "Nobody can follow such a rule.")
 
 
 @BY_CODE
-def test_a_bad_example_gives_its_findings_and_no_other(case: CheckCases) -> None:
+def test_a_bad_example_gives_its_findings_and_no_other(case: LintCases) -> None:
     for example in case.bad:
         found = of_example(example)
-        assert {(one.code, one.severity) for one in found} == {(case.code, SEVERITY[case.code])}
+        assert {(one.code, one.severity) for one in found} == {(case.code, RULES[case.code].severity)}
         said = tuple(f"{one.span.line}:{one.span.column} {one.message}" for one in found)
         assert said == example.findings
 
 
 @BY_CODE
-def test_a_good_example_gives_no_finding(case: CheckCases) -> None:
+def test_a_good_example_gives_no_finding(case: LintCases) -> None:
     for example in case.good:
         assert example.findings == ()
         assert of_example(example) == []
 
 
 @BY_CODE
-def test_messages_and_hints_are_one_line_without_a_full_stop(case: CheckCases) -> None:
+def test_messages_and_hints_are_one_line_without_a_full_stop(case: LintCases) -> None:
     for finding in (finding for example in case.bad for finding in of_example(example)):
         for text in (finding.message, finding.hint):
             assert "\n" not in text
@@ -69,7 +87,7 @@ def test_messages_and_hints_are_one_line_without_a_full_stop(case: CheckCases) -
 
 
 @BY_CODE
-def test_a_fix_removes_its_finding(case: CheckCases) -> None:
+def test_a_fix_removes_its_finding(case: LintCases) -> None:
     for example in case.bad:
         for finding in of_example(example):
             if finding.fix is not None:
@@ -95,7 +113,7 @@ def test_parentheses_are_not_offered_where_they_could_lose_a_comment() -> None:
 
 
 def test_codes_are_unique_kebab_case() -> None:
-    codes = [check.code for check in CHECKS]
+    codes = [rule.code for rule in LINT_RULES]
     assert len(set(codes)) == len(codes)
     assert all(re.fullmatch(r"[a-z]+(-[a-z]+)*", code) for code in codes)
 

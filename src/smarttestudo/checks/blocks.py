@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of blocks beside each other and beside the defaults."""
+"""Lint rules of blocks beside each other and beside the defaults."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Clash, RedundantRate, Shadow, SharedBorder, wins_over
-from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.domain.profile import Profile
@@ -18,8 +18,12 @@ from smarttestudo.language.parser.tokens import TokenKind
 from smarttestudo.language.resolved_rules import ResolvedRate
 
 
-def _topic_twice(rules: RuleModel) -> Iterator[Found]:
-    """A topic twice in one Then or Else."""
+@lint_rule("topic-twice", Severity.ERROR)
+def topic_twice(rules: RuleModel) -> Iterator[Found]:
+    """A Then or Else sets one topic twice.
+
+    One block can give a topic only one rate; a program cannot know which of the two was meant.
+    """
     for branch in rules.branches:
         first: dict[str, ResolvedRate] = {}
         for one in branch.written if len(branch.written) > len(branch.settings) else ():
@@ -39,8 +43,13 @@ def _repeated(one: ResolvedRate, earlier: ResolvedRate, side: str) -> Found:
     )
 
 
-def _blocks_clash(rules: RuleModel) -> Iterator[Found]:
-    """Blocks that can hold together at one priority and set different rates."""
+@lint_rule("blocks-clash", Severity.WARNING)
+def blocks_clash(rules: RuleModel) -> Iterator[Found]:
+    """Two blocks of one priority can hold together and set a topic to different rates.
+
+    The higher rate wins, whatever the order in the file. If the lower one was meant, the link carries
+    more than planned. At most three clashes are shown for one block.
+    """
     return map(_clash, rules.analysis.clashes)
 
 
@@ -61,8 +70,14 @@ def _clash(clash: Clash) -> Found:
     )
 
 
-def _block_shadowed(rules: RuleModel) -> Iterator[Found]:
-    """Blocks that can never decide anything."""
+@lint_rule("block-shadowed", Severity.WARNING)
+def block_shadowed(rules: RuleModel) -> Iterator[Found]:
+    """A block can never decide any of its topics.
+
+    Wherever it holds, blocks of higher priority, or of the same priority and a higher rate, set all its
+    topics too (among equals, the first block in the file is the one that decides). It has no effect,
+    mostly because a number or a Priority is wrong.
+    """
     return map(_shadow, rules.analysis.shadows)
 
 
@@ -98,8 +113,15 @@ def _reasons(shadow: Shadow) -> list[str]:
     return [reason for reason in ("priority", "rate", "order") if reason in reasons]
 
 
-def _no_margin(rules: RuleModel) -> Iterator[Found]:
-    """Blocks that meet at a border without a margin."""
+@lint_rule("no-margin", Severity.INFO)
+def no_margin(rules: RuleModel) -> Iterator[Found]:
+    """Two blocks with different rates end and begin at the same number.
+
+    A robot that stands on the border is alternately in one block and in the other, because a measurement
+    has noise. The loop raises a rate at once and lowers it only after settle_s, so it does not flicker
+    while the noise is faster than that. Where the robot stays on the border for long, a longer settle_s
+    helps, or a strip between the blocks that is left to the default. Each border is shown once.
+    """
     settle_s = (rules.context.profile or Profile()).settle_s
     borders: dict[Border, SharedBorder] = {}
     for shared in rules.analysis.shared_borders:
@@ -123,8 +145,13 @@ def _border(shared: SharedBorder, settle_s: float) -> Found:
     )
 
 
-def _rate_without_effect(rules: RuleModel) -> Iterator[Found]:
-    """Rates of blocks that hold without them as well."""
+@lint_rule("rate-without-effect", Severity.INFO)
+def rate_without_effect(rules: RuleModel) -> Iterator[Found]:
+    """A block sets a topic to the rate that it has by default, and overrules no other block there.
+
+    The rate is the same without it, whatever is known or unknown. A changed default would make it matter,
+    which may be meant; mostly another number was.
+    """
     for _, alike in itertools.groupby(rules.analysis.redundant_rates, lambda one: one.branch.order):
         of_branch = list(alike)
         branch = of_branch[0].branch
@@ -162,8 +189,13 @@ def _default_place(one: RedundantRate) -> str:
     return wording.place(one.default.path, one.default.span, seen_from=one.setting.path)
 
 
-def _block_disabled(rules: RuleModel) -> Iterator[Found]:
-    """Blocks that are switched off."""
+@lint_rule("block-disabled", Severity.INFO)
+def block_disabled(rules: RuleModel) -> Iterator[Found]:
+    """A block is switched off with Disabled.
+
+    It is read and kept, and its names are checked, but no rate, bound or recording comes from it. Whoever
+    counts on the block should know.
+    """
     for one in rules.disabled.blocks:
         whole = one.block.span
         end = whole.column + len(TokenKind.DISABLED.value)
@@ -173,15 +205,3 @@ def _block_disabled(rules: RuleModel) -> Iterator[Found]:
             message=f"{wording.sentence(wording.block_name(one.block))} is switched off",
             hint="it changes no rate, whatever holds; delete 'Disabled' to switch it on",
         )
-
-
-BLOCKS_CLASH = RuleCheck(code="blocks-clash", severity=Severity.WARNING, find=_blocks_clash)
-
-CHECKS = (
-    RuleCheck(code="topic-twice", severity=Severity.ERROR, find=_topic_twice),
-    BLOCKS_CLASH,
-    RuleCheck(code="block-shadowed", severity=Severity.WARNING, find=_block_shadowed),
-    RuleCheck(code="no-margin", severity=Severity.INFO, find=_no_margin),
-    RuleCheck(code="rate-without-effect", severity=Severity.INFO, find=_rate_without_effect),
-    RuleCheck(code="block-disabled", severity=Severity.INFO, find=_block_disabled),
-)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of bounds of the operator's picture."""
+"""Lint rules of bounds of the operator's picture."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from functools import cache, partial
 
 from smarttestudo.checks import wording
+from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in
-from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Fix, ProfileFix, Severity
 from smarttestudo.domain.rate import Tier
@@ -18,8 +18,13 @@ from smarttestudo.language.properties import ARRIVAL_PROPERTIES, accuracy_proper
 from smarttestudo.language.resolved_rules import ResolvedBound
 
 
-def _unknown_bound(rules: RuleModel) -> Iterator[Found]:
-    """Bounds of properties that the messages do not have."""
+@lint_rule("unknown-bound", Severity.WARNING)
+def unknown_bound(rules: RuleModel) -> Iterator[Found]:
+    """A KeepWithin names a property that the messages of the topic do not have.
+
+    What cannot be read cannot be compared: every message passes up to the topic's rate, and the bound
+    saves nothing. Types come from the profile or a recording, as for checks.
+    """
     doubt_of = cache(partial(doubt_about, context=rules.context, named=accuracy_properties_of))
     for one in (*rules.bounds, *rules.disabled.bounds):
         doubt = _no_picture(one.signal) or doubt_of(one.signal)
@@ -37,8 +42,14 @@ def _no_picture(signal: Signal) -> Doubt | None:
     )
 
 
-def _bound_in_rules_only(rules: RuleModel) -> Iterator[Found]:
-    """Topics that only rules bound."""
+@lint_rule("bound-in-rules-only", Severity.INFO, needs_all_statements=True)
+def bound_in_rules_only(rules: RuleModel) -> Iterator[Found]:
+    """A topic has a KeepWithin in rules, and none outside them.
+
+    No bound is more than any bound. So while values are unknown the bound of a rule that may hold does
+    not count, unless another one is known to: what the rate of the topic lets through passes. With a
+    bound outside the rules the tightest of those that may hold counts.
+    """
     first: dict[str, ResolvedBound] = {}
     for one in rules.bounds:
         first.setdefault(one.topic, one)
@@ -61,8 +72,13 @@ def _not_bound_in_doubt(bound: ResolvedBound, rules: RuleModel) -> Found:
     )
 
 
-def _bound_despite_off(rules: RuleModel) -> Iterator[Found]:
-    """Bounds of topics that are Off."""
+@lint_rule("bound-despite-off", Severity.WARNING)
+def bound_despite_off(rules: RuleModel) -> Iterator[Found]:
+    """Off is written for a topic that has a KeepWithin.
+
+    The rate of a topic is the ceiling of what its bound may send. With Off nothing passes, and the
+    operator's picture gets as wrong as it gets; every such message counts as a broken bound.
+    """
     bounds = {one.topic: one for one in reversed(rules.bounds)}
     settings = ((bound, one) for topic, bound in bounds.items() for one in rules.settings.get(topic, ()))
     for bound, setting in settings:
@@ -79,8 +95,12 @@ def _bound_despite_off(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _bound_twice(rules: RuleModel) -> Iterator[Found]:
-    """Two bounds of one property at one place."""
+@lint_rule("bound-twice", Severity.WARNING)
+def bound_twice(rules: RuleModel) -> Iterator[Found]:
+    """A property is bound twice outside blocks, or twice in one Then or Else.
+
+    The tighter bound counts, and the other one is never used: who changes that one later changes nothing.
+    """
     first: dict[object, ResolvedBound] = {}
     for one in rules.bounds:
         earlier = first.setdefault((one.signal, one.branch), one)
@@ -113,8 +133,13 @@ def _tightest(*bounds: ResolvedBound) -> str:
     return f", {min(known, key=lambda each: each[0])[1]}," if len(known) == len(numbers) else ""
 
 
-def _bound_on_follower(rules: RuleModel) -> Iterator[Found]:
-    """Bounds of topics that are paced with another one."""
+@lint_rule("bound-on-follower", Severity.WARNING)
+def bound_on_follower(rules: RuleModel) -> Iterator[Found]:
+    """A KeepWithin names a topic that the profile paces with another one.
+
+    A topic that is paced with another one passes exactly the stamps that the other passed. Its own
+    picture is not looked at, and may be off by more than the bound.
+    """
     for one in rules.bounds:
         leader = rules.context.topic(one.topic).paced_with
         if leader is not None:
@@ -130,17 +155,3 @@ def _bound_on_follower(rules: RuleModel) -> Iterator[Found]:
                     title=f"no longer pace {one.topic} with {leader}",
                 ),
             )
-
-
-CHECKS = (
-    RuleCheck(code="unknown-bound", severity=Severity.WARNING, find=_unknown_bound),
-    RuleCheck(
-        code="bound-in-rules-only",
-        severity=Severity.INFO,
-        find=_bound_in_rules_only,
-        needs_all_statements=True,
-    ),
-    RuleCheck(code="bound-despite-off", severity=Severity.WARNING, find=_bound_despite_off),
-    RuleCheck(code="bound-twice", severity=Severity.WARNING, find=_bound_twice),
-    RuleCheck(code="bound-on-follower", severity=Severity.WARNING, find=_bound_on_follower),
-)

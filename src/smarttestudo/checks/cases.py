@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Case files: what each finding means, with rules that give it and rules that do not.
+"""Case files: for each lint rule, rule files that it finds something in and others in which it does not.
 
-A case file is ADIRF with headings in its comments. ``// # code`` begins a check; the comments below it are
-its meaning, an empty one, and why it matters. ``// ## bad`` and ``// ## good`` begin an example; the comments
-below it are its ``profile`` in TOML, its ``recording`` (a topic and its type) and each ``finding`` (line,
-column and message) that it gives, one a line.
+A case file is ADIRF with headings in its comments. ``// # code`` begins the cases of a lint rule, ``// ##
+bad`` and ``// ## good`` an example; the comments below that are its ``profile`` in TOML, its ``recording`` (a
+topic and its type) and each ``finding`` (line, column and message) that it gives, one a line.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 
 MAX_CHARACTERS = 1_000_000
-_CHECK, _EXAMPLE, _NOTE = "// # ", "// ## ", "//"
+_LINT_RULE, _EXAMPLE, _NOTE = "// # ", "// ## ", "//"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,45 +31,32 @@ class Example:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CheckCases:
-    """The check ``code`` in words and examples.
-
-    ``meaning`` is one sentence, ``why`` what happens on a robot that runs such a file. Each of ``bad`` gives
-    this finding and no other, each of ``good`` none at all.
-    """
+class LintCases:
+    """Examples of the lint rule ``code``: ``bad`` give this finding and no other, ``good`` none at all."""
 
     code: str
-    meaning: str
-    why: str
     bad: tuple[Example, ...]
     good: tuple[Example, ...]
 
 
-def read_cases(theme: str) -> tuple[CheckCases, ...]:
-    """The cases of the checks of a theme, in the order of its file.
+def read_cases(theme: str) -> tuple[LintCases, ...]:
+    """The cases of the lint rules of a theme, in the order of its file.
 
     Raises ``ValueError`` for a heading or note that is none.
     """
     with files(__package__).joinpath(f"{theme}.adirf").open(encoding="utf-8") as file:
         text = file.read(MAX_CHARACTERS)
-    return tuple(_check_cases(code, lines) for code, lines in _parts(text.splitlines(), _CHECK) if code)
+    return tuple(_lint_cases(code, lines) for code, lines in _parts(text.splitlines(), _LINT_RULE) if code)
 
 
-def _check_cases(code: str, lines: Sequence[str]) -> CheckCases:
-    (_, prose), *examples = _parts(lines, _EXAMPLE)
-    meaning, _, why = "\n".join(line.removeprefix(_NOTE).strip() for line in prose).strip().partition("\n\n")
+def _lint_cases(code: str, lines: Sequence[str]) -> LintCases:
+    _, *examples = _parts(lines, _EXAMPLE)
     found: dict[str, list[Example]] = {"bad": [], "good": []}
     for kind, part in examples:
         if kind not in found:
             raise ValueError(f"{code}: an example is bad or good, not {kind}")
         found[kind].append(_example(part))
-    return CheckCases(
-        code=code,
-        meaning=" ".join(meaning.split()),
-        why=" ".join(why.split()),
-        bad=tuple(found["bad"]),
-        good=tuple(found["good"]),
-    )
+    return LintCases(code=code, bad=tuple(found["bad"]), good=tuple(found["good"]))
 
 
 def _example(lines: Sequence[str]) -> Example:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of conditions, from the words of the text to values that no signal has."""
+"""Lint rules of conditions, from the words of the text to values that no signal has."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import math
 from collections.abc import Iterator
 
 from smarttestudo.checks import wording
+from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in, is_text
-from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import CheckSite, RuleModel
 from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.domain.profile import LevelUnit
@@ -39,13 +39,79 @@ _EQUALITY_HOLDS = {Operator.EQUAL: "hardly ever", Operator.NOT_EQUAL: "nearly al
 _ZERO_WHEN_SILENT = (ArrivalProperty.RATE, ArrivalProperty.BANDWIDTH)
 
 
-def _check_never_holds(rules: RuleModel) -> Iterator[Found]:
-    """Checks that no value passes."""
+@lint_rule("never-a-number", Severity.WARNING)
+def never_a_number(rules: RuleModel) -> Iterator[Found]:
+    """A check compares a number with a text, a list or a field that the messages do not have.
+
+    The check stays unknown: its block never decides, and as long as it is in doubt the topic gets the
+    higher of the rates. With a recording, every message is looked at; else only fields of common types
+    are known.
+    """
+    for one in rules.checks:
+        signal, observed = one.signal, rules.context.observed.get(one.signal)
+        if ArrivalProperty.named(signal.property) or doubt_about(signal, rules.context):
+            continue
+        close = None
+        if observed is not None and observed.greatest is None:
+            close = observed.close
+            message = f"the recording has no value of {signal}: {observed.why}"
+        elif observed is None and is_text(rules.context.type_of(signal.topic), signal.property):
+            message = f"{signal} is a text, and no number"
+        else:
+            continue
+        doubt = Doubt(
+            message=message,
+            hint=did_you_mean(close) if close else "the check stays unknown, and its block never decides",
+            close=close,
+        )
+        yield found_in(one.path, one.check.property_span, doubt)
+
+
+_BATTERY = "sensor_msgs/msg/BatteryState"
+_SHARES = ("percentage", f"{MESSAGE_PREFIX}percentage")
+
+
+@lint_rule("share-as-percent", Severity.WARNING)
+def share_as_percent(rules: RuleModel) -> Iterator[Found]:
+    """A check compares the percentage of a BatteryState, which is a number of 0 to 1, with one above 1.
+
+    It always holds, or never. The property level is the same in percent, also of a robot that publishes 0
+    to 100.
+    """
+    for one in rules.checks:
+        topic, observed = one.signal.topic, rules.context.observed.get(one.signal)
+        is_share = one.signal.property in _SHARES and rules.context.type_of(topic) == _BATTERY
+        is_percent = rules.context.topic(topic).level_unit is LevelUnit.PERCENT
+        greatest = 1.0 if observed is None or observed.greatest is None else observed.greatest
+        if is_share and not is_percent and one.check.value > 1 and greatest <= 1:
+            is_seen = observed is not None and observed.greatest is not None
+            seen = f", and at most {wording.number(greatest)} in the recording" if is_seen else ""
+            yield Found(
+                path=one.path,
+                span=one.check.property_span,
+                message=f"{wording.check_text(one.check)} is about a number of 0 to 1{seen}",
+                hint="level is the same in percent",
+                fix=Fix(span=one.check.property_span, replacement="level", title="write 'level'"),
+            )
+
+
+@lint_rule("check-never-holds", Severity.WARNING)
+def check_never_holds(rules: RuleModel) -> Iterator[Found]:
+    """A check compares a property with a number that it never reaches.
+
+    The rate that depends on it is never used. A battery level, for example, is in percent, so that 120 is
+    above every level.
+    """
     return _checks_that_are(Truth.FALSE, "never", rules)
 
 
-def _check_always_holds(rules: RuleModel) -> Iterator[Found]:
-    """Checks that every value passes."""
+@lint_rule("check-always-holds", Severity.WARNING)
+def check_always_holds(rules: RuleModel) -> Iterator[Found]:
+    """A check compares a property with a number so that every value passes.
+
+    The check decides nothing. Often the unit differs from the expected one: a battery level, for example,
+    is counted in percent.
+    """
     return _checks_that_are(Truth.TRUE, "always", rules)
 
 
@@ -79,53 +145,12 @@ def _remedy_beside_range(one: CheckSite, rules: RuleModel) -> str:
     return "correct the number"
 
 
-def _never_a_number(rules: RuleModel) -> Iterator[Found]:
-    """Checks of what has no number, so that they stay unknown."""
-    for one in rules.checks:
-        signal, observed = one.signal, rules.context.observed.get(one.signal)
-        if ArrivalProperty.named(signal.property) or doubt_about(signal, rules.context):
-            continue
-        close = None
-        if observed is not None and observed.greatest is None:
-            close = observed.close
-            message = f"the recording has no value of {signal}: {observed.why}"
-        elif observed is None and is_text(rules.context.type_of(signal.topic), signal.property):
-            message = f"{signal} is a text, and no number"
-        else:
-            continue
-        doubt = Doubt(
-            message=message,
-            hint=did_you_mean(close) if close else "the check stays unknown, and its block never decides",
-            close=close,
-        )
-        yield found_in(one.path, one.check.property_span, doubt)
+@lint_rule("condition-never-holds", Severity.WARNING)
+def condition_never_holds(rules: RuleModel) -> Iterator[Found]:
+    """A condition contradicts itself.
 
-
-_BATTERY = "sensor_msgs/msg/BatteryState"
-_SHARES = ("percentage", f"{MESSAGE_PREFIX}percentage")
-
-
-def _share_as_percent(rules: RuleModel) -> Iterator[Found]:
-    """Checks of a battery's share of 1 with a number in percent."""
-    for one in rules.checks:
-        topic, observed = one.signal.topic, rules.context.observed.get(one.signal)
-        is_share = one.signal.property in _SHARES and rules.context.type_of(topic) == _BATTERY
-        is_percent = rules.context.topic(topic).level_unit is LevelUnit.PERCENT
-        greatest = 1.0 if observed is None or observed.greatest is None else observed.greatest
-        if is_share and not is_percent and one.check.value > 1 and greatest <= 1:
-            is_seen = observed is not None and observed.greatest is not None
-            seen = f", and at most {wording.number(greatest)} in the recording" if is_seen else ""
-            yield Found(
-                path=one.path,
-                span=one.check.property_span,
-                message=f"{wording.check_text(one.check)} is about a number of 0 to 1{seen}",
-                hint="level is the same in percent",
-                fix=Fix(span=one.check.property_span, replacement="level", title="write 'level'"),
-            )
-
-
-def _condition_never_holds(rules: RuleModel) -> Iterator[Found]:
-    """Conditions that can never hold."""
+    The block's Then has no effect; its Else, if there is one, always applies.
+    """
     for block in rules.blocks:
         records = bool(records_in(block.block.otherwise))
         if rules.analysis.truths[block.order] is Truth.FALSE and (records or not _is_one_check(block)):
@@ -154,8 +179,12 @@ def _impossible_signals(block: ResolvedBlock, rules: RuleModel) -> str:
     return wording.listed(names) if names else ""
 
 
-def _condition_always_holds(rules: RuleModel) -> Iterator[Found]:
-    """Conditions that always hold."""
+@lint_rule("condition-always-holds", Severity.WARNING)
+def condition_always_holds(rules: RuleModel) -> Iterator[Found]:
+    """A condition holds whatever the values are.
+
+    The block decides nothing that a default could not, and its Else has no effect.
+    """
     for block in rules.blocks:
         records = bool(records_in(block.block.then))
         if rules.analysis.truths[block.order] is Truth.TRUE and (records or not _is_one_check(block)):
@@ -170,8 +199,12 @@ def _condition_always_holds(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _and_or_mixed(rules: RuleModel) -> Iterator[Found]:
-    """AND and OR mixed without parentheses."""
+@lint_rule("and-or-mixed", Severity.WARNING)
+def and_or_mixed(rules: RuleModel) -> Iterator[Found]:
+    """AND and OR are mixed without parentheses.
+
+    AND binds tighter than OR. Reading the condition from left to right gives another meaning.
+    """
     for block in rules.blocks:
         for part in conditions_in(block.block.condition):
             if isinstance(part, Or):
@@ -196,8 +229,13 @@ def _parentheses(condition: And) -> Fix | None:
     return Fix(span=condition.span, replacement=text, title="put parentheses around the AND")
 
 
-def _equals_measured(rules: RuleModel) -> Iterator[Found]:
-    """= on a measured number."""
+@lint_rule("equals-measured", Severity.WARNING)
+def equals_measured(rules: RuleModel) -> Iterator[Found]:
+    """= or != compares a measured number.
+
+    A measurement has noise and many digits: it is almost never exactly 3. Counts, states and flags
+    (status.status = 2) are fine, and so are rate = 0 and bandwidth = 0.
+    """
     for one in rules.checks:
         outcome = _EQUALITY_HOLDS.get(one.check.operator)
         if outcome is not None and _is_continuous(one, rules):
@@ -222,8 +260,12 @@ def _times(rules: RuleModel) -> Iterator[tuple[ResolvedBlock, Timed]]:
     return ((block, timed) for block in rules.blocks for timed in times_in(block.block.condition))
 
 
-def _duration_zero(rules: RuleModel) -> Iterator[Found]:
-    """For or Within no time."""
+@lint_rule("duration-zero", Severity.WARNING)
+def duration_zero(rules: RuleModel) -> Iterator[Found]:
+    """A condition must hold for no time at all.
+
+    A condition For 0 s or Within 0 s is the condition itself: noise turns the block on and off.
+    """
     for block, timed in _times(rules):
         if timed.duration.ns == 0:
             yield Found(
@@ -234,8 +276,13 @@ def _duration_zero(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _duration_too_short(rules: RuleModel) -> Iterator[Found]:
-    """Durations shorter than the time between two messages."""
+@lint_rule("duration-too-short", Severity.WARNING)
+def duration_too_short(rules: RuleModel) -> Iterator[Found]:
+    """A duration is shorter than the time between two messages of what its condition reads.
+
+    A condition can change with a message only, so that one message already makes it hold For the whole
+    duration, or ends what it was Within. The profile's source_hz says how often messages come.
+    """
     for block, timed in _times(rules):
         fastest = _fastest_source(timed, rules)
         if fastest is None or timed.duration.ns == 0:
@@ -266,8 +313,13 @@ def _fastest_source(timed: Timed, rules: RuleModel) -> tuple[str, float] | None:
     return found
 
 
-def _until_overlaps(rules: RuleModel) -> Iterator[Found]:
-    """Checks whose Until is true where they are."""
+@lint_rule("until-overlaps", Severity.WARNING)
+def until_overlaps(rules: RuleModel) -> Iterator[Found]:
+    """A check and its Until are true for the same value.
+
+    An Until counts more than the check before it, so that the check does not hold where both are true.
+    Mostly a comparison is the wrong way round.
+    """
     for one in rules.checks:
         if one.latch is None:
             continue
@@ -283,8 +335,12 @@ def _until_overlaps(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _until_never_ends(rules: RuleModel) -> Iterator[Found]:
-    """Checks whose Until can never be true."""
+@lint_rule("until-never-ends", Severity.WARNING)
+def until_never_ends(rules: RuleModel) -> Iterator[Found]:
+    """No value that a property can have ends a check with an Until.
+
+    Once the check was true, its block holds until the rules are exchanged.
+    """
     for one in rules.checks:
         if one.latch is not None and one.latch.off.intersection(rules.context.domain(one.signal)).is_empty:
             yield Found(
@@ -295,8 +351,13 @@ def _until_never_ends(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _missing_blank(rules: RuleModel) -> Iterator[Found]:
-    """Keywords without a blank behind them."""
+@lint_rule("missing-blank", Severity.INFO)
+def missing_blank(rules: RuleModel) -> Iterator[Found]:
+    """A keyword is written without a blank after it.
+
+    The rules work regardless, as they do with the grammar of the thesis; people and other tools may read
+    the two words as one. After the name of a topic a blank is required, or the name would continue.
+    """
     for path, (first, *others) in rules.glued.items():
         start = Span(first.line, first.column, first.line, first.column)
         more = f" (and {len(others)} more like it)" if others else ""
@@ -309,8 +370,13 @@ def _missing_blank(rules: RuleModel) -> Iterator[Found]:
         )
 
 
-def _not_analysed(rules: RuleModel) -> Iterator[Found]:
-    """Blocks that are too complex for the interval analysis."""
+@lint_rule("not-analysed", Severity.INFO)
+def not_analysed(rules: RuleModel) -> Iterator[Found]:
+    """A condition is too complex for the checker to analyse completely.
+
+    Finding all clashes and dead blocks is NP-hard in general, so the checker stops after a bounded
+    effort. What it reports is still right; it may have missed something.
+    """
     unfinished = rules.analysis.unfinished
     if unfinished:
         first = unfinished[0]
@@ -322,21 +388,3 @@ def _not_analysed(rules: RuleModel) -> Iterator[Found]:
             "and dead blocks",
             hint="the rules work regardless; several small blocks are easier to check",
         )
-
-
-CHECKS = (
-    RuleCheck(code="never-a-number", severity=Severity.WARNING, find=_never_a_number),
-    RuleCheck(code="share-as-percent", severity=Severity.WARNING, find=_share_as_percent),
-    RuleCheck(code="check-never-holds", severity=Severity.WARNING, find=_check_never_holds),
-    RuleCheck(code="check-always-holds", severity=Severity.WARNING, find=_check_always_holds),
-    RuleCheck(code="condition-never-holds", severity=Severity.WARNING, find=_condition_never_holds),
-    RuleCheck(code="condition-always-holds", severity=Severity.WARNING, find=_condition_always_holds),
-    RuleCheck(code="and-or-mixed", severity=Severity.WARNING, find=_and_or_mixed),
-    RuleCheck(code="equals-measured", severity=Severity.WARNING, find=_equals_measured),
-    RuleCheck(code="duration-zero", severity=Severity.WARNING, find=_duration_zero),
-    RuleCheck(code="duration-too-short", severity=Severity.WARNING, find=_duration_too_short),
-    RuleCheck(code="until-overlaps", severity=Severity.WARNING, find=_until_overlaps),
-    RuleCheck(code="until-never-ends", severity=Severity.WARNING, find=_until_never_ends),
-    RuleCheck(code="missing-blank", severity=Severity.INFO, find=_missing_blank),
-    RuleCheck(code="not-analysed", severity=Severity.INFO, find=_not_analysed),
-)

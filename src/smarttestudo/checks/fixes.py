@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Fixes that several checks offer."""
+"""Fixes that several lint rules offer."""
 
 from __future__ import annotations
 

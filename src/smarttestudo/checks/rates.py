@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of rates: defaults, floors and levels."""
+"""Lint rules of rates: defaults, floors and levels."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from itertools import chain
 from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Gap
 from smarttestudo.checks.fixes import new_default
-from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.rate import Tier
@@ -21,8 +21,13 @@ from smarttestudo.pacing.coded_video import may_be_coded_video
 from smarttestudo.pacing.sample import is_patch
 
 
-def _tier_without_rate(rules: RuleModel) -> Iterator[Found]:
-    """A tier without a profile that gives it a rate or an accuracy."""
+@lint_rule("tier-without-rate", Severity.ERROR)
+def tier_without_rate(rules: RuleModel) -> Iterator[Found]:
+    """A quality level is written and no profile gives it a rate, or an accuracy in a KeepWithin.
+
+    A level stands for the rate that the optimizer finds for it within the budget, from the profile's
+    sizes and levels. Without a profile its rate is unknown. The same is true of accuracies.
+    """
     if rules.context.profile is not None:
         return
     for one, tier in _tiers(chain.from_iterable(rules.settings.values())):
@@ -48,8 +53,12 @@ def _tiers(rates: Iterable[ResolvedRate]) -> Iterator[tuple[ResolvedRate, Tier]]
     return ((one, tier) for one in rates if isinstance(tier := one.statement.rate.value, Tier))
 
 
-def _two_defaults(rules: RuleModel) -> Iterator[Found]:
-    """Two defaults for one topic."""
+@lint_rule("two-defaults", Severity.WARNING)
+def two_defaults(rules: RuleModel) -> Iterator[Found]:
+    """A topic has two defaults, in one file or in two of a set.
+
+    Only the last one counts; editing the other one changes nothing.
+    """
     for one in rules.written_defaults:
         last = rules.defaults[one.topic]
         if one is not last:
@@ -63,8 +72,13 @@ def _two_defaults(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _missing_default(rules: RuleModel) -> Iterator[Found]:
-    """Topics of blocks without a default."""
+@lint_rule("missing-default", Severity.WARNING, needs_all_statements=True)
+def missing_default(rules: RuleModel) -> Iterator[Found]:
+    """A block sets or bounds a topic that has neither a default nor a block for every case.
+
+    Where no block sets it, or bounds it, and while the values that the blocks read are unknown, the topic
+    is Full: every message travels. For a camera that can be more than the whole link.
+    """
     yield from (_not_set_by_a_block(gap, rules) for gap in rules.analysis.gaps)
     yield from (
         _no_default(topic, "no block bounds it", rules)
@@ -103,8 +117,12 @@ def _floored(rules: RuleModel) -> Iterator[tuple[ResolvedFloor, ResolvedRate]]:
     return ((floor, one) for topic, floor in rules.floors.items() for one in rules.settings.get(topic, ()))
 
 
-def _rate_below_floor(rules: RuleModel) -> Iterator[Found]:
-    """Rates below a floor."""
+@lint_rule("rate-below-floor", Severity.WARNING)
+def rate_below_floor(rules: RuleModel) -> Iterator[Found]:
+    """A rate lies below the topic's KeepAtLeast.
+
+    No rate goes below a floor, so the topic gets the floor's rate and the written one never occurs.
+    """
     for floor, one in _floored(rules):
         if one.rate is not None and one.rate.yields_to_floor and one.rate.hz < floor.rate.hz:
             where = wording.place(floor.path, floor.span, seen_from=one.path)
@@ -122,8 +140,12 @@ def _rate_below_floor(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _off_despite_floor(rules: RuleModel) -> Iterator[Found]:
-    """Off where a floor exists."""
+@lint_rule("off-despite-floor", Severity.WARNING)
+def off_despite_floor(rules: RuleModel) -> Iterator[Found]:
+    """Off is written for a topic that has a KeepAtLeast.
+
+    Off is the only rate that goes below a floor: who relies on the KeepAtLeast then receives nothing.
+    """
     for floor, one in _floored(rules):
         if one.rate is not None and not one.rate.yields_to_floor:
             where = wording.place(floor.path, floor.span, seen_from=one.path)
@@ -156,8 +178,15 @@ def _rate_text(one: ResolvedRate) -> str:
     return level.value if isinstance(level, Tier) else str(one.rate)
 
 
-def _video_in_groups(rules: RuleModel) -> Iterator[Found]:
-    """Coded video at a rate."""
+@lint_rule("video-in-groups", Severity.INFO)
+def video_in_groups(rules: RuleModel) -> Iterator[Found]:
+    """Coded video is relayed at a rate below that of its source.
+
+    All frames but the key frames are differences to the frame before, so a relay passes whole groups: a
+    key frame, what follows it while the rate allows, and then nothing until the next key frame. The
+    picture moves, rests and moves again. Of groups that last more than two seconds, less passes than the
+    rate. Where no key frame is found, because the coder is not known, all passes.
+    """
     for one, type_name in _thinned(rules):
         if may_be_coded_video(type_name, one.topic):
             source_hz = rules.context.topic(one.topic).source_hz
@@ -174,8 +203,13 @@ def _video_in_groups(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _video_paced_with(rules: RuleModel) -> Iterator[Found]:
-    """Coded video that the profile paces with another topic."""
+@lint_rule("video-paced-with", Severity.INFO)
+def video_paced_with(rules: RuleModel) -> Iterator[Found]:
+    """The profile paces coded video with another topic.
+
+    A relay passes coded video by whole groups, which begin elsewhere than those of another camera. So
+    paced_with has no effect on it. Another topic, such as its camera_info, may be paced with coded video.
+    """
     for topic, first in rules.relayed.items():
         leader, known_type = rules.context.topic(topic).paced_with, rules.context.known_type(topic)
         if leader is not None and known_type is not None and may_be_coded_video(known_type, topic):
@@ -187,8 +221,14 @@ def _video_paced_with(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _patches_thinned(rules: RuleModel) -> Iterator[Found]:
-    """Topics at a rate whose messages change a part of what those before showed."""
+@lint_rule("patches-thinned", Severity.WARNING)
+def patches_thinned(rules: RuleModel) -> Iterator[Found]:
+    """A topic is relayed at a rate whose messages change a part of what was sent before.
+
+    An update of a map or of a scene is about what changed since the one before. Where one is left out,
+    what the operator sees stays wrong until somebody sends the whole anew. The rate is obeyed all the
+    same; without one such a topic is Full.
+    """
     for one, type_name in _thinned(rules):
         if is_patch(type_name):
             yield Found(
@@ -199,17 +239,3 @@ def _patches_thinned(rules: RuleModel) -> Iterator[Found]:
                 hint="write Full, or in its place relay the topic that has the whole",
                 fix=Fix(span=one.statement.rate.span, replacement="Full", title="relay it whole"),
             )
-
-
-CHECKS = (
-    RuleCheck(code="tier-without-rate", severity=Severity.ERROR, find=_tier_without_rate),
-    RuleCheck(code="two-defaults", severity=Severity.WARNING, find=_two_defaults),
-    RuleCheck(
-        code="missing-default", severity=Severity.WARNING, find=_missing_default, needs_all_statements=True
-    ),
-    RuleCheck(code="rate-below-floor", severity=Severity.WARNING, find=_rate_below_floor),
-    RuleCheck(code="off-despite-floor", severity=Severity.WARNING, find=_off_despite_floor),
-    RuleCheck(code="video-in-groups", severity=Severity.INFO, find=_video_in_groups),
-    RuleCheck(code="video-paced-with", severity=Severity.INFO, find=_video_paced_with),
-    RuleCheck(code="patches-thinned", severity=Severity.WARNING, find=_patches_thinned),
-)

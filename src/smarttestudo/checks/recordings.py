@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of recordings of incidents."""
+"""Lint rules of recordings of incidents."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from smarttestudo.checks.fixes import close_topic, write_topic
-from smarttestudo.checks.rule_check import Found, RuleCheck
+from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
@@ -17,8 +17,14 @@ from smarttestudo.language.resolved_rules import ResolvedRecord
 _KB_PER_MB = BYTES_PER_MB / BYTES_PER_KB
 
 
-def _record_too_large(rules: RuleModel) -> Iterator[Found]:
-    """Recordings whose time before the event does not fit into memory."""
+@lint_rule("record-too-large", Severity.WARNING)
+def record_too_large(rules: RuleModel) -> Iterator[Found]:
+    """The time before the event that a Record keeps does not fit into memory.
+
+    The largest topics then lack their oldest messages in the recording, and it says how many, unless the
+    robot keeps the rest on disk (--incident-ring). Raw images are the usual cause; the compressed topic
+    fits.
+    """
     for one in rules.recordings:
         kb_per_s = _kb_per_s(rules, one)
         needed_mb = kb_per_s * one.statement.before.ns / NS_PER_S / _KB_PER_MB
@@ -41,8 +47,12 @@ def _kb_per_s(rules: RuleModel, one: ResolvedRecord) -> float:
     return sum((topic.message_kb or 0.0) * (topic.source_hz or 0.0) for topic in known)
 
 
-def _record_unpublished(rules: RuleModel) -> Iterator[Found]:
-    """Recordings of topics that nobody publishes, as far as is known."""
+@lint_rule("record-unpublished", Severity.WARNING)
+def record_unpublished(rules: RuleModel) -> Iterator[Found]:
+    """A Record names a topic that the profile does not contain.
+
+    Usually the name is misspelt, and the one topic that would explain an incident is not in it.
+    """
     profile = rules.context.profile
     if profile is None or not profile.topics or rules.context.bag_topics is not None:
         # Topics that a recording lacks are told all at once, see absent-from-bag.
@@ -57,9 +67,3 @@ def _record_unpublished(rules: RuleModel) -> Iterator[Found]:
                     hint="is the name misspelt? else measure the profile again",
                     fix=write_topic(name, close_topic(topic, profile.topics)),
                 )
-
-
-CHECKS = (
-    RuleCheck(code="record-too-large", severity=Severity.WARNING, find=_record_too_large),
-    RuleCheck(code="record-unpublished", severity=Severity.WARNING, find=_record_unpublished),
-)

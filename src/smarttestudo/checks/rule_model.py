@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rule files as the checks read them."""
+"""Rule files as lint rules read them."""
 
 from __future__ import annotations
 

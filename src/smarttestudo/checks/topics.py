@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of topics: their properties, their companions, the profile and the recording."""
+"""Lint rules of topics: their properties, their companions, the profile and the recording."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from functools import cache, partial
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.fixes import close_topic, new_default, write_topic
+from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.property_doubt import doubt_about, found_in
-from smarttestudo.checks.rule_check import Found, RuleCheck
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import ProfileFix, Severity, Span
 from smarttestudo.domain.rate import Rate
@@ -24,8 +24,16 @@ _CAMERA_INFO = "/camera_info"
 _IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
 
 
-def _unknown_property(rules: RuleModel) -> Iterator[Found]:
-    """Properties that a topic's type does not have."""
+@lint_rule("unknown-property", Severity.WARNING)
+def unknown_property(rules: RuleModel) -> Iterator[Found]:
+    """A check reads a property that the topic's type does not have.
+
+    The check stays unknown: its block never decides, and as long as it is in doubt the topic gets the
+    higher of the rates. Types come from the profile or a recording; without those, a topic called
+    `/odom`, `/scan`, `/imu` and the like counts as the type that it usually has, in any namespace, and of
+    other topics a name without a dot gives the finding if no common type has it. `msg.` before a field of
+    a type of your own settles it.
+    """
     doubt_of = cache(partial(doubt_about, context=rules.context))
     for one in (*rules.checks, *rules.disabled_checks):
         doubt = doubt_of(one.signal)
@@ -33,8 +41,13 @@ def _unknown_property(rules: RuleModel) -> Iterator[Found]:
             yield found_in(one.path, one.check.property_span, doubt)
 
 
-def _nothing_relayed(rules: RuleModel) -> Iterator[Found]:
-    """Files in which nothing that counts names a topic to relay, or records."""
+@lint_rule("nothing-relayed", Severity.WARNING, needs_all_statements=True)
+def nothing_relayed(rules: RuleModel) -> Iterator[Found]:
+    """Nothing that counts sets a rate or records, so that no topic is relayed.
+
+    With such rules an operator sees nothing of the robot: a file of which the most was removed or
+    switched off, as it may be while somebody edits it, is pushed and loaded like any other.
+    """
     first = next(iter(rules.default_places), None)
     if first is not None and not rules.relayed and not rules.recordings:
         yield Found(
@@ -45,8 +58,13 @@ def _nothing_relayed(rules: RuleModel) -> Iterator[Found]:
         )
 
 
-def _tf_without_tf_static(rules: RuleModel) -> Iterator[Found]:
-    """/tf without /tf_static."""
+@lint_rule("tf-without-tf-static", Severity.INFO, needs_all_statements=True)
+def tf_without_tf_static(rules: RuleModel) -> Iterator[Found]:
+    """/tf is relayed and /tf_static is not.
+
+    The fixed frames, for instance from the base to the LiDAR, travel on /tf_static only. Without them the
+    operator's RViz cannot place the scan. They cost one message for each new subscriber.
+    """
     for topic, first in rules.relayed.items():
         if topic.endswith("/tf") and f"{topic}_static" not in rules.relayed:
             static = f"{first.statement.topic.text}_static"
@@ -59,8 +77,14 @@ def _tf_without_tf_static(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _camera_info_off_grid(rules: RuleModel) -> Iterator[Found]:
-    """camera_info at another rate than its image."""
+@lint_rule("camera-info-off-grid", Severity.INFO, needs_all_statements=True)
+def camera_info_off_grid(rules: RuleModel) -> Iterator[Found]:
+    """A camera_info has a different rate than its image.
+
+    RViz and image_proc pair an image with the camera_info of exactly the same stamp. Paced separately,
+    they rarely have the same stamp, and no image is shown. paced_with lets the camera_info pass with its
+    image.
+    """
     for info in rules.relayed:
         if info.endswith(_CAMERA_INFO) and rules.context.topic(info).paced_with is None:
             images = [topic for topic in rules.relayed if _is_image_of(info, topic, rules)]
@@ -104,8 +128,12 @@ def _off_grid(info: str, image: str, rates: tuple[Rate | None, Rate | None], her
     )
 
 
-def _unnamed_in_profile(rules: RuleModel) -> Iterator[Found]:
-    """Topics of the profile that no rule names."""
+@lint_rule("unnamed-in-profile", Severity.INFO, needs_all_statements=True)
+def unnamed_in_profile(rules: RuleModel) -> Iterator[Found]:
+    """A topic is in the profile and in no rule file.
+
+    Only topics of a SetFrequency or KeepAtLeast are relayed. The operator does not see this one at all.
+    """
     profile = rules.context.profile
     if profile is None:
         return
@@ -119,8 +147,12 @@ def _unnamed_in_profile(rules: RuleModel) -> Iterator[Found]:
         )
 
 
-def _absent_from_bag(rules: RuleModel) -> Iterator[Found]:
-    """Topics that a recording does not hold, or a robot does not publish."""
+@lint_rule("absent-from-bag", Severity.INFO)
+def absent_from_bag(rules: RuleModel) -> Iterator[Found]:
+    """A rule names a topic that the recording of --bag, or the robot of --connect, does not have.
+
+    Usually the name is misspelt. Without such a topic nothing is relayed, and checks of it stay unknown.
+    """
     recorded = rules.context.bag_topics
     if recorded is None:
         return
@@ -137,8 +169,12 @@ def _absent_from_bag(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _absent_from_profile(rules: RuleModel) -> Iterator[Found]:
-    """Topics that the profile has under a name one letter off."""
+@lint_rule("absent-from-profile", Severity.INFO)
+def absent_from_profile(rules: RuleModel) -> Iterator[Found]:
+    """A rule names a topic that is one letter off a topic of the profile.
+
+    Usually the name is misspelt. Without such a topic nothing is relayed, and checks of it stay unknown.
+    """
     profile = rules.context.profile
     if profile is None or rules.context.bag_topics is not None:
         # What a recording has says more.
@@ -171,8 +207,12 @@ def _without_digits(topic: str) -> str:
 _OF_ROS = frozenset({"/rosout", "/parameter_events", "/clock", "/events/write_split"})
 
 
-def _unnamed_in_bag(rules: RuleModel) -> Iterator[Found]:
-    """Topics of a recording, or of a robot, that no rule names."""
+@lint_rule("unnamed-in-bag", Severity.INFO, needs_all_statements=True)
+def unnamed_in_bag(rules: RuleModel) -> Iterator[Found]:
+    """The recording given with --bag, or the robot given with --connect, has a topic that no rule names.
+
+    Only topics of a SetFrequency or KeepAtLeast are relayed. The operator does not see this one at all.
+    """
     recorded, profile = rules.context.bag_topics, rules.context.profile
     first = next(iter(rules.default_places), None)
     if recorded is None or first is None:
@@ -187,32 +227,3 @@ def _unnamed_in_bag(rules: RuleModel) -> Iterator[Found]:
             message=f"no rule names {wording.listed(unnamed)}, {rules.context.topics_have}",
             hint="only topics of a SetFrequency or KeepAtLeast are relayed",
         )
-
-
-CHECKS = (
-    RuleCheck(code="unknown-property", severity=Severity.WARNING, find=_unknown_property),
-    RuleCheck(
-        code="nothing-relayed",
-        severity=Severity.WARNING,
-        find=_nothing_relayed,
-        needs_all_statements=True,
-    ),
-    RuleCheck(
-        code="tf-without-tf-static",
-        severity=Severity.INFO,
-        find=_tf_without_tf_static,
-        needs_all_statements=True,
-    ),
-    RuleCheck(
-        code="camera-info-off-grid",
-        severity=Severity.INFO,
-        find=_camera_info_off_grid,
-        needs_all_statements=True,
-    ),
-    RuleCheck(
-        code="unnamed-in-profile", severity=Severity.INFO, find=_unnamed_in_profile, needs_all_statements=True
-    ),
-    RuleCheck(code="absent-from-bag", severity=Severity.INFO, find=_absent_from_bag),
-    RuleCheck(code="absent-from-profile", severity=Severity.INFO, find=_absent_from_profile),
-    RuleCheck(code="unnamed-in-bag", severity=Severity.INFO, find=_unnamed_in_bag, needs_all_statements=True),
-)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from msgspec import Struct
 
-from smarttestudo.checks.blocks import BLOCKS_CLASH
+from smarttestudo.checks.blocks import blocks_clash
 from smarttestudo.checks.wording import check_text
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.names import resolve_topic
@@ -110,7 +110,7 @@ def _clashes(checked: CheckedText, rules: Sequence[_Rule]) -> Iterator[ZoneClash
     by_id = {rule.id: rule for rule in rules}
     document = checked.document
     for finding in checked.findings:
-        if finding.code != BLOCKS_CLASH.code:
+        if finding.code != blocks_clash.code:
             continue
         second = _rule_at(document, finding.span, by_id)
         for span in finding.related:

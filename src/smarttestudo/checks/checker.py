@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""All checks of rule files, and running them."""
+"""All lint rules, and checking rule files by them."""
 
 from __future__ import annotations
 
@@ -8,19 +8,14 @@ from collections.abc import Sequence
 
 from smarttestudo.checks import blocks, bounds, conditions, rates, recordings, topics
 from smarttestudo.checks.context import CheckContext
+from smarttestudo.checks.lint_rule import LintRule
 from smarttestudo.checks.rule_model import read_rule_model
 from smarttestudo.domain.finding import Finding
 from smarttestudo.language.parser.rule_file import ParseResult
 
-CHECKS = (
-    *blocks.CHECKS,
-    *rates.CHECKS,
-    *bounds.CHECKS,
-    *recordings.CHECKS,
-    *topics.CHECKS,
-    *conditions.CHECKS,
-)
-"""Of two findings at one place, that of the earlier check comes first."""
+_THEMES = (blocks, rates, bounds, recordings, topics, conditions)
+LINT_RULES = tuple(one for theme in _THEMES for one in vars(theme).values() if isinstance(one, LintRule))
+"""In the order of their modules; of two findings at one place, that of the earlier rule comes first."""
 
 
 def check_rules(results: Sequence[ParseResult], context: CheckContext) -> list[Finding]:
@@ -31,7 +26,7 @@ def check_rules(results: Sequence[ParseResult], context: CheckContext) -> list[F
     rules = read_rule_model([result.file for result in results], context)
     is_whole = context.has_all_files and all(result.is_valid for result in results)
     findings = [finding for result in results for finding in result.findings]
-    for check in CHECKS:
-        if is_whole or not check.needs_all_statements:
-            findings.extend(check.findings(rules))
+    for lint_rule in LINT_RULES:
+        if is_whole or not lint_rule.needs_all_statements:
+            findings.extend(lint_rule.findings(rules))
     return sorted(findings, key=lambda one: (one.path, one.span.line, one.span.column))
