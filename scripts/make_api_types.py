@@ -107,7 +107,9 @@ class _Writer:
             return f"Record<{self.word(arguments[0])}, {self.word(arguments[1])}>"
         return self._named(kind)
 
-    def _named(self, kind: type) -> str:
+    def _named(self, kind: Any) -> str:
+        if not isinstance(kind, type):
+            raise TypeError(f"{kind} has no word in TypeScript")
         name = kind.__name__
         if issubclass(kind, Enum):
             self._write(name, lambda: _enum_text(kind))
@@ -133,8 +135,10 @@ class _Writer:
 
     def _optional_terms(self, kind: Any) -> Iterator[str]:
         known = tuple(one for one in get_args(kind) if one is not type(None))
-        yield self.word(Union[known])  # noqa: UP007  built from a tuple
-        if len(known) < len(get_args(kind)):
+        if len(known) == len(get_args(kind)):
+            yield from map(self.word, known)
+        else:
+            yield self.word(Union[known])  # noqa: UP007  built from a tuple
             yield "null"
 
     def _struct_text(self, kind: type[msgspec.Struct]) -> str:

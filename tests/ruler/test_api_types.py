@@ -84,6 +84,33 @@ class Tree(Struct, kw_only=True):
     branch: Branch
 
 
+class Twig(Struct, kw_only=True, tag="twig"):
+    """Holds one more twig, or what several twigs hold."""
+
+    next: Twig | Fork | None
+
+
+class Fork(Struct, kw_only=True, tag="fork"):
+    """Several twigs."""
+
+    twigs: tuple[Twig | Fork, ...]
+
+
+Mixed = str | list["Mixed"]
+
+
+class Bag(Struct, kw_only=True):
+    """Holds a union without a name."""
+
+    value: str | int
+
+
+class Endless(Struct, kw_only=True):
+    """Holds a union that holds itself."""
+
+    value: Mixed
+
+
 def written(*, is_asked: bool) -> dict[str, str]:
     return words(Leaf, {Leaf} if is_asked else set())
 
@@ -127,6 +154,18 @@ def test_a_record_is_what_stands_in_its_json() -> None:
 def test_a_struct_holds_no_record_that_msgspec_would_write_otherwise() -> None:
     with pytest.raises(TypeError, match=r"Tree.* holds"):
         words(Tree, set())
+
+
+def test_types_that_hold_themselves_and_unions_without_a_name_are_written() -> None:
+    found = words(Twig, set())
+    assert '  type: "twig";\n  next: Twig | Fork | null;\n' in found["Twig"]
+    assert "  twigs: (Twig | Fork)[];\n" in found["Fork"]
+    assert "  value: string | number;\n" in words(Bag, set())["Bag"]
+
+
+def test_a_union_that_holds_itself_is_refused() -> None:
+    with pytest.raises(TypeError, match="has no word in TypeScript"):
+        words(Endless, set())
 
 
 def test_the_page_calls_every_route_of_the_server() -> None:
