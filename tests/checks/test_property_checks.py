@@ -162,3 +162,11 @@ def test_a_keyword_as_a_property_is_told_unless_the_type_may_have_it() -> None:
     assert "unknown-property" in codes_of(text.format("/odom"))
     known = CheckContext(bag_topics={"/dock": "acme_msgs/msg/Dock", "/odom": "nav_msgs/msg/Odometry"})
     assert codes_of(text.format("/dock"), context=known) == []
+
+
+@pytest.mark.parametrize("path", ["pose.pose.height", "pose.pose.position", "msg.pose.pose.orientation.q"])
+def test_a_bound_names_a_number_of_a_pose(path: str) -> None:
+    (finding,) = findings_of(f"begin KeepWithin /odom {path} 1 end")
+    assert finding.code == "unknown-bound"
+    assert finding.message == f"nav_msgs/msg/Odometry, the type of /odom, has no number {path}"
+    assert codes_of("begin KeepWithin /odom pose.pose.position.x 1 end") == []

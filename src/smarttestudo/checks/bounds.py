@@ -14,7 +14,7 @@ from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Fix, ProfileFix, Severity
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.signal import Signal
-from smarttestudo.language.properties import ARRIVAL_PROPERTIES, accuracy_properties_of
+from smarttestudo.language.properties import ARRIVAL_PROPERTIES, accuracy_properties_of, message_type
 from smarttestudo.language.resolved_rules import ResolvedBound
 
 
@@ -27,7 +27,7 @@ def unknown_bound(rules: RuleModel) -> Iterator[Found]:
     """
     doubt_of = cache(partial(doubt_about, context=rules.context, named=accuracy_properties_of))
     for one in (*rules.bounds, *rules.disabled.bounds):
-        doubt = _no_picture(one.signal) or doubt_of(one.signal)
+        doubt = _no_picture(one.signal) or doubt_of(one.signal) or _no_number(one.signal, rules)
         if doubt is not None:
             yield found_in(one.path, one.statement.property_span, doubt)
 
@@ -38,6 +38,19 @@ def _no_picture(signal: Signal) -> Doubt | None:
     return Doubt(
         message=f"{signal.property} is about when messages arrive, and not in them",
         hint="a floor keeps messages coming: KeepAtLeast and a rate",
+        close=None,
+    )
+
+
+def _no_number(signal: Signal, rules: RuleModel) -> Doubt | None:
+    """Doubt about a field inside a pose or twist, whose fields are known."""
+    type_name = rules.context.type_of(signal.topic) or ""
+    found = message_type(type_name).part_at(signal.property)
+    if found is None or found[0].has_number(found[1]):
+        return None
+    return Doubt(
+        message=f"{type_name}, the type of {signal.topic}, has no number {signal.property}",
+        hint="every message passes; write a field with a number, or position or orientation",
         close=None,
     )
 

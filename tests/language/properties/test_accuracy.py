@@ -72,6 +72,11 @@ def test_a_field_of_the_pose_or_twist_is_read_without_decoding_and_others_are_no
     assert needs_decoded(gauges_for(ODOMETRY, ["pose.covariance[0]"]))
 
 
+@pytest.mark.parametrize("name", ["pose.pose.height", "pose.pose.position", "msg.twist.twist.linear.w"])
+def test_what_the_pose_and_twist_do_not_hold_is_never_right(name: str) -> None:
+    assert errors(ODOMETRY, [name], odometry(AT_NS, ONE), odometry(AT_NS, OTHER)) == {name: math.inf}
+
+
 def test_of_transforms_the_frame_that_is_farthest_off_counts() -> None:
     shown = transforms(AT_NS, {"base": planar(0, 0, 0), "arm": planar(0, 0, 0)})
     true = transforms(AT_NS, {"arm": planar(0, 0, 0.5), "base": planar(3, 4, 0)})

@@ -2,23 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Properties of messages that checks read: names for the common types, any numeric field by its path."""
 
-from smarttestudo.language.properties.accuracy import (
-    accuracy_properties_of,
-    gauges_for,
-    needs_decoded,
-    properties_for_bounds,
-    wraps,
-)
+from smarttestudo.language.properties.accuracy import gauges_for, needs_decoded
 from smarttestudo.language.properties.conventional_types import conventional_types
-from smarttestudo.language.properties.field_path import (
-    PropertySpec,
-    Reader,
-    is_field_path,
-    part_reader,
-)
+from smarttestudo.language.properties.distances import wraps
+from smarttestudo.language.properties.field_path import PropertySpec, Reader, is_field_path, part_reader
 from smarttestudo.language.properties.table import (
     ARRIVAL_PROPERTIES,
+    accuracy_properties_of,
     known_types,
+    message_type,
+    properties_for_bounds,
     properties_of,
     property_spec,
     value_reader,
@@ -33,6 +26,7 @@ __all__ = [
     "gauges_for",
     "is_field_path",
     "known_types",
+    "message_type",
     "needs_decoded",
     "part_reader",
     "properties_for_bounds",

@@ -1,157 +1,288 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The properties of each type, and how to read them."""
+"""The properties of each type, and what rules may do with them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from operator import attrgetter
 from types import MappingProxyType
 from typing import Any
 
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.language.properties import motion, sensors
-from smarttestudo.language.properties.field_path import PropertySpec, Reader, field_reader, number
-
-_ODOMETRY = "nav_msgs/msg/Odometry"
-_POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
-_POSE_WITH_COVARIANCE_STAMPED = "geometry_msgs/msg/PoseWithCovarianceStamped"
-_TWIST = "geometry_msgs/msg/Twist"
-_TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
-_SCAN = "sensor_msgs/msg/LaserScan"
-_BATTERY = "sensor_msgs/msg/BatteryState"
-_IMU = "sensor_msgs/msg/Imu"
-_JOINTS = "sensor_msgs/msg/JointState"
-
-_Entry = tuple[PropertySpec, Callable[[LevelUnit | None], Reader]]
+from smarttestudo.language.properties.distances import JOINT_POSITION, ORIENTATION, POSITION
+from smarttestudo.language.properties.field_path import (
+    MESSAGE_PREFIX,
+    PropertySpec,
+    Reader,
+    field_reader,
+    number,
+)
+from smarttestudo.pacing.reckoning.gauges import Distance, FrameGauge, Gauge, JointGauge, PoseGauge
+from smarttestudo.pacing.reckoning.motion import Rotation, SpatialPose, Twist, Vector3
+from smarttestudo.pacing.reckoning.satellite_fix import PLACE_DISTANCE, FixGauge
 
 
-def _entry(
+class Part(Enum):
+    """A part of a message; a gauge of poses reads the pose and the twist without decoding the rest."""
+
+    MESSAGE = "message"
+    POSE = "pose"
+    TWIST = "twist"
+
+    def has_number(self, path: str) -> bool:
+        """Whether the pose or twist has a number at the field ``path``."""
+        return not math.isnan(field_reader(path)(_AT_REST[self]))
+
+
+_NOWHERE = Vector3(0.0, 0.0, 0.0)
+_AT_REST: Mapping[Part, object] = MappingProxyType(
+    {
+        Part.POSE: SpatialPose(_NOWHERE, Rotation(0.0, 0.0, 0.0, 1.0)),
+        Part.TWIST: Twist(_NOWHERE, _NOWHERE),
+    }
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ValueProperty:
+    """A number of a message: a CheckValue compares it, a KeepWithin bounds how far two of them are apart.
+
+    ``read_of`` makes what reads it of the ``part``, given the unit of a battery's level. ``known_by`` is the
+    field that says whether it is known, where that has another name.
+    """
+
+    spec: PropertySpec
+    read_of: Callable[[LevelUnit | None], Callable[[Any], float]]
+    part: Part = Part.MESSAGE
+    known_by: str = ""
+
+    def __post_init__(self) -> None:
+        """Raise what ``read_of`` does where the part that it is declared for holds no such thing."""
+        if self.part in _AT_REST:
+            self.read_of(None)(_AT_REST[self.part])
+
+    def reader(self, level_unit: LevelUnit | None = None) -> Reader:
+        """Read it of its part; unknown where a type of that name holds no such value."""
+        read = self.read_of(level_unit)
+
+        def reader(part: object) -> float:
+            try:
+                return number(read(part))
+            except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
+                return math.nan
+
+        return reader
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DistanceProperty:
+    """A distance of two messages, which a KeepWithin bounds; a message alone has no such value."""
+
+    spec: PropertySpec
+    distance: Distance
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MessageType:
+    """The properties of a type, by what rules may do with them, and where messages have their parts.
+
+    ``gauge`` reads serialized messages: what ``distances`` compare, and the parts in ``paths``.
+    """
+
+    values: tuple[ValueProperty, ...] = ()
+    distances: tuple[DistanceProperty, ...] = ()
+    paths: Mapping[Part, str] = field(default_factory=dict)
+    gauge: Callable[[Mapping[str, Distance]], Gauge] | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` for a property that nothing could read."""
+        for value in self.values:
+            if value.part is not Part.MESSAGE and value.part not in self.paths:
+                raise ValueError(f"{value.spec.name} is of a {value.part.value}, which this type has not")
+        if self.distances and self.gauge is None:
+            raise ValueError("distances are of what a gauge reads")
+
+    def value(self, name: str) -> ValueProperty | None:
+        """The property ``name`` that messages have a value of."""
+        return next((one for one in self.values if one.spec.name == name), None)
+
+    def part_at(self, path: str) -> tuple[Part, str] | None:
+        """The part that holds the field ``path``, and the path in it."""
+        plain = path.removeprefix(MESSAGE_PREFIX)
+        inside = ((part, f"{start}.") for part, start in self.paths.items() if start)
+        return next(
+            ((part, plain.removeprefix(start)) for part, start in inside if plain.startswith(start)), None
+        )
+
+
+def _value(
     name: str,
     unit: str,
     meaning: str,
     read: Callable[[Any], float],
     *,
+    part: Part = Part.MESSAGE,
     minimum: float | None = None,
     maximum: float | None = None,
-) -> _Entry:
+    known_by: str = "",
+) -> ValueProperty:
     spec = PropertySpec(name=name, unit=unit, meaning=meaning, minimum=minimum, maximum=maximum)
-    return spec, lambda _unit: _guarded(read)
+    return ValueProperty(spec=spec, read_of=lambda _unit: read, part=part, known_by=known_by)
 
 
-def _angle(name: str, meaning: str, read: Callable[[Any], float]) -> _Entry:
+def _angle(
+    name: str, meaning: str, read: Callable[[Any], float], *, part: Part = Part.MESSAGE, known_by: str = ""
+) -> ValueProperty:
     spec = PropertySpec(
         name=name, unit="°", meaning=meaning, minimum=-180.0, maximum=180.0, includes_minimum=False
     )
-    return spec, lambda _unit: _guarded(read)
+    return ValueProperty(spec=spec, read_of=lambda _unit: read, part=part, known_by=known_by)
 
 
-def _guarded(read: Callable[[Any], float]) -> Reader:
-    """A message of a type that is only called as one of ROS 2 holds no such value: that is unknown."""
-
-    def reader(message: object) -> float:
-        try:
-            return number(read(message))
-        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
-            return math.nan
-
-    return reader
+def _position(meaning: str, distance: Distance) -> DistanceProperty:
+    return DistanceProperty(
+        spec=PropertySpec(name="position", unit="m", meaning=meaning, minimum=0.0), distance=distance
+    )
 
 
-def _twist_entries(twist: Callable[[Any], Any]) -> tuple[_Entry, ...]:
-    return (
-        _entry("vel", "m/s", "signed forward velocity (linear.x)", lambda m: twist(m).linear.x),
-        _entry(
-            "speed",
-            "m/s",
-            "length of the linear velocity",
-            lambda m: motion.length(twist(m).linear),
+_LEVEL = ValueProperty(
+    spec=PropertySpec(name="level", unit="%", meaning="charge left", minimum=0.0, maximum=100.0),
+    read_of=sensors.BatteryLevel,
+    known_by="percentage",
+)
+_OF_POSE = (
+    _value("pose_x", "m", "position along x", lambda pose: pose.position.x, part=Part.POSE),
+    _value("pose_y", "m", "position along y", lambda pose: pose.position.y, part=Part.POSE),
+    _value("pose_z", "m", "position along z", lambda pose: pose.position.z, part=Part.POSE),
+    _angle("yaw", "heading", lambda pose: motion.yaw_degrees(pose.orientation), part=Part.POSE),
+)
+_OF_TWIST = (
+    _value("vel", "m/s", "signed forward velocity (linear.x)", lambda twist: twist.linear.x, part=Part.TWIST),
+    _value(
+        "speed",
+        "m/s",
+        "length of the linear velocity",
+        lambda twist: motion.length(twist.linear),
+        part=Part.TWIST,
+        minimum=0.0,
+    ),
+    _value(
+        "yaw_rate", "rad/s", "signed turning rate (angular.z)", lambda twist: twist.angular.z, part=Part.TWIST
+    ),
+)
+_OF_IMU = (
+    _angle("roll", "rotation about x", lambda m: motion.roll_degrees(m.orientation), known_by="orientation"),
+    _value(
+        "pitch",
+        "°",
+        "rotation about y",
+        lambda m: motion.pitch_degrees(m.orientation),
+        minimum=-90.0,
+        maximum=90.0,
+        known_by="orientation",
+    ),
+    _angle("yaw", "rotation about z", lambda m: motion.yaw_degrees(m.orientation), known_by="orientation"),
+    _value(
+        "acceleration",
+        "m/s²",
+        "length of the linear acceleration",
+        lambda m: motion.length(m.linear_acceleration),
+        minimum=0.0,
+        known_by="linear_acceleration",
+    ),
+    _value(
+        "angular_speed",
+        "rad/s",
+        "length of the angular velocity",
+        lambda m: motion.length(m.angular_velocity),
+        minimum=0.0,
+        known_by="angular_velocity",
+    ),
+)
+_OF_JOINTS = (
+    _value(
+        "max_velocity",
+        "rad/s",
+        "greatest joint velocity, either way",
+        motion.greatest_magnitude("velocity"),
+        minimum=0.0,
+    ),
+    _value(
+        "max_effort",
+        "N m",
+        "greatest joint effort, either way",
+        motion.greatest_magnitude("effort"),
+        minimum=0.0,
+    ),
+)
+_POSE_DISTANCES = (
+    _position("length of the difference of the positions", POSITION),
+    DistanceProperty(
+        spec=PropertySpec(
+            name="orientation",
+            unit="°",
+            meaning="angle of the rotation between the orientations",
             minimum=0.0,
+            maximum=180.0,
         ),
-        _entry("yaw_rate", "rad/s", "signed turning rate (angular.z)", lambda m: twist(m).angular.z),
-    )
-
-
-def _pose_entries(pose: Callable[[Any], Any]) -> tuple[_Entry, ...]:
-    return (
-        _entry("pose_x", "m", "position along x", lambda m: pose(m).position.x),
-        _entry("pose_y", "m", "position along y", lambda m: pose(m).position.y),
-        _entry("pose_z", "m", "position along z", lambda m: pose(m).position.z),
-        _angle("yaw", "heading", lambda m: motion.yaw_degrees(pose(m).orientation)),
-    )
-
-
-_LEVEL: _Entry = (
-    PropertySpec(name="level", unit="%", meaning="charge left", minimum=0.0, maximum=100.0),
-    lambda unit: _guarded(sensors.BatteryLevel(unit)),
+        distance=ORIENTATION,
+    ),
+)
+_JOINT_DISTANCE = DistanceProperty(
+    spec=PropertySpec(
+        name="positions", unit="rad", meaning="largest difference of a joint's position", minimum=0.0
+    ),
+    distance=JOINT_POSITION,
 )
 
-_TABLE: Mapping[str, tuple[_Entry, ...]] = MappingProxyType(
+
+def _still_pose(distances: Mapping[str, Distance]) -> PoseGauge:
+    return PoseGauge(distances, frame_count=1, has_twist=False)
+
+
+_TYPES: Mapping[str, MessageType] = MappingProxyType(
     {
-        _ODOMETRY: (
-            *_pose_entries(lambda m: m.pose.pose),
-            *_twist_entries(lambda m: m.twist.twist),
+        "nav_msgs/msg/Odometry": MessageType(
+            values=(*_OF_POSE, *_OF_TWIST),
+            distances=_POSE_DISTANCES,
+            paths={Part.POSE: "pose.pose", Part.TWIST: "twist.twist"},
+            gauge=lambda distances: PoseGauge(distances, frame_count=2, has_twist=True),
         ),
-        _POSE_STAMPED: _pose_entries(lambda m: m.pose),
-        _POSE_WITH_COVARIANCE_STAMPED: _pose_entries(lambda m: m.pose.pose),
-        _TWIST: _twist_entries(lambda m: m),
-        _TWIST_STAMPED: _twist_entries(lambda m: m.twist),
-        _SCAN: (_entry("distance", "m", "smallest range in sight", sensors.nearest_distance_m, minimum=0.0),),
-        _BATTERY: (_LEVEL,),
-        _IMU: (
-            _angle("roll", "rotation about x", lambda m: motion.roll_degrees(m.orientation)),
-            _entry(
-                "pitch",
-                "°",
-                "rotation about y",
-                lambda m: motion.pitch_degrees(m.orientation),
-                minimum=-90.0,
-                maximum=90.0,
-            ),
-            _angle("yaw", "rotation about z", lambda m: motion.yaw_degrees(m.orientation)),
-            _entry(
-                "acceleration",
-                "m/s²",
-                "length of the linear acceleration",
-                lambda m: motion.length(m.linear_acceleration),
-                minimum=0.0,
-            ),
-            _entry(
-                "angular_speed",
-                "rad/s",
-                "length of the angular velocity",
-                lambda m: motion.length(m.angular_velocity),
-                minimum=0.0,
-            ),
+        "geometry_msgs/msg/PoseStamped": MessageType(
+            values=_OF_POSE, distances=_POSE_DISTANCES, paths={Part.POSE: "pose"}, gauge=_still_pose
         ),
-        _JOINTS: (
-            _entry(
-                "max_velocity",
-                "rad/s",
-                "greatest joint velocity, either way",
-                motion.greatest_magnitude("velocity"),
-                minimum=0.0,
+        "geometry_msgs/msg/PoseWithCovarianceStamped": MessageType(
+            values=_OF_POSE, distances=_POSE_DISTANCES, paths={Part.POSE: "pose.pose"}, gauge=_still_pose
+        ),
+        "tf2_msgs/msg/TFMessage": MessageType(distances=_POSE_DISTANCES, gauge=FrameGauge),
+        "sensor_msgs/msg/NavSatFix": MessageType(
+            distances=(
+                _position(
+                    "length of the way between the places, of degrees in metres of WGS 84", PLACE_DISTANCE
+                ),
             ),
-            _entry(
-                "max_effort",
-                "N m",
-                "greatest joint effort, either way",
-                motion.greatest_magnitude("effort"),
-                minimum=0.0,
-            ),
+            gauge=FixGauge,
+        ),
+        "geometry_msgs/msg/Twist": MessageType(values=_OF_TWIST, paths={Part.TWIST: ""}),
+        "geometry_msgs/msg/TwistStamped": MessageType(values=_OF_TWIST, paths={Part.TWIST: "twist"}),
+        "sensor_msgs/msg/LaserScan": MessageType(
+            values=(
+                _value("distance", "m", "smallest range in sight", sensors.nearest_distance_m, minimum=0.0),
+            )
+        ),
+        "sensor_msgs/msg/BatteryState": MessageType(values=(_LEVEL,)),
+        "sensor_msgs/msg/Imu": MessageType(values=_OF_IMU),
+        "sensor_msgs/msg/JointState": MessageType(
+            values=_OF_JOINTS, distances=(_JOINT_DISTANCE,), gauge=JointGauge
         ),
     }
 )
-
-_FIELD_OF = MappingProxyType(
-    {
-        "level": "percentage",
-        **dict.fromkeys(("roll", "pitch", "yaw"), "orientation"),
-        "acceleration": "linear_acceleration",
-        "angular_speed": "angular_velocity",
-    }
-)
-"""The field that says whether a property is known, where its type has a habit for that."""
+_NO_PROPERTIES = MessageType()
 
 ARRIVAL_PROPERTIES: Mapping[str, PropertySpec] = MappingProxyType(
     {
@@ -166,17 +297,35 @@ ARRIVAL_PROPERTIES: Mapping[str, PropertySpec] = MappingProxyType(
         ),
     }
 )
-"""Properties of every topic; they need nothing decoded and are never unknown."""
+"""Properties of every topic, for checks alone; they need nothing decoded and are never unknown."""
+
+
+def message_type(type_name: str) -> MessageType:
+    """The declared properties of ``type_name``, none of a type that is not in the table."""
+    return _TYPES.get(type_name, _NO_PROPERTIES)
 
 
 def known_types() -> tuple[str, ...]:
-    """The types that have named properties."""
-    return tuple(_TABLE)
+    """The types that have named properties for checks."""
+    return tuple(name for name, known in _TYPES.items() if known.values)
 
 
 def properties_of(type_name: str) -> Mapping[str, PropertySpec]:
-    """The named properties of ``type_name``, without those of every topic."""
-    return {spec.name: spec for spec, _ in _TABLE.get(type_name, ())}
+    """The named properties of ``type_name`` for checks, without those of every topic."""
+    return {one.spec.name: one.spec for one in message_type(type_name).values}
+
+
+def properties_for_bounds() -> Mapping[str, tuple[PropertySpec, ...]]:
+    """By type, what a KeepWithin can name beside what checks read."""
+    return {
+        name: tuple(one.spec for one in known.distances) for name, known in _TYPES.items() if known.distances
+    }
+
+
+def accuracy_properties_of(type_name: str) -> Mapping[str, PropertySpec]:
+    """The named properties of ``type_name`` that a KeepWithin can name, those of checks included."""
+    distances = {one.spec.name: one.spec for one in message_type(type_name).distances}
+    return {**distances, **properties_of(type_name)}
 
 
 def property_spec(type_name: str | None, name: str) -> PropertySpec | None:
@@ -185,7 +334,7 @@ def property_spec(type_name: str | None, name: str) -> PropertySpec | None:
         return ARRIVAL_PROPERTIES[name]
     if type_name is not None:
         return properties_of(type_name).get(name)
-    found = [table[name] for table in map(properties_of, _TABLE) if name in table]
+    found = [table[name] for table in map(properties_of, _TYPES) if name in table]
     ranges = {(spec.minimum, spec.maximum) for spec in found}
     return found[0] if len(ranges) == 1 else None
 
@@ -195,7 +344,25 @@ def value_reader(type_name: str, name: str, level_unit: LevelUnit | None = None)
 
     A reader belongs to one topic: that of a battery's level remembers the unit it saw.
     """
-    for spec, make_reader in _TABLE.get(type_name, ()):
-        if spec.name == name:
-            return sensors.known_only(type_name, _FIELD_OF.get(name, name), make_reader(level_unit))
-    return sensors.known_only(type_name, name, field_reader(name))
+    known = message_type(type_name)
+    value = known.value(name)
+    if value is None:
+        return sensors.known_only(type_name, name, field_reader(name))
+    read = _of_messages(value.reader(level_unit), known.paths.get(value.part, ""))
+    return sensors.known_only(type_name, value.known_by or name, read)
+
+
+def _of_messages(read: Reader, path: str) -> Reader:
+    """``read`` of the part of a message at ``path``, unknown where a message has none."""
+    if not path:
+        return read
+    part_of = attrgetter(path)
+
+    def reader(message: object) -> float:
+        try:
+            part = part_of(message)
+        except AttributeError:
+            return math.nan
+        return read(part)
+
+    return reader
