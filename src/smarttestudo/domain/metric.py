@@ -4,9 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import types
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, is_dataclass
 from enum import Enum
+from functools import cache
+from operator import attrgetter
+from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
+
+from smarttestudo.domain.record import JsonEntry, marks
 
 
 class MetricKind(Enum):
@@ -51,6 +57,59 @@ class Metered:
     unit: str
     help: str
     kind: MetricKind = MetricKind.GAUGE
+
+
+class MeteredField(NamedTuple):
+    """A number that the type of a record marks; ``keys`` lead to it in the record's JSON.
+
+    ``read`` gives the number of a record, ``None`` where it is not known.
+    """
+
+    keys: tuple[str, ...]
+    mark: Metered
+    read: Callable[[Any], float | None]
+
+
+@cache
+def metered_fields(kind: Any) -> tuple[MeteredField, ...]:
+    """The metered fields and properties of a record of ``kind``, and of the records in it."""
+    return tuple(_metered(kind))
+
+
+def _metered(kind: Any) -> Iterator[MeteredField]:
+    for name, key, hint in _typed_names(kind):
+        found = marks(hint)
+        mark = next((one for one in found if isinstance(one, Metered)), None)
+        entry = next((one for one in found if isinstance(one, JsonEntry)), JsonEntry())
+        if mark is not None:
+            yield MeteredField((entry.name or key,), mark, attrgetter(name))
+        inner = _record_in(hint)
+        for one in metered_fields(inner) if inner is not None else ():
+            keys = one.keys if entry.is_merged else (entry.name or key, *one.keys)
+            yield MeteredField(keys, one.mark, _within(name, one.read))
+
+
+def _typed_names(kind: Any) -> Iterator[tuple[str, str, Any]]:
+    """The fields and properties of a class with their keys and types."""
+    for name, hint in get_type_hints(kind, include_extras=True).items():
+        yield name, name, hint
+    for name, member in vars(kind).items():
+        if isinstance(member, property):
+            key = vars(member.fget).get("record_entry", name)
+            yield name, key, get_type_hints(member.fget, include_extras=True).get("return")
+
+
+def _record_in(hint: Any) -> Any:
+    """The record that a field holds, or may hold."""
+    plain = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+    if get_origin(plain) in (Union, types.UnionType):
+        plain = get_args(plain)[0]
+    return plain if is_dataclass(plain) else None
+
+
+def _within(field: str, read: Callable[[Any], float | None]) -> Callable[[Any], float | None]:
+    get = attrgetter(field)
+    return lambda record: None if (inner := get(record)) is None else read(inner)
 
 
 Sample = tuple[tuple[str, ...], float]

@@ -6,9 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link import CommandTopic, TopicOnLink
+from smarttestudo.domain.link_state import CommandTopic
+from smarttestudo.domain.metric import metered_fields
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import Diagnostic, DiagnosticLevel
@@ -69,9 +72,8 @@ def _of_node(status: RuntimeStatus) -> Diagnostic:
             "topics": str(len(status.topics)),
             "in_kb_per_s": _number(status.in_kb_per_s),
             "out_kb_per_s": _number(status.out_kb_per_s),
-            "budget_kb_per_s": "none" if status.budget_kb_per_s is None else _number(status.budget_kb_per_s),
-            "cpu_percent": _number(status.cpu_percent),
-            "memory_mb": _number(status.memory_mb),
+            **_numbers(status),
+            **({"budget_kb_per_s": "none"} if status.budget_kb_per_s is None else {}),
             **{
                 key: value
                 for name, section in _sections(status).items()
@@ -90,6 +92,13 @@ def _sections(status: RuntimeStatus) -> Mapping[str, object]:
 def _section_values(name: str, section: object) -> Mapping[str, str]:
     """The entries of a record, each under the section's name and its own."""
     return {f"{name}_{key}": _said(value) for key, value in to_json(section).items()}
+
+
+def _numbers(record: Any) -> Mapping[str, str]:
+    """The numbers of a record itself that are metrics, too, by their names in JSON."""
+    kind: Any = type(record)
+    fields = ((one.keys, one.read(record)) for one in metered_fields(kind))
+    return {keys[0]: _said(value) for keys, value in fields if len(keys) == 1}
 
 
 def _said(value: object) -> str:
@@ -125,6 +134,7 @@ def node_problems(status: RuntimeStatus) -> Iterator[Health]:
 
 def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
     topic = status.topics[source]
+    link = topic.on_link
     health = topic_health(topic)
     return Diagnostic(
         name=topic.output,
@@ -134,7 +144,7 @@ def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
         values={
             **_greenwave_values(topic),
             **_own_values(source, topic),
-            **({} if topic.on_link is None else _topic_link_values(topic.on_link)),
+            **({} if link is None else {f"link_{key}": value for key, value in _numbers(link).items()}),
         },
     )
 
@@ -212,31 +222,14 @@ def _greenwave_values(topic: TopicStatus) -> Mapping[str, str]:
 def _own_values(source: str, topic: TopicStatus) -> Mapping[str, str]:
     return {
         "source": source,
-        "source_hz": _number(topic.source_hz),
         "target": str(Rate(topic.target_hz)),
         "error_percent": _number(topic.error_percent),
-        "in_kb_per_s": _number(topic.in_kb_per_s),
-        "out_kb_per_s": _number(topic.out_kb_per_s),
         "reason": topic.reason.value,
         "rule": topic.rule or "",
         "publishers": str(topic.publishers),
         "subscribers": str(topic.subscribers),
-        "lost": _said(topic.counts.lost),
-        "dropped": str(topic.counts.dropped),
-        "repeated": str(topic.counts.repeated),
-        "undecodable": str(topic.counts.undecodable),
+        **_numbers(topic),
         **({} if topic.doubt is None else {"doubt": topic.doubt.value}),
-    }
-
-
-def _topic_link_values(on_link: TopicOnLink) -> Mapping[str, str]:
-    counts = on_link.counts
-    return {
-        "link_age_ms": _number(on_link.age_ms),
-        "link_sent": str(counts.sent),
-        "link_replaced": str(counts.replaced),
-        "link_overflowed": str(counts.overflowed),
-        "link_queued_bytes": str(counts.queued_bytes),
     }
 
 

@@ -13,6 +13,18 @@ from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.robot import Diagnostic, DiagnosticLevel
 from smarttestudo.domain.status import Fallback, LossBeforeRelay, RulesInForce, RulesOrigin, RuntimeStatus
+from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
+from smarttestudo.domain.metric import metered_fields
+from smarttestudo.domain.status import (
+    Diagnostic,
+    DiagnosticLevel,
+    Fallback,
+    LossBeforeRelay,
+    RulesInForce,
+    RulesOrigin,
+    RuntimeStatus,
+    TopicStatus,
+)
 from smarttestudo.robot.diagnostics import diagnostics
 
 
@@ -84,6 +96,17 @@ def test_the_node_is_well_within_its_budget() -> None:
     assert node.values["rules_sha256"] == "ab" * 32
     assert node.values["budget_kb_per_s"] == "1000.000"
     assert node.values["out_kb_per_s"] == "946.000"
+
+
+def test_a_number_of_the_status_that_is_a_metric_is_in_the_diagnostics_too() -> None:
+    node, topic = named("smarttestudo"), named("/testudo/imu")
+    own = [
+        (one, of) for of in (RuntimeStatus, TopicStatus) for one in metered_fields(of) if len(one.keys) == 1
+    ]
+    assert len(own) == 20
+    for field, of in own:
+        assert field.keys[0] in (node if of is RuntimeStatus else topic).values
+    assert (node.values["fallback"], node.values["uptime_s"]) == ("false", f"{STATUS.uptime_s:.3f}")
 
 
 def test_floors_above_the_budget_are_an_error_of_the_node() -> None:

@@ -5,15 +5,10 @@
 from __future__ import annotations
 
 import math
-import types
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, is_dataclass
-from functools import cache
-from operator import attrgetter
-from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import is_dataclass
 
-from smarttestudo.domain.metric import Metered, Metric, MetricKind, MetricName, Sample
-from smarttestudo.domain.record import marks
+from smarttestudo.domain.metric import MeteredField, Metric, MetricKind, MetricName, Sample, metered_fields
 from smarttestudo.domain.status import RuntimeStatus, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_KB, BYTES_PER_MB
 
@@ -23,64 +18,18 @@ _IN_BASE_UNITS = {"_kb_per_s": BYTES_PER_KB, "_mb": BYTES_PER_MB, "_ms": 1 / 100
 """By how much to multiply a number whose name ends so."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Reading:
-    """A metric of a record, and how to read it; ``None`` where it is not known."""
-
-    name: MetricName
-    read: Callable[[Any], float | None]
-
-
-@cache
-def _readings(kind: Any, labels: tuple[str, ...]) -> tuple[_Reading, ...]:
-    """The metrics of a record of ``kind`` and of the records in it, as the types of its fields say."""
-    return tuple(_found(kind, labels))
+def _name(field: MeteredField, labels: tuple[str, ...]) -> MetricName:
+    mark = field.mark
+    return MetricName(
+        name=f"testudo_{mark.name}", unit=mark.unit, help=mark.help, kind=mark.kind, labels=labels
+    )
 
 
-def _found(kind: Any, labels: tuple[str, ...]) -> Iterator[_Reading]:
-    for name, hint in _typed_names(kind):
-        metered = next((extra for extra in marks(hint) if isinstance(extra, Metered)), None)
-        if metered is not None:
-            factor = next((by for end, by in _IN_BASE_UNITS.items() if name.endswith(end)), 1)
-            named = MetricName(
-                name=f"testudo_{metered.name}",
-                unit=metered.unit,
-                help=metered.help,
-                kind=metered.kind,
-                labels=labels,
-            )
-            yield _Reading(name=named, read=_number(name, factor))
-        inner = _record_in(hint)
-        if inner is not None:
-            yield from (
-                _Reading(name=one.name, read=_within(name, one.read)) for one in _readings(inner, labels)
-            )
-
-
-def _typed_names(kind: Any) -> Iterator[tuple[str, Any]]:
-    """The fields and properties of a class with their types."""
-    yield from get_type_hints(kind, include_extras=True).items()
-    for name, member in vars(kind).items():
-        if isinstance(member, property):
-            yield name, get_type_hints(member.fget, include_extras=True).get("return")
-
-
-def _record_in(hint: Any) -> Any:
-    """The record that a field holds, or may hold."""
-    plain = get_args(hint)[0] if get_origin(hint) is Annotated else hint
-    if get_origin(plain) in (Union, types.UnionType):
-        plain = get_args(plain)[0]
-    return plain if is_dataclass(plain) else None
-
-
-def _number(field: str, factor: float) -> Callable[[Any], float | None]:
-    get = attrgetter(field)
-    return lambda record: None if (value := get(record)) is None else float(value * factor)
-
-
-def _within(field: str, read: Callable[[Any], float | None]) -> Callable[[Any], float | None]:
-    get = attrgetter(field)
-    return lambda record: None if (inner := get(record)) is None else read(inner)
+def _number(field: MeteredField, record: object) -> float | None:
+    """The number in the unit of its metric."""
+    value = field.read(record)
+    factor = next((by for end, by in _IN_BASE_UNITS.items() if field.keys[-1].endswith(end)), 1)
+    return None if value is None else float(value * factor)
 
 
 _RULES = MetricName(
@@ -96,8 +45,8 @@ _SILENT = MetricName(
 )
 STATUS_METRICS = (
     _RULES,
-    *(one.name for one in _readings(RuntimeStatus, _ROBOT)),
-    *(one.name for one in _readings(TopicStatus, _TOPIC)),
+    *(_name(one, _ROBOT) for one in metered_fields(RuntimeStatus)),
+    *(_name(one, _TOPIC) for one in metered_fields(TopicStatus)),
     _SILENT,
 )
 """All that ``status_metrics`` may give."""
@@ -124,8 +73,9 @@ def _metrics(
     kind: type, labels: tuple[str, ...], records: Iterable[tuple[tuple[str, ...], object]]
 ) -> Iterator[Metric]:
     read = list(records)
-    for one in _readings(kind, labels):
-        yield Metric(name=one.name, samples=_known((of, one.read(record)) for of, record in read))
+    for one in metered_fields(kind):
+        numbers = ((of, _number(one, record)) for of, record in read)
+        yield Metric(name=_name(one, labels), samples=_known(numbers))
 
 
 def _of_sections(statuses: Mapping[str, RuntimeStatus]) -> Iterator[Metric]:
