@@ -32,7 +32,6 @@ from smarttestudo.language.normal_form import (
 from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import (
     Branch,
-    ResolvedBlock,
     ResolvedBound,
     ResolvedRate,
     ResolvedRecord,
@@ -63,32 +62,6 @@ class RecordRequest:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RuleBlock:
-    """A condition with the rates it sets; an ``Else`` is one of its own with the negated condition.
-
-    ``bounds`` are those of the receiver's picture that it sets, by topic and property. ``order`` is its place
-    among all blocks of the rule set, ``line`` that in its file; ``recordings`` begin when it begins to hold.
-    ``name`` is the one that is written, if one is; a ``label`` may say the line.
-    """
-
-    order: int
-    name: str | None
-    label: str
-    line: int
-    path: str
-    priority: int
-    form: Form
-    rates: Mapping[str, Rate]
-    bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    recordings: tuple[RecordRequest, ...] = ()
-
-    @property
-    def topics(self) -> tuple[str, ...]:
-        """The topics whose rate or bounds it sets."""
-        return tuple(dict.fromkeys([*self.rates, *self.bounds]))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class WrittenCheck:
     """One check where it is written: true while its signal lies in ``region``, whatever is around it.
 
@@ -114,18 +87,34 @@ class WrittenTime:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WrittenBlock:
-    """An If where it is written, in file number ``file``, with its checks and times in their order.
+class RuleBlock:
+    """A condition with the rates it sets; an ``Else`` is one of its own with the negated condition.
 
-    ``order`` is that of the block of its Then.
+    ``bounds`` are those of the receiver's picture that it sets, by topic and property. ``order`` is its place
+    among all blocks of the rule set, ``line`` and ``column`` those in file number ``file``; ``recordings``
+    begin when it begins to hold. ``name`` is the one that is written, if one is; a ``label`` may say the
+    line. ``checks`` and ``times`` are those of the condition as they are written, which an ``Else`` has not.
     """
 
+    order: int
+    name: str | None
+    label: str
     file: int
     line: int
     column: int
-    order: int
-    checks: tuple[WrittenCheck, ...]
+    path: str
+    priority: int
+    form: Form
+    rates: Mapping[str, Rate]
+    bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    recordings: tuple[RecordRequest, ...] = ()
+    checks: tuple[WrittenCheck, ...] = ()
     times: tuple[WrittenTime, ...] = ()
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """The topics whose rate or bounds it sets."""
+        return tuple(dict.fromkeys([*self.rates, *self.bounds]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,7 +123,7 @@ class RuleSet:
 
     ``bounds`` are those outside blocks, by topic and property; a topic of a bound alone is relayed at
     ``Full``, as is every other one without a default. ``default_reason`` is what decisions give as the reason
-    of a default. ``written`` are the blocks as the files have them, an If and its Else once.
+    of a default.
     """
 
     defaults: Mapping[str, Rate]
@@ -142,7 +131,6 @@ class RuleSet:
     floors_hz: Mapping[str, float]
     blocks: tuple[RuleBlock, ...]
     default_reason: Reason = Reason.DEFAULT
-    written: tuple[WrittenBlock, ...] = ()
     bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     relayed: tuple[str, ...] = field(init=False, compare=False)
     """The topics that are relayed, in order of first mention among defaults, floors, bounds, blocks."""
@@ -159,6 +147,11 @@ class RuleSet:
         for block in self.blocks:
             signals.update(signals_of(block.form))
         object.__setattr__(self, "signals", frozenset(signals))
+
+    @property
+    def written(self) -> tuple[RuleBlock, ...]:
+        """The blocks as the files have them, an If and its Else once."""
+        return tuple(block for block in self.blocks if block.checks)
 
     @property
     def has_recordings(self) -> bool:
@@ -246,13 +239,11 @@ class _Compiler:
 
     def rule_set(self, files: Sequence[RuleFile]) -> RuleSet:
         resolved = resolve_rules(files, self._resolve)
-        first = {branch.block.order: branch.order for branch in reversed(resolved.branches)}
         rules = RuleSet(
             defaults={one.topic: self._rate(one) for one in resolved.written_defaults},
             default_lines={topic: one.span.line for topic, one in resolved.defaults.items()},
             floors_hz=resolved.floors_hz,
             blocks=tuple(map(self._block, resolved.branches)),
-            written=tuple(self._as_written(one, first[one.order]) for one in resolved.blocks),
             bounds=self._tightest(resolved.always_bounds),
         )
         if not rules.has_recordings:
@@ -260,16 +251,6 @@ class _Compiler:
         names = (*rules.relayed, *sorted(signal.topic for signal in rules.signals), *sorted(rules.recorded))
         named = tuple(dict.fromkeys(names))
         return replace(rules, blocks=tuple(_recording_all(block, named) for block in rules.blocks))
-
-    def _as_written(self, one: ResolvedBlock, order: int) -> WrittenBlock:
-        return WrittenBlock(
-            file=one.file,
-            line=one.block.span.line,
-            column=one.block.span.column,
-            order=order,
-            checks=tuple(map(self._check_as_written, checks_in(one.block.condition))),
-            times=tuple(map(self._time_as_written, times_in(one.block.condition))),
-        )
 
     def _time_as_written(self, timed: Timed) -> WrittenTime:
         return WrittenTime(
@@ -303,17 +284,23 @@ class _Compiler:
 
     def _block(self, branch: Branch) -> RuleBlock:
         rates = {topic: self._rate(one) for topic, one in branch.settings.items()}
+        resolved, block = branch.block, branch.block.block
+        condition = None if branch.is_else else block.condition
         return RuleBlock(
             order=branch.order,
-            name=branch.block.block.name,
+            name=block.name,
             label=branch.label,
-            line=branch.block.block.span.line,
-            path=branch.block.path,
-            priority=branch.block.priority,
+            file=resolved.file,
+            line=block.span.line,
+            column=block.span.column,
+            path=resolved.path,
+            priority=resolved.priority,
             form=self._shared_form(branch.form),
             rates=self._rates.setdefault(tuple(rates.items()), rates),
             bounds=self._tightest(branch.bounds) or self._no_bounds,
             recordings=tuple(map(_record_request, branch.records)),
+            checks=() if condition is None else tuple(map(self._check_as_written, checks_in(condition))),
+            times=() if condition is None else tuple(map(self._time_as_written, times_in(condition))),
         )
 
     def _tightest(self, bounds: Iterable[ResolvedBound]) -> Mapping[str, Mapping[str, float]]:

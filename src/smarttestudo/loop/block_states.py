@@ -10,7 +10,7 @@ from itertools import islice
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import BlockStatus, CheckStatus, TimeStatus
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.language.rule_set import WrittenBlock, WrittenCheck, WrittenTime
+from smarttestudo.language.rule_set import RuleBlock, WrittenCheck, WrittenTime
 from smarttestudo.language.syntax import TimeWord
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 
@@ -79,7 +79,7 @@ class BlockStates:
 _PARTS_PER_BLOCK = 8
 
 
-def _first(written: Iterable[WrittenBlock], most: int) -> Iterator[WrittenBlock]:
+def _first(written: Iterable[RuleBlock], most: int) -> Iterator[RuleBlock]:
     parts = 0
     for block in islice(written, most):
         parts += len(block.checks) + len(block.times)

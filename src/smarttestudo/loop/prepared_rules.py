@@ -63,7 +63,7 @@ class PreparedRules:
     def dismantle(self, rest: Rest = no_rest) -> None:
         """Free what was in force before, after the exchange, piece by piece."""
         self.evaluator.dismantle(rest)
-        left: list[object] = [*self.before.blocks, *self.before.written]
+        left: list[object] = [*self.before.blocks]
         del self.before, self.same, self.counterpart
         while left:
             rest()

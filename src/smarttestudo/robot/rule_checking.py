@@ -22,7 +22,7 @@ from multiprocessing.connection import Connection, Pipe
 
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.language.normal_form import Resolve
-from smarttestudo.language.rule_set import RuleBlock, WrittenBlock
+from smarttestudo.language.rule_set import RuleBlock
 from smarttestudo.robot.live_rules import LiveRules, UncheckedRules
 from smarttestudo.robot.unnoticed import unnoticed
 
@@ -69,7 +69,6 @@ def _answer(
     pipe.send(rules)
     incoming = _Incoming()
     blocks: list[RuleBlock] = []
-    written: list[WrittenBlock] = []
     while True:
         while not pipe.poll(_POLL_S):
             if is_ended():
@@ -80,10 +79,9 @@ def _answer(
                 if not isinstance(answer, _Piece):
                     break
                 blocks += answer.blocks
-                written += answer.written
                 rest()
         if isinstance(answer, LiveRules):
-            return _whole(answer, blocks, written)
+            return _whole(answer, blocks)
         if not isinstance(answer, str):
             return answer
         try:
@@ -92,10 +90,9 @@ def _answer(
             pipe.send(error)
 
 
-def _whole(rules: LiveRules, blocks: Sequence[RuleBlock], written: Sequence[WrittenBlock]) -> LiveRules:
+def _whole(rules: LiveRules, blocks: Sequence[RuleBlock]) -> LiveRules:
     """``rules`` with their blocks, whose topics and signals they know already."""
     object.__setattr__(rules.rule_set, "blocks", tuple(blocks))
-    object.__setattr__(rules.rule_set, "written", tuple(written))
     return rules
 
 
@@ -107,7 +104,6 @@ class _Piece:
     """Some blocks of the rules, so few that reading them takes no time to speak of."""
 
     blocks: tuple[RuleBlock, ...]
-    written: tuple[WrittenBlock, ...]
 
 
 class _Outgoing:
@@ -166,11 +162,9 @@ def serve(descriptor: int) -> None:
             unchecked: UncheckedRules = pipe.recv()
             rules = unchecked.checked(resolve)
             rule_set = rules.rule_set
-            for start in range(0, max(len(rule_set.blocks), len(rule_set.written)), _BLOCKS_A_PIECE):
-                piece = slice(start, start + _BLOCKS_A_PIECE)
-                send(_Piece(blocks=rule_set.blocks[piece], written=rule_set.written[piece]))
+            for start in range(0, len(rule_set.blocks), _BLOCKS_A_PIECE):
+                send(_Piece(blocks=rule_set.blocks[start : start + _BLOCKS_A_PIECE]))
             object.__setattr__(rule_set, "blocks", ())
-            object.__setattr__(rule_set, "written", ())
             send(replace(rules, texts={}, profile_text=None))
         except Exception as error:  # noqa: BLE001 - the other side raises it
             send(error)
