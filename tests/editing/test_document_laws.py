@@ -25,9 +25,8 @@ from smarttestudo.editing import (
     read_document,
     replaced,
 )
-from smarttestudo.language.comments import Comment
 from smarttestudo.language.parser import parse
-from smarttestudo.language.syntax import Block, Statement
+from smarttestudo.language.syntax import Block, Comment, Statement
 
 ANY_TEXT = st.text(alphabet="begindSEftR()<>=!&|/\"'#*\\ \n\r\t.-0123456789", max_size=60)
 STATEMENTS = st.one_of(set_frequencies(), keep_at_leasts(), blocks())

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from smarttestudo.language.comments import Comment, Trivia
 from smarttestudo.language.syntax import (
     Action,
     And,
     Block,
+    Comment,
     Condition,
     Group,
     Not,
@@ -18,6 +18,7 @@ from smarttestudo.language.syntax import (
     RuleFile,
     Statement,
     Timed,
+    Trivia,
 )
 
 

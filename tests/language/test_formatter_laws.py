@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from language.comment_owners import comments_by_owner
 from language.rule_strategies import NOWHERE, bare, blocks, checks, rule_files
 from language.written_rules import WrittenFile, written_files
-from smarttestudo.language.formatter import format_file, format_rules
-from smarttestudo.language.formatter.conditions import MAX_WIDTH
+from smarttestudo.language.formatter import MAX_WIDTH, format_file, format_rules
 from smarttestudo.language.normal_form import normal_form
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import And, Block, Collection, Condition, Not, Or, RuleFile

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.language.parser import parse
-from smarttestudo.language.parser.tokens import Token, TokenKind
+from smarttestudo.language.parser.lexer import Token, TokenKind
 
 
 def tokenize(text: str) -> tuple[Token, ...]:

@@ -16,8 +16,8 @@ from language.written_rules import Word, WrittenFile, lay_out, seeds, words_of, 
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.language.parser import parse
-from smarttestudo.language.parser.durations import MAX_DURATION_NS
 from smarttestudo.language.parser.rule_file import ParseResult
+from smarttestudo.language.parser.values import MAX_DURATION_NS
 from smarttestudo.language.syntax import DurationUnit, RuleFile
 
 MAX_STEPS_BY_TOKEN = 24

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from language.rule_strategies import rule_files
 from smarttestudo.domain.rate import Tier
-from smarttestudo.language.parser.tokens import KEYWORDS
+from smarttestudo.language.parser.lexer import KEYWORDS
 from smarttestudo.language.syntax import (
     Action,
     And,

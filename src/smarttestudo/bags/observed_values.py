@@ -16,7 +16,7 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader, first_of_topics
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import counted
-from smarttestudo.language.parser.suggestions import closest
+from smarttestudo.language.parser.cursor import closest
 from smarttestudo.language.properties import ARRIVAL_PROPERTIES, Reader, properties_of, value_reader
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX, is_field_path, part_reader
 

@@ -14,7 +14,7 @@ from smarttestudo.domain.recording import Channel, MessageDecoder, first_of_topi
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.language.properties import part_reader, value_reader
 from smarttestudo.language.properties.field_path import field_reader
-from smarttestudo.language.properties.motion import yaw_degrees
+from smarttestudo.language.properties.readers import yaw_degrees
 
 _STEP_NS = NS_PER_S // 5
 _MAP_FRAME = "map"

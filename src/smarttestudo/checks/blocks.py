@@ -14,7 +14,7 @@ from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.domain.profile import Profile
 from smarttestudo.language.boxes import Border
-from smarttestudo.language.parser.tokens import TokenKind
+from smarttestudo.language.parser.lexer import TokenKind
 from smarttestudo.language.resolved_rules import ResolvedRate
 
 

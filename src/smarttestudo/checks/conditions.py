@@ -15,16 +15,15 @@ from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.language.comments import COMMENT_START
-from smarttestudo.language.formatter.conditions import write_condition
-from smarttestudo.language.formatter.text import LineWriter
+from smarttestudo.language.formatter import LineWriter, write_condition
 from smarttestudo.language.normal_form import Every, InRegion
-from smarttestudo.language.parser.suggestions import did_you_mean
+from smarttestudo.language.parser.cursor import did_you_mean
 from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
 from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import ResolvedBlock
 from smarttestudo.language.syntax import (
+    COMMENT_START,
     And,
     Operator,
     Or,

@@ -17,6 +17,8 @@ from smarttestudo.checks.lint_rule import Found
 from smarttestudo.domain.finding import Fix
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.parser.suggestions import closest, did_you_mean
+from smarttestudo.domain.source import Span
+from smarttestudo.language.parser.cursor import closest, did_you_mean
 from smarttestudo.language.properties import (
     ARRIVAL_PROPERTIES,
     PropertySpec,

@@ -15,6 +15,8 @@ from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import ProfileFix, Severity, Span
 from smarttestudo.domain.rate import Rate
 from smarttestudo.language.parser.suggestions import did_you_mean, edit_distance
+from smarttestudo.domain.source import Span
+from smarttestudo.language.parser.cursor import did_you_mean, edit_distance
 from smarttestudo.language.resolved_rules import ResolvedRate
 
 MAX_COMPARED = 256

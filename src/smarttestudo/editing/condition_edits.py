@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from smarttestudo.editing.text_edit import TextEdit
 from smarttestudo.editing.token_range import TokenRange
-from smarttestudo.language.formatter.text import duration_text, number_text
+from smarttestudo.language.formatter import duration_text, number_text
 from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Or, Timed, Until
 
 _TOPIC, _PROPERTY, _OPERATOR, _NUMBER = 1, 2, 3, 4

@@ -13,11 +13,10 @@ from itertools import count
 
 from smarttestudo.editing.line_index import LineIndex
 from smarttestudo.editing.token_range import TokenRange
-from smarttestudo.language.comments import Comment
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.parser.cursor import STATEMENT_STARTS
-from smarttestudo.language.parser.tokens import Token, TokenKind
-from smarttestudo.language.syntax import Collection, Statement
+from smarttestudo.language.parser.lexer import Token, TokenKind
+from smarttestudo.language.syntax import Collection, Comment, Statement
 
 _ABOUT_NEIGHBOURS = frozenset(
     {"missing-end", "missing-end-if", "expected-begin", "foreign-comment", "too-many-errors"}

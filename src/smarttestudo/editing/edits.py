@@ -25,11 +25,10 @@ from smarttestudo.editing.text_edit import (
     removal,
 )
 from smarttestudo.editing.token_range import TokenRange
-from smarttestudo.language.formatter import first_line_end, format_statement
-from smarttestudo.language.formatter.text import INDENT
+from smarttestudo.language.formatter import INDENT, first_line_end, format_statement
 from smarttestudo.language.parser import parse
-from smarttestudo.language.parser.headings import quoted
-from smarttestudo.language.parser.tokens import TokenKind
+from smarttestudo.language.parser.blocks import quoted
+from smarttestudo.language.parser.lexer import TokenKind
 from smarttestudo.language.syntax import Block, Statement
 
 _END_IF = "EndIf"

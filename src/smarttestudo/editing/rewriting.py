@@ -15,16 +15,22 @@ from smarttestudo.editing.document import Entry
 from smarttestudo.editing.meaning import Meaning, condition_meaning, meaning
 from smarttestudo.editing.text_edit import TextEdit, addition, removal
 from smarttestudo.editing.token_range import TokenRange
-from smarttestudo.language.comments import Comment
-from smarttestudo.language.formatter import format_condition, format_heading, format_statement
-from smarttestudo.language.formatter.text import bound_text, duration_text, rate_text
-from smarttestudo.language.parser.headings import quoted
-from smarttestudo.language.parser.tokens import TokenKind
+from smarttestudo.language.formatter import (
+    bound_text,
+    duration_text,
+    format_condition,
+    format_heading,
+    format_statement,
+    rate_text,
+)
+from smarttestudo.language.parser.blocks import quoted
+from smarttestudo.language.parser.lexer import TokenKind
 from smarttestudo.language.syntax import (
     Action,
     And,
     Block,
     Check,
+    Comment,
     Condition,
     Group,
     KeepAtLeast,

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from smarttestudo.editing.line_index import LineIndex
 from smarttestudo.editing.token_range import TokenRange
-from smarttestudo.language.comments import COMMENT_START, Comment
-from smarttestudo.language.parser.tokens import TokenKind
+from smarttestudo.language.parser.lexer import TokenKind
+from smarttestudo.language.syntax import COMMENT_START, Comment
 
 _OF_NAME = re.compile(r"[\w~.\[\]/-]")
 _BREAK = re.compile(r"\r\n|\r|\n")

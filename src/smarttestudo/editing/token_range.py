@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from smarttestudo.editing.line_index import LineIndex
-from smarttestudo.language.comments import Comment
-from smarttestudo.language.parser.tokens import Token
+from smarttestudo.language.parser.lexer import Token
+from smarttestudo.language.syntax import Comment
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

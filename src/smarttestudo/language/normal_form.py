@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.language.formatter.text import number_text
+from smarttestudo.language.formatter import number_text
 from smarttestudo.language.region import Region
 from smarttestudo.language.syntax import (
     And,

@@ -28,7 +28,7 @@ from smarttestudo.editing.zones import (
 )
 from smarttestudo.editing.zones.cover import Corner, CoverRectangle
 from smarttestudo.language.normal_form import holds, normal_form
-from smarttestudo.language.parser.tokens import TokenKind
+from smarttestudo.language.parser.lexer import TokenKind
 from smarttestudo.language.syntax import Block, checks_in
 from smarttestudo.ruler.answers.zone_edits import (
     with_moved_zone,

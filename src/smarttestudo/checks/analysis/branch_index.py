@@ -17,11 +17,11 @@ from smarttestudo.language.boxes import (
     Effort,
     Hull,
     IndexEntry,
+    Interval,
     TooComplexError,
     boxes_where,
     hull_of,
 )
-from smarttestudo.language.boxes.index import Interval
 from smarttestudo.language.normal_form import Every, Form, InRegion
 from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import Branch

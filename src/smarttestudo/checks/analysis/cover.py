@@ -11,8 +11,7 @@ from functools import cache
 from smarttestudo.checks.analysis.branch_index import BranchIndex
 from smarttestudo.checks.analysis.results import State
 from smarttestudo.domain.signal import Signal
-from smarttestudo.language.boxes import Box, Domain, Effort, TooComplexError, find_box
-from smarttestudo.language.boxes.index import Interval, meets
+from smarttestudo.language.boxes import Box, Domain, Effort, Interval, TooComplexError, find_box, meets
 from smarttestudo.language.normal_form import holds, negation
 from smarttestudo.language.resolved_rules import Branch
 

@@ -7,14 +7,11 @@ from __future__ import annotations
 from typing import NoReturn
 
 from smarttestudo.domain.finding import Fix
-from smarttestudo.language.comments import Trivia
-from smarttestudo.language.parser.cursor import BrokenStatementError, Cursor
-from smarttestudo.language.parser.durations import parse_time_parts, timed
-from smarttestudo.language.parser.suggestions import closest, did_you_mean
-from smarttestudo.language.parser.tokens import CONNECTIVES, Token, TokenKind
-from smarttestudo.language.parser.values import parse_number, parse_topic
+from smarttestudo.language.parser.cursor import BrokenStatementError, Cursor, closest, did_you_mean
+from smarttestudo.language.parser.lexer import CONNECTIVES, Token, TokenKind
+from smarttestudo.language.parser.values import parse_number, parse_time_parts, parse_topic, timed
 from smarttestudo.language.properties.field_path import is_property
-from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Operator, Or, Until
+from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Operator, Or, Trivia, Until
 
 MAX_NESTING = 100
 # Below Python 3.12, looking a member up in its enum costs as much as a call.

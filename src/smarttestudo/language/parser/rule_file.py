@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 from smarttestudo.domain.finding import Finding, Fix, Span
 from smarttestudo.language.comments import COMMENT_START, NO_TRIVIA, Comment
+from smarttestudo.domain.finding import Finding, Fix
+from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.blocks import (
     parse_actions,
     parse_block,
@@ -22,10 +24,17 @@ from smarttestudo.language.parser.cursor import (
     Cursor,
     FindingLog,
 )
-from smarttestudo.language.parser.lexer import tokenize
-from smarttestudo.language.parser.tokens import Token, TokenKind
+from smarttestudo.language.parser.lexer import Token, TokenKind, tokenize
 from smarttestudo.language.parser.values import parse_hertz, parse_topic
-from smarttestudo.language.syntax import Collection, KeepAtLeast, RuleFile, Statement
+from smarttestudo.language.syntax import (
+    COMMENT_START,
+    NO_TRIVIA,
+    Collection,
+    Comment,
+    KeepAtLeast,
+    RuleFile,
+    Statement,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,12 +3,12 @@
 """Properties of messages that checks read: names for the common types, any numeric field by its path."""
 
 from smarttestudo.language.properties.accuracy import gauges_for, needs_decoded
-from smarttestudo.language.properties.conventional_types import conventional_types
 from smarttestudo.language.properties.distances import wraps
 from smarttestudo.language.properties.field_path import PropertySpec, Reader, is_field_path, part_reader
 from smarttestudo.language.properties.table import (
     ARRIVAL_PROPERTIES,
     accuracy_properties_of,
+    conventional_types,
     known_types,
     message_type,
     properties_for_bounds,

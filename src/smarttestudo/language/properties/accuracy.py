@@ -10,7 +10,7 @@ from operator import attrgetter, itemgetter
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.language.properties.distances import value_distance, wraps
 from smarttestudo.language.properties.field_path import field_reader, part_reader
-from smarttestudo.language.properties.sensors import known_only
+from smarttestudo.language.properties.readers import known_only
 from smarttestudo.language.properties.table import MessageType, message_type, properties_of, value_reader
 from smarttestudo.pacing.reckoning.gauges import Distance, FieldGauge, Gauge
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The properties of each type, and what rules may do with them."""
+"""The properties of each type, what rules may do with them, and the types that topics have by their names."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any
 
 from smarttestudo.domain.profile import LevelUnit
-from smarttestudo.language.properties import motion, sensors
+from smarttestudo.language.properties import readers
 from smarttestudo.language.properties.distances import JOINT_POSITION, ORIENTATION, POSITION
 from smarttestudo.language.properties.field_path import (
     MESSAGE_PREFIX,
@@ -25,6 +25,38 @@ from smarttestudo.language.properties.field_path import (
 from smarttestudo.pacing.reckoning.gauges import Distance, FrameGauge, Gauge, JointGauge, PoseGauge
 from smarttestudo.pacing.reckoning.motion import Rotation, SpatialPose, Twist, Vector3
 from smarttestudo.pacing.reckoning.satellite_fix import PLACE_DISTANCE, FixGauge
+
+_CONVENTIONAL_TYPES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "amcl_pose": ("geometry_msgs/msg/PoseWithCovarianceStamped",),
+        "battery_state": ("sensor_msgs/msg/BatteryState",),
+        "camera_info": ("sensor_msgs/msg/CameraInfo",),
+        "cmd_vel": ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"),
+        "fix": ("sensor_msgs/msg/NavSatFix",),
+        "goal_pose": ("geometry_msgs/msg/PoseStamped",),
+        "image_raw": ("sensor_msgs/msg/Image",),
+        "image_raw/compressed": ("sensor_msgs/msg/CompressedImage",),
+        "imu": ("sensor_msgs/msg/Imu",),
+        "imu/data": ("sensor_msgs/msg/Imu",),
+        "imu/data_raw": ("sensor_msgs/msg/Imu",),
+        "initialpose": ("geometry_msgs/msg/PoseWithCovarianceStamped",),
+        "joint_states": ("sensor_msgs/msg/JointState",),
+        "odom": ("nav_msgs/msg/Odometry",),
+        "odometry/filtered": ("nav_msgs/msg/Odometry",),
+        "scan": ("sensor_msgs/msg/LaserScan",),
+        "tf": ("tf2_msgs/msg/TFMessage",),
+        "tf_static": ("tf2_msgs/msg/TFMessage",),
+    }
+)
+"""By the end of the name; the likeliest type first."""
+_MOST_PARTS = max(name.count("/") + 1 for name in _CONVENTIONAL_TYPES)
+
+
+def conventional_types(topic: str) -> tuple[str, ...]:
+    """The types that ``topic`` may be expected to have by its name, in whatever namespace; a guess."""
+    parts = topic.split("/")
+    ends = ("/".join(parts[-count:]) for count in range(_MOST_PARTS, 0, -1))
+    return next((_CONVENTIONAL_TYPES[end] for end in ends if end in _CONVENTIONAL_TYPES), ())
 
 
 class Part(Enum):
@@ -152,14 +184,14 @@ def _position(meaning: str, distance: Distance) -> DistanceProperty:
 
 _LEVEL = ValueProperty(
     spec=PropertySpec(name="level", unit="%", meaning="charge left", minimum=0.0, maximum=100.0),
-    read_of=sensors.BatteryLevel,
+    read_of=readers.BatteryLevel,
     known_by="percentage",
 )
 _OF_POSE = (
     _value("pose_x", "m", "position along x", lambda pose: pose.position.x, part=Part.POSE),
     _value("pose_y", "m", "position along y", lambda pose: pose.position.y, part=Part.POSE),
     _value("pose_z", "m", "position along z", lambda pose: pose.position.z, part=Part.POSE),
-    _angle("yaw", "heading", lambda pose: motion.yaw_degrees(pose.orientation), part=Part.POSE),
+    _angle("yaw", "heading", lambda pose: readers.yaw_degrees(pose.orientation), part=Part.POSE),
 )
 _OF_TWIST = (
     _value("vel", "m/s", "signed forward velocity (linear.x)", lambda twist: twist.linear.x, part=Part.TWIST),
@@ -167,7 +199,7 @@ _OF_TWIST = (
         "speed",
         "m/s",
         "length of the linear velocity",
-        lambda twist: motion.length(twist.linear),
+        lambda twist: readers.length(twist.linear),
         part=Part.TWIST,
         minimum=0.0,
     ),
@@ -176,22 +208,22 @@ _OF_TWIST = (
     ),
 )
 _OF_IMU = (
-    _angle("roll", "rotation about x", lambda m: motion.roll_degrees(m.orientation), known_by="orientation"),
+    _angle("roll", "rotation about x", lambda m: readers.roll_degrees(m.orientation), known_by="orientation"),
     _value(
         "pitch",
         "°",
         "rotation about y",
-        lambda m: motion.pitch_degrees(m.orientation),
+        lambda m: readers.pitch_degrees(m.orientation),
         minimum=-90.0,
         maximum=90.0,
         known_by="orientation",
     ),
-    _angle("yaw", "rotation about z", lambda m: motion.yaw_degrees(m.orientation), known_by="orientation"),
+    _angle("yaw", "rotation about z", lambda m: readers.yaw_degrees(m.orientation), known_by="orientation"),
     _value(
         "acceleration",
         "m/s²",
         "length of the linear acceleration",
-        lambda m: motion.length(m.linear_acceleration),
+        lambda m: readers.length(m.linear_acceleration),
         minimum=0.0,
         known_by="linear_acceleration",
     ),
@@ -199,7 +231,7 @@ _OF_IMU = (
         "angular_speed",
         "rad/s",
         "length of the angular velocity",
-        lambda m: motion.length(m.angular_velocity),
+        lambda m: readers.length(m.angular_velocity),
         minimum=0.0,
         known_by="angular_velocity",
     ),
@@ -209,14 +241,14 @@ _OF_JOINTS = (
         "max_velocity",
         "rad/s",
         "greatest joint velocity, either way",
-        motion.greatest_magnitude("velocity"),
+        readers.greatest_magnitude("velocity"),
         minimum=0.0,
     ),
     _value(
         "max_effort",
         "N m",
         "greatest joint effort, either way",
-        motion.greatest_magnitude("effort"),
+        readers.greatest_magnitude("effort"),
         minimum=0.0,
     ),
 )
@@ -272,7 +304,7 @@ _TYPES: Mapping[str, MessageType] = MappingProxyType(
         "geometry_msgs/msg/TwistStamped": MessageType(values=_OF_TWIST, paths={Part.TWIST: "twist"}),
         "sensor_msgs/msg/LaserScan": MessageType(
             values=(
-                _value("distance", "m", "smallest range in sight", sensors.nearest_distance_m, minimum=0.0),
+                _value("distance", "m", "smallest range in sight", readers.nearest_distance_m, minimum=0.0),
             )
         ),
         "sensor_msgs/msg/BatteryState": MessageType(values=(_LEVEL,)),
@@ -347,9 +379,9 @@ def value_reader(type_name: str, name: str, level_unit: LevelUnit | None = None)
     known = message_type(type_name)
     value = known.value(name)
     if value is None:
-        return sensors.known_only(type_name, name, field_reader(name))
+        return readers.known_only(type_name, name, field_reader(name))
     read = _of_messages(value.reader(level_unit), known.paths.get(value.part, ""))
-    return sensors.known_only(type_name, value.known_by or name, read)
+    return readers.known_only(type_name, value.known_by or name, read)
 
 
 def _of_messages(read: Reader, path: str) -> Reader:

@@ -14,7 +14,7 @@ from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Tier
-from smarttestudo.language.formatter.text import number_text
+from smarttestudo.language.formatter import number_text
 from smarttestudo.language.syntax import Block, SetFrequency, sets_in
 from smarttestudo.optimizer.changes import Change
 from smarttestudo.optimizer.infeasibility import Infeasibility, change_text

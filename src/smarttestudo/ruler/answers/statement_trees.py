@@ -10,8 +10,8 @@ from typing import TypedDict
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Tier
 from smarttestudo.editing import Document, EditError, Entry, NewStatement, comment_texts
-from smarttestudo.language.formatter.text import number_text
-from smarttestudo.language.parser.durations import duration_ns
+from smarttestudo.language.formatter import number_text
+from smarttestudo.language.parser.values import duration_ns
 from smarttestudo.language.syntax import (
     Action,
     And,
