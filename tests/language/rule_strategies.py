@@ -17,8 +17,6 @@ from hypothesis import strategies as st
 
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Tier
-from smarttestudo.language.parser.tokens import KEYWORDS
-from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.lexer import KEYWORDS
 from smarttestudo.language.syntax import (
     Action,

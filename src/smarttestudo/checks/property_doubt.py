@@ -11,13 +11,9 @@ from types import MappingProxyType
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.context import CheckContext
-from smarttestudo.checks.rule_check import Found
-from smarttestudo.domain.finding import Fix, Span
 from smarttestudo.checks.lint_rule import Found
-from smarttestudo.domain.finding import Fix
+from smarttestudo.domain.finding import Fix, Span
 from smarttestudo.domain.signal import Signal
-from smarttestudo.language.parser.suggestions import closest, did_you_mean
-from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.cursor import closest, did_you_mean
 from smarttestudo.language.properties import (
     ARRIVAL_PROPERTIES,

@@ -14,8 +14,6 @@ from smarttestudo.checks.property_doubt import doubt_about, found_in
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import ProfileFix, Severity, Span
 from smarttestudo.domain.rate import Rate
-from smarttestudo.language.parser.suggestions import did_you_mean, edit_distance
-from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.cursor import did_you_mean, edit_distance
 from smarttestudo.language.resolved_rules import ResolvedRate
 

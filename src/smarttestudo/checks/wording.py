@@ -8,8 +8,6 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.signal import Signal
-from smarttestudo.language.formatter.text import duration_text
-from smarttestudo.domain.source import Span
 from smarttestudo.language.formatter import duration_text
 from smarttestudo.language.normal_form import HELD, is_derived
 from smarttestudo.language.resolved_rules import Branch

@@ -10,9 +10,6 @@ from itertools import accumulate
 
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.texts import without_mark
-from smarttestudo.language.parser.tokens import Token
-from smarttestudo.domain.source import Span
-from smarttestudo.domain.utf_8 import without_mark
 from smarttestudo.language.parser.lexer import Token
 
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n|\Z)")

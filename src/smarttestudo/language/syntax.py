@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from itertools import chain
 
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Rate, Tier
-from smarttestudo.domain.source import Span
 
 COMMENT_START = "//"
 _DECORATION = "/-=*#_~ \t"

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link import CommandTopic, TopicOnLink
-from smarttestudo.domain.link_state import CommandTopic
+from smarttestudo.domain.link import CommandTopic
 from smarttestudo.domain.metric import metered_fields
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import to_json

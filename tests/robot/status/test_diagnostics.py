@@ -11,13 +11,9 @@ import pytest
 from robot.status.statuses import ONE_OF_EACH, RELAYED, STATUS
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link import LinkState, StreamCounts, TopicOnLink
-from smarttestudo.domain.robot import Diagnostic, DiagnosticLevel
-from smarttestudo.domain.status import Fallback, LossBeforeRelay, RulesInForce, RulesOrigin, RuntimeStatus
-from smarttestudo.domain.link_state import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.metric import metered_fields
+from smarttestudo.domain.robot import Diagnostic, DiagnosticLevel
 from smarttestudo.domain.status import (
-    Diagnostic,
-    DiagnosticLevel,
     Fallback,
     LossBeforeRelay,
     RulesInForce,

@@ -10,10 +10,8 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Any
 
-from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.rests import Rest, no_rest, resting
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.timing import Rest, no_rest, resting
 from smarttestudo.language.evaluator.graph import Graph, Propagation

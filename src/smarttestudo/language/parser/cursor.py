@@ -8,8 +8,7 @@ import unicodedata
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 
-from smarttestudo.domain.finding import Finding, Fix, Severity
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Finding, Fix, Severity, Span
 from smarttestudo.language.parser.lexer import KEYWORDS, Token, TokenKind
 from smarttestudo.language.syntax import NO_TRIVIA, Comment, Trivia
 

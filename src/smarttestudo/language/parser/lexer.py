@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import NamedTuple
 
-from smarttestudo.domain.source import Span
-from smarttestudo.domain.utf_8 import without_mark
+from smarttestudo.domain.finding import Span
+from smarttestudo.domain.texts import without_mark
 from smarttestudo.language.syntax import Comment
 
 

@@ -8,9 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.finding import Finding, Fix, Span
-from smarttestudo.language.comments import COMMENT_START, NO_TRIVIA, Comment
-from smarttestudo.domain.finding import Finding, Fix
-from smarttestudo.domain.source import Span
 from smarttestudo.language.parser.blocks import (
     parse_actions,
     parse_block,

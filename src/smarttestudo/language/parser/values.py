@@ -11,10 +11,9 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import NamedTuple, NoReturn
 
-from smarttestudo.domain.finding import Fix
+from smarttestudo.domain.finding import Fix, Span
 from smarttestudo.domain.names import MAX_NAME_LENGTH, is_topic_name
 from smarttestudo.domain.rate import MAX_RATE_HZ, Tier
-from smarttestudo.domain.source import Span
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.language.parser.cursor import BrokenStatementError, Cursor, closest, did_you_mean, hint_on
 from smarttestudo.language.parser.lexer import Token, TokenKind
