@@ -13,7 +13,7 @@ from smarttestudo.incidents.recorder import Incident, IncidentRecorder, Store
 from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RuleSet, compile_rules
-from smarttestudo.loop.triggers import Trigger
+from smarttestudo.loop.step import Trigger
 
 AMPLE_BYTES = 10_000_000
 

@@ -20,7 +20,7 @@ from smarttestudo.incidents.transfer_order import (
     RangePart,
     TransferOrder,
 )
-from smarttestudo.link.protocol.incident_messages import PIECES, piece_from_bytes
+from smarttestudo.link.protocol.messages import PIECES, piece_from_bytes
 from smarttestudo.link.protocol.sender import LinkSender
 
 FRAMING_BYTES = 100

@@ -21,7 +21,7 @@ from smarttestudo.incidents.transfer_messages import (
     TransferPlan,
 )
 from smarttestudo.incidents.transfer_order import ByteRange, Level, RangePart
-from smarttestudo.link.protocol.incident_messages import (
+from smarttestudo.link.protocol.messages import (
     LISTS,
     MAX_LIST_BYTES,
     PIECES,

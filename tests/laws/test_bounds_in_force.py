@@ -22,7 +22,7 @@ from loop.loop_driver import LoopDriver
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
-from smarttestudo.loop.knowledge.settling_bounds import SettlingBounds
+from smarttestudo.loop.knowledge.knowledge import SettlingBounds
 
 PROPERTIES = ("position", "orientation")
 CONDITIONS = ("/p", "/q", "/r")

@@ -17,8 +17,7 @@ from smarttestudo.domain.observation import Arrival
 from smarttestudo.domain.profile import UNLIMITED_KB_PER_S, Profile, TopicProfile
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.knowledge.link_use import SourceLoad
-from smarttestudo.loop.monitor import meter
-from smarttestudo.loop.step import step
+from smarttestudo.loop.step import meter, step
 
 RULES = """\
 begin

@@ -12,7 +12,7 @@ from incidents.incident_runs import rules_of
 from smarttestudo.domain.profile import Profile
 from smarttestudo.loop.inputs import MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.relay_loop import RelayLoop
-from smarttestudo.loop.triggers import Trigger
+from smarttestudo.loop.step import Trigger
 
 S = 1_000_000_000
 RULES = """\

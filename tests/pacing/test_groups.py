@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 
 from pacing.scenarios import EPOCH_NS, Relayed, S, relay, seeds
 from smarttestudo.pacing.coded_video import VideoFrame
-from smarttestudo.pacing.groups import AHEAD_AT_MOST_NS
 from smarttestudo.pacing.sample import Sample, StreamKind
+from smarttestudo.pacing.stream import AHEAD_AT_MOST_NS
 from smarttestudo.pacing.topic_pacer import TopicPacer
 
 KEY, DIFFERENCE, PARAMETERS, UNKNOWN = (

@@ -23,8 +23,8 @@ from compiled_relay import GID_BYTES, ListedRcl, library_in
 from pacing.scenarios import EPOCH_NS, seeds
 from smarttestudo.domain.compiled_relay import PacedStream
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.loop.hand_over import stream_of, stream_state
 from smarttestudo.pacing.grid import NEVER_NS, Pace
-from smarttestudo.pacing.hand_over import stream_of, stream_state
 from smarttestudo.pacing.sample import Pass, Sample
 from smarttestudo.pacing.topic_pacer import TopicPacer
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary, c_ns

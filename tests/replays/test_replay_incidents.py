@@ -20,7 +20,7 @@ from smarttestudo.domain.recording import Channel
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import compile_rules
 from smarttestudo.loop.relay_loop import RelayLoop
-from smarttestudo.loop.triggers import Trigger
+from smarttestudo.loop.step import Trigger
 from smarttestudo.replays.incidents import IncidentRequest, incident_cutter
 
 MISSION = small_mission(10.0)

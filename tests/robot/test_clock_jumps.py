@@ -19,7 +19,7 @@ from smarttestudo.domain.robot import Endpoint, GraphChange, Payload, PollGraph,
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.incidents.recorder import IncidentRecorder
-from smarttestudo.loop.triggers import Trigger
+from smarttestudo.loop.step import Trigger
 from smarttestudo.robot.clock_jumps import LEAST_NS, ClockJumps
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder

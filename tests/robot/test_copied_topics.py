@@ -26,7 +26,7 @@ from smarttestudo.domain.compiled_relay import (
 from smarttestudo.domain.robot import GraphChange, Payload, PollGraph, Publisher, Subscription
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.loop.relay import Relayed
-from smarttestudo.loop.triggers import Trigger
+from smarttestudo.loop.step import Trigger
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules

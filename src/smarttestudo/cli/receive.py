@@ -33,9 +33,8 @@ from smarttestudo.link.receive.arrival_log import ArrivalLog
 from smarttestudo.link.receive.incident_mirror import IncidentMirror, MirrorFolders
 from smarttestudo.link.receive.prediction import Predictor
 from smarttestudo.link.receive.reception import Reception
-from smarttestudo.link.receive.reception_metrics import ReceptionMetrics
+from smarttestudo.link.receive.reception_metrics import ReceptionMetrics, StatusSink
 from smarttestudo.link.receive.sending import CommandRoute, Sending
-from smarttestudo.link.receive.status_sink import StatusSink
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh import open_operator_end, require_zenoh, suspended_too_ns
 from smarttestudo.link.zenoh.arrivals import LinkEvent
@@ -46,7 +45,7 @@ from smarttestudo.robot.ros.loading import has_rclpy
 
 if TYPE_CHECKING:
     # It needs Zenoh.
-    from smarttestudo.link.zenoh.command_outbox import CommandOutbox
+    from smarttestudo.link.zenoh.commands import CommandOutbox
 
 DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
 _WAIT_S = 0.05

@@ -23,7 +23,7 @@ from smarttestudo.incidents.topic_ring import (
     TopicRing,
 )
 from smarttestudo.language.rule_set import RecordRequest, RuleSet
-from smarttestudo.loop.triggers import Trigger
+from smarttestudo.loop.step import Trigger
 
 MAX_OPEN_INCIDENTS = 100
 _UNCOUNTED = 1 / 20

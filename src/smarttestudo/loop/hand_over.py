@@ -6,13 +6,43 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from smarttestudo.domain.compiled_relay import FlowCounts, RelayCounts, RelayState
+from smarttestudo.domain.compiled_relay import FlowCounts, PacedStream, RelayCounts, RelayState
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.loop.relay import Relay, Relayed
 from smarttestudo.loop.relays import Relays
 from smarttestudo.pacing.grid import NEVER_NS, Pace
-from smarttestudo.pacing.hand_over import stream_of, stream_state
+from smarttestudo.pacing.sample import Sample
+from smarttestudo.pacing.stream import PublisherStream
 from smarttestudo.pacing.topic_pacer import TopicPacer
+
+
+def stream_state(publisher: bytes, stream: PublisherStream) -> PacedStream:
+    """All that another pacer needs to go on with the messages of ``publisher``."""
+    return PacedStream(
+        publisher=publisher,
+        due_ns=stream.grid.due_ns,
+        phase_ns=stream.grid.phase_ns,
+        is_phase_falling=stream.grid.is_phase_falling,
+        last_ns=stream.source.last_ns,
+        lag_ns=stream.source.lag_ns,
+        step_ns=stream.source.step_ns,
+        gaps=stream.source.gaps,
+        held=None if stream.held is None else stream.held.payload,
+        held_ns=stream.held_ns,
+    )
+
+
+def stream_of(state: PacedStream, pace: Pace, now_ns: int) -> PublisherStream:
+    """The stream that goes on from ``state``, which followed ``pace``."""
+    stream = PublisherStream(pace, now_ns)
+    grid = stream.grid
+    grid.due_ns, grid.phase_ns, grid.is_phase_falling = state.due_ns, state.phase_ns, state.is_phase_falling
+    stream.source.restore(state.last_ns, state.gaps)
+    stream.source.lag_ns, stream.source.step_ns = state.lag_ns, state.step_ns
+    stream.held_ns = state.held_ns
+    if state.held is not None:
+        stream.held = Sample(state.held, len(state.held), state.publisher)
+    return stream
 
 
 def hand_over(relays: Relays, topic: str, now_ns: int) -> RelayState:

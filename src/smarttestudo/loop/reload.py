@@ -19,7 +19,7 @@ from smarttestudo.language.rule_set import RuleBlock
 from smarttestudo.loop.knowledge.knowledge import Knowledge, watched_topics
 from smarttestudo.loop.knowledge.watched_topic import WatchedTopic
 from smarttestudo.loop.prepared_rules import PreparedRules, SameRules
-from smarttestudo.loop.triggers import still_recording
+from smarttestudo.loop.step import still_recording
 
 
 def exchange_rules(

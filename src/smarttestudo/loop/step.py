@@ -4,17 +4,235 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import NamedTuple
 
-from smarttestudo.domain.decision import Decision, PlannedRate
-from smarttestudo.domain.observation import Observation
-from smarttestudo.loop.analyze import analyze
-from smarttestudo.loop.knowledge.knowledge import Knowledge
-from smarttestudo.loop.monitor import monitor
-from smarttestudo.loop.plan import plan
-from smarttestudo.loop.triggers import Trigger, triggers
+from smarttestudo.domain.decision import Decision, PlannedRate, Reason
+from smarttestudo.domain.observation import (
+    Arrival,
+    LinkBudget,
+    ListenersChanged,
+    Observation,
+    SourceChanged,
+    Undecodable,
+)
+from smarttestudo.domain.signal import Truth
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.language.evaluator import RequestedRate
+from smarttestudo.language.rule_set import RuleBlock, RuleSet
+from smarttestudo.loop.knowledge.knowledge import Knowledge, Settling, SettlingBounds
+from smarttestudo.loop.knowledge.watched_topic import Reading, WatchedTopic
+
+
+def monitor(knowledge: Knowledge, observations: Iterable[Observation], now_ns: int) -> list[Reading]:
+    """The values of the signals of every topic that was observed or that time alone changes.
+
+    ``now_ns`` is the steady time. Topics that no check reads cost a look-up.
+    """
+    touched: dict[str, WatchedTopic] = {}
+    for observation in observations:
+        if isinstance(observation, LinkBudget):
+            knowledge.set_budget(observation)
+            continue
+        _meter(knowledge, observation, now_ns)
+        if isinstance(observation, ListenersChanged):
+            continue
+        watched = knowledge.watched.get(observation.topic)
+        if watched is not None:
+            touched[observation.topic] = watched
+            _take(knowledge, watched, observation, now_ns)
+    for topic in knowledge.watch_alarms.take_due(now_ns):
+        touched[topic] = knowledge.watched[topic]
+    readings: list[Reading] = []
+    for topic, watched in touched.items():
+        readings += watched.readings(now_ns)
+        knowledge.watch_alarms.set(topic, watched.next_change_ns(now_ns))
+    return readings
+
+
+def meter(knowledge: Knowledge, topic: str, size_bytes: int, clock_ns: int) -> bool:
+    """Count, for the link's budget, a message of a topic that no check reads; whether that needs a step.
+
+    It does where the topic asks for a part from now on; else the link looks at what it counted from time to
+    time.
+    """
+    if knowledge.link is None:
+        return False
+    now_ns = knowledge.time.advance(clock_ns)
+    return topic not in knowledge.unheard and knowledge.link.record(topic, now_ns, size_bytes)
+
+
+def _meter(
+    knowledge: Knowledge, observation: Arrival | SourceChanged | ListenersChanged, now_ns: int
+) -> None:
+    """Record an observation for the link's budget."""
+    topic, is_over = observation.topic, False
+    match observation:
+        case Arrival(size_bytes=size_bytes):
+            if knowledge.link is not None and topic not in knowledge.unheard:
+                knowledge.link.record(topic, now_ns, size_bytes)
+        case SourceChanged(publishers=publishers):
+            is_over = publishers == 0
+        case ListenersChanged(are_there=True):
+            knowledge.unheard.discard(topic)
+        case ListenersChanged():
+            knowledge.unheard.add(topic)
+            is_over = True
+    if is_over and knowledge.link is not None:
+        knowledge.link.end(topic, now_ns)
+
+
+def _take(
+    knowledge: Knowledge, watched: WatchedTopic, observation: Arrival | SourceChanged, now_ns: int
+) -> None:
+    match observation:
+        case Arrival():
+            watched.source.record(now_ns)
+            watched.arrivals.record(now_ns, observation.size_bytes)
+            if watched.fields:
+                _read(knowledge, watched, observation)
+        case SourceChanged():
+            watched.change_source(observation)
+
+
+def _read(knowledge: Knowledge, watched: WatchedTopic, arrival: Arrival) -> None:
+    if arrival.message is None or isinstance(arrival.message, Undecodable):
+        watched.fields.forget()
+        knowledge.undecodable[arrival.topic] += 1
+        return
+    for signal in watched.fields.read(arrival.message):
+        knowledge.unknown_values[signal] += 1
+
+
+def analyze(knowledge: Knowledge, readings: Iterable[Reading], now_ns: int) -> AbstractSet[str]:
+    """The topics whose request may have changed by ``now_ns``, a steady time; at first all relayed ones."""
+    knowledge.evaluator.advance(now_ns)
+    for signal, value in readings:
+        knowledge.evaluator.set(signal, value)
+    return knowledge.evaluator.take_changed_topics()
+
+
+def plan(knowledge: Knowledge, changed: Iterable[str], now_ns: int) -> tuple[Decision, ...]:
+    """Bring the plan up to date with the requests of ``changed`` topics and with what has settled.
+
+    ``now_ns`` is the steady time. Decisions come in the order in which the rule set names the topics.
+    """
+    for topic in changed:
+        _take_request(knowledge, topic, now_ns)
+    topics = {*changed, *knowledge.settle_alarms.take_due(now_ns)}
+    if not topics and knowledge.link is None:
+        return ()
+    has_changed = [_settle(knowledge, topic, now_ns) for topic in topics]
+    if knowledge.link is not None:
+        topics |= knowledge.link.update(knowledge.settled, now_ns, requests_changed=any(has_changed))
+    return tuple(_decisions(knowledge, sorted(topics, key=knowledge.order_of.__getitem__), now_ns))
+
+
+def _take_request(knowledge: Knowledge, topic: str, now_ns: int) -> None:
+    request = knowledge.evaluator.decide(topic)
+    settling = knowledge.settling.get(topic)
+    if settling is None:
+        knowledge.settling[topic] = Settling(request, knowledge.settle_ns)
+    else:
+        settling.on_request(request, now_ns)
+    bounds = knowledge.settling_bounds.get(topic)
+    if bounds is None:
+        knowledge.settling_bounds[topic] = SettlingBounds(request.planned, knowledge.settle_ns)
+    else:
+        bounds.on_request(request.planned, now_ns)
+
+
+def _settle(knowledge: Knowledge, topic: str, now_ns: int) -> bool:
+    """Whether another rate, or other bounds, have settled for ``topic``."""
+    settling = knowledge.settling[topic]
+    before, after = knowledge.settled.get(topic), settling.effective(now_ns)
+    bounds = knowledge.settling_bounds[topic]
+    planned = bounds.effective(after.planned, now_ns)
+    if planned is not after.planned:
+        after = replace(after, planned=planned)
+    times_ns = (settling.next_change_ns, bounds.next_change_ns)
+    next_ns = min((at_ns for at_ns in times_ns if at_ns is not None), default=None)
+    knowledge.settle_alarms.set(topic, next_ns)
+    knowledge.settled[topic] = after
+    if before is None:
+        return True
+    return (before.planned.rate, before.planned.within) != (after.planned.rate, after.planned.within)
+
+
+def _decisions(knowledge: Knowledge, topics: Iterable[str], now_ns: int) -> Iterator[Decision]:
+    for topic in topics:
+        before, after = knowledge.effective.get(topic), knowledge.settled[topic]
+        if knowledge.link is not None:
+            after = knowledge.link.within(topic, after)
+        knowledge.effective[topic] = after
+        knowledge.plan[topic] = after.planned
+        if before is None or _differs(before, after):
+            yield _decision(knowledge, topic, before, after, now_ns)
+
+
+def _differs(before: RequestedRate, after: RequestedRate) -> bool:
+    before_plan, after_plan = before.planned, after.planned
+    return (
+        before_plan.rate != after_plan.rate
+        or before_plan.within != after_plan.within
+        or before.block != after.block
+        or (before_plan.reason is Reason.UNKNOWN) != (after_plan.reason is Reason.UNKNOWN)
+    )
+
+
+def _decision(
+    knowledge: Knowledge, topic: str, before: RequestedRate | None, after: RequestedRate, now_ns: int
+) -> Decision:
+    return Decision(
+        t_s=(now_ns - knowledge.start_ns) / NS_PER_S,
+        stamp_ns=knowledge.time.on_clock(now_ns),
+        topic=topic,
+        from_rate=None if before is None else before.planned.rate,
+        planned=after.planned,
+        values=knowledge.values_of(after.block, now_ns),
+        from_within={} if before is None else before.planned.within,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trigger:
+    """A block with recordings began to hold at ``stamp_ns``, when its condition read ``values``."""
+
+    stamp_ns: int
+    block: RuleBlock
+    values: Mapping[str, float | None]
+
+
+def triggers(knowledge: Knowledge, now_ns: int) -> Iterator[Trigger]:
+    """The blocks that are now known to hold and were known not to since they last did.
+
+    A condition that is in doubt for a while has neither begun nor ended. ``now_ns`` is a steady time.
+    """
+    for order, truth in knowledge.evaluator.take_turned_recordings():
+        if truth is Truth.FALSE:
+            knowledge.recording.discard(order)
+        elif truth is Truth.TRUE and order not in knowledge.recording:
+            knowledge.recording.add(order)
+            yield Trigger(
+                stamp_ns=knowledge.time.on_clock(now_ns),
+                block=knowledge.rule_set.blocks[order],
+                values=knowledge.values_of(order, now_ns),
+            )
+
+
+def still_recording(knowledge: Knowledge, rule_set: RuleSet) -> set[int]:
+    """The blocks of ``rule_set``, by order, that are written as those that hold: they do not begin again."""
+    holding = {_written(knowledge.rule_set.blocks[order]) for order in knowledge.recording}
+    return {block.order for block in rule_set.blocks if block.recordings and _written(block) in holding}
+
+
+def _written(block: RuleBlock) -> object:
+    """All that stays when other statements move the block, and comments change."""
+    records = None if block.name is not None else tuple(one.name for one in block.recordings)
+    return block.name, records, block.form
 
 
 class StepResult(NamedTuple):

@@ -272,3 +272,36 @@ _READERS: Mapping[str, _ReadFrame] = MappingProxyType(
     }
 )
 """By patterns of the names of coders, encoders and formats, without dots, that sizes of images do not fit."""
+
+
+class VideoGroup:
+    """Whether the next frame of a stream can be decoded by who has the frames that were not left out.
+
+    Unless it ``is_known``, no key frame came yet, and none is worth less than another. While it
+    ``awaits_key``, there were parameters last, and what else stands before a key frame.
+    """
+
+    __slots__ = ("_was_broken", "awaits_key", "is_broken", "is_known")
+
+    def __init__(self) -> None:
+        self.is_known = False
+        self.is_broken = False
+        self.awaits_key = False
+        self._was_broken = False
+
+    def take(self, frame: VideoFrame | None) -> bool:
+        """Have ``frame``, or an image by itself, as the next one; whether a group begins with it."""
+        awaited_key = self.awaits_key
+        begins = begins_group(frame) and not awaited_key
+        self.awaits_key = frame is VideoFrame.PARAMETERS or (awaited_key and frame is VideoFrame.UNKNOWN)
+        if begins:
+            self._was_broken, self.is_known, self.is_broken = self.is_broken, True, False
+        elif awaited_key and frame is VideoFrame.DIFFERENCE:
+            # Some coders repeat their parameters where no group begins.
+            self.is_broken |= self._was_broken
+        return begins
+
+
+def begins_group(frame: VideoFrame | None) -> bool:
+    """Whether a group begins with ``frame``, or with the parameters before it."""
+    return frame is None or frame is VideoFrame.KEY or frame is VideoFrame.PARAMETERS

@@ -13,11 +13,9 @@ from typing import cast
 from smarttestudo.pacing.bound import BoundRecords, BoundStreams
 from smarttestudo.pacing.follower import Follower, FollowerNotifier
 from smarttestudo.pacing.grid import NEVER_NS, Pace
-from smarttestudo.pacing.groups import GroupStream
 from smarttestudo.pacing.reckoning.picture import Picture
-from smarttestudo.pacing.repeat import RepeatStream
 from smarttestudo.pacing.sample import Pacer, Pass, Sample, StreamKind, WhenSlow
-from smarttestudo.pacing.stream import LatchedStream, PublisherStream
+from smarttestudo.pacing.stream import GroupStream, LatchedStream, PublisherStream, RepeatStream
 from smarttestudo.pacing.streams import NamedStreams, PublisherStreams, Streams
 
 AnyStreams = (

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.link.parts.operator_log import MOST_LINES, REFILL_NS, OperatorLog
+from smarttestudo.link.parts.live_link import MOST_LINES, REFILL_NS, OperatorLog
 
 ADA, BOB = 0x1A2B << 48, 0x9 << 48
 

@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from link.protocol.simulated_link import MS, Link, S
-from smarttestudo.link.protocol.command_receiver import CommandReceiver
-from smarttestudo.link.protocol.command_sender import CommandSender
+from smarttestudo.link.protocol.commands import CommandReceiver, CommandSender
 
 PUMP_NS = 50 * MS
 JOY = "/joy"

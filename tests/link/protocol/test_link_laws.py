@@ -18,8 +18,13 @@ from link.protocol.whole_chunks import WholeChunks
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import LinkNeeds, Prediction, ReceivedMessage, StreamCounts, StreamInfo
 from smarttestudo.domain.robot import Qos
-from smarttestudo.link.protocol.acknowledgements import NOTHING_RECEIVED, Acknowledgement
-from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, Chunk
+from smarttestudo.link.protocol.chunks import (
+    CONTROL_STREAM,
+    HEADER_BYTES,
+    NOTHING_RECEIVED,
+    Acknowledgement,
+    Chunk,
+)
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, LinkTimes, Report
 from smarttestudo.link.protocol.receiver import LinkReceiver
 from smarttestudo.link.protocol.sender import MAX_ENDING, LinkSender

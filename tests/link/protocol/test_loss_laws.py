@@ -11,8 +11,13 @@ from hypothesis import strategies as st
 
 from link.protocol.stepped_wire import MS, TOPICS, Wire
 from smarttestudo.domain.link import MissedMessage, ReceivedMessage
-from smarttestudo.link.protocol.acknowledgements import MAX_LOST_SPANS, NOTHING_RECEIVED, ReceivedSessions
-from smarttestudo.link.protocol.chunks import SESSION_OFFSETS, Chunk
+from smarttestudo.link.protocol.chunks import (
+    MAX_LOST_SPANS,
+    NOTHING_RECEIVED,
+    SESSION_OFFSETS,
+    Chunk,
+    ReceivedSessions,
+)
 from smarttestudo.link.protocol.messages import REPORTS, Report
 from smarttestudo.link.protocol.receiver import LinkReceiver
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from link.protocol.simulated_link import Ends, Link, S, Source
 from smarttestudo.domain.link import LinkNeeds, MissedMessage
-from smarttestudo.link.protocol.acknowledgements import NOTHING_RECEIVED
+from smarttestudo.link.protocol.chunks import NOTHING_RECEIVED
 from smarttestudo.link.protocol.messages import Report
 
 MS = S // 1000

@@ -10,9 +10,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.link.protocol.acknowledgements import Acknowledgement, LostSpan
-from smarttestudo.link.protocol.messages import REPORTS, Report
-from smarttestudo.link.protocol.reports import ReportReader, ReportWriter
+from smarttestudo.link.protocol.chunks import Acknowledgement, LostSpan
+from smarttestudo.link.protocol.messages import REPORTS, Report, ReportReader, ReportWriter
 from smarttestudo.link.protocol.wire import Kind, frame, zigzag
 
 receivers = st.sampled_from((0, 5, 2**64 - 1))

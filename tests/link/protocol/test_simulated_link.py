@@ -12,7 +12,7 @@ from link.protocol.simulated_link import Ends, Link, S, Source, quantile
 from smarttestudo.domain.link import LinkNeeds, StreamCounts, StreamInfo
 from smarttestudo.domain.profile import UNLIMITED_KB_PER_S
 from smarttestudo.domain.robot import Qos
-from smarttestudo.link.protocol.acknowledgements import NOTHING_RECEIVED
+from smarttestudo.link.protocol.chunks import NOTHING_RECEIVED
 from smarttestudo.link.protocol.messages import Report
 from smarttestudo.link.protocol.outbox import MAX_QUEUED_BYTES
 from smarttestudo.link.protocol.sender import LinkSender

@@ -29,7 +29,7 @@ from pacing.reckoning.ros_messages import (
 from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.domain.link import Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
-from smarttestudo.link.protocol.acknowledgements import Acknowledgement
+from smarttestudo.link.protocol.chunks import Acknowledgement
 from smarttestudo.link.protocol.messages import REPORTS, Report
 from smarttestudo.link.receive.prediction import Predictor
 from smarttestudo.link.receive.reception import Reception

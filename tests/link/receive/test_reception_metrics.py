@@ -22,8 +22,7 @@ from smarttestudo.domain.status import TopicCounts
 from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.protocol.receiver import ReceiverCounts
 from smarttestudo.link.receive.reception import Reception
-from smarttestudo.link.receive.reception_metrics import MAX_TOPICS, ReceptionMetrics
-from smarttestudo.link.receive.status_sink import StatusSink
+from smarttestudo.link.receive.reception_metrics import MAX_TOPICS, ReceptionMetrics, StatusSink
 from smarttestudo.link.zenoh.arrivals import StreamSaid
 from smarttestudo.pacing.cdr import string_message
 

@@ -16,7 +16,7 @@ from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.cli.top_table import Style
 from smarttestudo.domain.link import CommandTopic, SentCounts
 from smarttestudo.domain.names import output_name
-from smarttestudo.link.protocol.command_sender import CommandedRobot
+from smarttestudo.link.protocol.commands import CommandedRobot
 from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.receive.reception import Reception
 from smarttestudo.link.receive.sending import (
@@ -29,7 +29,7 @@ from smarttestudo.link.receive.sending import (
 
 JOY = "sensor_msgs/msg/Joy"
 if TYPE_CHECKING:
-    from smarttestudo.link.zenoh.command_outbox import CommandOutbox
+    from smarttestudo.link.zenoh.commands import CommandOutbox
 
 MS = 1_000_000
 ADA, BOB = Boot("ada", "0" * 16), Boot("bob", "1" * 16)

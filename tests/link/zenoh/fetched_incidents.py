@@ -16,7 +16,7 @@ from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.bags.metadata_text import METADATA_NAME, metadata_text
 from smarttestudo.domain.incident import FetchProgress, IncidentRecord, IncidentTopic, incident_text
 from smarttestudo.link.zenoh import open_link_incidents, open_robot_end
-from smarttestudo.link.zenoh.link_incidents import LinkIncidents
+from smarttestudo.link.zenoh.incidents import LinkIncidents
 from smarttestudo.link.zenoh.robot_end import RobotEnd
 from smarttestudo.link.zenoh.security import LinkOptions
 

@@ -21,7 +21,7 @@ import pytest
 import zenoh
 
 from smarttestudo.cli import remote_incidents
-from smarttestudo.link.zenoh import link_incidents, status_listener
+from smarttestudo.link.zenoh import incidents, statuses
 
 __all__ = ["network", "virtual_time"]
 
@@ -38,7 +38,7 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
 def virtual_time(monkeypatch: pytest.MonkeyPatch) -> VirtualTime:
     """The time of who lists, fetches and watches."""
     time = VirtualTime()
-    for module in (link_incidents, remote_incidents, status_listener):
+    for module in (incidents, remote_incidents, statuses):
         monkeypatch.setattr(module, "time", time)
     return time
 

@@ -16,9 +16,10 @@ from link.zenoh.slow_wire import slow_wire
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Payload
 from smarttestudo.link.protocol.command_sender import CommandedRobot
+from smarttestudo.domain.payload import Payload
+from smarttestudo.link.protocol.commands import CommandedRobot
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
-from smarttestudo.link.zenoh.command_inbox import CommandInbox
-from smarttestudo.link.zenoh.command_outbox import CommandOutbox
+from smarttestudo.link.zenoh.commands import CommandInbox, CommandOutbox
 from smarttestudo.link.zenoh.security import LinkOptions
 
 pytestmark = pytest.mark.full

@@ -33,8 +33,8 @@ from smarttestudo.incidents.transfer_messages import (
     MAX_ASK_BYTES,
     AskBytes,
 )
-from smarttestudo.link.protocol.incident_messages import QUESTIONS
-from smarttestudo.link.zenoh.link_incidents import LinkIncidents
+from smarttestudo.link.protocol.messages import QUESTIONS
+from smarttestudo.link.zenoh.incidents import LinkIncidents
 
 pytestmark = pytest.mark.full
 

@@ -32,7 +32,7 @@ from smarttestudo.incidents.transfer_messages import (
     TransferPlan,
 )
 from smarttestudo.incidents.transfer_order import ByteRange, RangePart
-from smarttestudo.link.protocol.incident_messages import PIECES, PLANS, QUESTIONS
+from smarttestudo.link.protocol.messages import PIECES, PLANS, QUESTIONS
 from smarttestudo.link.protocol.wire import WIRE_VERSION
 from smarttestudo.link.zenoh import open_robot_end
 from smarttestudo.link.zenoh.compression import packed

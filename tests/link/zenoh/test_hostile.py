@@ -13,8 +13,7 @@ import zstandard
 
 from link.protocol.whole_chunks import WholeChunks
 from link.zenoh.ends import ODOM, Reader, free_endpoint, operator_end, robot_end, stranger_at, until
-from smarttestudo.link.protocol.acknowledgements import Acknowledgement
-from smarttestudo.link.protocol.chunks import CONTROL_STREAM
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, Acknowledgement
 from smarttestudo.link.protocol.keys import Boot, new_boot
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
 from smarttestudo.link.protocol.receiver import ReceiverCounts

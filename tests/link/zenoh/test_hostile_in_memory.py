@@ -12,8 +12,7 @@ from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, operator_end, robo
 from link.zenoh.memory_zenoh import network
 from link.zenoh.test_hostile import counts, still_works
 from smarttestudo.domain.link import StreamInfo
-from smarttestudo.link.protocol.acknowledgements import Acknowledgement
-from smarttestudo.link.protocol.chunks import CONTROL_STREAM, MAX_STREAMS
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, MAX_STREAMS, Acknowledgement
 from smarttestudo.link.protocol.keys import MAX_ROBOTS, new_boot
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
 from smarttestudo.link.zenoh.arrivals import RobotPresence, StreamSaid

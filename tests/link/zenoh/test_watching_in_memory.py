@@ -33,7 +33,7 @@ from smarttestudo.link.protocol.messages import CHANGING_QUESTIONS
 from smarttestudo.link.protocol.wire import WIRE_VERSION
 from smarttestudo.link.zenoh import open_link_robots, open_robot_end
 from smarttestudo.link.zenoh.link_robots import LinkRobots
-from smarttestudo.link.zenoh.query_server import MAX_WAITING
+from smarttestudo.link.zenoh.queries import MAX_WAITING
 from smarttestudo.link.zenoh.security import LinkOptions
 
 __all__ = ["network", "virtual_time"]

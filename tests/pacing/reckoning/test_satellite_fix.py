@@ -16,7 +16,7 @@ from bags.bag_factory import START_NS, BagContent, BagMessage, BagTopic, cdr, me
 from replays.replay_runs import replay_content
 from smarttestudo.accuracy.recorded_loss import LossQuestion, measure_loss
 from smarttestudo.language.properties import gauges_for
-from smarttestudo.pacing.reckoning.satellite_fix import Place, places_distance_m
+from smarttestudo.pacing.reckoning.gauges import Place, places_distance_m
 from smarttestudo.rules.rule_sets import load_rules
 
 FIX = "sensor_msgs/msg/NavSatFix"

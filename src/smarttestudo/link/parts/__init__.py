@@ -10,8 +10,7 @@ from smarttestudo.robot.part import Part, PartContext, PartKind
 def _link(context: PartContext) -> Part | None:
     if context.link is None:
         return None
-    from smarttestudo.link.parts.link_questions import LinkQuestions  # noqa: PLC0415  most robots have no link
-    from smarttestudo.link.parts.live_link import LinkPart  # noqa: PLC0415  most robots have no link
+    from smarttestudo.link.parts.live_link import LinkPart, LinkQuestions  # noqa: PLC0415  most robots have no link
 
     LinkQuestions(context.robot, context.link)
     return LinkPart(context.robot, context.link)

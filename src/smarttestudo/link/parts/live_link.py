@@ -5,20 +5,121 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction, StreamCounts, TopicOnLink
+from smarttestudo.domain.errors import TestudoError, testudo_error
+from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction
+from smarttestudo.domain.link_state import StreamCounts, TopicOnLink
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon
+from smarttestudo.domain.questions import Answer, GetParameters, GetTopics, Question, SetParameters
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.link.parts.operator_log import OperatorLog
+from smarttestudo.domain.units import NS_PER_S, counted
+from smarttestudo.domain.visible_topics import topic_types
 from smarttestudo.loop.inputs import ChangeInput, WakeInput
 from smarttestudo.loop.relay import ReckonedPicture
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.part import Part, RunView
+
+MOST_LINES = 6
+"""So many are said at once; then one for each ``REFILL_NS``, with all that happened meanwhile."""
+REFILL_NS = 30 * NS_PER_S
+_DIGITS = 4
+
+
+class OperatorLog:
+    """Says by ``say`` which operator's ends came or left; ``now_ns`` is of a clock that never jumps."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self._say = say
+        self._there: frozenset[int] = frozenset()
+        self._said: frozenset[int] = frozenset()
+        self._moves = 0
+        self._lines = float(MOST_LINES)
+        self._looked_ns = 0
+        self._left_ns: int | None = None
+        """When the last one left."""
+        self._absent_s = 0.0
+        """For how long there was none, until one came again of which nothing was said yet."""
+
+    def look(self, there: frozenset[int], now_ns: int) -> None:
+        """These are there now."""
+        self._lines = min(self._lines + (now_ns - self._looked_ns) / REFILL_NS, MOST_LINES)
+        self._looked_ns = now_ns
+        if there != self._there:
+            self._moves += len(there ^ self._there)
+            if not there:
+                self._left_ns = now_ns
+            elif not self._there and self._left_ns is not None:
+                self._absent_s = (now_ns - self._left_ns) / NS_PER_S
+            self._there = there
+        if self._moves and self._lines >= 1:
+            self._lines -= 1
+            self._say(self._sentence())
+            self._said, self._moves, self._absent_s = there, 0, 0.0
+
+    def _sentence(self) -> str:
+        came, left = self._there - self._said, self._said - self._there
+        parts = [f"{_names(left)} left the link"] if left else []
+        if came:
+            absent = f", after {self._absent_s:.0f} s without any" if self._absent_s >= 1 else ""
+            parts.append(f"{_names(came)} came over the link{absent}")
+        if others := self._moves - len(came) - len(left):
+            parts.append(f"operators came or left {counted(others, 'more time')} meanwhile")
+        if not self._there:
+            parts.append("none is there now")
+        return "; ".join(parts)
+
+
+def _names(numbers: Collection[int]) -> str:
+    names = ", ".join(sorted(f"{number:016x}"[:_DIGITS] for number in numbers))
+    return f"operator {names}" if len(numbers) == 1 else f"operators {names}"
+
+
+QUESTION_PERIOD_S = 0.1
+"""How often one question is answered: more would keep messages waiting."""
+_TOPICS_HOLD_NS = 2 * NS_PER_S
+
+
+class LinkQuestions:
+    """Answers the questions that wait at ``link`` on the thread of ``robot``, one at a time."""
+
+    def __init__(self, robot: Robot, link: OutgoingLink) -> None:
+        self._robot = robot
+        self._link = link
+        self._topics: Answer = {}
+        self._polled_ns: int | None = None
+        robot.every(QUESTION_PERIOD_S, self._poll)
+
+    def _poll(self) -> None:
+        asked = self._link.take_question()
+        if asked is None:
+            return
+        answer: Answer | TestudoError
+        try:
+            answer = self._answer(asked.question)
+        except Exception as error:  # noqa: BLE001 - whatever a stranger asks, relaying goes on
+            answer = testudo_error(error)
+        asked.answer(answer)
+
+    def _answer(self, question: Question) -> Answer:
+        match question:
+            case GetParameters(names=names):
+                return self._robot.parameters(names)
+            case SetParameters(values=values):
+                return self._robot.set_parameters(values)
+            case GetTopics():
+                return self._all_topics()
+
+    def _all_topics(self) -> Answer:
+        now_ns = self._robot.steady_ns()
+        if self._polled_ns is None or now_ns > self._polled_ns + _TOPICS_HOLD_NS:
+            self._topics, self._polled_ns = topic_types(self._robot), now_ns
+        return self._topics
+
 
 LINK_PERIOD_S = 0.25
 """How often to read what the link carries."""

@@ -11,11 +11,16 @@ from typing import NamedTuple
 
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, StreamCounts
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.link.protocol.acknowledgements import Acknowledgement
-from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, NUMBERS, SESSION_OFFSETS, Chunk
+from smarttestudo.link.protocol.chunks import (
+    CONTROL_STREAM,
+    HEADER_BYTES,
+    NUMBERS,
+    SESSION_OFFSETS,
+    Acknowledgement,
+    Chunk,
+)
 from smarttestudo.link.protocol.outgoing_stream import Encode, OutgoingMessage, OutgoingStream
-from smarttestudo.pacing.coded_video import VideoFrame
-from smarttestudo.pacing.groups import VideoGroup
+from smarttestudo.pacing.coded_video import VideoFrame, VideoGroup
 
 MAX_QUEUED_BYTES = 1_000_000
 """The size of the queue of a topic that is sent whole."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, StreamCounts
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.pacing.groups import VideoGroup
+from smarttestudo.pacing.coded_video import VideoGroup
 
 LOSING_NS = 60 * NS_PER_S
 """For how long a topic that lost a message is said to lose some."""

@@ -10,20 +10,22 @@ from dataclasses import dataclass, replace
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.link.protocol.acknowledgements import ReceivedSessions
 from smarttestudo.link.protocol.chunks import (
     CONTROL_STREAM,
     MAX_MESSAGE_BYTES,
     NUMBERS,
     Chunk,
     Reassembler,
+    ReceivedSessions,
 )
-from smarttestudo.link.protocol.least import CLOCK_WINDOW_NS, LeastOfWindow
-from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report
-from smarttestudo.link.protocol.reports import ReportWriter
-from smarttestudo.link.protocol.window import ACKNOWLEDGE_BYTES, ACKNOWLEDGE_PERIOD_NS
-from smarttestudo.pacing.coded_video import VideoReader
-from smarttestudo.pacing.groups import VideoGroup
+from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report, ReportWriter
+from smarttestudo.link.protocol.window import (
+    ACKNOWLEDGE_BYTES,
+    ACKNOWLEDGE_PERIOD_NS,
+    CLOCK_WINDOW_NS,
+    LeastOfWindow,
+)
+from smarttestudo.pacing.coded_video import VideoGroup, VideoReader
 
 KEEP_ALIVE_NS = NS_PER_S // 2
 """How often to report though nothing came, so that the robot's end knows that somebody is there."""

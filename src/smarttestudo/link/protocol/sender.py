@@ -19,14 +19,12 @@ from smarttestudo.domain.link import (
     StreamInfo,
 )
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
-from smarttestudo.link.protocol.acknowledgements import Acknowledgement
-from smarttestudo.link.protocol.background import BackgroundAnswer, BackgroundAnswers
-from smarttestudo.link.protocol.budget_estimator import BudgetEstimator
-from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS, Acknowledgement
 from smarttestudo.link.protocol.messages import CONTROL, Announcement, LinkTimes, Report
 from smarttestudo.link.protocol.outbox import Outbox
 from smarttestudo.link.protocol.outgoing_stream import Encode, Encoded, plain
 from smarttestudo.link.protocol.receivers import Receivers
+from smarttestudo.link.protocol.scheduler import BackgroundAnswer, BackgroundAnswers, BudgetEstimator
 from smarttestudo.link.protocol.window import ACKNOWLEDGE_PERIOD_NS, Window
 from smarttestudo.pacing.coded_video import VideoReader, is_coded_video
 

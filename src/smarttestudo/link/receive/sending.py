@@ -21,12 +21,12 @@ from smarttestudo.domain.link import (
 from smarttestudo.domain.names import output_name
 from smarttestudo.domain.robot import Payload, Qos, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.link.protocol.command_sender import CommandedRobot
+from smarttestudo.link.protocol.commands import CommandedRobot
 from smarttestudo.link.protocol.keys import Boot
 
 if TYPE_CHECKING:
     # It needs Zenoh, which tests of this do without.
-    from smarttestudo.link.zenoh.command_outbox import CommandOutbox
+    from smarttestudo.link.zenoh.commands import CommandOutbox
 
 QOS = Qos(reliable=False, transient_local=False, depth=10)
 """Nothing latched, and nothing that is sent again after a loss: both may be old."""

@@ -17,9 +17,8 @@ from smarttestudo.link.zenoh.arrivals import MAX_WAITING_BYTES
 from smarttestudo.link.zenoh.security import LinkOptions
 
 if TYPE_CHECKING:
-    from smarttestudo.link.zenoh.link_client import LinkClient
-    from smarttestudo.link.zenoh.link_clients import LinkClients
-    from smarttestudo.link.zenoh.link_incidents import LinkIncidents
+    from smarttestudo.link.zenoh.incidents import LinkIncidents
+    from smarttestudo.link.zenoh.link_client import LinkClient, LinkClients
     from smarttestudo.link.zenoh.link_robots import LinkRobots
     from smarttestudo.link.zenoh.operator_end import OperatorEnd
     from smarttestudo.link.zenoh.robot_end import RobotEnd
@@ -47,7 +46,7 @@ def open_robot_end(
     commands over endpoints that let anybody in.
     """
     require_zenoh()
-    from smarttestudo.link.zenoh.command_inbox import CommandInbox  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.commands import CommandInbox  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.robot_end import RobotEnd  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
 
@@ -82,7 +81,7 @@ def open_operator_end(
     Raises ``LinkError`` as ``open_robot_end`` does.
     """
     require_zenoh()
-    from smarttestudo.link.zenoh.command_outbox import CommandOutbox  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.commands import CommandOutbox  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.operator_end import OperatorEnd  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.session import open_session  # noqa: PLC0415  needs zenoh
 
@@ -126,7 +125,7 @@ def open_link_incidents(options: LinkOptions, warn: Warn) -> Iterator[LinkIncide
     Raises ``LinkError`` as ``open_robot_end`` does.
     """
     require_zenoh()
-    from smarttestudo.link.zenoh.link_incidents import LinkIncidents  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.incidents import LinkIncidents  # noqa: PLC0415  needs zenoh
 
     client = _client(options, warn)
     incidents = LinkIncidents(client, ", ".join(options.connect))
@@ -137,8 +136,7 @@ def open_link_incidents(options: LinkOptions, warn: Warn) -> Iterator[LinkIncide
 
 
 def _client(options: LinkOptions, warn: Warn) -> LinkClient | LinkClients:
-    from smarttestudo.link.zenoh.link_client import LinkClient  # noqa: PLC0415  needs zenoh
-    from smarttestudo.link.zenoh.link_clients import LinkClients  # noqa: PLC0415  needs zenoh
+    from smarttestudo.link.zenoh.link_client import LinkClient, LinkClients  # noqa: PLC0415  needs zenoh
     from smarttestudo.link.zenoh.session import session_config  # noqa: PLC0415  needs zenoh
 
     config, known = session_config(options, "client", warn)

@@ -34,9 +34,8 @@ from smarttestudo.link.protocol.messages import (
 from smarttestudo.link.protocol.status_stream import Record
 from smarttestudo.link.protocol.wire import malformed
 from smarttestudo.link.zenoh.compression import sendable, unpacked
-from smarttestudo.link.zenoh.link_client import LinkClient
-from smarttestudo.link.zenoh.link_clients import LinkClients
-from smarttestudo.link.zenoh.query_client import Reply
+from smarttestudo.link.zenoh.link_client import LinkClient, LinkClients
+from smarttestudo.link.zenoh.queries import Reply
 
 _MOST_WAITING = 10_000
 _SIZES = 10

@@ -23,12 +23,12 @@ from smarttestudo.link.protocol.status_stream import Record
 from smarttestudo.link.protocol.wire import other_version
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.arrivals import EventQueue, LinkEvent, RobotPresence, StreamSaid
-from smarttestudo.link.zenoh.command_outbox import CommandOutbox
+from smarttestudo.link.zenoh.commands import CommandOutbox
 from smarttestudo.link.zenoh.compression import decompress
-from smarttestudo.link.zenoh.link_incidents import LinkIncidents
-from smarttestudo.link.zenoh.query_client import QueryClient
+from smarttestudo.link.zenoh.incidents import LinkIncidents
+from smarttestudo.link.zenoh.queries import QueryClient
 from smarttestudo.link.zenoh.session import OtherVersions, robot_peer
-from smarttestudo.link.zenoh.status_listener import StatusListener
+from smarttestudo.link.zenoh.statuses import StatusListener
 from smarttestudo.pacing.cdr import string_message
 
 STATUS_STREAM = StreamInfo(

@@ -27,18 +27,18 @@ from smarttestudo.domain.robot import Payload
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.incidents.catalog import IncidentCatalog
 from smarttestudo.incidents.transfer_messages import AskBytes
-from smarttestudo.link.protocol.background import BackgroundAnswer
 from smarttestudo.link.protocol.chunks import MAX_MESSAGE_BYTES
 from smarttestudo.link.protocol.keys import new_boot
-from smarttestudo.link.protocol.reports import ReportReader
+from smarttestudo.link.protocol.messages import ReportReader
+from smarttestudo.link.protocol.scheduler import BackgroundAnswer
 from smarttestudo.link.protocol.sender import LinkSender
 from smarttestudo.link.worker import Worker
-from smarttestudo.link.zenoh.command_inbox import CommandInbox
+from smarttestudo.link.zenoh.commands import CommandInbox
 from smarttestudo.link.zenoh.compression import Compressor
-from smarttestudo.link.zenoh.incident_server import IncidentServer, WaitingAsk
-from smarttestudo.link.zenoh.query_server import MAX_WAITING, QueryServer, WaitingQuestion
+from smarttestudo.link.zenoh.incidents import IncidentServer, WaitingAsk
+from smarttestudo.link.zenoh.queries import MAX_WAITING, QueryServer, WaitingQuestion
 from smarttestudo.link.zenoh.session import OPERATOR, LinkSession, OtherVersions, is_heard
-from smarttestudo.link.zenoh.status_server import StatusServer
+from smarttestudo.link.zenoh.statuses import StatusServer
 from smarttestudo.pacing.cdr import STREAM_TYPES, StreamReader
 
 _POLL_AGAIN_S = 0.2

@@ -5,12 +5,15 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple, Protocol
 
 from smarttestudo.domain.observation import Undecodable
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.cdr import FrameReader, JointReader, PoseReader, header_stamp_ns
+from smarttestudo.pacing.cdr_walk import CdrWalk, byte_order
 from smarttestudo.pacing.reckoning.motion import (
     Rotation,
     SpatialPose,
@@ -266,3 +269,93 @@ def _numbers(state: PoseState) -> tuple[float, ...]:
 
 def _pose(numbers: Sequence[float]) -> SpatialPose:
     return SpatialPose(Vector3(*numbers[:3]), Rotation(*numbers[3:7]))
+
+
+_EQUATOR_M = 6_378_137.0
+_FLATTENING = 1 / 298.257223563
+_SQUARED_ECCENTRICITY = _FLATTENING * (2 - _FLATTENING)
+_NO_FIX = -1
+
+
+class Place(NamedTuple):
+    """Where a receiver is; NaN stands for what it does not know, which is all of it without a fix."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float
+
+
+_NOWHERE = Place(math.nan, math.nan, math.nan)
+
+
+def places_distance_m(one: Place, other: Place) -> float:
+    """The length of the way between two places; at the ellipsoid where the altitude of one is not known.
+
+    NaN where one is nowhere.
+    """
+    if not (_is_on_earth(one) and _is_on_earth(other)):
+        return math.nan
+    has_altitudes = math.isfinite(one.altitude_m) and math.isfinite(other.altitude_m)
+    return math.dist(_axes_m(one, has_altitude=has_altitudes), _axes_m(other, has_altitude=has_altitudes))
+
+
+def _is_on_earth(place: Place) -> bool:
+    return abs(place.latitude_deg) <= 90 and math.isfinite(place.longitude_deg)
+
+
+def _axes_m(place: Place, *, has_altitude: bool) -> tuple[float, float, float]:
+    latitude, longitude = math.radians(place.latitude_deg), math.radians(place.longitude_deg)
+    height_m = place.altitude_m if has_altitude else 0.0
+    normal_m = _EQUATOR_M / math.sqrt(1 - _SQUARED_ECCENTRICITY * math.sin(latitude) ** 2)
+    from_axis_m = (normal_m + height_m) * math.cos(latitude)
+    return (
+        from_axis_m * math.cos(longitude),
+        from_axis_m * math.sin(longitude),
+        (normal_m * (1 - _SQUARED_ECCENTRICITY) + height_m) * math.sin(latitude),
+    )
+
+
+PLACE_DISTANCE = Distance(places_distance_m, _is_on_earth)
+
+
+class FixGauge:
+    """NavSatFix, which stays where it is."""
+
+    is_shared = False
+    needs_every_message = False
+
+    def __init__(self, distances: Mapping[str, Distance]) -> None:
+        self.distances = distances
+
+    def read(self, payload: bytes, _message: object | None, now_ns: int) -> Reading | None:
+        """The one part of the message, at its header's stamp, or at ``now_ns`` where that is not set."""
+        place = _place(payload)
+        if place is None:
+            return None
+        stamp_ns = header_stamp_ns(payload)
+        return (MovingPart("", stamp_ns or now_ns, None, place, stamp_ns is not None),)
+
+    def motion(self, _before: MovingPart | None, _part: MovingPart) -> None:
+        """None is known."""
+
+    def after(self, state: Place, _motion: None, _elapsed_s: float) -> Place:
+        """The same."""
+        return state
+
+    def written(self, _payload: bytes, _parts: Reading, _within: Mapping[str, float]) -> bytes | None:
+        """None, as nothing moves."""
+        return None
+
+
+def _place(payload: bytes) -> Place | None:
+    order = byte_order(payload)
+    if order is None:
+        return None
+    with suppress(struct.error):
+        walk = CdrWalk(payload, order)
+        walk.header()
+        (status,) = struct.unpack_from(f"{order}b", payload, walk.skip(1, 1))
+        walk.skip(2, 2)
+        place = Place(*struct.unpack_from(f"{order}3d", payload, walk.skip(24, 8)))
+        return _NOWHERE if status == _NO_FIX else place
+    return None

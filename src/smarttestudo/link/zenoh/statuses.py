@@ -1,22 +1,72 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The statuses of robots over their links; a full one is asked for where one was missed."""
+"""Robots' statuses over Zenoh: what changed for all who listen, all of it for who asks."""
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import zenoh
 
 from smarttestudo.domain.errors import LinkError
+from smarttestudo.domain.status_json import compact_status, is_measured
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.keys import ALL_STATUSES, MAX_ROBOTS, Boot, boot_of
-from smarttestudo.link.protocol.status_stream import Record, StatusReceiver
-from smarttestudo.link.zenoh.compression import decompress
-from smarttestudo.link.zenoh.query_client import QueryClient, Reply
+from smarttestudo.link.protocol.status_stream import Record, StatusReceiver, StatusSender
+from smarttestudo.link.zenoh.compression import compress, decompress
+from smarttestudo.link.zenoh.queries import Query, QueryClient, QueryServer, Reply
 from smarttestudo.link.zenoh.session import OtherVersions, robot_peer
+
+_FULLS_PER_SECOND = 4
+"""How many full statuses are sent to those who ask; more would be felt on a thin link."""
+
+
+class StatusServer:
+    """Sends each status once, however many listen; routers share it among them."""
+
+    def __init__(
+        self, session: zenoh.Session, server: QueryServer, key: str, clock: Callable[[], int]
+    ) -> None:
+        self.is_watched = False
+        self._clock = clock
+        self._sender = StatusSender(is_measured, compress)
+        self._lock = threading.Lock()
+        self._second = 0
+        self._fulls = 0
+        # What is dropped is missed by who listens, who then asks for a full status.
+        self._publisher = session.declare_publisher(
+            key, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.DATA_HIGH
+        )
+        # Kept alive: Zenoh undeclares on garbage collection.
+        self._kept = self._publisher.declare_matching_listener(self._match)
+        server.serve(key, self._answer)
+
+    def tell(self, status: Mapping[str, object]) -> None:
+        """Send ``status``, an object of JSON; never waits for the link."""
+        with self._lock:
+            data = self._sender.next(compact_status(status), self._clock())
+        try:
+            self._publisher.put(data)
+        except zenoh.ZError as error:
+            raise LinkError(f"no status is sent over the link: {error}") from error
+
+    def _match(self, status: zenoh.MatchingStatus) -> None:
+        self.is_watched = status.matching
+
+    def _answer(self, query: Query) -> None:
+        with self._lock:
+            second = self._clock() // NS_PER_S
+            if second != self._second:
+                self._second, self._fulls = second, 0
+            self._fulls += 1
+            if self._fulls > _FULLS_PER_SECOND:
+                raise LinkError("too many ask for a status at once", remedy="ask again in a second")
+            data = self._sender.full()
+        query.reply(data)
+
 
 Heard = Callable[[Boot, Record, int], None]
 """Takes a robot's status and the size of what it travelled as; called by threads of Zenoh."""

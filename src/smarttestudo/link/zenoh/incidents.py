@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The incidents of robots, listed and fetched over links."""
+"""Robots' incidents over Zenoh: offered at one end, listed and fetched at the other."""
 
 from __future__ import annotations
 
@@ -13,10 +13,13 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.incident import (
+from smarttestudo.domain.errors import LinkError, testudo_error
+from smarttestudo.domain.remote_incidents import (
     FetchProgress,
     OnProgress,
     RemoteIncident,
@@ -24,6 +27,7 @@ from smarttestudo.domain.incident import (
 )
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.incidents.catalog import IncidentCatalog
 from smarttestudo.incidents.fetching import ANSWERED_WITHIN_NS, Fetching, RangeAsk
 from smarttestudo.incidents.partial_incident import PartialIncident, incident_there
 from smarttestudo.incidents.transfer_messages import (
@@ -36,17 +40,104 @@ from smarttestudo.incidents.transfer_messages import (
     is_incident_name,
     no_incident,
 )
-from smarttestudo.link.protocol.incident_messages import (
+from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
+from smarttestudo.link.protocol.messages import (
     MAX_PIECE_BYTES,
+    MAX_QUESTION_BYTES,
+    PIECES,
     PLANS,
     QUESTIONS,
     list_from_bytes,
+    list_to_bytes,
     piece_from_bytes,
 )
-from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
-from smarttestudo.link.protocol.messages import MAX_QUESTION_BYTES
-from smarttestudo.link.zenoh.compression import unpacked
-from smarttestudo.link.zenoh.query_client import QueryClient, Reply
+from smarttestudo.link.zenoh.compression import Compressor, sendable, unpacked
+from smarttestudo.link.zenoh.queries import Query, QueryClient, QueryServer, Reply
+
+
+class WaitingAsk(NamedTuple):
+    """A question for bytes and what answers it."""
+
+    ask: AskBytes
+    query: Query
+
+
+class IncidentServer:
+    """Answers questions about what ``catalog`` has on ``key``.
+
+    Lists and plans are made by tasks for ``later``, which says whether it does them. Questions for bytes are
+    given to ``wait``, those that only say what has arrived to ``got``; ``answer`` answers one when the link
+    has nothing better to do.
+    """
+
+    def __init__(
+        self,
+        server: QueryServer,
+        key: str,
+        catalog: IncidentCatalog,
+        *,
+        later: Callable[[Callable[[], None]], bool],
+        wait: Callable[[WaitingAsk], None],
+        got: Callable[[AskBytes], None],
+    ) -> None:
+        self._catalog = catalog
+        self._later = later
+        self._wait = wait
+        self._got = got
+        self._compressor = Compressor()
+        server.serve(key, self._handle)
+
+    def answer(self, waiting: WaitingAsk, most_bytes: int, others: int) -> int:
+        """Answer with at most so many bytes of the order, while ``others`` wait; how many travel."""
+        ask, query = waiting
+        index = self._catalog.known(ask.name, ask.token)
+        if index is None:
+            query.drop()
+            return 0
+        try:
+            parts, body = index.read(ask.cursor, min(ask.size_bytes, most_bytes))
+        except LinkError as error:
+            query.refuse(error)
+            return 0
+        if not parts:
+            query.drop()
+            return 0
+        piece = TransferPiece(parts=parts, body=body, advised_bytes=most_bytes, waiting=others)
+        data = self._compressor.packed(PIECES.to_bytes(piece))
+        return len(data) if query.reply(data, express=True) else 0
+
+    def _handle(self, query: Query) -> None:
+        question = QUESTIONS.from_bytes(query.data)
+        is_known = isinstance(question, AskBytes) and self._catalog.known(question.name, question.token)
+        if isinstance(question, AskBytes) and not question.size_bytes:
+            query.drop()
+            self._got(question)
+        elif isinstance(question, AskBytes) and is_known:
+            self._wait(WaitingAsk(question, query))
+        elif not self._later(partial(self._look_up, query, question)):
+            query.drop()
+
+    def _look_up(self, query: Query, question: TransferQuestion) -> None:
+        try:
+            answer = self._looked_up(question)
+            if answer is None:
+                query.drop()
+            else:
+                query.reply(sendable(answer))
+        except Exception as error:  # noqa: BLE001 - whatever a stranger asks, others are answered
+            query.refuse(testudo_error(error))
+
+    def _looked_up(self, question: TransferQuestion) -> bytes | None:
+        """The answer of the disk; ``None`` where an incident was forgotten: its bytes are asked for again."""
+        if isinstance(question, AskList):
+            return list_to_bytes(self._catalog.list())
+        plan = self._catalog.index(question.name).plan
+        if isinstance(question, AskPlan):
+            return PLANS.to_bytes(plan)
+        if plan.token != question.token:
+            raise LinkError("the incident changed on the robot", place=question.name, remedy="fetch it again")
+        return None
+
 
 _POLL_S = 0.1
 _SAVE_S = 0.5
