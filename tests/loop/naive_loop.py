@@ -10,12 +10,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 
-from language.evaluator.naive_rules import (
-    NaiveRequest,
-    naive_blocks,
-    naive_request,
-    naive_signals,
-)
+from language.evaluator.naive_rules import NaiveRequest, naive_blocks, naive_request, naive_signals
 from smarttestudo.domain.observation import Arrival, Observation, SourceChanged, Undecodable
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.syntax import RuleFile

@@ -52,8 +52,7 @@ def odometry_profile(tiers: AccuracyTiers = MEASURED, min_hz: float | None = Non
 
 
 @pytest.mark.parametrize(
-    ("budget", "bound"),
-    [(10.0, 0.05), (7.5, 0.075), (5.0, 0.1), (1.5, 0.375), (1.0, 0.5), (0.5, 0.5)],
+    ("budget", "bound"), [(10.0, 0.05), (7.5, 0.075), (5.0, 0.1), (1.5, 0.375), (1.0, 0.5), (0.5, 0.5)]
 )
 def test_a_bound_counts_its_need_and_is_widened_to_what_the_budget_keeps(budget: float, bound: float) -> None:
     after = planned(odometry_profile(), {"position": 0.05}, Rate.full(), budget)["/odom"]

@@ -82,7 +82,7 @@ def test_a_wake_that_was_missed_is_made_up_for_by_the_next_message() -> None:
 
 def test_at_the_end_of_a_recording_what_is_held_follows_at_its_time_and_the_plan_stays() -> None:
     driver = LoopDriver(
-        "begin SetFrequency /scan 1 If CheckValue /scan age > 0.1 Then SetFrequency /scan Full EndIf end",
+        "begin SetFrequency /scan 1 If CheckValue /scan age > 0.1 Then SetFrequency /scan Full EndIf end"
     )
     for step in range(5):
         driver.send("/scan", step * 50 * MS, payload=b"%d" % step)

@@ -12,12 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
-from smarttestudo.pacing.cdr import (
-    FrameReader,
-    header_stamp,
-    string_message,
-    string_text,
-)
+from smarttestudo.pacing.cdr import FrameReader, header_stamp, string_message, string_text
 from smarttestudo.pacing.cdr_walk import MAX_ITEMS
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)

@@ -20,9 +20,7 @@ names = st.lists(st.sampled_from("abc"), min_size=1, max_size=3, unique=True).ma
 
 
 @given(
-    kinds,
-    st.lists(st.tuples(gaps_s, names), min_size=1, max_size=12),
-    st.sampled_from([0.1, 0.2, 1, 2, 5]),
+    kinds, st.lists(st.tuples(gaps_s, names), min_size=1, max_size=12), st.sampled_from([0.1, 0.2, 1, 2, 5])
 )
 @example(StreamKind.NAMED, [(0.001, ("a", "b")), (0.01, ("b", "a")), (3.0, ("b", "c"))], 0.2)
 def test_nothing_passes_behind_a_newer_message_of_a_name_in_it(

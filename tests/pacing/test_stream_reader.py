@@ -82,11 +82,7 @@ class Written:
     """Messages of the types that name streams, as a serializer writes them, each with its streams."""
 
     def __init__(
-        self,
-        version: Stores,
-        chance: random.Random,
-        names: list[str],
-        actions: Sequence[int] = (0,),
+        self, version: Stores, chance: random.Random, names: list[str], actions: Sequence[int] = (0,)
     ) -> None:
         self._store = STORES[version]
         self._chance = chance

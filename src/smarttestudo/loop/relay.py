@@ -181,10 +181,7 @@ class Relay:
         if accuracy is None or not self._is_reckoned or isinstance(self.pacer, Follower):
             return None
         return ReckonedPicture(
-            self._picture_number,
-            accuracy.bounds,
-            accuracy.heartbeat_hz,
-            accuracy.picture.needs_every_message,
+            self._picture_number, accuracy.bounds, accuracy.heartbeat_hz, accuracy.picture.needs_every_message
         )
 
     def _picture(self, names: Iterable[str]) -> Picture:

@@ -53,12 +53,7 @@ class RelayLoop:
     ) -> None:
         self.knowledge = Knowledge(rule_set, profile, start_ns, budget_kb_per_s)
         self.relays = Relays(
-            rule_set.relayed,
-            profile,
-            when_slow,
-            start_ns,
-            floors_hz=rule_set.floors_hz,
-            reckoned=reckoned,
+            rule_set.relayed, profile, when_slow, start_ns, floors_hz=rule_set.floors_hz, reckoned=reckoned
         )
         self._freed: list[Relayed] = []
         """What passed because of a step; it goes out with what the step was for."""

@@ -20,16 +20,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
-from bags.bag_factory import (
-    CUSTOM_DEFINITION,
-    CUSTOM_TYPE,
-    IMAGE,
-    START_NS,
-    TYPES,
-    cdr,
-    message_of,
-    odometry,
-)
+from bags.bag_factory import CUSTOM_DEFINITION, CUSTOM_TYPE, IMAGE, START_NS, TYPES, cdr, message_of, odometry
 from link.foxglove.foxglove_client import decoded_by_foxglove, foxglove_client
 from link.zenoh.ends import until
 from smarttestudo.domain.errors import MissingPackageError, PortError

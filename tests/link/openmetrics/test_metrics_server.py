@@ -111,8 +111,7 @@ def test_clients_that_say_nothing_take_no_more_than_their_places(
 
 
 @pytest.mark.parametrize(
-    ("host", "remedy"),
-    [("127.0.0.1", "give another port"), ("192.0.2.1", "give an address of this machine")],
+    ("host", "remedy"), [("127.0.0.1", "give another port"), ("192.0.2.1", "give an address of this machine")]
 )
 def test_an_address_that_cannot_be_listened_on_is_said_with_what_to_do(
     server: MetricsServer, host: str, remedy: str

@@ -122,11 +122,7 @@ def test_a_topic_has_the_type_that_the_robot_s_nodes_subscribe_with_while_one_do
     ("listens", "relayed", "problem"),
     [
         ({"/a": TWIST, "/b": JOY}, [], f"nodes subscribe to it as {TWIST} and as {JOY}"),
-        (
-            {"/a": JOY},
-            ["/joy"],
-            "it is relayed to operators under the same name, so it would come back",
-        ),
+        ({"/a": JOY}, ["/joy"], "it is relayed to operators under the same name, so it would come back"),
         ({"/a": "x/msg/Y"}, [], "its type x/msg/Y is not installed where 'testudo run' runs"),
     ],
 )

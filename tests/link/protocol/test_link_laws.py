@@ -117,10 +117,7 @@ def test_what_is_malformed_is_counted_and_delivers_nothing(strange: list[bytes])
     assert all(receiver.receive(data, 0) is None for data in strange)
 
 
-@given(
-    st.binary(min_size=1, max_size=4_000),
-    st.lists(st.integers(0, 40), max_size=60),
-)
+@given(st.binary(min_size=1, max_size=4_000), st.lists(st.integers(0, 40), max_size=60))
 def test_cut_repeated_and_reordered_chunks_never_make_another_message(
     payload: bytes, order: list[int]
 ) -> None:

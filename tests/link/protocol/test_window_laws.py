@@ -22,9 +22,7 @@ TIMES = st.lists(st.integers(0, 9), max_size=3)
 
 
 @given(STEPS)
-def test_a_window_has_room_exactly_where_a_chunk_may_have_bytes(
-    steps: list[tuple[str, int, float]],
-) -> None:
+def test_a_window_has_room_exactly_where_a_chunk_may_have_bytes(steps: list[tuple[str, int, float]]) -> None:
     window, now_ns = Window(), 0
     for what, after_ms, share in steps:
         now_ns += after_ms * NS_PER_MS

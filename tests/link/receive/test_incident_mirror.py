@@ -75,12 +75,7 @@ class Robots:
         return self.now_s
 
     def fetch(
-        self,
-        robot: str,
-        name: str,
-        folder: Path,
-        on_progress: OnProgress,
-        cancelled: Callable[[], bool],
+        self, robot: str, name: str, folder: Path, on_progress: OnProgress, cancelled: Callable[[], bool]
     ) -> Path | None:
         self.fetched.append(robot)
         speed = self.bytes_per_s[robot]
@@ -171,9 +166,7 @@ def test_a_robot_that_is_still_starting_is_asked_again_at_the_next_look_without_
     assert (said, warned) == ([f"ada: outage {tmp_path / 'ada' / OUTAGE.name}"], [])
 
 
-def test_a_robot_that_does_not_answer_is_named_once_it_is_connected_for_long(
-    tmp_path: Path,
-) -> None:
+def test_a_robot_that_does_not_answer_is_named_once_it_is_connected_for_long(tmp_path: Path) -> None:
     warned: list[str] = []
     robots, mirror, _ = one_robot(tmp_path, warned)
     robots.error = SilentRobotError("ada does not answer this")

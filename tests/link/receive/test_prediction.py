@@ -18,14 +18,7 @@ from hypothesis import strategies as st
 from link.protocol.simulated_link import MS, Link, S
 from link.receive.predicted_link import PredictedLink
 from link.receive.test_reception import Notes
-from pacing.reckoning.ros_messages import (
-    ODOMETRY,
-    STORE,
-    TRANSFORMS,
-    odometry,
-    planar,
-    transforms,
-)
+from pacing.reckoning.ros_messages import ODOMETRY, STORE, TRANSFORMS, odometry, planar, transforms
 from smarttestudo.cli.receive_table import reception_lines
 from smarttestudo.domain.link import Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
@@ -84,8 +77,7 @@ events = st.lists(
     st.tuples(
         st.floats(0.5, 7),
         st.one_of(
-            st.sampled_from([0.02, 0.05, 0.3]),
-            st.sampled_from(["joins", "looks on", "leaves", "pause"]),
+            st.sampled_from([0.02, 0.05, 0.3]), st.sampled_from(["joins", "looks on", "leaves", "pause"])
         ),
     ),
     max_size=5,

@@ -19,13 +19,7 @@ from smarttestudo.domain.names import output_name
 from smarttestudo.link.protocol.commands import CommandedRobot
 from smarttestudo.link.protocol.keys import Boot
 from smarttestudo.link.receive.reception import Reception
-from smarttestudo.link.receive.sending import (
-    SAY_AFTER_NS,
-    SETTLE_NS,
-    STALL_NS,
-    Sending,
-    StallGuard,
-)
+from smarttestudo.link.receive.sending import SAY_AFTER_NS, SETTLE_NS, STALL_NS, Sending, StallGuard
 
 JOY = "sensor_msgs/msg/Joy"
 if TYPE_CHECKING:

@@ -11,12 +11,7 @@ from link.zenoh.ends import free_endpoint, stranger_at, until
 from link.zenoh.memory_zenoh import network
 from link.zenoh.test_commands import JOY, RANDOM, TYPE, accepting, heard, sending
 from smarttestudo.domain.errors import UsageError
-from smarttestudo.link.protocol.messages import (
-    COMMAND_REPORTS,
-    COMMANDS,
-    CommandMessage,
-    CommandReport,
-)
+from smarttestudo.link.protocol.messages import COMMAND_REPORTS, COMMANDS, CommandMessage, CommandReport
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.security import LinkOptions
 

@@ -11,14 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from link.zenoh.ends import (
-    WITHIN_S,
-    free_endpoint,
-    operator_end,
-    robot_end,
-    stranger_at,
-    until,
-)
+from link.zenoh.ends import WITHIN_S, free_endpoint, operator_end, robot_end, stranger_at, until
 from link.zenoh.fetched_incidents import (
     NAME,
     Progress,
@@ -29,10 +22,7 @@ from link.zenoh.fetched_incidents import (
     write_incident,
 )
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.incidents.transfer_messages import (
-    MAX_ASK_BYTES,
-    AskBytes,
-)
+from smarttestudo.incidents.transfer_messages import MAX_ASK_BYTES, AskBytes
 from smarttestudo.link.protocol.messages import QUESTIONS
 from smarttestudo.link.zenoh.incidents import LinkIncidents
 

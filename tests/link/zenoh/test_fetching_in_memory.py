@@ -13,14 +13,7 @@ import pytest
 import zenoh
 
 from link.zenoh.ends import free_endpoint, operator_end, refuse_warning, robot_end, stranger_at, until
-from link.zenoh.fetched_incidents import (
-    NAME,
-    contents,
-    fetching_from,
-    listening_robot,
-    never,
-    write_incident,
-)
+from link.zenoh.fetched_incidents import NAME, contents, fetching_from, listening_robot, never, write_incident
 from link.zenoh.memory_zenoh import VirtualTime, network, virtual_time
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.incident import FetchProgress
@@ -134,10 +127,7 @@ def test_a_stranger_who_asks_what_is_malformed_is_refused_and_others_are_answere
 ) -> None:
     endpoint = free_endpoint()
     path = write_incident(tmp_path / "robot")
-    with (
-        listening_robot(endpoint, path.parent) as end,
-        stranger_at(endpoint, "peer") as session,
-    ):
+    with listening_robot(endpoint, path.parent) as end, stranger_at(endpoint, "peer") as session:
         replies = session.get(end.boot.incidents_key, payload=question, timeout=5.0)
         assert all(one.ok is None for one in replies)
         with fetching_from(endpoint) as incidents:

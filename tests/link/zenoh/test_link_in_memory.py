@@ -9,15 +9,7 @@ from dataclasses import replace
 
 import pytest
 
-from link.zenoh.ends import (
-    MAP,
-    ODOM,
-    Reader,
-    free_endpoint,
-    operator_end,
-    robot_end,
-    until,
-)
+from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, operator_end, robot_end, until
 from link.zenoh.memory_zenoh import network
 from link.zenoh.test_link import arrives_whole
 from smarttestudo.link.zenoh import open_operator_end

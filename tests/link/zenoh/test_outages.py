@@ -10,13 +10,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from link.zenoh.ends import (
-    MAP,
-    ODOM,
-    free_endpoint,
-    robot_end,
-    until,
-)
+from link.zenoh.ends import MAP, ODOM, free_endpoint, robot_end, until
 from link.zenoh.operator_process import OperatorProcess
 
 pytestmark = pytest.mark.full

@@ -13,15 +13,7 @@ from typing import Any
 
 import pytest
 
-from link.zenoh.ends import (
-    Reader,
-    free_endpoint,
-    messages,
-    operator_end,
-    refuse_warning,
-    robot_end,
-    until,
-)
+from link.zenoh.ends import Reader, free_endpoint, messages, operator_end, refuse_warning, robot_end, until
 from robot.status.statuses import STATUS
 from smarttestudo.cli.robots import wait_for_all
 from smarttestudo.domain.errors import TestudoError

@@ -74,9 +74,7 @@ def test_a_place_where_nobody_answers_keeps_no_watcher_waiting_for_the_others() 
         assert [*robots.heard] == [ID]
 
 
-def test_a_robot_that_is_reached_in_two_ways_is_heard_while_there_is_one(
-    virtual_time: VirtualTime,
-) -> None:
+def test_a_robot_that_is_reached_in_two_ways_is_heard_while_there_is_one(virtual_time: VirtualTime) -> None:
     endpoints = [free_endpoint() for _ in range(2)]
     with ExitStack() as opened:
         options = LinkOptions(connect=tuple(endpoints))
@@ -205,11 +203,7 @@ def test_what_is_malformed_on_a_status_key_costs_what_it_touches(virtual_time: V
 
 def test_a_question_of_many_keys_at_once_reaches_no_robot() -> None:
     endpoint = free_endpoint()
-    with (
-        operator_end(endpoint),
-        robot_end(endpoint) as end,
-        stranger_at(endpoint) as stranger,
-    ):
+    with operator_end(endpoint), robot_end(endpoint) as end, stranger_at(endpoint) as stranger:
         payload = CHANGING_QUESTIONS.to_bytes(SetParameters(values={"budget_kb_per_s": 1}))
         until(lambda: [*stranger.get(end.boot.set_key, payload=b"?", timeout=1.0)] != [])
         for selector in ("testudo/**", f"{end.boot.key}/*", "testudo/*/*/set"):
@@ -223,10 +217,7 @@ def test_a_question_of_many_keys_at_once_reaches_no_robot() -> None:
 )
 def test_a_question_that_is_none_is_refused_at_once(payload: bytes | None) -> None:
     endpoint = free_endpoint()
-    with (
-        listening_robot(endpoint) as robot,
-        stranger_at(endpoint) as stranger,
-    ):
+    with listening_robot(endpoint) as robot, stranger_at(endpoint) as stranger:
         for key in (robot.end.boot.get_key, robot.end.boot.set_key):
             until(partial(_is_refused, stranger, key, payload))
         assert robot.end.take_question() is None

@@ -41,11 +41,7 @@ def test_some_frames_elsewhere(children: list[str], data: st.DataObject, is_litt
 
 @given(names, st.data(), st.booleans(), stamps_ns, st.tuples(st.booleans(), st.booleans()))
 def test_some_joints_elsewhere(
-    every: list[str],
-    data: st.DataObject,
-    is_little: bool,
-    at_ns: int,
-    has: tuple[bool, bool],
+    every: list[str], data: st.DataObject, is_little: bool, at_ns: int, has: tuple[bool, bool]
 ) -> None:
     has_velocities, has_efforts = has
     kept = [place for place in range(len(every)) if data.draw(st.booleans())]

@@ -188,10 +188,7 @@ class LinkWatch:
         return changes
 
     def tell_pictures(
-        self,
-        rules: LiveRules,
-        plan: Mapping[str, PlannedRate],
-        pictures: Mapping[str, ReckonedPicture],
+        self, rules: LiveRules, plan: Mapping[str, PlannedRate], pictures: Mapping[str, ReckonedPicture]
     ) -> None:
         """Have receivers reckon these topics; to be called before what is made from them goes out."""
         before, self._pictures = self._pictures, pictures

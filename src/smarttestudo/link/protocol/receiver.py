@@ -126,11 +126,7 @@ class LinkReceiver:
         self._ages_reported_ns = now_ns
         ages_ms, self._ages_ms = self._ages_ms, {}
         report = Report(
-            receiver=self._receiver,
-            received=received,
-            ended=ended,
-            ages_ms=ages_ms,
-            predicts=self._predicts,
+            receiver=self._receiver, received=received, ended=ended, ages_ms=ages_ms, predicts=self._predicts
         )
         return REPORTS.to_bytes(report)
 

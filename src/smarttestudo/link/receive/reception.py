@@ -295,12 +295,7 @@ class Reception:
             topic.refused = self._refusal(robot, stream.topic, topic)
 
     def _settle(
-        self,
-        robot: str,
-        topic: ReceivedTopic,
-        publishers: Iterable[int],
-        said_again: int | None,
-        now_ns: int,
+        self, robot: str, topic: ReceivedTopic, publishers: Iterable[int], said_again: int | None, now_ns: int
     ) -> None:
         """Open the streams of ``publishers`` that count now, and forget those that count no more."""
         changes = [

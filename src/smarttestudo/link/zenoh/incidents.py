@@ -19,12 +19,7 @@ from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.incident import (
 from smarttestudo.domain.errors import LinkError, testudo_error
-from smarttestudo.domain.remote_incidents import (
-    FetchProgress,
-    OnProgress,
-    RemoteIncident,
-    SilentRobotError,
-)
+from smarttestudo.domain.remote_incidents import FetchProgress, OnProgress, RemoteIncident, SilentRobotError
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.catalog import IncidentCatalog
@@ -184,12 +179,7 @@ class LinkIncidents:
         return list_from_bytes(data, robot)
 
     def fetch(
-        self,
-        robot: str,
-        name: str,
-        folder: Path,
-        on_progress: OnProgress,
-        cancelled: Callable[[], bool],
+        self, robot: str, name: str, folder: Path, on_progress: OnProgress, cancelled: Callable[[], bool]
     ) -> Path | None:
         """Have an incident below ``folder``; one that is there already is not fetched again."""
         if not is_incident_name(name):

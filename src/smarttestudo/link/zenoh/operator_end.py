@@ -32,9 +32,7 @@ from smarttestudo.link.zenoh.statuses import StatusListener
 from smarttestudo.pacing.cdr import string_message
 
 STATUS_STREAM = StreamInfo(
-    topic=STATUS_TOPIC,
-    type_name="std_msgs/msg/String",
-    qos=Qos(reliable=True, transient_local=True, depth=1),
+    topic=STATUS_TOPIC, type_name="std_msgs/msg/String", qos=Qos(reliable=True, transient_local=True, depth=1)
 )
 """The stream as which statuses arrive."""
 _STATUS_NUMBER = 0

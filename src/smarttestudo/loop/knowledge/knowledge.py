@@ -140,11 +140,7 @@ class Knowledge:
     """
 
     def __init__(
-        self,
-        rule_set: RuleSet,
-        profile: Profile,
-        start_ns: int,
-        budget_kb_per_s: float | None = None,
+        self, rule_set: RuleSet, profile: Profile, start_ns: int, budget_kb_per_s: float | None = None
     ) -> None:
         self.rule_set = rule_set
         self.profile = profile

@@ -14,14 +14,7 @@ from smarttestudo.domain.observation import Undecodable
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.cdr import FrameReader, JointReader, PoseReader, header_stamp_ns
 from smarttestudo.pacing.cdr_walk import CdrWalk, byte_order
-from smarttestudo.pacing.reckoning.motion import (
-    Rotation,
-    SpatialPose,
-    Twist,
-    Vector3,
-    moved,
-    twist_between,
-)
+from smarttestudo.pacing.reckoning.motion import Rotation, SpatialPose, Twist, Vector3, moved, twist_between
 
 
 class Distance(NamedTuple):
