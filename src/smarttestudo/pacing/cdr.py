@@ -27,6 +27,7 @@ from smarttestudo.pacing.cdr_walk import (
     aligned,
     byte_order,
     text_at,
+    text_end,
 )
 
 STAMPED_BYTES = HEADER_BYTES + STAMP_BYTES
@@ -37,7 +38,6 @@ DELETE, DELETE_ALL = 2, 3
 
 _LENGTH_END = HEADER_BYTES + 4
 _LITTLE_ENDIAN = b"\x00\x01"
-_TRANSFORM_BYTES = 7 * 8
 _STAMP = MappingProxyType({order: struct.Struct(f"{order}iI") for order in "<>"})
 _TRANSFORM = MappingProxyType({order: struct.Struct(f"{order}7d") for order in "<>"})
 _POSE_BYTES = 7 * 8
@@ -217,7 +217,7 @@ class PoseReader:
             if self._end < 0 or payload[STAMPED_BYTES : self._end] != self._frames:
                 uint32, end = struct.Struct(f"{order}I"), STAMPED_BYTES
                 for _ in range(self._frame_count):
-                    end = _string_end(payload, aligned(end, 4), uint32)
+                    end = text_end(payload, aligned(end, 4), uint32)
                 self._end, self._frames = end, payload[STAMPED_BYTES:end]
             numbers = (_POSE_AND_TWIST if self._has_twist else _TRANSFORM)[order]
             return self._frames, numbers.unpack_from(payload, aligned(self._end, 8))
@@ -278,7 +278,7 @@ class JointReader:
             velocities, end = _doubles(payload, end, uint32, order)
             efforts, _ = _doubles(payload, end, uint32, order)
             kept = [place for place, name in enumerate(names) if name in positions]
-            data = bytearray(payload[: _string_end(payload, STAMPED_BYTES, uint32)])
+            data = bytearray(payload[: text_end(payload, STAMPED_BYTES, uint32)])
             _STAMP[order].pack_into(data, HEADER_BYTES, *divmod(at_ns, NS_PER_S))
             _put_count(data, len(kept), uint32)
             for place in kept:
@@ -296,12 +296,12 @@ class JointReader:
 
     def _read_names(self, payload: bytes, uint32: struct.Struct) -> None:
         self._end = -1
-        at = aligned(_string_end(payload, STAMPED_BYTES, uint32), 4)
+        at = aligned(text_end(payload, STAMPED_BYTES, uint32), 4)
         (count,) = uint32.unpack_from(payload, at)
         end, names = at + uint32.size, []
         for _ in range(min(count, MAX_ITEMS)):
             start = aligned(end, 4)
-            end = _string_end(payload, start, uint32)
+            end = text_end(payload, start, uint32)
             names.append(text_at(payload, start + uint32.size, end))
         self._end, self._raw, self._names = end, payload[STAMPED_BYTES:end], tuple(names)
 
@@ -342,7 +342,7 @@ def _transforms(walk: CdrWalk) -> Iterator[_Place]:
         stamp_at = walk.skip(STAMP_BYTES, 4)
         frame, child_frame = walk.text(), walk.text()
         names_end = walk.at
-        yield _Place(child_frame, frame, stamp_at, names_end, walk.skip(_TRANSFORM_BYTES, 8))
+        yield _Place(child_frame, frame, stamp_at, names_end, walk.skip(_POSE_BYTES, 8))
 
 
 def _statuses(walk: CdrWalk) -> Iterator[_Place]:
@@ -444,8 +444,3 @@ def _short(name: str) -> str:
     if len(name) <= _MOST_LETTERS:
         return name
     return hashlib.sha256(name.encode("utf-8", "surrogateescape")).hexdigest()
-
-
-def _string_end(payload: Payload, length_at: int, uint32: struct.Struct) -> int:
-    (length,) = uint32.unpack_from(payload, length_at)
-    return length_at + uint32.size + int(length)

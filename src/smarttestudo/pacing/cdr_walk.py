@@ -131,3 +131,9 @@ def aligned(offset: int, size: int) -> int:
 def text_at(payload: Payload, start: int, end: int) -> str:
     """A text without its final zero; bytes that are none stay apart."""
     return bytes(payload[start:end]).rstrip(b"\x00").decode("utf-8", "surrogateescape")
+
+
+def text_end(payload: Payload, length_at: int, uint32: struct.Struct) -> int:
+    """Where a text ends whose length stands at ``length_at``."""
+    (length,) = uint32.unpack_from(payload, length_at)
+    return length_at + uint32.size + int(length)
