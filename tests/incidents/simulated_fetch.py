@@ -141,25 +141,25 @@ class FetchingEnds(Ends):
             self.at(wake_ns, self._ask)
 
     def _acknowledge(self, asker: int, got_bytes: int, now_ns: int) -> None:
-        self.sender.background.acknowledge(asker, got_bytes, now_ns)
+        self.sender.scheduler.requests.acknowledge(asker, got_bytes, now_ns)
 
     def _arrive_ask(self, operator: Operator, ask: RangeAsk, got_bytes: int, now_ns: int) -> None:
-        assert self.sender.background.ask(operator.asker, got_bytes, (operator, ask), now_ns)
+        assert self.sender.scheduler.requests.enqueue(operator.asker, got_bytes, (operator, ask), now_ns)
 
     def _pump(self, now_ns: int) -> None:
         super()._pump(now_ns)
-        self.sender.background.expired(now_ns)
-        while (answer := self.sender.next_answer(now_ns)) is not None:
+        self.sender.scheduler.requests.expired(now_ns)
+        while (answer := self.sender.scheduler.next_grant(now_ns)) is not None:
             operator, ask = answer.request
             size_bytes = min(ask.size_bytes, answer.size_bytes)
             piece = self.contents.piece(ask.start, size_bytes, answer.size_bytes, answer.waiting)
             data = PIECES.to_bytes(piece)
-            self.sender.background.sent(answer.asker, len(data), now_ns)
+            self.sender.scheduler.requests.sent(answer.client, len(data), now_ns)
             self.sent_bytes += piece.covered_bytes
             arrival_ns = self.link.arrival_ns(len(data) + FRAMING_BYTES, now_ns)
             self.at(arrival_ns, partial(self._arrive_piece, operator, ask, data))
             super()._pump(now_ns)
-        wake_ns = self.sender.background.wake_ns(now_ns)
+        wake_ns = self.sender.scheduler.requests.wake_ns(now_ns)
         if wake_ns is not None and not now_ns < self._wake_ns <= wake_ns:
             self._wake_ns = wake_ns
             self.at(wake_ns, lambda _now_ns: None)

@@ -115,7 +115,7 @@ class Ends:
             self.at(next_ns, partial(self._publish, source))
 
     def _pump(self, now_ns: int) -> None:
-        while (data := self.sender.next_chunk(now_ns)) is not None:
+        while (data := self.sender.scheduler.next_chunk(now_ns)) is not None:
             self.at(self.link.arrival_ns(len(data), now_ns), partial(self._arrive, data))
 
     def _arrive(self, data: bytes, now_ns: int) -> None:

@@ -43,10 +43,10 @@ class Wire:
     def send(self, most: int) -> bool:
         before = len(self.chunks)
         for _ in range(most):
-            data = self.sender.next_chunk(self.now_ns)
+            data = self.sender.scheduler.next_chunk(self.now_ns)
             if data is None:
                 # Whoever goes by has_next misses nothing.
-                assert not self.sender.has_next(self.now_ns)
+                assert not self.sender.scheduler.has_next(self.now_ns)
                 break
             self.chunks.append(data)
         return len(self.chunks) > before

@@ -126,7 +126,7 @@ def test_cut_repeated_and_reordered_chunks_never_make_another_message(
     sender = ends.sender
     sender.put(1, payload, 1 * S)
     chunks = []
-    while (data := sender.next_chunk(1 * S)) is not None:
+    while (data := sender.scheduler.next_chunk(1 * S)) is not None:
         chunks.append(data)
     for number in order:
         got = ends.receiver.receive(chunks[number % len(chunks)], 1 * S)
@@ -240,7 +240,7 @@ def exchange(sender: LinkSender[None], receiver: LinkReceiver, now_ns: int) -> l
     arrived = []
     for _ in range(3):
         sender.handle_report(REPORTS.from_bytes(receiver.next_report(now_ns)), now_ns)
-        while (data := sender.next_chunk(now_ns)) is not None:
+        while (data := sender.scheduler.next_chunk(now_ns)) is not None:
             found = receiver.receive(data, now_ns)
             if isinstance(found, ReceivedMessage):
                 arrived.append(found.payload)
@@ -328,7 +328,7 @@ def test_no_claim_of_a_session_leaves_none_for_the_next_outages() -> None:
     for _ in range(10):
         sender.disconnect()
         sender.handle_report(Report(receiver=7, received=NOTHING_RECEIVED), 0)
-        assert sender.next_chunk(0) is not None
+        assert sender.scheduler.next_chunk(0) is not None
 
 
 @given(st.lists(st.sampled_from(["open", "close", "cut", "report"]), max_size=30))
@@ -354,7 +354,7 @@ def test_whoever_hears_the_robot_knows_its_streams_whatever_was_closed_in_an_out
         if not is_cut:
             for _ in range(2):
                 sender.handle_report(REPORTS.from_bytes(receiver.next_report(now_ns)), now_ns)
-                while (data := sender.next_chunk(now_ns)) is not None:
+                while (data := sender.scheduler.next_chunk(now_ns)) is not None:
                     receiver.receive(data, now_ns)
     assert receiver.streams == opened
 

@@ -52,7 +52,7 @@ class CutEnds(Ends):
         return sum(from_ns <= now_ns for from_ns, _ in self.cuts)
 
     def _pump(self, now_ns: int) -> None:
-        while (data := self.sender.next_chunk(now_ns)) is not None:
+        while (data := self.sender.scheduler.next_chunk(now_ns)) is not None:
             at_ns = self.link.arrival_ns(len(data), now_ns)
             self.at(at_ns, partial(self._arrive_over, self.connection(now_ns), data))
 

@@ -265,7 +265,7 @@ class PredictedLink:
 
     def _pump(self) -> None:
         robot = self.robot
-        while (data := robot.sender.next_chunk(self.now_ns)) is not None:
+        while (data := robot.sender.scheduler.next_chunk(self.now_ns)) is not None:
             robot.in_flight += 1
             self.at(self.link.arrival_ns(len(data), self.now_ns), partial(self._arrive, robot, data))
 

@@ -1,19 +1,26 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which bytes go next."""
+"""What the robot's end sends next, and when: the one place that owns window, outbox and requests."""
 
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
-from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
-from smarttestudo.incidents.fetching import ANSWERED_WITHIN_NS
+from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
+from smarttestudo.link.protocol.background import BackgroundRequests, Grant
+from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, Acknowledgement
+from smarttestudo.link.protocol.outbox import Outbox
+from smarttestudo.link.protocol.outgoing_stream import Encode
 from smarttestudo.link.protocol.window import Window
+
+STALLED_AFTER_NS = NS_PER_S
+"""Bytes that were under way for so long, and four round trips, met an outage."""
+FIRST_STALLED_AFTER_NS = 15 * NS_PER_S
+"""The same for the first bytes, which may be many for a link of which nothing is known."""
+
+_Request = TypeVar("_Request")
 
 _PERIOD_NS = NS_PER_S // 4
 _KEPT_SHARE = 0.99
@@ -90,261 +97,105 @@ class BudgetEstimator:
         return min(budget_kb_per_s, UNLIMITED_KB_PER_S)
 
 
-MAX_ASKERS = 16
-MAX_ASKS = 64
-"""How many asks of one asker may wait."""
-KEPT_NS = ANSWERED_WITHIN_NS // 2
-"""How long an ask waits; who asked then asks again."""
+class Scheduler(Generic[_Request]):
+    """What waits on one link and what is under way, in the time that is passed in.
 
-_LOST_AFTER_NS = 5 * NS_PER_S
-"""Bytes that nobody said to have for so long are under way no more."""
-_PIECE_NS = 5 * NS_PER_MS
-"""How much of the link a piece takes, which is how long a live message may wait for it."""
-_LEAST_PIECE_BYTES = 600
-_MOST_PIECE_BYTES = 16_000
-_LONGEST_PAUSE_NS = NS_PER_S // 2
-_BUDGET_PIECE_S = 0.5
-"""How much of the budget a piece takes at most."""
-_BUDGET_CREDIT_NS = NS_PER_S
-"""How much of the budget that live topics kept from being used may be used later."""
-_FRAMING_BYTES = 150
-"""The head of a piece on the wire: it is an answer of Zenoh in a packet of its own."""
-_USED = 0.95
-"""The share of the capacity up to which the link is filled."""
-_MARGIN = 0.8
-"""The share of the window that all bytes under way may take while something is sent beside live topics."""
-_FIRST_PROBE = 1.5
-_PROBE = 1.25
-"""How much faster than its capacity the link is filled to see whether it carries more."""
-_PROBE_NS = 300 * NS_PER_MS
-_SAMPLE_NS = 250 * NS_PER_MS
-_EARLY_PROBES = 3
-"""So many in a row that found nothing are followed by others soon, for the first of them are of few bytes."""
-_EARLY_WAIT_NS = NS_PER_S // 2
-_LEAST_WAIT_NS = 5 * NS_PER_S
-_MOST_DOUBLINGS = 4
+    The ``outbox`` says which message of the live streams is next, the ``window`` how many bytes may be under
+    way, and ``requests`` are answered while both leave the link free. The ``budget`` is learned from all.
+    It is open, so that live messages go, up to ``open_until_ns``. Who is served and what a session begins
+    with is not decided here.
 
-_Request = TypeVar("_Request")
-
-
-@dataclass(frozen=True, slots=True)
-class BackgroundAnswer(Generic[_Request]):
-    """A request to answer now with at most ``size_bytes``; so many others of its asker wait."""
-
-    asker: int
-    request: _Request
-    size_bytes: int
-    waiting: int
-
-
-@dataclass(slots=True, eq=False)
-class _Asker(Generic[_Request]):
-    """An asker. Of what was sent to it, all up to ``done_bytes`` has arrived or was lost."""
-
-    heard_ns: int
-    first_bytes: int
-    """Bytes that it had got when it was heard first; an earlier run of this end sent them."""
-    sent_bytes: int = 0
-    done_bytes: int = 0
-    lost_bytes: int = 0
-    waiting: deque[tuple[int, _Request]] = field(default_factory=deque)
-    flights: deque[tuple[int, int]] = field(default_factory=deque)
-
-
-class BackgroundAnswers(Generic[_Request]):
-    """Requests that wait until the link has nothing better to do, in the time that is passed in.
-
-    Beside live topics, whose window ``live`` gives at a time, the link is modelled as a queue that drains at
-    its capacity, and a piece is sent only when that queue is empty, nothing live waits, and all bytes under
-    way leave a margin in the window. So a live message waits for one piece at most. Now and then the link is
-    filled a little faster, to learn whether it carries more than live topics needed so far. Without live
-    topics, a window of its own says how much may be under way. Where there is a budget, all answers together
-    take no more of the wire than that.
+    The driver sends what ``next_chunk`` gives; where that has nothing, it answers the request that
+    ``next_grant`` gives, and says how much that was (``requests.sent``). Another look is due after anything
+    happened, and at ``requests.wake_ns``.
     """
 
-    def __init__(self, live: Callable[[int], Window | None], budget_bytes_per_s: float = math.inf) -> None:
-        self._live = live
-        self._budget_bytes_per_s = budget_bytes_per_s
-        self._within_budget_ns = 0
-        """When all that was sent is within the budget."""
-        self._askers: dict[int, _Asker[_Request]] = {}
-        self._alone = Window()
-        self._busy_ns = self._sent_ns = 0
-        self._delivered_bytes = 0
-        self._probe_until_ns = 0
-        self._next_probe_ns = 0
-        self._failed_probes = 0
-        self._sample: tuple[int, int] | None = None
-        """When the sample of a probe began, and what was delivered by then."""
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether nobody waits."""
-        return not any(asker.waiting for asker in self._askers.values())
-
-    @property
-    def in_flight_bytes(self) -> int:
-        """Bytes that were sent and are not known to have arrived or to be lost."""
-        return sum(asker.sent_bytes - asker.done_bytes for asker in self._askers.values())
-
-    def ask(self, asker: int, got_bytes: int, request: _Request, now_ns: int) -> bool:
-        """Somebody asks, and says how much it has got; whether that waits now."""
-        if asker not in self._askers:
-            if len(self._askers) >= MAX_ASKERS:
-                return False
-            self._askers[asker] = _Asker(now_ns, got_bytes)
-        self.acknowledge(asker, got_bytes, now_ns)
-        waiting = self._askers[asker].waiting
-        if len(waiting) >= MAX_ASKS:
-            return False
-        waiting.append((now_ns, request))
-        return True
-
-    def acknowledge(self, asker: int, got_bytes: int, now_ns: int) -> None:
-        """Note how much an asker has got since it asked first."""
-        known = self._askers.get(asker)
-        if known is None:
-            return
-        known.heard_ns = now_ns
-        done_bytes = min(got_bytes - known.first_bytes + known.lost_bytes, known.sent_bytes)
-        if done_bytes > known.done_bytes:
-            self._arrived(known, done_bytes, now_ns)
-
-    def expired(self, now_ns: int) -> list[_Request]:
-        """Requests that waited for too long, to which nobody will take an answer."""
-        gone = []
-        for number, asker in list(self._askers.items()):
-            while asker.waiting and now_ns - asker.waiting[0][0] > KEPT_NS:
-                gone.append(asker.waiting.popleft()[1])
-            while asker.flights and now_ns - asker.flights[0][1] > _LOST_AFTER_NS:
-                total, _ = asker.flights.popleft()
-                asker.lost_bytes += total - asker.done_bytes
-                asker.done_bytes = total
-                self._alone = Window(self._alone.capacity_bytes_per_s)
-            if not asker.waiting and not asker.flights and now_ns - asker.heard_ns > _LOST_AFTER_NS:
-                del self._askers[number]
-        return gone
-
-    def wake_ns(self, now_ns: int) -> int | None:
-        """When something may be sent though nothing happens; ``None`` where that is not known."""
-        due_ns = max(self._free_ns, self._within_budget_ns)
-        return due_ns if due_ns > now_ns and not self.is_empty else None
-
-    def next(self, now_ns: int) -> BackgroundAnswer[_Request] | None:
-        """The request to answer now. Nothing live waits then."""
-        if self.is_empty:
-            self._alone.idle()
-            return None
-        if now_ns < self._within_budget_ns or not self._budget_bytes_per_s:
-            return None
-        live = self._live(now_ns)
-        room_bytes = self._room_alone() if live is None else self._room_beside(live, now_ns)
-        if not room_bytes:
-            return None
-        size_bytes = int(min(room_bytes, max(_LEAST_PIECE_BYTES, self._budget_bytes_per_s * _BUDGET_PIECE_S)))
-        number = next(number for number, asker in self._askers.items() if asker.waiting)
-        asker = self._askers.pop(number)
-        # All take turns.
-        self._askers[number] = asker
-        _, request = asker.waiting.popleft()
-        return BackgroundAnswer(number, request, size_bytes, len(asker.waiting))
-
-    def sent(self, asker: int, size_bytes: int, now_ns: int) -> None:
-        """So many bytes went to an asker."""
-        known = self._askers[asker]
-        known.sent_bytes += size_bytes
-        known.flights.append((known.sent_bytes, now_ns))
-        self._sent_ns = now_ns
-        of_budget_ns = int((size_bytes + _FRAMING_BYTES) * NS_PER_S / self._budget_bytes_per_s)
-        self._within_budget_ns = max(self._within_budget_ns, now_ns - _BUDGET_CREDIT_NS) + of_budget_ns
-        live = self._live(now_ns)
-        if live is None:
-            self._alone.sent(size_bytes, now_ns)
-        else:
-            self._fill(size_bytes + _FRAMING_BYTES, now_ns, live)
-
-    def live_sent(self, size_bytes: int, now_ns: int, live: Window) -> None:
-        """So many bytes of live topics went out."""
-        self._fill(size_bytes, now_ns, live)
-
-    def _room_alone(self) -> int:
-        room_bytes = min(self._alone.chunk_bytes, _MOST_PIECE_BYTES)
-        if not room_bytes:
-            self._alone.limited()
-        return room_bytes
-
-    def _room_beside(self, live: Window, now_ns: int) -> int:
-        """How large a piece may be; 0 while none may be sent."""
-        if now_ns >= self._next_probe_ns:
-            self._begin_probe(live, now_ns)
-        of_link_bytes = int(live.capacity_bytes_per_s * _PIECE_NS / NS_PER_S)
-        piece_bytes = max(_LEAST_PIECE_BYTES, min(of_link_bytes, _MOST_PIECE_BYTES))
-        under_way_bytes = live.in_flight_bytes + self.in_flight_bytes
-        self._drain(under_way_bytes, live, now_ns)
-        margin = 1.0 if now_ns < self._probe_until_ns else _MARGIN
-        # One piece is never too much, or a window that is too small would stay so.
-        fits = not self.in_flight_bytes or under_way_bytes + piece_bytes <= margin * live.size_bytes
-        return piece_bytes if fits and now_ns >= self._free_ns else 0
-
-    @property
-    def _free_ns(self) -> int:
-        """When the next piece may be sent; some always are, or too low a capacity would never be noticed."""
-        return min(self._busy_ns, self._sent_ns + _LONGEST_PAUSE_NS)
-
-    def _fill(self, size_bytes: int, now_ns: int, live: Window) -> None:
-        share = self._probe_gain if now_ns < self._probe_until_ns else _USED
-        takes_ns = int(size_bytes * NS_PER_S / (live.capacity_bytes_per_s * share))
-        self._busy_ns = max(self._busy_ns, now_ns) + takes_ns
-
-    def _drain(self, under_way_bytes: int, live: Window, now_ns: int) -> None:
-        """No more is on the link than is under way."""
-        most_ns = int(under_way_bytes * NS_PER_S / (live.capacity_bytes_per_s * _USED))
-        self._busy_ns = min(self._busy_ns, now_ns + most_ns)
-
-    def _arrived(self, asker: _Asker[_Request], done_bytes: int, now_ns: int) -> None:
-        delivered, asker.done_bytes = done_bytes - asker.done_bytes, done_bytes
-        while asker.flights and asker.flights[0][0] <= done_bytes:
-            asker.flights.popleft()
-        self._delivered_bytes += delivered
-        self._alone.acknowledge(
-            min(self._alone.acknowledged_bytes + delivered, self._alone.sent_bytes), now_ns
+    def __init__(self, encode: Encode, fetch_budget_bytes_per_s: float = math.inf) -> None:
+        self.session = 0
+        """Number of the session of which chunks are; 0 before the first."""
+        self.open_until_ns: int | None = None
+        self.outbox = Outbox(encode)
+        self.outbox.open(CONTROL_STREAM)
+        self.window = Window()
+        self.budget = BudgetEstimator()
+        self.requests: BackgroundRequests[_Request] = BackgroundRequests(
+            self._live_window, fetch_budget_bytes_per_s
         )
-        live = self._live(now_ns)
-        if live is not None:
-            live.delivered_beside(delivered)
-            self._judge_probe(live, now_ns)
+
+    def is_open(self, now_ns: int) -> bool:
+        """Whether somebody is there to receive live messages."""
+        return self.open_until_ns is not None and now_ns <= self.open_until_ns
+
+    def is_stalled(self, now_ns: int) -> bool:
+        """Whether what is under way should long have arrived."""
+        since_ns = self.window.waiting_since_ns
+        # No outage is shorter than that, and this is asked of every chunk.
+        if since_ns is None or now_ns - since_ns <= STALLED_AFTER_NS:
+            return False
+        return now_ns - since_ns > self.stalled_after_ns
 
     @property
-    def _probe_gain(self) -> float:
-        return _FIRST_PROBE if self._failed_probes <= _EARLY_PROBES else _PROBE
+    def stalled_after_ns(self) -> int:
+        """For how long bytes may be under way on a link without an outage."""
+        trip_ns = self.window.round_trip_ns
+        return FIRST_STALLED_AFTER_NS if trip_ns is None else STALLED_AFTER_NS + 4 * trip_ns
 
-    def _begin_probe(self, live: Window, now_ns: int) -> None:
-        """It counts as one that found nothing until it has."""
-        self._probe_until_ns = now_ns + _PROBE_NS
-        self._sample = None
-        self._failed_probes += 1
-        wait_ns = _EARLY_WAIT_NS
-        if self._failed_probes > _EARLY_PROBES:
-            doubled = min(self._failed_probes - _EARLY_PROBES - 1, _MOST_DOUBLINGS)
-            wait_ns = _LEAST_WAIT_NS << doubled
-        self._next_probe_ns = now_ns + _PROBE_NS + (live.round_trip_ns or 0) + wait_ns
+    def next_chunk(self, now_ns: int) -> bytes | None:
+        """The chunk to send now; ``None`` while nothing waits, nobody is there, or enough is under way."""
+        if not self._may_send(now_ns):
+            return None
+        chunk_bytes = self.window.chunk_bytes
+        if not chunk_bytes:
+            if not self.outbox.is_empty:
+                self.window.limited()
+            return None
+        chunk = self.outbox.next_chunk(self.session, chunk_bytes - HEADER_BYTES, now_ns)
+        if chunk is None:
+            self._note_idle(now_ns)
+            return None
+        self.budget.sent(now_ns)
+        data = chunk.to_bytes()
+        self.window.sent(len(data), now_ns)
+        self.requests.fill(len(data), now_ns, self.window)
+        if self.outbox.is_empty:
+            self._note_idle(now_ns)
+        return data
 
-    def _judge_probe(self, live: Window, now_ns: int) -> None:
-        """Learn from what arrives while the link is filled faster; probe again at once where that helped."""
-        trip_ns = live.round_trip_ns or 0
-        if now_ns > self._probe_until_ns + trip_ns + _SAMPLE_NS:
-            return
-        delivered = self._delivered_bytes + live.acknowledged_bytes
-        if self._sample is None:
-            if now_ns >= self._probe_until_ns - _PROBE_NS + trip_ns:
-                self._sample = now_ns, delivered
-            return
-        since_ns, before = self._sample
-        if now_ns - since_ns < _SAMPLE_NS:
-            return
-        self._probe_until_ns = 0
-        rate = (delivered - before) * NS_PER_S / (now_ns - since_ns)
-        if rate > live.capacity_bytes_per_s:
-            # More was not tried, however the news of it came together.
-            live.raise_capacity(min(rate, self._probe_gain * live.capacity_bytes_per_s))
-            self._failed_probes, self._next_probe_ns = 0, now_ns
+    def next_grant(self, now_ns: int) -> Grant[_Request] | None:
+        """The request to answer now; to be asked for when ``next_chunk`` has nothing."""
+        if self.is_open(now_ns) and (not self.outbox.is_empty or self.is_stalled(now_ns)):
+            return None
+        return self.requests.next(now_ns)
+
+    def has_next(self, now_ns: int) -> bool:
+        """Whether ``next_chunk`` or ``next_grant`` may give something."""
+        if not self.outbox.is_empty and self._may_send(now_ns):
+            if self.window.has_room:
+                return True
+            self.window.limited()
+        return not self.requests.is_empty
+
+    def acknowledge(self, received: Acknowledgement, now_ns: int) -> None:
+        """The other end has so much of a session; what it says of another than this one is no news."""
+        if received.session == self.session and self.window.acknowledge(received.received_bytes, now_ns):
+            self.outbox.acknowledge(received)
+
+    def restart(self, session: int, now_ns: int) -> None:
+        """Begin another session: what was under way in the last one is lost, or goes again."""
+        ended, self.session = self.session, session
+        before, self.window = self.window, Window(self.window.capacity_bytes_per_s)
+        self.window.is_measured = before.is_measured
+        self.outbox.close(CONTROL_STREAM, now_ns)
+        self.outbox.open(CONTROL_STREAM)
+        self.outbox.restart(ended, now_ns)
+
+    def _may_send(self, now_ns: int) -> bool:
+        return self.is_open(now_ns) and not self.is_stalled(now_ns)
+
+    def _note_idle(self, now_ns: int) -> None:
+        self.window.idle()
+        self.budget.idle(now_ns)
+
+    def _live_window(self, now_ns: int) -> Window | None:
+        """The window of the topics, while anybody receives them."""
+        return self.window if self.is_open(now_ns) else None

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The robot's end of a link: the next chunk, and what the link carries."""
+"""The robot's end of a link: its streams, whom it serves, and what each session begins with."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Collection, Hashable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 from smarttestudo.domain.link import (
@@ -21,40 +21,91 @@ from smarttestudo.domain.link import (
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS, Acknowledgement
 from smarttestudo.link.protocol.messages import CONTROL, Announcement, LinkTimes, Report
-from smarttestudo.link.protocol.outbox import Outbox
 from smarttestudo.link.protocol.outgoing_stream import Encode, Encoded, plain
-from smarttestudo.link.protocol.receivers import Receivers
-from smarttestudo.link.protocol.scheduler import BackgroundAnswer, BackgroundAnswers, BudgetEstimator
-from smarttestudo.link.protocol.window import ACKNOWLEDGE_PERIOD_NS, Window
+from smarttestudo.link.protocol.scheduler import STALLED_AFTER_NS, Scheduler
+from smarttestudo.link.protocol.window import ACKNOWLEDGE_PERIOD_NS
 from smarttestudo.pacing.coded_video import VideoReader, is_coded_video
 
 LOST_AFTER_NS = 3 * NS_PER_S
 """An operator's end that said nothing for so long is no longer there; it says something twice a second."""
-STALLED_AFTER_NS = NS_PER_S
-"""Bytes that were under way for so long, and four round trips, met an outage."""
-FIRST_STALLED_AFTER_NS = 15 * NS_PER_S
-"""The same for the first bytes, which may be many for a link of which nothing is known."""
 MAX_ENDING = 64
 """How many streams may still have something to send whose publishers are gone."""
+MAX_RECEIVERS = 64
+"""With more, nothing is known of some, so nothing is reckoned."""
 
 _LAST_SESSION = 2**32 - 2**16
 """A session that somebody else claimed is gone beyond only where many can follow."""
 _Request = TypeVar("_Request")
 
 
-class LinkSender(Generic[_Request]):
-    """Streams, what waits in them and the window of the link, in the time that is passed in.
+@dataclass(slots=True)
+class _Receiver:
+    heard_ns: int
+    predicts: frozenset[str]
 
-    The driver gives it messages (``put``) and reports (``handle_report``), and sends what ``next_chunk``
-    gives while that gives something; another call is due after a message or a report.
-    It serves one operator's end at a time: the first that reports, until that is silent. Others hear what
+
+class Receivers:
+    """The operator's ends that reported within ``lost_after_ns``.
+
+    One that never said what it predicts predicts nothing.
+    """
+
+    def __init__(self, lost_after_ns: int) -> None:
+        self._lost_after_ns = lost_after_ns
+        self._known: dict[int, _Receiver] = {}
+
+    def handle(self, report: Report, now_ns: int) -> bool:
+        """A receiver reported; whether it came while others were there."""
+        known = self._known.get(report.receiver)
+        has_joined = False
+        if known is None:
+            self._forget_lost(now_ns)
+            if len(self._known) > MAX_RECEIVERS:
+                return False
+            has_joined = bool(self._known)
+            known = self._known[report.receiver] = _Receiver(now_ns, frozenset())
+        known.heard_ns = now_ns
+        known.predicts = report.predicts or known.predicts
+        return has_joined
+
+    @property
+    def numbers(self) -> frozenset[int]:
+        """The numbers of the receivers that are there."""
+        return frozenset(self._known)
+
+    def present(self, now_ns: int) -> frozenset[int]:
+        """The numbers of those that are there now."""
+        self._forget_lost(now_ns)
+        return frozenset(self._known)
+
+    def predicted(self, now_ns: int) -> frozenset[str]:
+        """The topics that all of them reckon: nobody is sent what only another one can make use of."""
+        self._forget_lost(now_ns)
+        if not self._known or len(self._known) > MAX_RECEIVERS:
+            return frozenset()
+        return frozenset.intersection(*(one.predicts for one in self._known.values()))
+
+    def _forget_lost(self, now_ns: int) -> None:
+        self._known = {
+            number: one for number, one in self._known.items() if now_ns - one.heard_ns <= self._lost_after_ns
+        }
+
+
+class LinkSender(Generic[_Request]):
+    """The policy of the robot's end: its streams, whom it serves and what a session begins with.
+
+    The driver gives it messages (``put``) and reports (``handle_report``), and sends what its ``scheduler``
+    gives. Times are passed in.
+
+    It serves one operator's end at a time: the first that reports, until that is silent. Others receive what
     that one is sent; as one comes, latched messages are sent once more.
     """
 
     def __init__(self, encode: Encode = plain, fetch_budget_bytes_per_s: float = math.inf) -> None:
         self._encode = encode
-        self._outbox = Outbox(self._encoded)
-        self._outbox.open(CONTROL_STREAM)
+        self.scheduler: Scheduler[_Request] = Scheduler(self._encoded, fetch_budget_bytes_per_s)
+        """What is sent next; it has the requests that others enqueue, too."""
+        self._outbox = self.scheduler.outbox
         self._infos: dict[int, StreamInfo] = {}
         self._video: dict[int, VideoReader] = {}
         self._ending: dict[int, None] = {}
@@ -64,10 +115,6 @@ class LinkSender(Generic[_Request]):
         self._counts_closed: dict[str, StreamCounts] = {}
         """The counts of closed streams, by topic."""
         self._needs: Mapping[str, LinkNeeds] = {}
-        self._window = Window()
-        self.background: BackgroundAnswers[_Request] = BackgroundAnswers(self._live, fetch_budget_bytes_per_s)
-        """Requests that others ``ask``, to be answered while no topic needs the link (``next_answer``)."""
-        self._session = 0
         self._sessions = 0
         self._predictions: Mapping[str, Prediction] = {}
         self._anew: set[str] = set()
@@ -81,7 +128,6 @@ class LinkSender(Generic[_Request]):
         self._restarted_ns = 0
         self._outages = 0
         self._ages_ms: dict[str, float] = {}
-        self._budget = BudgetEstimator()
         self._times_said_ns = 0
         self._said_period_ns = ACKNOWLEDGE_PERIOD_NS
 
@@ -181,68 +227,20 @@ class LinkSender(Generic[_Request]):
         elif has_joined:
             self._outbox.send_latched_again()
 
-    def next_chunk(self, now_ns: int) -> bytes | None:
-        """The chunk to send now; ``None`` while nothing waits, nobody is there, or enough is under way."""
-        if not self.is_connected(now_ns) or self.is_stalled(now_ns):
-            return None
-        chunk_bytes = self._window.chunk_bytes
-        if not chunk_bytes:
-            if not self._outbox.is_empty:
-                self._window.limited()
-            return None
-        chunk = self._outbox.next_chunk(self._session, chunk_bytes - HEADER_BYTES, now_ns)
-        if chunk is None:
-            self._note_idle(now_ns)
-            return None
-        self._budget.sent(now_ns)
-        data = chunk.to_bytes()
-        self._window.sent(len(data), now_ns)
-        self.background.live_sent(len(data), now_ns, self._window)
-        if self._outbox.is_empty:
-            self._note_idle(now_ns)
-        return data
-
-    def has_next(self, now_ns: int) -> bool:
-        """Whether ``next_chunk`` or ``next_answer`` may give something."""
-        if self._outbox.is_empty or not self.is_connected(now_ns) or self.is_stalled(now_ns):
-            return not self.background.is_empty
-        if self._window.has_room:
-            return True
-        self._window.limited()
-        return not self.background.is_empty
-
-    def next_answer(self, now_ns: int) -> BackgroundAnswer[_Request] | None:
-        """The request to answer now; to be asked for when ``next_chunk`` has nothing."""
-        if self.is_connected(now_ns) and (not self._outbox.is_empty or self.is_stalled(now_ns)):
-            return None
-        return self.background.next(now_ns)
-
     def is_connected(self, now_ns: int) -> bool:
         """Whether an operator's end was heard lately."""
-        return self._receiver is not None and now_ns - self._heard_ns <= LOST_AFTER_NS
-
-    def is_stalled(self, now_ns: int) -> bool:
-        """Whether what is under way should long have arrived."""
-        since_ns = self._window.waiting_since_ns
-        # No outage is shorter than that, and this is asked of every chunk.
-        if since_ns is None or now_ns - since_ns <= STALLED_AFTER_NS:
-            return False
-        return now_ns - since_ns > self._stalled_after_ns
-
-    @property
-    def _stalled_after_ns(self) -> int:
-        trip_ns = self._window.round_trip_ns
-        return FIRST_STALLED_AFTER_NS if trip_ns is None else STALLED_AFTER_NS + 4 * trip_ns
+        return self.scheduler.is_open(now_ns)
 
     def disconnect(self) -> None:
         """The operator's end is gone; the next that reports gets a new session."""
-        self._receiver = None
+        self._receiver = self.scheduler.open_until_ns = None
         self._receivers = Receivers(LOST_AFTER_NS)
         self._outbox.cut()
 
     def state(self, now_ns: int) -> LinkState:
         """The state of the link."""
-        window, is_limit = self._window, self._budget.is_limit(self._window)
+        window = self.scheduler.window
+        is_limit = self.scheduler.budget.is_limit(window)
         return LinkState(
             is_connected=self.is_connected(now_ns),
             capacity_kb_per_s=window.capacity_bytes_per_s / BYTES_PER_KB if is_limit else None,
@@ -256,7 +254,7 @@ class LinkSender(Generic[_Request]):
     @property
     def budget_kb_per_s(self) -> float | None:
         """The budget of all relayed topics now, as ``BudgetEstimator`` has it."""
-        return self._budget.kb_per_s
+        return self.scheduler.budget.kb_per_s
 
     def counts(self, now_ns: int) -> dict[str, StreamCounts]:
         """Messages by topic."""
@@ -281,7 +279,8 @@ class LinkSender(Generic[_Request]):
             self._learn_of_cut(received, now_ns)
         self._receiver = self._served_receiver = report.receiver
         self._heard_ns = now_ns
-        if self._session < received.session < _LAST_SESSION:
+        self.scheduler.open_until_ns = now_ns + LOST_AFTER_NS
+        if self.scheduler.session < received.session < _LAST_SESSION:
             # Somebody else's chunks were taken for ours; ours count again from the next session on.
             self._restart(now_ns, after=received.session)
         elif must_restart or self._acknowledge(received, now_ns):
@@ -294,14 +293,14 @@ class LinkSender(Generic[_Request]):
                 self._ages_ms[info.topic] = age_ms
         self._close_drained(now_ns)
         self._say_times(now_ns)
-        self._budget.measure(self._window, now_ns)
+        self.scheduler.budget.measure(self.scheduler.window, now_ns)
 
     def _note_absence(self, receiver: int, now_ns: int) -> None:
         """Count an outage where one receiver was there, then for a while none, and then another."""
         absent_ns, self._reported_ns = now_ns - self._reported_ns, now_ns
         # One that is back itself knows what had arrived, and is counted with that.
         if self._served_receiver not in {None, receiver}:
-            self._outages += absent_ns > self._stalled_after_ns
+            self._outages += absent_ns > self.scheduler.stalled_after_ns
 
     def _close_drained(self, now_ns: int) -> None:
         for stream in [one for one in self._ending if self._outbox.is_drained(one)]:
@@ -317,50 +316,35 @@ class LinkSender(Generic[_Request]):
         self._closed.add(stream)
         self._announce(stream, now_ns)
 
-    def _note_idle(self, now_ns: int) -> None:
-        self._window.idle()
-        self._budget.idle(now_ns)
-
-    def _live(self, now_ns: int) -> Window | None:
-        """The window of the topics, while anybody receives them."""
-        return self._window if self.is_connected(now_ns) else None
-
     def _learn_of_cut(self, received: Acknowledgement, now_ns: int) -> None:
         """A receiver whose connection was cut is back, and knows what had arrived by then."""
         if self._receiver is None:
-            self._outages += now_ns - self._heard_ns > self._stalled_after_ns
-        if received.session == self._session and received.received_bytes <= self._window.sent_bytes:
+            self._outages += now_ns - self._heard_ns > self.scheduler.stalled_after_ns
+        is_newest = received.session == self.scheduler.session
+        if is_newest and received.received_bytes <= self.scheduler.window.sent_bytes:
             self._outbox.acknowledge(received)
 
     def _acknowledge(self, received: Acknowledgement, now_ns: int) -> bool:
         """The receiver has so much of this session; whether another is to begin: the rest is lost."""
-        is_stalled = self.is_stalled(now_ns)
+        is_stalled = self.scheduler.is_stalled(now_ns)
         if is_stalled:
             self._outbox.cut()
-        # Of another session where nothing of this one arrived yet.
-        is_newest = received.session == self._session
-        if is_newest and self._window.acknowledge(received.received_bytes, now_ns):
-            self._outbox.acknowledge(received)
+        self.scheduler.acknowledge(received, now_ns)
         self._outages += is_stalled
         is_lossy = received.is_cut or bool(received.lost)
-        return (is_stalled and self._window.in_flight_bytes > 0) or (
+        return (is_stalled and self.scheduler.window.in_flight_bytes > 0) or (
             is_lossy and self._may_restart(received, now_ns)
         )
 
     def _may_restart(self, received: Acknowledgement, now_ns: int) -> bool:
         """Whether what is lost is of this session, and it is not the first second of it."""
-        is_newest = received.session == self._session
+        is_newest = received.session == self.scheduler.session
         return is_newest and now_ns - self._restarted_ns >= STALLED_AFTER_NS
 
     def _restart(self, now_ns: int, *, after: int = 0) -> None:
-        ended, self._session = self._session, max(self._session, after) + 1
         self._restarted_ns = now_ns
         self._said_period_ns = ACKNOWLEDGE_PERIOD_NS
-        before, self._window = self._window, Window(self._window.capacity_bytes_per_s)
-        self._window.is_measured = before.is_measured
-        self._outbox.close(CONTROL_STREAM, now_ns)
-        self._outbox.open(CONTROL_STREAM)
-        self._outbox.restart(ended, now_ns)
+        self.scheduler.restart(max(self.scheduler.session, after) + 1, now_ns)
         self._introduce(now_ns)
 
     def _introduce(self, now_ns: int) -> None:
@@ -383,12 +367,13 @@ class LinkSender(Generic[_Request]):
         encoded = self._encode(stream, payload)
         info = self._infos.get(stream)
         if info is not None and info.topic in self._needs:
-            self._budget.encoded(len(payload), len(encoded.data) + HEADER_BYTES)
+            self.scheduler.budget.encoded(len(payload), len(encoded.data) + HEADER_BYTES)
         return encoded
 
     def _say_times(self, now_ns: int) -> None:
         """Say once a second what the operator's end is to know, and at once how often it is to report."""
-        trip_ns, period_ns = self._window.round_trip_ns, self._window.acknowledge_period_ns
+        window = self.scheduler.window
+        trip_ns, period_ns = window.round_trip_ns, window.acknowledge_period_ns
         is_due = now_ns - self._times_said_ns >= NS_PER_S or period_ns != self._said_period_ns
         if trip_ns is not None and is_due:
             self._times_said_ns, self._said_period_ns = now_ns, period_ns

@@ -60,8 +60,8 @@ class WaitingAsk(NamedTuple):
 class IncidentServer:
     """Answers questions about what ``catalog`` has on ``key``.
 
-    Lists and plans are made by tasks for ``later``, which says whether it does them. Questions for bytes are
-    given to ``wait``, those that only say what has arrived to ``got``; ``answer`` answers one when the link
+    Lists and plans are made by tasks for ``later``, which says whether it does them. Questions for bytes,
+    some of which only say what has arrived, are given to ``enqueue``; ``answer`` answers one when the link
     has nothing better to do.
     """
 
@@ -72,13 +72,11 @@ class IncidentServer:
         catalog: IncidentCatalog,
         *,
         later: Callable[[Callable[[], None]], bool],
-        wait: Callable[[WaitingAsk], None],
-        got: Callable[[AskBytes], None],
+        enqueue: Callable[[WaitingAsk], None],
     ) -> None:
         self._catalog = catalog
         self._later = later
-        self._wait = wait
-        self._got = got
+        self._enqueue = enqueue
         self._compressor = Compressor()
         server.serve(key, self._handle)
 
@@ -104,11 +102,8 @@ class IncidentServer:
     def _handle(self, query: Query) -> None:
         question = QUESTIONS.from_bytes(query.data)
         is_known = isinstance(question, AskBytes) and self._catalog.known(question.name, question.token)
-        if isinstance(question, AskBytes) and not question.size_bytes:
-            query.drop()
-            self._got(question)
-        elif isinstance(question, AskBytes) and is_known:
-            self._wait(WaitingAsk(question, query))
+        if isinstance(question, AskBytes) and (is_known or not question.size_bytes):
+            self._enqueue(WaitingAsk(question, query))
         elif not self._later(partial(self._look_up, query, question)):
             query.drop()
 

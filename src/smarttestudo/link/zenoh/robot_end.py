@@ -26,11 +26,10 @@ from smarttestudo.domain.link import (
 from smarttestudo.domain.robot import Payload
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.incidents.catalog import IncidentCatalog
-from smarttestudo.incidents.transfer_messages import AskBytes
+from smarttestudo.link.protocol.background import Grant
 from smarttestudo.link.protocol.chunks import MAX_MESSAGE_BYTES
 from smarttestudo.link.protocol.keys import new_boot
 from smarttestudo.link.protocol.messages import ReportReader
-from smarttestudo.link.protocol.scheduler import BackgroundAnswer
 from smarttestudo.link.protocol.sender import LinkSender
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.commands import CommandInbox
@@ -119,8 +118,7 @@ class RobotEnd:
             self.boot.incidents_key,
             IncidentCatalog(folder),
             later=partial(self._disk.give, most=MAX_WAITING),
-            wait=self._have_wait,
-            got=self._have_got,
+            enqueue=self._enqueue,
         )
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
@@ -218,7 +216,7 @@ class RobotEnd:
         if self._lock.acquire(blocking=False):
             try:
                 self._empty_inbox()
-                if not self._sender.has_next(self._clock()):
+                if not self._sender.scheduler.has_next(self._clock()):
                     return
             finally:
                 self._lock.release()
@@ -257,51 +255,54 @@ class RobotEnd:
             return
         self._do(lambda: self._sender.handle_report(report, self._clock()))
 
-    def _have_wait(self, waiting: WaitingAsk) -> None:
-        ask = waiting.ask
+    def _enqueue(self, waiting: WaitingAsk) -> None:
+        """Have a question for bytes wait; one for none says only what has arrived."""
+        ask, requests = waiting.ask, self._sender.scheduler.requests
 
         def act() -> None:
-            if not self._sender.background.ask(ask.asker, ask.got_bytes, waiting, self._clock()):
+            if not ask.size_bytes:
+                requests.acknowledge(ask.asker, ask.got_bytes, self._clock())
+                waiting.query.drop()
+            elif not requests.enqueue(ask.asker, ask.got_bytes, waiting, self._clock()):
                 waiting.query.drop()
 
         self._do(act)
 
-    def _have_got(self, ask: AskBytes) -> None:
-        self._do(lambda: self._sender.background.acknowledge(ask.asker, ask.got_bytes, self._clock()))
-
     def _send_next(self) -> float:
         """Send all chunks that may be sent, or an answer; how long to wait then."""
+        scheduler = self._sender.scheduler
         has_more = True
         while has_more and not self._worker.is_closed:
             with self._lock:
                 self._empty_inbox()
                 now_ns = self._clock()
-                chunk = self._sender.next_chunk(now_ns)
+                chunk = scheduler.next_chunk(now_ns)
                 if chunk is None:
-                    answer, wait_s = self._next_answer(now_ns)
+                    grant, wait_s = self._next_grant(now_ns)
                     break
-                has_more = self._sender.has_next(now_ns)
+                has_more = scheduler.has_next(now_ns)
             self._data.put(chunk)
         else:
             return _POLL_AGAIN_S
-        if answer is None:
+        if grant is None:
             return wait_s
         assert self._incidents is not None
-        size_bytes = self._incidents.answer(answer.request, answer.size_bytes, answer.waiting)
+        # It waits where the link is thin, and nobody is to wait for that.
+        size_bytes = self._incidents.answer(grant.request, grant.size_bytes, grant.waiting)
         if size_bytes:
             with self._lock:
-                self._sender.background.sent(answer.asker, size_bytes, now_ns)
+                scheduler.requests.sent(grant.client, size_bytes, now_ns)
         return 0.0
 
-    def _next_answer(self, now_ns: int) -> tuple[BackgroundAnswer[WaitingAsk] | None, float]:
+    def _next_grant(self, now_ns: int) -> tuple[Grant[WaitingAsk] | None, float]:
         """The question for bytes to answer now, if the link has nothing better to do, or how long to wait."""
-        background = self._sender.background
-        for waiting in background.expired(now_ns):
+        scheduler = self._sender.scheduler
+        for waiting in scheduler.requests.expired(now_ns):
             waiting.query.drop()
-        answer = self._sender.next_answer(now_ns)
-        wake_ns = background.wake_ns(now_ns)
+        grant = scheduler.next_grant(now_ns)
+        wake_ns = scheduler.requests.wake_ns(now_ns)
         wait_s = _POLL_AGAIN_S if wake_ns is None else min((wake_ns - now_ns) / NS_PER_S, _POLL_AGAIN_S)
-        return answer, wait_s
+        return grant, wait_s
 
 
 class RobotPublisher:
