@@ -183,8 +183,7 @@ class Scheduler(Generic[_Request]):
     def restart(self, session: int, now_ns: int) -> None:
         """Begin another session: what was under way in the last one is lost, or goes again."""
         ended, self.session = self.session, session
-        before, self.window = self.window, Window(self.window.capacity_bytes_per_s)
-        self.window.is_measured = before.is_measured
+        self.window = Window(self.window.capacity_bytes_per_s, is_measured=self.window.is_measured)
         self.outbox.close(CONTROL_STREAM, now_ns)
         self.outbox.open(CONTROL_STREAM)
         self.outbox.restart(ended, now_ns)
