@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 from functools import partial
 
 from smarttestudo.cli.budget import budget_kb_per_s
@@ -13,7 +14,7 @@ from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import LAST_DOMAIN, DiscoveryRange, OutputDomain
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.robot.option import AnyOption, given_as
+from smarttestudo.robot.option import AnyOption, Settings, given_as
 
 
 def add_rules(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
@@ -49,11 +50,21 @@ def add_when_slow(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_option(parser: argparse.ArgumentParser, flag: str, option: AnyOption) -> None:
+def add_option(parser: argparse._ActionsContainer, flag: str, option: AnyOption) -> None:
     """Add ``option`` of a run under ``flag``; what is not given is ``None``."""
     default = option.default
     if default is False:
         parser.add_argument(flag, action="store_const", const=True, dest=option.key, help=option.help)
+        return
+    if option.is_list:
+        parser.add_argument(
+            flag,
+            metavar=option.metavar,
+            nargs=option.nargs,
+            action="append" if option.nargs is None else "extend",
+            dest=option.key,
+            help=option.help,
+        )
         return
     shown = f" (default: {f'{default:g}' if isinstance(default, float) else default})" if default else ""
     parser.add_argument(
@@ -63,6 +74,12 @@ def add_option(parser: argparse.ArgumentParser, flag: str, option: AnyOption) ->
         type=partial(given_value, option),
         help=f"{option.help}{shown}",
     )
+
+
+def settings_of(arguments: argparse.Namespace, options: Iterable[AnyOption]) -> Settings:
+    """The values that the command line has for ``options``. Raises ``UsageError``."""
+    known = [one for one in options if one.flag is not None]
+    return Settings(known, {one.key: given_as(getattr(arguments, one.attribute)) for one in known})
 
 
 def given_value(option: AnyOption, text: str) -> ParameterValue:

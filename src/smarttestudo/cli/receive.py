@@ -15,7 +15,8 @@ from contextlib import ExitStack, closing, contextmanager
 from typing import TYPE_CHECKING, TextIO
 
 from smarttestudo.cli.command_parser import CommandParser
-from smarttestudo.cli.link_options import add_zenoh_config
+from smarttestudo.cli.link_options import add_security
+from smarttestudo.cli.loop_options import settings_of
 from smarttestudo.cli.metrics_options import add_openmetrics, served_metrics
 from smarttestudo.cli.output import write_line
 from smarttestudo.cli.paths import file_path
@@ -28,6 +29,7 @@ from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
 from smarttestudo.domain.robot import receiving_node, relaying_nodes
 from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.link.foxglove import open_foxglove_sink
+from smarttestudo.link.parts.options import INSECURE, SECURITY_OPTIONS, ZENOH_CONFIG
 from smarttestudo.link.protocol.messages import MAX_PREDICTED
 from smarttestudo.link.receive.arrival_log import ArrivalLog
 from smarttestudo.link.receive.incident_mirror import IncidentMirror, MirrorFolders
@@ -130,7 +132,7 @@ def add_arguments(parser: CommandParser) -> None:
         help="fetch what was missed here in outages, of robots with --catch-up, into DIR/ROBOT likewise",
     )
     add_openmetrics(parser)
-    add_zenoh_config(parser)
+    add_security(parser)
     parser.set_defaults(run=run)
 
 
@@ -223,11 +225,12 @@ def _sending(commands: CommandOutbox, pattern: str, receiving: str) -> Iterator[
 
 def _options(arguments: argparse.Namespace) -> LinkOptions:
     has_endpoint = arguments.listen or arguments.connect
+    settings = settings_of(arguments, SECURITY_OPTIONS)
     return LinkOptions(
         listen=tuple(arguments.listen if has_endpoint else [DEFAULT_LISTEN]),
         connect=tuple(arguments.connect),
-        config_file=arguments.zenoh_config,
-        insecure=arguments.insecure,
+        config_file=settings[ZENOH_CONFIG],
+        insecure=settings[INSECURE],
         commands=command_topics(arguments.send, "--send"),
     )
 

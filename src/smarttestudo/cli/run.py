@@ -5,8 +5,6 @@
 from __future__ import annotations
 
 import argparse
-import platform
-import re
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -14,13 +12,14 @@ from functools import partial
 
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.cli.link_options import LinkWarnings, add_link, open_link
+from smarttestudo.cli.link_options import LinkWarnings, open_link
 from smarttestudo.cli.loop_options import (
     add_option,
     add_output_domain,
     add_ros_arguments,
     add_rules,
     output_domain,
+    settings_of,
 )
 from smarttestudo.cli.metrics_options import add_openmetrics, served_run
 from smarttestudo.cli.terminal import stop_signals
@@ -32,10 +31,11 @@ from smarttestudo.files.outputs import require_separate
 from smarttestudo.incidents.options import CATCH_UP, INCIDENT_RING, INCIDENTS
 from smarttestudo.incidents.part_kinds import INCIDENTS_PART, OUTAGES_PART
 from smarttestudo.link.parts import COMMANDS_PART, LINK_PART
+from smarttestudo.link.parts.options import LINK, LINK_LISTEN, LINK_OPTIONS, has_link, robot_name
 from smarttestudo.loop.decision_log import growing_decision_log
 from smarttestudo.loop.input_log import INPUTS_FILE, input_log
 from smarttestudo.robot.decisions import Decided
-from smarttestudo.robot.option import Settings, given_as
+from smarttestudo.robot.option import AnyOption, Settings, given_as
 from smarttestudo.robot.part import PartKind
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.run import options_of, run_live
@@ -45,6 +45,7 @@ from smarttestudo.robot.run_options import (
     PROFILE,
     RECORD_INPUTS,
     RULES,
+    RUN_OPTIONS,
     RunParameters,
 )
 from smarttestudo.robot.unnoticed import lasting
@@ -63,9 +64,7 @@ def add_arguments(parser: CommandParser, kinds: Sequence[PartKind] = PART_KINDS)
         "Ends on SIGINT (Ctrl-C) and SIGTERM."
     )
     add_rules(parser, required=False)
-    for option in options_of(kinds):
-        if option.flag is not None and not option.is_shared:
-            add_option(parser, option.flag, option)
+    _add_options(parser, RUN_OPTIONS)
     add_output_domain(parser)
     parser.add_argument(
         "--data-path",
@@ -75,7 +74,8 @@ def add_arguments(parser: CommandParser, kinds: Sequence[PartKind] = PART_KINDS)
         "through librcl, or through rclpy (default: the first of these that works here)",
     )
     add_openmetrics(parser)
-    add_link(parser)
+    for kind in kinds:
+        _add_options(parser if kind.title is None else parser.add_argument_group(kind.title), kind.options)
     add_ros_arguments(parser)
     # What is not given here may be a parameter of the node.
     parser.set_defaults(run=partial(run, kinds=kinds), when_slow=None)
@@ -85,9 +85,10 @@ def run(arguments: argparse.Namespace, kinds: Sequence[PartKind] = PART_KINDS) -
     """Relay until a signal comes."""
     with ExitStack() as opened:
         stopped = opened.enter_context(stop_signals())
-        metrics = opened.enter_context(served_run(arguments.openmetrics, _robot_name(arguments.robot)))
+        of_link = settings_of(arguments, LINK_OPTIONS)
+        metrics = opened.enter_context(served_run(arguments.openmetrics, robot_name(of_link)))
         warnings = LinkWarnings()
-        link = opened.enter_context(open_link(arguments, _robot_name(arguments.robot), warnings))
+        link = opened.enter_context(open_link(of_link, warnings))
         with lasting():
             robot = opened.enter_context(
                 open_robot(
@@ -127,13 +128,15 @@ def run(arguments: argparse.Namespace, kinds: Sequence[PartKind] = PART_KINDS) -
     return 0
 
 
-def _robot_name(given: str | None) -> str:
-    return given or re.sub(r"[^A-Za-z0-9_]", "_", platform.node()) or "robot"
+def _add_options(parser: argparse._ActionsContainer, options: Sequence[AnyOption]) -> None:
+    for option in options:
+        if option.flag is not None and not option.is_shared:
+            add_option(parser, option.flag, option)
 
 
 def _is_local(arguments: argparse.Namespace) -> bool:
     """Whether the ROS graph gets what is relayed."""
-    if not arguments.link and not arguments.link_listen:
+    if not has_link(settings_of(arguments, (LINK, LINK_LISTEN))):
         return True
     return getattr(arguments, OUTPUT_TOPIC.key) is not None or arguments.output_domain is not None
 

@@ -29,7 +29,8 @@ class Option(Generic[_Value_co]):
     """A setting: ``name`` is the parameter, ``flag`` the option of the command line, if there are such.
 
     ``default`` is the value where nobody gives one. ``is_number``: a text on the command line is one.
-    ``is_shared``: other commands have it too, and add it by a function of theirs.
+    ``is_shared``: other commands have it too, and add it by a function of theirs. ``is_list``: it may be
+    given several times, each time ``nargs`` values.
     """
 
     help: str
@@ -42,6 +43,8 @@ class Option(Generic[_Value_co]):
     is_typed: bool = True
     is_shared: bool = False
     is_number: bool = False
+    is_list: bool = False
+    nargs: str | None = None
 
     @property
     def key(self) -> str:
@@ -93,7 +96,7 @@ class Settings:
     def __init__(
         self, options: Iterable[AnyOption] = (), given: Mapping[str, ParameterValue] | None = None
     ) -> None:
-        values = given or {}
+        values = {key: value for key, value in (given or {}).items() if value is not None}
         self._values = {one: one.value(values.get(one.key, one.default)) for one in options}
 
     def __getitem__(self, option: Option[_Value]) -> _Value:
@@ -115,6 +118,11 @@ def given_as(value: object) -> ParameterValue:
 def text(value: ParameterValue) -> str:
     """Any text."""
     return str(value)
+
+
+def texts(value: ParameterValue) -> tuple[str, ...]:
+    """A list of texts."""
+    return value if isinstance(value, tuple) else (str(value),)
 
 
 def is_true(value: ParameterValue) -> bool:

@@ -143,7 +143,11 @@ class PartContext:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PartKind:
-    """A feature that a run may have: its ``options``, and what makes it, if it is to be there."""
+    """A feature that a run may have: its ``options``, and what makes it, if it is to be there.
+
+    With a ``title``, the options stand apart in the help of the command line.
+    """
 
     make: Callable[[PartContext], Part | None]
     options: tuple[AnyOption, ...] = ()
+    title: str | None = None

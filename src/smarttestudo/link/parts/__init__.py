@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from smarttestudo.link.parts.options import LINK_OPTIONS
 from smarttestudo.robot.part import Part, PartContext, PartKind
 
 
@@ -24,5 +25,5 @@ def _command_subscribers(context: PartContext) -> Part | None:
     return CommandSubscribers(context.robot, context.commands, context.link)
 
 
-LINK_PART = PartKind(make=_link)
+LINK_PART = PartKind(make=_link, options=LINK_OPTIONS, title="link to an operator")
 COMMANDS_PART = PartKind(make=_command_subscribers)

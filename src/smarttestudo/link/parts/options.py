@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Settings of a robot's end of a link, and what goes with any end."""
+
+from __future__ import annotations
+
+import math
+import platform
+import re
+
+from smarttestudo.domain.budget import budget_kb_per_s
+from smarttestudo.domain.command import command_topics
+from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.parameter import ParameterValue
+from smarttestudo.link.zenoh.security import LinkOptions
+from smarttestudo.robot.option import Option, Settings, is_true, optional, path, texts
+
+
+def _accepted(value: ParameterValue) -> tuple[str, ...]:
+    return command_topics(texts(value), ACCEPT.flag or "")
+
+
+LINK = Option(
+    flag="--link",
+    metavar="ENDPOINT",
+    help="send what is relayed to 'testudo receive' there, as in tls/192.168.1.5:7447; the ROS graph "
+    "gets it too only with --output-topic or --output-domain",
+    read=texts,
+    default=(),
+    is_list=True,
+)
+LINK_LISTEN = Option(
+    flag="--link-listen",
+    metavar="ENDPOINT",
+    help="wait there for 'testudo receive --connect' instead",
+    read=texts,
+    default=(),
+    is_list=True,
+)
+ROBOT_NAME = Option(
+    flag="--robot",
+    metavar="NAME",
+    help="the robot's name for operators (default: this host's name)",
+    read=lambda value: str(value or ""),
+)
+ACCEPT = Option(
+    flag="--accept",
+    metavar="TOPIC",
+    nargs="+",
+    help="publish what 'testudo receive --send' sends of these topics, unless it is older than 0.5 s",
+    read=_accepted,
+    default=(),
+    is_list=True,
+)
+FETCH_BUDGET = Option(
+    flag="--fetch-budget",
+    metavar="N",
+    help="KB/s of the link that incidents and gaps may take when operators fetch them (default: all "
+    "that live topics leave)",
+    read=optional(budget_kb_per_s),
+    default=None,
+)
+ZENOH_CONFIG = Option(
+    flag="--zenoh-config",
+    metavar="FILE",
+    help="certificates, users and access control of the link: a Zenoh configuration (JSON5)",
+    read=path,
+)
+INSECURE = Option(
+    flag="--insecure",
+    help="allow endpoints that other machines reach without TLS: others can read and change what is sent",
+    read=is_true,
+    default=False,
+)
+SECURITY_OPTIONS = (ZENOH_CONFIG, INSECURE)
+"""What goes with any end of a link."""
+LINK_OPTIONS = (LINK, LINK_LISTEN, ROBOT_NAME, ACCEPT, FETCH_BUDGET, *SECURITY_OPTIONS)
+
+
+def has_link(settings: Settings) -> bool:
+    """Whether there is to be a link."""
+    return bool(settings[LINK] or settings[LINK_LISTEN])
+
+
+def robot_name(settings: Settings) -> str:
+    """The robot's name for operators."""
+    return settings[ROBOT_NAME] or re.sub(r"[^A-Za-z0-9_]", "_", platform.node()) or "robot"
+
+
+def link_options(settings: Settings) -> LinkOptions | None:
+    """The link that there is to be, if any. Raises ``UsageError`` for what only goes with one."""
+    if not has_link(settings):
+        for option in (ACCEPT, ROBOT_NAME, FETCH_BUDGET, *SECURITY_OPTIONS):
+            # A budget of 0 is given, too.
+            if settings[option] != option.read(option.default):
+                raise UsageError("it needs a link", place=option.flag, remedy="add --link or --link-listen")
+        return None
+    budget = settings[FETCH_BUDGET]
+    return LinkOptions(
+        listen=settings[LINK_LISTEN],
+        connect=settings[LINK],
+        config_file=settings[ZENOH_CONFIG],
+        insecure=settings[INSECURE],
+        commands=settings[ACCEPT],
+        fetch_budget_kb_per_s=math.inf if budget is None else budget,
+    )
