@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-from smarttestudo.domain.source_period import SourcePeriod, silence_limit_ns
+from smarttestudo.domain.rate_meter import SourcePeriod, silence_limit_ns
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.coded_video import VideoFrame, VideoGroup
 from smarttestudo.pacing.grid import NEVER_NS, Grid, Pace

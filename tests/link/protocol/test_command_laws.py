@@ -17,9 +17,6 @@ from link.protocol.simulated_commands import JOY, TYPE, Clock, Driving, Way
 from link.protocol.simulated_link import MS, Link, S
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.link import MAX_AGE_NS, MAX_COMMAND_BYTES, CommandTopic
-from smarttestudo.link.protocol.command_receiver import MAX_BURST, MAX_HZ, CommandReceiver
-from smarttestudo.link.protocol.command_sender import ClockBound, CommandSender
-from smarttestudo.domain.link_state import CommandTopic
 from smarttestudo.link.protocol.commands import MAX_BURST, MAX_HZ, ClockBound, CommandReceiver, CommandSender
 from smarttestudo.link.protocol.messages import (
     COMMAND_REPORTS,

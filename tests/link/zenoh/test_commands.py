@@ -15,8 +15,6 @@ from link.zenoh.ends import free_endpoint, refuse_warning, until
 from link.zenoh.slow_wire import slow_wire
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Payload
-from smarttestudo.link.protocol.command_sender import CommandedRobot
-from smarttestudo.domain.payload import Payload
 from smarttestudo.link.protocol.commands import CommandedRobot
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.commands import CommandInbox, CommandOutbox

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX, MOST, PropertySpec, part_reader
-from smarttestudo.language.properties.sensors import known_only
+from smarttestudo.language.properties.readers import known_only
 from smarttestudo.language.properties.table import properties_of, value_reader
 from smarttestudo.pacing.reckoning.gauges import (
     PLACE_DISTANCE,

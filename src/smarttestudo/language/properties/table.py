@@ -22,9 +22,16 @@ from smarttestudo.language.properties.field_path import (
     field_reader,
     number,
 )
-from smarttestudo.pacing.reckoning.gauges import Distance, FrameGauge, Gauge, JointGauge, PoseGauge
+from smarttestudo.pacing.reckoning.gauges import (
+    PLACE_DISTANCE,
+    Distance,
+    FixGauge,
+    FrameGauge,
+    Gauge,
+    JointGauge,
+    PoseGauge,
+)
 from smarttestudo.pacing.reckoning.motion import Rotation, SpatialPose, Twist, Vector3
-from smarttestudo.pacing.reckoning.satellite_fix import PLACE_DISTANCE, FixGauge
 
 _CONVENTIONAL_TYPES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {

@@ -9,16 +9,13 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 from smarttestudo.domain.decision import PlannedRate
-from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction, StreamCounts, TopicOnLink
 from smarttestudo.domain.errors import TestudoError, testudo_error
-from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction
-from smarttestudo.domain.link_state import StreamCounts, TopicOnLink
+from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction, StreamCounts, TopicOnLink
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon
-from smarttestudo.domain.questions import Answer, GetParameters, GetTopics, Question, SetParameters
-from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.parameter import Answer, GetParameters, GetTopics, Question, SetParameters
+from smarttestudo.domain.robot import Robot, topic_types
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S, counted
-from smarttestudo.domain.visible_topics import topic_types
 from smarttestudo.loop.inputs import ChangeInput, WakeInput
 from smarttestudo.loop.relay import ReckonedPicture
 from smarttestudo.robot.live_rules import LiveRules

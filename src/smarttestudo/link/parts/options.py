@@ -8,10 +8,10 @@ import math
 import platform
 import re
 
-from smarttestudo.domain.budget import budget_kb_per_s
-from smarttestudo.domain.command import command_topics
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.link import command_topics
 from smarttestudo.domain.parameter import ParameterValue
+from smarttestudo.domain.profile import budget_kb_per_s
 from smarttestudo.link.zenoh.security import LinkOptions
 from smarttestudo.robot.option import Option, Settings, is_true, optional, path, texts
 

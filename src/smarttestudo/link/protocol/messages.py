@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from smarttestudo.domain.errors import LinkError, TestudoError
+from smarttestudo.domain.incident import RemoteIncident
 from smarttestudo.domain.link import (
     MAX_COMMAND_BYTES,
     MAX_COMMAND_TOPICS,
@@ -20,17 +21,6 @@ from smarttestudo.domain.link import (
 from smarttestudo.domain.names import TypeName, has_topic_form
 from smarttestudo.domain.parameter import GetParameters, GetTopics, SetParameters, Values
 from smarttestudo.domain.texts import visible
-from smarttestudo.link.protocol.acknowledgements import MAX_ENDED, MAX_LOST_SPANS, Acknowledgement
-from smarttestudo.link.protocol.chunks import MAX_STREAMS
-from smarttestudo.link.protocol.wire import FrameType, Kind
-from smarttestudo.domain.link import Prediction, StreamInfo
-from smarttestudo.domain.link_state import CommandTopic
-from smarttestudo.domain.names import has_topic_form
-from smarttestudo.domain.parameter import Values
-from smarttestudo.domain.questions import GetParameters, GetTopics, SetParameters
-from smarttestudo.domain.remote_incidents import RemoteIncident
-from smarttestudo.domain.type_names import TypeName
-from smarttestudo.domain.visible_text import visible
 from smarttestudo.incidents.transfer_messages import (
     MAX_ASK_BYTES,
     MAX_FILES,
@@ -43,6 +33,7 @@ from smarttestudo.incidents.transfer_messages import (
     TransferQuestion,
     is_incident_file_name,
     is_incident_name,
+)
 from smarttestudo.incidents.transfer_order import RangePart
 from smarttestudo.link.protocol.chunks import (
     MAX_ENDED,
@@ -50,6 +41,7 @@ from smarttestudo.link.protocol.chunks import (
     MAX_STREAMS,
     NOTHING_RECEIVED,
     Acknowledgement,
+)
 from smarttestudo.link.protocol.wire import FrameType, Kind, Reader, frame, malformed, zigzag
 
 MAX_SENDERS = 4

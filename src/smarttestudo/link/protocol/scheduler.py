@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Generic, TypeVar
 
-from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
+from smarttestudo.domain.profile import UNLIMITED_KB_PER_S
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.link.protocol.background import BackgroundRequests, Grant
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, Acknowledgement

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.metric import Metric, MetricKind, MetricName, Sample
 from smarttestudo.domain.names import is_topic_name
-from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.status_json import status_from_text
+from smarttestudo.domain.status import RuntimeStatus, status_from_text
 from smarttestudo.domain.units import BYTES_PER_KB, grouped
 from smarttestudo.link.openmetrics.status import status_metrics
 from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot

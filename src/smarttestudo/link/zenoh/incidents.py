@@ -16,10 +16,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from smarttestudo.bags.incident_record import RECORD_NAME
-from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.incident import (
 from smarttestudo.domain.errors import LinkError, testudo_error
-from smarttestudo.domain.remote_incidents import FetchProgress, OnProgress, RemoteIncident, SilentRobotError
+from smarttestudo.domain.incident import FetchProgress, OnProgress, RemoteIncident, SilentRobotError
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.catalog import IncidentCatalog

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import zenoh
 
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.status_json import compact_status, is_measured
+from smarttestudo.domain.status import compact_status, is_measured
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.keys import ALL_STATUSES, MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.protocol.status_stream import Record, StatusReceiver, StatusSender

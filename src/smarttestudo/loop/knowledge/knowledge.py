@@ -9,9 +9,6 @@ from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from smarttestudo.domain.decision import PlannedRate, Reason
-from smarttestudo.domain.alarm_clock import AlarmClock
-from smarttestudo.domain.budget import UNLIMITED_KB_PER_S
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import UNLIMITED_KB_PER_S, Profile

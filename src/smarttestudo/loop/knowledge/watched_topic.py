@@ -13,8 +13,6 @@ from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import LevelUnit, TopicProfile
 from smarttestudo.domain.rate_meter import SourcePeriod
 from smarttestudo.domain.signal import ArrivalProperty, Signal
-from smarttestudo.domain.units import ns_from_s
-from smarttestudo.domain.source_period import SourcePeriod
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, ns_from_s
 from smarttestudo.language.properties import Reader, value_reader
 from smarttestudo.language.region import Bound
