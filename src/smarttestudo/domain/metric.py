@@ -95,8 +95,8 @@ def _typed_names(kind: Any) -> Iterator[tuple[str, str, Any]]:
         yield name, name, hint
     for name, member in vars(kind).items():
         if isinstance(member, property):
-            key = vars(member.fget).get("record_entry", name)
-            yield name, key, get_type_hints(member.fget, include_extras=True).get("return")
+            entry = vars(member.fget).get("record_entry", JsonEntry())
+            yield name, entry.name or name, get_type_hints(member.fget, include_extras=True).get("return")
 
 
 def _record_in(hint: Any) -> Any:

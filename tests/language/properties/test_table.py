@@ -23,7 +23,7 @@ from smarttestudo.language.properties import (
     properties_of,
     value_reader,
 )
-from smarttestudo.language.properties.table import MessageType, Part, ValueProperty
+from smarttestudo.language.properties.table import MessagePart, MessageType, ValueProperty
 from smarttestudo.pacing.reckoning.picture import Picture
 
 NAMED = sorted({*known_types(), *properties_for_bounds()})
@@ -75,10 +75,10 @@ def test_a_bound_property_of_two_different_messages_is_off(type_name: str, *, is
 
 def test_a_value_is_read_of_the_part_that_it_is_declared_for() -> None:
     with pytest.raises(AttributeError, match="covariance"):
-        ValueProperty(spec=SPEC, read_of=lambda _: lambda pose: pose.covariance[0], part=Part.POSE)
+        ValueProperty(spec=SPEC, read_of=lambda _: lambda pose: pose.covariance[0], part=MessagePart.POSE)
 
 
 def test_a_type_without_a_twist_has_no_properties_of_one() -> None:
-    speed = ValueProperty(spec=SPEC, read_of=lambda _: lambda twist: twist.linear.x, part=Part.TWIST)
+    speed = ValueProperty(spec=SPEC, read_of=lambda _: lambda twist: twist.linear.x, part=MessagePart.TWIST)
     with pytest.raises(ValueError, match="doubt is of a twist, which this type has not"):
-        MessageType(values=(speed,), paths={Part.POSE: "pose"})
+        MessageType(values=(speed,), paths={MessagePart.POSE: "pose"})

@@ -1,143 +1,18 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The properties that a KeepWithin can name, and how far two values of one are apart."""
+"""Readers of messages for the properties that a KeepWithin bounds."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Mapping
-from operator import itemgetter
-from types import MappingProxyType
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable
+from operator import attrgetter, itemgetter
 
 from smarttestudo.domain.profile import LevelUnit
-from smarttestudo.language.properties.field_path import MESSAGE_PREFIX, MOST, PropertySpec, part_reader
+from smarttestudo.language.properties.distances import value_distance, wraps
+from smarttestudo.language.properties.field_path import field_reader, part_reader
 from smarttestudo.language.properties.readers import known_only
-from smarttestudo.language.properties.table import properties_of, value_reader
-from smarttestudo.pacing.reckoning.gauges import (
-    PLACE_DISTANCE,
-    Distance,
-    FieldGauge,
-    FixGauge,
-    FrameGauge,
-    Gauge,
-    JointGauge,
-    PoseGauge,
-    PoseState,
-)
-from smarttestudo.pacing.reckoning.motion import (
-    SpatialPose,
-    orientation_distance_degrees,
-    position_distance_m,
-)
-
-FULL_TURN = 360.0
-
-_ODOMETRY = "nav_msgs/msg/Odometry"
-_POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
-_POSE_WITH_COVARIANCE_STAMPED = "geometry_msgs/msg/PoseWithCovarianceStamped"
-_TRANSFORMS = "tf2_msgs/msg/TFMessage"
-_JOINTS = "sensor_msgs/msg/JointState"
-_FIX = "sensor_msgs/msg/NavSatFix"
-
-_POSE = (
-    PropertySpec(name="position", unit="m", meaning="length of the difference of the positions", minimum=0.0),
-    PropertySpec(
-        name="orientation",
-        unit="°",
-        meaning="angle of the rotation between the orientations",
-        minimum=0.0,
-        maximum=180.0,
-    ),
-)
-_SPECS: Mapping[str, tuple[PropertySpec, ...]] = MappingProxyType(
-    {
-        _ODOMETRY: _POSE,
-        _POSE_STAMPED: _POSE,
-        _POSE_WITH_COVARIANCE_STAMPED: _POSE,
-        _TRANSFORMS: _POSE,
-        _FIX: (
-            PropertySpec(
-                name="position",
-                unit="m",
-                meaning="length of the way between the places, of degrees in metres of WGS 84",
-                minimum=0.0,
-            ),
-        ),
-        _JOINTS: (
-            PropertySpec(
-                name="positions", unit="rad", meaning="largest difference of a joint's position", minimum=0.0
-            ),
-        ),
-    }
-)
-
-
-class _WithPose(NamedTuple):
-    pose: object
-
-
-class _WithTwist(NamedTuple):
-    twist: object
-
-
-class _Odometry(NamedTuple):
-    pose: _WithPose
-    twist: _WithTwist
-
-
-class _PoseType(NamedTuple):
-    """A type that holds one pose; ``as_message`` makes a state look like a message of it."""
-
-    frame_count: int
-    fields: tuple[str, ...]
-    as_message: Callable[[PoseState], object]
-
-
-_POSE_TYPES: Mapping[str, _PoseType] = MappingProxyType(
-    {
-        _ODOMETRY: _PoseType(
-            2,
-            ("pose.pose.", "twist.twist."),
-            lambda state: _Odometry(_WithPose(state.pose), _WithTwist(state.twist)),
-        ),
-        _POSE_STAMPED: _PoseType(1, ("pose.",), lambda state: _WithPose(state.pose)),
-        _POSE_WITH_COVARIANCE_STAMPED: _PoseType(
-            1, ("pose.pose.",), lambda state: _WithPose(_WithPose(state.pose))
-        ),
-    }
-)
-
-
-def _pose_distance(between: Callable[[SpatialPose, SpatialPose], float]) -> Distance:
-    return Distance(
-        lambda one, other: between(one.pose, other.pose),
-        # NaN, an infinite number and the zero quaternion cannot be compared with themselves, either.
-        lambda one: between(one.pose, one.pose) < math.inf and max(map(abs, one.pose.position)) < MOST,
-    )
-
-
-_POSE_DISTANCES: Mapping[str, Distance] = MappingProxyType(
-    {
-        "position": _pose_distance(position_distance_m),
-        "orientation": _pose_distance(orientation_distance_degrees),
-    }
-)
-
-
-def accuracy_properties_of(type_name: str) -> Mapping[str, PropertySpec]:
-    """The named properties of ``type_name`` that a KeepWithin can name, those of checks included."""
-    return {**{spec.name: spec for spec in _SPECS.get(type_name, ())}, **properties_of(type_name)}
-
-
-def properties_for_bounds() -> Mapping[str, tuple[PropertySpec, ...]]:
-    """By type, what a KeepWithin can name beside what checks read."""
-    return _SPECS
-
-
-def wraps(spec: PropertySpec) -> bool:
-    """Whether the values are degrees in (−180, 180] that go round."""
-    return spec.unit == "°" and (spec.minimum, spec.maximum) == (-FULL_TURN / 2, FULL_TURN / 2)
+from smarttestudo.language.properties.table import MessageType, message_type, properties_of, value_reader
+from smarttestudo.pacing.reckoning.gauges import Distance, FieldGauge, Gauge
 
 
 def gauges_for(
@@ -147,15 +22,16 @@ def gauges_for(
 
     Unless the type ``is_standard``, serialized messages do not have the bytes of its name, and are decoded.
     """
+    known = message_type(type_name)
     reckoned: dict[str, Distance] = {}
     fields: list[str] = []
     for name in names:
-        distance = _reckoned(type_name, name) if is_standard else None
+        distance = _reckoned(known, name) if is_standard else None
         if distance is None:
             fields.append(name)
         else:
             reckoned[name] = distance
-    gauges: list[Gauge] = [_reckoning(type_name, reckoned)] if reckoned else []
+    gauges: list[Gauge] = [known.gauge(reckoned)] if reckoned and known.gauge else []
     if fields:
         gauges.append(_field_gauge(type_name, fields, level_unit))
     return tuple(gauges)
@@ -166,30 +42,22 @@ def needs_decoded(gauges: Iterable[Gauge]) -> bool:
     return any(isinstance(gauge, FieldGauge) for gauge in gauges)
 
 
-def _reckoned(type_name: str, name: str) -> Distance | None:
+def _reckoned(known: MessageType, name: str) -> Distance | None:
     """The distance of two states of what is read without decoding, ``None`` where it holds no such thing."""
-    if name in (spec.name for spec in _SPECS.get(type_name, ())):
-        return _OWN_DISTANCES.get(type_name) or _POSE_DISTANCES[name]
-    pose_type = _POSE_TYPES.get(type_name)
-    if pose_type is None:
+    own = next((one.distance for one in known.distances if one.spec.name == name), None)
+    if own is not None or known.gauge is None:
+        return own
+    value = known.value(name)
+    if value is not None:
+        if value.part not in known.paths:
+            return None
+        read, part_of = value.reader(), attrgetter(value.part.value)
+        return value_distance(lambda state: read(part_of(state)), is_angle=wraps(value.spec))
+    found = known.part_at(name)
+    if found is None or not found[0].has_number(found[1]):
         return None
-    spec = properties_of(type_name).get(name)
-    if spec is None and not name.removeprefix(MESSAGE_PREFIX).startswith(pose_type.fields):
-        return None
-    read, as_message = value_reader(type_name, name), pose_type.as_message
-    is_angle = spec is not None and wraps(spec)
-    return _value_distance(lambda state: read(as_message(state)), is_angle=is_angle)
-
-
-def _reckoning(type_name: str, distances: Mapping[str, Distance]) -> Gauge:
-    if type_name == _TRANSFORMS:
-        return FrameGauge(distances)
-    if type_name == _JOINTS:
-        return JointGauge(distances)
-    if type_name == _FIX:
-        return FixGauge(distances)
-    pose_type = _POSE_TYPES[type_name]
-    return PoseGauge(distances, frame_count=pose_type.frame_count, has_twist=type_name == _ODOMETRY)
+    read, part_of = field_reader(found[1]), attrgetter(found[0].value)
+    return value_distance(lambda state: read(part_of(state)))
 
 
 def _field_gauge(type_name: str, names: Iterable[str], level_unit: LevelUnit | None) -> FieldGauge:
@@ -203,49 +71,5 @@ def _field_gauge(type_name: str, names: Iterable[str], level_unit: LevelUnit | N
             if spec is None
             else value_reader(type_name, name, level_unit)
         )
-        distances[name] = _value_distance(itemgetter(name), is_angle=spec is not None and wraps(spec))
+        distances[name] = value_distance(itemgetter(name), is_angle=spec is not None and wraps(spec))
     return FieldGauge(distances, readers)
-
-
-def _value_distance(value: Callable[[Any], object], *, is_angle: bool = False) -> Distance:
-    return Distance(
-        lambda one, other: _apart(value(one), value(other), is_angle=is_angle),
-        lambda one: _is_known(value(one)),
-    )
-
-
-_OWN_DISTANCES: Mapping[str, Distance] = MappingProxyType(
-    {_JOINTS: _value_distance(itemgetter(0)), _FIX: PLACE_DISTANCE}
-)
-"""Of types whose property is no part of a pose."""
-
-
-def _is_known(value: Any) -> bool:
-    """Whether it is a text, or a number that can be measured."""
-    if isinstance(value, str):
-        return True
-    try:
-        return bool(abs(value) < MOST)
-    except (TypeError, ValueError, OverflowError):
-        return False
-
-
-def _apart(one: Any, other: Any, *, is_angle: bool) -> float:
-    """The absolute difference of numbers; 0 or infinite of texts; NaN of what cannot be compared.
-
-    Two numbers that are both not known are alike.
-    """
-    if isinstance(one, str) and isinstance(other, str):
-        return 0.0 if one == other else math.inf
-    try:
-        first, second = float(one), float(other)
-    except (TypeError, ValueError, OverflowError):
-        return math.nan
-    if first == second or (math.isnan(first) and math.isnan(second)):
-        return 0.0
-    difference = first - second
-    return (
-        abs(math.remainder(difference, FULL_TURN))
-        if is_angle and math.isfinite(difference)
-        else abs(difference)
-    )

@@ -66,7 +66,7 @@ def conventional_types(topic: str) -> tuple[str, ...]:
     return next((_CONVENTIONAL_TYPES[end] for end in ends if end in _CONVENTIONAL_TYPES), ())
 
 
-class Part(Enum):
+class MessagePart(Enum):
     """A part of a message; a gauge of poses reads the pose and the twist without decoding the rest."""
 
     MESSAGE = "message"
@@ -79,10 +79,10 @@ class Part(Enum):
 
 
 _NOWHERE = Vector3(0.0, 0.0, 0.0)
-_AT_REST: Mapping[Part, object] = MappingProxyType(
+_AT_REST: Mapping[MessagePart, object] = MappingProxyType(
     {
-        Part.POSE: SpatialPose(_NOWHERE, Rotation(0.0, 0.0, 0.0, 1.0)),
-        Part.TWIST: Twist(_NOWHERE, _NOWHERE),
+        MessagePart.POSE: SpatialPose(_NOWHERE, Rotation(0.0, 0.0, 0.0, 1.0)),
+        MessagePart.TWIST: Twist(_NOWHERE, _NOWHERE),
     }
 )
 
@@ -97,7 +97,7 @@ class ValueProperty:
 
     spec: PropertySpec
     read_of: Callable[[LevelUnit | None], Callable[[Any], float]]
-    part: Part = Part.MESSAGE
+    part: MessagePart = MessagePart.MESSAGE
     known_by: str = ""
 
     def __post_init__(self) -> None:
@@ -135,13 +135,13 @@ class MessageType:
 
     values: tuple[ValueProperty, ...] = ()
     distances: tuple[DistanceProperty, ...] = ()
-    paths: Mapping[Part, str] = field(default_factory=dict)
+    paths: Mapping[MessagePart, str] = field(default_factory=dict)
     gauge: Callable[[Mapping[str, Distance]], Gauge] | None = None
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for a property that nothing could read."""
         for value in self.values:
-            if value.part is not Part.MESSAGE and value.part not in self.paths:
+            if value.part is not MessagePart.MESSAGE and value.part not in self.paths:
                 raise ValueError(f"{value.spec.name} is of a {value.part.value}, which this type has not")
         if self.distances and self.gauge is None:
             raise ValueError("distances are of what a gauge reads")
@@ -150,7 +150,7 @@ class MessageType:
         """The property ``name`` that messages have a value of."""
         return next((one for one in self.values if one.spec.name == name), None)
 
-    def part_at(self, path: str) -> tuple[Part, str] | None:
+    def part_at(self, path: str) -> tuple[MessagePart, str] | None:
         """The part that holds the field ``path``, and the path in it."""
         plain = path.removeprefix(MESSAGE_PREFIX)
         inside = ((part, f"{start}.") for part, start in self.paths.items() if start)
@@ -165,7 +165,7 @@ def _value(
     meaning: str,
     read: Callable[[Any], float],
     *,
-    part: Part = Part.MESSAGE,
+    part: MessagePart = MessagePart.MESSAGE,
     minimum: float | None = None,
     maximum: float | None = None,
     known_by: str = "",
@@ -175,7 +175,12 @@ def _value(
 
 
 def _angle(
-    name: str, meaning: str, read: Callable[[Any], float], *, part: Part = Part.MESSAGE, known_by: str = ""
+    name: str,
+    meaning: str,
+    read: Callable[[Any], float],
+    *,
+    part: MessagePart = MessagePart.MESSAGE,
+    known_by: str = "",
 ) -> ValueProperty:
     spec = PropertySpec(
         name=name, unit="°", meaning=meaning, minimum=-180.0, maximum=180.0, includes_minimum=False
@@ -195,23 +200,33 @@ _LEVEL = ValueProperty(
     known_by="percentage",
 )
 _OF_POSE = (
-    _value("pose_x", "m", "position along x", lambda pose: pose.position.x, part=Part.POSE),
-    _value("pose_y", "m", "position along y", lambda pose: pose.position.y, part=Part.POSE),
-    _value("pose_z", "m", "position along z", lambda pose: pose.position.z, part=Part.POSE),
-    _angle("yaw", "heading", lambda pose: readers.yaw_degrees(pose.orientation), part=Part.POSE),
+    _value("pose_x", "m", "position along x", lambda pose: pose.position.x, part=MessagePart.POSE),
+    _value("pose_y", "m", "position along y", lambda pose: pose.position.y, part=MessagePart.POSE),
+    _value("pose_z", "m", "position along z", lambda pose: pose.position.z, part=MessagePart.POSE),
+    _angle("yaw", "heading", lambda pose: readers.yaw_degrees(pose.orientation), part=MessagePart.POSE),
 )
 _OF_TWIST = (
-    _value("vel", "m/s", "signed forward velocity (linear.x)", lambda twist: twist.linear.x, part=Part.TWIST),
+    _value(
+        "vel",
+        "m/s",
+        "signed forward velocity (linear.x)",
+        lambda twist: twist.linear.x,
+        part=MessagePart.TWIST,
+    ),
     _value(
         "speed",
         "m/s",
         "length of the linear velocity",
         lambda twist: readers.length(twist.linear),
-        part=Part.TWIST,
+        part=MessagePart.TWIST,
         minimum=0.0,
     ),
     _value(
-        "yaw_rate", "rad/s", "signed turning rate (angular.z)", lambda twist: twist.angular.z, part=Part.TWIST
+        "yaw_rate",
+        "rad/s",
+        "signed turning rate (angular.z)",
+        lambda twist: twist.angular.z,
+        part=MessagePart.TWIST,
     ),
 )
 _OF_IMU = (
@@ -289,14 +304,17 @@ _TYPES: Mapping[str, MessageType] = MappingProxyType(
         "nav_msgs/msg/Odometry": MessageType(
             values=(*_OF_POSE, *_OF_TWIST),
             distances=_POSE_DISTANCES,
-            paths={Part.POSE: "pose.pose", Part.TWIST: "twist.twist"},
+            paths={MessagePart.POSE: "pose.pose", MessagePart.TWIST: "twist.twist"},
             gauge=lambda distances: PoseGauge(distances, frame_count=2, has_twist=True),
         ),
         "geometry_msgs/msg/PoseStamped": MessageType(
-            values=_OF_POSE, distances=_POSE_DISTANCES, paths={Part.POSE: "pose"}, gauge=_still_pose
+            values=_OF_POSE, distances=_POSE_DISTANCES, paths={MessagePart.POSE: "pose"}, gauge=_still_pose
         ),
         "geometry_msgs/msg/PoseWithCovarianceStamped": MessageType(
-            values=_OF_POSE, distances=_POSE_DISTANCES, paths={Part.POSE: "pose.pose"}, gauge=_still_pose
+            values=_OF_POSE,
+            distances=_POSE_DISTANCES,
+            paths={MessagePart.POSE: "pose.pose"},
+            gauge=_still_pose,
         ),
         "tf2_msgs/msg/TFMessage": MessageType(distances=_POSE_DISTANCES, gauge=FrameGauge),
         "sensor_msgs/msg/NavSatFix": MessageType(
@@ -307,8 +325,8 @@ _TYPES: Mapping[str, MessageType] = MappingProxyType(
             ),
             gauge=FixGauge,
         ),
-        "geometry_msgs/msg/Twist": MessageType(values=_OF_TWIST, paths={Part.TWIST: ""}),
-        "geometry_msgs/msg/TwistStamped": MessageType(values=_OF_TWIST, paths={Part.TWIST: "twist"}),
+        "geometry_msgs/msg/Twist": MessageType(values=_OF_TWIST, paths={MessagePart.TWIST: ""}),
+        "geometry_msgs/msg/TwistStamped": MessageType(values=_OF_TWIST, paths={MessagePart.TWIST: "twist"}),
         "sensor_msgs/msg/LaserScan": MessageType(
             values=(
                 _value("distance", "m", "smallest range in sight", readers.nearest_distance_m, minimum=0.0),
