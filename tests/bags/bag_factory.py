@@ -194,6 +194,10 @@ def write_split_bag(folder: Path, parts: Sequence[BagContent], **options: Any) -
         for name in information["relative_file_paths"]:
             shutil.move(piece / name, folder / name)
         shutil.rmtree(piece)
+        topics = information["topics_with_message_count"]
+        if merged:
+            for topic, more in zip(merged["topics_with_message_count"], topics, strict=True):
+                topic["message_count"] += more["message_count"]
         merged = merged or {**information, "relative_file_paths": [], "message_count": 0}
         merged["message_count"] += information["message_count"]
         merged["relative_file_paths"] += information["relative_file_paths"]

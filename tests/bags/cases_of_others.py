@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from bags.like_real_recordings import LIKE_REAL_ONES
+from bags.lossy_recordings import LOSSY_ONES
 from bags.odd_recordings import ODD_ONES
 
-CASES = (*LIKE_REAL_ONES, *ODD_ONES)
+CASES = (*LIKE_REAL_ONES, *ODD_ONES, *LOSSY_ONES)

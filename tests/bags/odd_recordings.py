@@ -419,26 +419,4 @@ STAMPS = (
 )
 
 
-# Damage
-
-
-def rows_deleted(folder: Path) -> Path:
-    """Half of the rows are gone, and metadata.yaml still says how many there were."""
-    rows = [(stamp_of(number), odometry_at(number)) for number in range(COUNT // 2)]
-    write_tables(folder / "a_0.db3", [Table("/odom", ODOM.type_name, rows)])
-    return write_metadata(folder, ["a_0.db3"], {"/odom": (ODOM.type_name, COUNT)}, storage="sqlite3")
-
-
-DAMAGED = (
-    a_drive(
-        "rows that are gone",
-        rows_deleted,
-        messages={"/odom": COUNT // 2},
-        passes={"/odom": (9, 12)},
-        said=[["100 messages", "50"]],
-        is_quiet=False,
-        is_whole=False,
-    ),
-)
-
-ODD_ONES = (*LAYOUTS, *DEFINITIONS, *TYPES_OF_OTHERS, *UNDECODABLE, *PLACES, *VALUES, *STAMPS, *DAMAGED)
+ODD_ONES = (*LAYOUTS, *DEFINITIONS, *TYPES_OF_OTHERS, *UNDECODABLE, *PLACES, *VALUES, *STAMPS)

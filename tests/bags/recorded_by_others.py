@@ -306,19 +306,19 @@ def _describe(
 
 def write_metadata(
     folder: Path,
-    files: Sequence[str],
+    names: Sequence[str],
     topics: Mapping[str, tuple[str, int]],
     *,
     storage: str = "mcap",
     version: int = 4,
     **more: Any,
 ) -> Path:
-    """metadata.yaml of ``files``, with the type and the messages of each topic."""
+    """metadata.yaml of the files ``names``, with the type and the messages of each topic."""
     total = sum(count for _, count in topics.values())
     information: dict[str, Any] = {
         "version": version,
         "storage_identifier": storage,
-        "relative_file_paths": list(files),
+        "relative_file_paths": list(names),
         "duration": {"nanoseconds": PERIOD_NS * (COUNT - 1)},
         "starting_time": {"nanoseconds_since_epoch": START_NS},
         "message_count": total,

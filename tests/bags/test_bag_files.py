@@ -23,7 +23,7 @@ HALF = len(MISSION.messages) // 2
 HEAD = "rosbag2_bagfile_information:\n  version: 5\n"
 TOPIC = """  topics_with_message_count:
     - topic_metadata: {name: /odom, type: nav_msgs/msg/Odometry, serialization_format: cdr%s}
-      message_count: 1
+      message_count: 10
 """
 
 
@@ -97,7 +97,7 @@ def test_a_letter_of_another_encoding_costs_itself(tmp_path: Path) -> None:
     assert named != written
     path.write_bytes(named.encode("latin-1"))
     metadata = read_metadata(tmp_path / "bag")
-    assert metadata.message_count == len(MISSION.messages)
+    assert metadata.counts.total == len(MISSION.messages)
     assert metadata.custom_data == {"operator": "J\ufffdrgen"}
 
 

@@ -219,7 +219,7 @@ def test_messages_left_in_a_log_beside_the_database_are_named(tmp_path: Path) ->
     whole = len(MISSION.messages)
     assert read.notices == [
         f"{path}: {TOGETHER}",
-        f"its metadata count {whole} messages, {whole + 1} can be read",
+        f"its metadata count {whole} messages, {whole + 1} can be read; of /odom 100, 101 can be read",
     ]
 
 

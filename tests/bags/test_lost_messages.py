@@ -331,6 +331,27 @@ def test_rows_that_were_deleted_are_missed(tmp_path: Path, which: str, *, has_me
     assert found.is_whole == (which == "id > 9" and not has_metadata)
 
 
+@pytest.mark.parametrize("has_metadata", [True, False])
+def test_rows_that_were_deleted_are_said_once(tmp_path: Path, *, has_metadata: bool) -> None:
+    folder = write_bag(tmp_path / "bag", MISSION)
+    path = storage_file(folder)
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("DELETE FROM messages WHERE id = 4")
+        database.execute("DELETE FROM metadata")
+        database.commit()
+    if not has_metadata:
+        (folder / "metadata.yaml").unlink()
+    with open_recording(folder if has_metadata else path) as recording:
+        (notice,) = recording.notices()
+    count = len(MISSION.messages)
+    expected = (
+        f"its metadata count {count} messages, {count - 1} can be read; of /"
+        if has_metadata
+        else f"{path}: 1 row is not there: deleted, or lost"
+    )
+    assert notice.startswith(expected)
+
+
 @pytest.mark.parametrize("name", ["messages", "timestamp_idx"])
 @pytest.mark.parametrize(
     "damage", [b"\0", b"\xaa", b"\x0d" + bytes(11), b"\x0a" + bytes(11), b"\x05" + bytes(11)]

@@ -81,3 +81,19 @@ def test_a_clock_that_was_set_back_between_two_files_is_noted_of_the_second(
 def test_files_of_different_topics_may_overlap(tmp_path: Path, storage: StoragePlugin) -> None:
     parts = [[(topic, START_NS + number * S // 10) for number in range(300)] for topic in (ODOM, POSE)]
     assert split_bag(tmp_path / "bag", storage, *parts) == []
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+def test_a_clock_that_was_set_back_in_and_between_files_is_noted_once_where_it_was_furthest(
+    tmp_path: Path, storage: StoragePlugin
+) -> None:
+    def part(start_s: int, back_s: int) -> list[tuple[BagTopic, int]]:
+        return [
+            (ODOM, START_NS + start_s * S + number * S // 10 - (back_s * S if number > 100 else 0))
+            for number in range(300)
+        ]
+
+    parts = [part(100, 5), part(90, 50), part(100, 7)]
+    (notice,) = split_bag(tmp_path / "bag", storage, *parts)
+    assert Path(notice.split(":", 1)[0]).name.startswith("bag_1.")
+    assert "by up to 74.8 s" in notice

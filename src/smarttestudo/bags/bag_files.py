@@ -27,10 +27,14 @@ _EXPECTED = "give a rosbag2 folder, a .db3 or an .mcap file"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BagFiles:
-    """The storage files of a bag, those that are gone, what its metadata says, and what is odd about it."""
+    """The storage files of a bag, those that are gone, what its metadata says, and what is odd about it.
+
+    ``names`` are those of ``paths`` in the metadata, empty where there are none.
+    """
 
     paths: tuple[Path, ...]
     metadata: BagMetadata
+    names: tuple[str, ...] = ()
     missing: tuple[Path, ...] = ()
     notices: tuple[str, ...] = ()
 
@@ -102,36 +106,39 @@ def _in_folder(folder: Path) -> BagFiles:
     present, missing = _named_files(folder, metadata.file_names)
     lost = (f"{path}: missing, but named in the metadata" for path in missing)
     # Paths behind a URL are equal only as texts.
-    named = set(map(str, present))
+    named = set(map(str, present.values()))
     others = (
         f"{path}: not read, as the metadata do not name it"
         for path in sorted(folder.iterdir())
         if named and str(path) not in named and _expected_magic(path) is not None
     )
     return BagFiles(
-        paths=present or _storage_files(folder),
+        paths=tuple(present.values()) or _storage_files(folder),
+        names=tuple(present),
         missing=missing,
         metadata=metadata,
         notices=(*(f"{folder}: {notice}" for notice in metadata.notices), *lost, *others),
     )
 
 
-def _named_files(folder: Path, names: Iterable[str]) -> tuple[tuple[Path, ...], tuple[Path, ...]]:
+def _named_files(folder: Path, names: Iterable[str]) -> tuple[dict[str, Path], tuple[Path, ...]]:
     """The files that metadata in ``folder`` name, and the places of those that are missing."""
     present: dict[str, Path] = {}
+    taken: set[str] = set()
     missing: list[Path] = []
     to_find = deque(dict.fromkeys(names))
     while to_find:
         name = to_find.popleft()
-        places = (one for one in _places(folder, name) if str(one) not in present and one.is_file())
+        places = (one for one in _places(folder, name) if str(one) not in taken and one.is_file())
         place = next(places, None)
         if place is not None:
-            present[str(place)] = place
+            present[name] = place
+            taken.add(str(place))
         elif _CONTINUED in name:
             to_find.extendleft(reversed(name.split(_CONTINUED)))
         else:
             missing.append(folder / name)
-    return tuple(present.values()), tuple(missing)
+    return present, tuple(missing)
 
 
 def _places(folder: Path, name: str) -> Iterator[Path]:

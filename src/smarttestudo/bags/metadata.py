@@ -5,14 +5,17 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
+from smarttestudo.bags import magic
+from smarttestudo.bags.message_counts import MessageCounts
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.domain.errors import RecordingError
@@ -31,12 +34,11 @@ _WRONG_SHAPE = (YAMLError, LookupError, TypeError, ValueError, AttributeError, R
 class BagMetadata:
     """The storage files in order, the channels with their QoS, and the author's own notes.
 
-    ``file_names`` are as they are written, ``notices`` what of it makes no sense. ``message_count`` is 0
-    where it does not tell.
+    ``file_names`` are as they are written, ``notices`` what of it makes no sense.
     """
 
     file_names: tuple[str, ...] = ()
-    message_count: int = 0
+    counts: MessageCounts = field(default_factory=MessageCounts)
     channels: tuple[Channel, ...] = ()
     custom_data: Mapping[str, str] = field(default_factory=dict)
     storage: str = ""
@@ -123,7 +125,7 @@ def _metadata(values: Mapping[str, Any]) -> BagMetadata:
     channels = [_channel(entry, qos) for entry in ([] if topics in _NOTHING else topics)]
     return BagMetadata(
         file_names=tuple(_scalar(name) for name in values["relative_file_paths"]),
-        message_count=_count(values.get("message_count")),
+        counts=_counts(values),
         channels=tuple(channel for channel in channels if channel is not None),
         custom_data=(
             {} if notes in _NOTHING else {_scalar(key): _scalar(value) for key, value in notes.items()}
@@ -137,9 +139,41 @@ def _metadata(values: Mapping[str, Any]) -> BagMetadata:
     )
 
 
-def _count(stored: object) -> int:
-    text = _text(stored)
-    return int(text) if text.isdecimal() else 0
+def _counts(values: Mapping[str, Any]) -> MessageCounts:
+    """The messages of topics, and from version 5 on of files, as far as the metadata have them."""
+    topics: Counter[str] = Counter()
+    for entry in _entries(values, "topics_with_message_count"):
+        topic = entry.get("topic_metadata")
+        name, count = topic.get("name") if isinstance(topic, Mapping) else None, _count(entry)
+        if isinstance(name, str) and count is not None:
+            topics[name] += count
+    files = {
+        file_key(_text(entry.get("path"))): count
+        for entry in _entries(values, "files")
+        if (count := _count(entry)) is not None
+    }
+    named = {file_key(_scalar(name)) for name in values["relative_file_paths"]}
+    # Those that are written before the recording begins have nothing but zeros.
+    return MessageCounts(
+        total=_count(values) or 0,
+        topics=topics if topics.total() else {},
+        files={name: count for name, count in files.items() if name in named} if any(files.values()) else {},
+    )
+
+
+def file_key(name: str) -> str:
+    """The name by which the metadata count the messages of the file ``name``, packed or not."""
+    return str(PurePosixPath(name.replace("\\", "/"))).removesuffix(magic.ZSTD_SUFFIX)
+
+
+def _entries(values: Mapping[str, Any], name: str) -> Iterator[Mapping[str, Any]]:
+    stored = values.get(name)
+    return (entry for entry in stored if isinstance(entry, Mapping)) if isinstance(stored, list) else iter(())
+
+
+def _count(entry: Mapping[str, Any]) -> int | None:
+    text = entry.get("message_count")
+    return int(text) if isinstance(text, str) and text.isdecimal() else None
 
 
 def _channel(stored: object, qos: QosReader) -> Channel | None:

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from smarttestudo.bags.bag_files import BagFiles, find_bag_files, is_packed, require_bag_file
+from smarttestudo.bags.message_counts import MessageCounts
 from smarttestudo.bags.metadata import BagMetadata, embedded_metadata
 from smarttestudo.bags.recording import RecordingPart, RosbagRecording
 from smarttestudo.bags.remote_path import fetched_in_full, is_remote
@@ -43,7 +44,8 @@ def open_recording(path: Path) -> Iterator[RecordingReader]:
 
 
 def _open_parts(bag: BagFiles, opened: ExitStack, notices: list[str]) -> Sequence[RecordingPart]:
-    outcomes = [_try_part(path, opened, notices) for path in bag.paths]
+    names = bag.names or [""] * len(bag.paths)
+    outcomes = [_try_part(path, name, opened, notices) for path, name in zip(bag.paths, names, strict=True)]
     parts = [outcome for outcome in outcomes if isinstance(outcome, RecordingPart)]
     failures = [outcome for outcome in outcomes if isinstance(outcome, RecordingError)]
     if not parts:
@@ -52,9 +54,9 @@ def _open_parts(bag: BagFiles, opened: ExitStack, notices: list[str]) -> Sequenc
     return parts
 
 
-def _try_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPart | RecordingError:
+def _try_part(path: Path, name: str, opened: ExitStack, notices: list[str]) -> RecordingPart | RecordingError:
     try:
-        return _open_part(path, opened, notices)
+        return _open_part(path, name, opened, notices)
     except RecordingError as error:
         if isinstance(error.__cause__, OSError) and error.__cause__.errno in _NO_DESCRIPTOR:
             # Nothing is wrong with the file: numbers without it would be.
@@ -62,7 +64,7 @@ def _try_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPar
         return error
 
 
-def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPart:
+def _open_part(path: Path, name: str, opened: ExitStack, notices: list[str]) -> RecordingPart:
     try:
         require_bag_file(path)
         storage_path, whole_bytes = path, None
@@ -77,7 +79,7 @@ def _open_part(path: Path, opened: ExitStack, notices: list[str]) -> RecordingPa
             remedy = "raise the limit of open files: ulimit -n"
         raise RecordingError(cause, place=str(path), remedy=remedy) from error
     opened.callback(file.close)
-    return RecordingPart(path=path, storage_path=storage_path, file=file)
+    return RecordingPart(path=path, name=name, storage_path=storage_path, file=file)
 
 
 def _metadata_within(parts: Sequence[RecordingPart]) -> BagMetadata:
@@ -87,5 +89,6 @@ def _metadata_within(parts: Sequence[RecordingPart]) -> BagMetadata:
         if metadata is not None:
             # It counts the messages of all files.
             is_of_one = len(parts) == len(metadata.file_names) == 1
-            return replace(metadata, file_names=(), message_count=metadata.message_count if is_of_one else 0)
+            counts = MessageCounts(total=metadata.counts.total, topics=metadata.counts.topics)
+            return replace(metadata, file_names=(), counts=counts if is_of_one else MessageCounts())
     return BagMetadata()

@@ -17,14 +17,15 @@ from pathlib import Path
 from typing import TypeVar
 
 from smarttestudo.bags import magic
-from smarttestudo.bags.metadata import BagMetadata
+from smarttestudo.bags.message_counts import MessageCounts
+from smarttestudo.bags.metadata import BagMetadata, file_key
 from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
-from smarttestudo.bags.stray_stamps import YEAR_NS, StrayStamps, stray_stamps
-from smarttestudo.bags.written_order import LEAST_BACK_NS, notices_of_back
+from smarttestudo.bags.stray_stamps import LEAST_BACK_NS, YEAR_NS, StrayStamps, stray_stamps
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
-from smarttestudo.domain.units import counted, grouped
+from smarttestudo.domain.units import NS_PER_S, counted
 
+_LOOKED_AT = 20
 MAX_COMPARED = 20
 """With so many definitions of a topic another one is compared; with more it counts as one of its own."""
 ChannelKey = tuple[str, str, str, str | None]
@@ -134,9 +135,13 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingPart:
-    """One opened storage file: ``path`` as the user knows it, ``storage_path`` where it lies unpacked."""
+    """One opened storage file: ``path`` as the user knows it, ``storage_path`` where it lies unpacked.
+
+    ``name`` is that of the metadata, or empty.
+    """
 
     path: Path
+    name: str
     storage_path: Path
     file: StoredFile
 
@@ -153,12 +158,13 @@ class RosbagRecording:
         lacks_files: bool = False,
     ) -> None:
         self._parts = parts
-        self._promised_messages = metadata.message_count
+        self._promised = metadata.counts
         self._lacks_files = lacks_files
         self._is_order_known = bool(metadata.file_names)
-        self._between_files: Sequence[str] | None = None
+        self._back: Sequence[str] | None = None
         self._notices = list(notices)
-        self._broken: Counter[str] = Counter()
+        self._broken: dict[StoredFile, Counter[str]] = {}
+        self._packed: dict[StoredFile, bool] = {}
         self.storage = Storage.MCAP if parts[0].storage_path.suffix == ".mcap" else Storage.SQLITE3
         announced = (channel for part in parts for channel in part.file.channels.values())
         self._channels = MergedChannels(chain(metadata.channels, announced))
@@ -171,7 +177,6 @@ class RosbagRecording:
         """Leave out messages of another time from now on; a recording of over a year is read for it."""
         if self.end_ns - self.start_ns > YEAR_NS:
             self._strays = stray_stamps(self.sizes())
-            self._broken.clear()
 
     @property
     def start_ns(self) -> int:
@@ -191,18 +196,19 @@ class RosbagRecording:
     def message_count(self) -> int | None:
         """Messages that can be read, as far as that is known."""
         strays = 0 if self._strays is None else self._strays.total
-        return sum(part.file.message_count for part in self._parts) - strays
+        return sum(map(self._readable_in, self._parts)) - strays
 
     @property
     def readable_share(self) -> float | None:
-        """By the metadata's count of messages, or else by what each damaged file tells."""
-        files = [part.file for part in self._parts]
-        readable = sum(file.message_count for file in files)
-        if not self._lacks_files and all(file.readable_share == 1 for file in files):
-            return min(1.0, readable / self._promised_messages) if self._promised_messages else 1.0
-        told = None if self._lacks_files else _messages_once(files)
-        promised = max(self._promised_messages, told or 0)
-        return readable / promised if promised and promised >= readable else None
+        """The least of what the metadata and each file tell."""
+        held = self._counts(readable=True)
+        once = None if self._lacks_files else _messages_once(part.file for part in self._parts)
+        if once is None and held.total > self._promised.total:
+            return None
+        shares = [*self._promised.shares(held)]
+        if once:
+            shares.append(min(1.0, held.total / once))
+        return min(shares, default=1.0 if self._is_intact else None)
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[RecordedMessage]:
         """All messages, or those of ``topics``, in time order; memory does not grow with their number."""
@@ -221,13 +227,13 @@ class RosbagRecording:
         lost = [f"{part.path}: {notice}" for part in self._parts for notice in part.file.notices()]
         broken = [
             f"{topic}: {left_out(count, 'that could not be decompressed')}"
-            for topic, count in self._broken.items()
+            for topic, count in sum(self._broken.values(), Counter[str]()).items()
         ]
-        if self._between_files is None:
-            self._between_files = [*self._notices_between_files()] if self._is_order_known else []
+        if self._back is None:
+            self._back = [*self._notice_of_back()]
         strays = [] if self._strays is None else [self._strays.notice()]
         counts = self._notices_of_counts()
-        return [*self._notices, *lost, *counts, *self._between_files, *broken, *strays]
+        return [*self._notices, *lost, *counts, *self._back, *broken, *strays]
 
     def _used_channels(self) -> Sequence[Channel]:
         """The channels, those with messages first where a topic has several; of another type no others."""
@@ -240,11 +246,10 @@ class RosbagRecording:
         counts: Counter[ChannelKey] = Counter()
         of_types: Counter[tuple[str, str]] = Counter()
         for file in self._filled:
+            held = file.counts()
             for number, channel in self._channels_of(file).items():
-                if len(by_topic[channel.topic]) > 1:
-                    count = file.count_of(number)
-                    counts[key_of(channel)] += count
-                    of_types[channel.topic, channel.type_name] += count
+                counts[key_of(channel)] += held.get(number, 0)
+                of_types[channel.topic, channel.type_name] += held.get(number, 0)
         used: list[Channel] = []
         for topic, alike in by_topic.items():
             alike.sort(key=lambda one: (-of_types[one.topic, one.type_name], not counts[key_of(one)]))
@@ -257,21 +262,42 @@ class RosbagRecording:
         return used
 
     def _notices_of_counts(self) -> Iterator[str]:
-        """Where files without damage hold other messages than the metadata say."""
-        held, promised = sum(part.file.message_count for part in self._parts), self._promised_messages
-        is_known = promised and not self._lacks_files
-        if is_known and held != promised and all(part.file.readable_share == 1 for part in self._parts):
-            yield f"its metadata count {counted(promised, 'message')}, {grouped(held)} can be read"
+        """Where files without damage hold other messages than the metadata, or their own numbers, say."""
+        promised, held = self._promised, self._counts()
+        if self._is_intact and (notice := promised.notice(held)):
+            yield notice
+            return
+        for part in self._parts:
+            if part.file.readable_share != 1:
+                continue
+            count = part.file.message_count
+            notice = MessageCounts(total=promised.files.get(file_key(part.name), 0)).notice(
+                MessageCounts(total=count)
+            )
+            absent = part.file.promised_messages - count
+            if notice:
+                yield f"{part.path}: {notice}"
+            elif absent > 0:
+                are = "is" if absent == 1 else "are"
+                yield f"{part.path}: {counted(absent, 'row')} {are} not there: deleted, or lost"
 
-    def _notices_between_files(self) -> Iterator[str]:
-        """Where stamps go back from one file to the next."""
-        for before, after in pairwise(part for part in self._parts if part.file.message_count):
+    def _notice_of_back(self) -> Iterator[str]:
+        """Where stamps go back furthest, within a file or from one to the next."""
+        filled = [part for part in self._parts if part.file.message_count]
+        found = [(part.file.back_ns(), part.path) for part in filled]
+        for before, after in pairwise(filled if self._is_order_known else ()):
             # Few files overlap, and only those are read for it.
             if before.file.end_ns - after.file.start_ns > LEAST_BACK_NS:
-                for notice in notices_of_back(self._back_ns(before.file, after.file)):
-                    yield f"{after.path}: {notice}"
+                found.append((self._back_between_ns(before.file, after.file), after.path))
+        # Those that go back by years are left out, which is said.
+        worth = [one for one in found if LEAST_BACK_NS < one[0] <= 2 * YEAR_NS]
+        for back_ns, path in sorted(worth, key=itemgetter(0))[-1:]:
+            yield (
+                f"{path}: stamps go back by up to {back_ns / NS_PER_S:.1f} s, as where a clock was set: "
+                "messages of before and after are read by their stamps, so rates, ages and losses mix both"
+            )
 
-    def _back_ns(self, before: StoredFile, after: StoredFile) -> int:
+    def _back_between_ns(self, before: StoredFile, after: StoredFile) -> int:
         """How far the first message of a topic in ``after`` is before the last one in ``before``."""
         latest_ns = dict(self._stamps_of(before))
         first_ns: dict[str, int] = {}
@@ -296,6 +322,32 @@ class RosbagRecording:
                 yield channel.topic, stamp_ns
 
     @property
+    def _is_intact(self) -> bool:
+        """Whether all files are there, and nothing of them is known to be damaged."""
+        return not self._lacks_files and all(part.file.readable_share == 1 for part in self._parts)
+
+    def _readable_in(self, part: RecordingPart) -> int:
+        """Messages of a file without those that cannot be decompressed."""
+        return part.file.message_count - self._broken.get(part.file, Counter[str]()).total()
+
+    def _counts(self, *, readable: bool = False) -> MessageCounts:
+        """Messages that the files hold, or that can be read; by topic where the metadata count these."""
+        topics: Counter[str] = Counter()
+        for part in self._parts if self._promised.topics else ():
+            held = part.file.counts()
+            for number, channel in part.file.channels.items():
+                topics[channel.topic] += held.get(number, 0)
+            if readable:
+                topics.subtract(self._broken.get(part.file, {}))
+        return MessageCounts(
+            total=sum(
+                self._readable_in(part) if readable else part.file.message_count for part in self._parts
+            ),
+            topics=topics,
+            files={file_key(part.name): part.file.message_count for part in self._parts},
+        )
+
+    @property
     def _filled(self) -> Sequence[StoredFile]:
         return [part.file for part in self._parts if part.file.message_count]
 
@@ -310,61 +362,66 @@ class RosbagRecording:
     def _messages_of(
         self, file: StoredFile, *, topics: Collection[str] | None = None
     ) -> Iterator[RecordedMessage]:
-        """The messages of ``file``, unpacked if the first is packed: rosbag2 packs all of a file or none."""
+        """The messages of ``file``, unpacked where they are packed one by one."""
         channels = self._channels_of(file)
         if topics is not None:
             channels = {number: channel for number, channel in channels.items() if channel.topic in topics}
         messages = file.messages(channels)
-        first = next(messages, None)
-        if first is None:
-            return messages
-        stored = chain((first,), messages)
-        return self._unpacked(stored) if _is_packed(first) else stored
+        return self._unpacked(file, messages) if self._is_packed(file) else messages
 
     def _sizes_of(self, file: StoredFile) -> Iterator[RecordedSize]:
-        channels = self._channels_of(file)
-        first = next(file.messages(channels), None)
-        if first is None:
-            return
-        is_packed = _is_packed(first)
-        # It may be of hundreds of MB.
-        del first
-        sizes = _unpacked_sizes(file, channels) if is_packed else file.sizes(channels)
         delivered = count()
-        try:
-            # Counted without a step of Python for each.
-            yield from map(itemgetter(0), zip(sizes, delivered))  # noqa: B905  one has no end
-        except OutlineError:
-            rest = islice(file.messages(channels), next(delivered), None)
-            for channel, stamp_ns, payload in self._unpacked(rest) if is_packed else rest:
-                yield channel, stamp_ns, len(payload)
+        # A packed message that is damaged counts nowhere, so each is unpacked.
+        with suppress(OutlineError):
+            if not self._is_packed(file):
+                # Counted without a step of Python for each.
+                sizes = file.sizes(self._channels_of(file))
+                yield from map(itemgetter(0), zip(sizes, delivered))  # noqa: B905  one has no end
+                return
+        for channel, stamp_ns, payload in islice(self._messages_of(file), next(delivered), None):
+            yield channel, stamp_ns, len(payload)
 
     def _heads_of(self, file: StoredFile, *, head_bytes: int) -> Iterator[RecordedHead]:
-        """Messages that are packed one by one are unpacked for it."""
-        channels = self._channels_of(file)
-        first = next(file.messages(channels), None)
         delivered = 0
-        if first is not None and not _is_packed(first):
-            with suppress(OutlineError):
-                for channel, stamp_ns, size_bytes, head in file.outlines(channels, head_bytes):
+        with suppress(OutlineError):
+            if not self._is_packed(file):
+                for channel, stamp_ns, size_bytes, head in file.outlines(self._channels_of(file), head_bytes):
                     yield channel, stamp_ns, (size_bytes, head)
                     delivered += 1
                 return
         for channel, stamp_ns, payload in islice(self._messages_of(file), delivered, None):
             yield channel, stamp_ns, (len(payload), payload[:head_bytes])
 
+    def _is_packed(self, file: StoredFile) -> bool:
+        """Whether messages are packed one by one: rosbag2 packs all of a file or none; one may be damaged."""
+        if file not in self._packed:
+            try:
+                heads = [
+                    head for *_, head in islice(file.outlines(file.channels, len(magic.ZSTD)), _LOOKED_AT)
+                ]
+            except OutlineError:
+                heads = [
+                    payload[: len(magic.ZSTD)]
+                    for *_, payload in islice(file.messages(file.channels), _LOOKED_AT)
+                ]
+            self._packed[file] = magic.ZSTD in heads
+        return self._packed[file]
+
     def _channels_of(self, file: StoredFile) -> ChannelsByNumber:
         return {number: self._channels.of(channel) for number, channel in file.channels.items()}
 
-    def _unpacked(self, messages: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
+    def _unpacked(self, file: StoredFile, messages: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
         from smarttestudo.bags.zstd_files import unpack_message  # noqa: PLC0415  few are packed
 
+        broken: Counter[str] = Counter()
         for channel, stamp_ns, packed in messages:
             payload = unpack_message(packed)
             if payload is None:
-                self._broken[channel.topic] += 1
+                broken[channel.topic] += 1
             else:
                 yield channel, stamp_ns, payload
+        # Perhaps not all topics are read each time.
+        self._broken[file] = self._broken.get(file, Counter()) | broken
 
     def _declared_bytes(self) -> Mapping[str, int]:
         try:
@@ -378,9 +435,10 @@ def _messages_once(files: Iterable[StoredFile]) -> float | None:
     """About how many messages ``files`` held before they were damaged; ``None`` where one does not tell."""
     total = 0.0
     for file in files:
-        if not file.readable_share:
+        share = file.readable_share
+        if share is None or not (share or file.promised_messages):
             return None
-        total += file.message_count / file.readable_share
+        total += file.message_count / share if share else file.promised_messages
     return total
 
 
@@ -400,18 +458,3 @@ def _from_its_start(
     yield file.start_ns, None
     for entry in read(file):
         yield entry[1], entry
-
-
-def _unpacked_sizes(file: StoredFile, channels: ChannelsByNumber) -> Iterator[RecordedSize]:
-    """Raises ``OutlineError`` at a message whose beginning does not tell its size."""
-    from smarttestudo.bags import zstd_files  # noqa: PLC0415  few are packed
-
-    for channel, stamp_ns, _, head in file.outlines(channels, zstd_files.HEADER_BYTES):
-        size_bytes = zstd_files.unpacked_bytes(head)
-        if size_bytes is None:
-            raise OutlineError("a compressed message does not contain its size")
-        yield channel, stamp_ns, size_bytes
-
-
-def _is_packed(message: RecordedMessage) -> bool:
-    return message[2].startswith(magic.ZSTD)

@@ -10,7 +10,6 @@ from contextlib import closing
 from itertools import islice
 from typing import Protocol
 
-from smarttestudo.bags.written_order import notices_of_back
 from smarttestudo.domain.recording import Channel, RecordedMessage, RecordedSize, readable_until
 from smarttestudo.domain.units import counted, grouped
 
@@ -44,8 +43,15 @@ class StoredFile(Protocol):
     def message_count(self) -> int:
         """Messages that can be read."""
 
-    def count_of(self, number: int) -> int:
-        """Messages of the channel ``number``, as far as that is known."""
+    @property
+    def promised_messages(self) -> int:
+        """Messages that the file held once, as far as it tells."""
+
+    def counts(self) -> Mapping[int, int]:
+        """Messages that can be read of each channel by its number, as far as that is known."""
+
+    def back_ns(self) -> int:
+        """How far stamps of a topic go back in the order of writing; 0 in a damaged file."""
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """The messages of ``channels`` in time order, by number, with their payloads as stored."""
@@ -103,9 +109,10 @@ class ContinuedFile(ABC):
         self._message_count = message_count
         self.start_ns = start_ns
         self.end_ns = end_ns
+        self.promised_messages = message_count
         self._damage: Sequence[str] = ()
         self._readable_share: float | None = 1.0
-        self._back: Sequence[str] | None = None
+        self._recovered_counts: Mapping[int, int] | None = None
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """The messages of ``channels`` in time order."""
@@ -124,6 +131,8 @@ class ContinuedFile(ABC):
         """Take the numbers of ``recovered``; what the file says it holds tells how much of it that is."""
         promised, self._message_count = self._message_count, recovered.message_count
         self._readable_share = recovered.readable_share
+        self._recovered_counts = recovered.counts()
+        self.promised_messages = max(promised, recovered.promised_messages)
         if promised > recovered.message_count:
             self._readable_share = recovered.message_count / promised
         if recovered.message_count:
@@ -133,11 +142,13 @@ class ContinuedFile(ABC):
         """Losses, one line each, once all messages were read."""
         return self._damage
 
-    def notices_of_order(self) -> Sequence[str]:
-        """The notice that stamps go back in the order of writing, where they do in a whole file."""
-        if self._back is None:
-            self._back = [] if self._damage else notices_of_back(self._back_ns())
-        return self._back
+    def counts(self) -> Mapping[int, int]:
+        """Messages of each channel by its number, as far as that is known."""
+        return self._counts_of_whole() if self._recovered_counts is None else self._recovered_counts
+
+    def back_ns(self) -> int:
+        """How far stamps of a topic go back in the order of writing; 0 in a damaged file."""
+        return 0 if self._damage else self._back_of_whole_ns()
 
     @property
     def message_count(self) -> int:
@@ -154,8 +165,12 @@ class ContinuedFile(ABC):
         """All messages in time order as the file's library reads them; any error is damage."""
 
     @abstractmethod
-    def _back_ns(self) -> int:
-        """How far stamps of a topic go back in the order of writing; 0 where they do not."""
+    def _counts_of_whole(self) -> Mapping[int, int]:
+        """Result of ``counts`` while no damage was met."""
+
+    @abstractmethod
+    def _back_of_whole_ns(self) -> int:
+        """Result of ``back_ns`` while no damage was met."""
 
     @abstractmethod
     def _recovered(self) -> StoredFile:

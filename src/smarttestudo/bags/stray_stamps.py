@@ -16,6 +16,8 @@ _DAY_NS = 86_400 * NS_PER_S
 _YEAR_DAYS = 366
 YEAR_NS = _YEAR_DAYS * _DAY_NS
 """A recording that lasts no longer has no stray stamps."""
+LEAST_BACK_NS = NS_PER_S
+"""A recorder that has several threads writes messages in another order than they came, by less than that."""
 _MOST_TOPICS = 8
 
 _T = TypeVar("_T")

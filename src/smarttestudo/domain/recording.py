@@ -128,6 +128,7 @@ class RecordingReader(Protocol):
         """Results of ``messages``, with each payload's size in its place and as far as possible unread.
 
         Damage within a payload is not seen then: the message counts with the size that it was written with.
+        A message that is compressed on its own and cannot be decompressed is none of them.
         """
 
     def heads(self, head_bytes: int) -> Iterator[RecordedHead]:

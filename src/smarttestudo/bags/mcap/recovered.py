@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import struct
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, suppress
 from functools import partial
 from pathlib import Path
@@ -48,7 +48,7 @@ class RecoveredMcapFile:
         self._schemas: dict[int, Schema] = {}
         self._described: dict[int, ChannelRecord] = {}
         self._counts: Counter[int] = Counter()
-        self._timeless = self._promised = 0
+        self._timeless = self.promised_messages = 0
         self._promised_of: Counter[int] | None = None
         self._has_damaged_index = False
         self._qos = QosReader()
@@ -73,9 +73,13 @@ class RecoveredMcapFile:
         self.start_ns = min((first_ns for first_ns, _ in spans), default=0)
         self.end_ns = max((last_ns for _, last_ns in spans), default=0)
 
-    def count_of(self, number: int) -> int:
-        """Messages of the channel."""
-        return self._counts[number]
+    def counts(self) -> Mapping[int, int]:
+        """Messages of each channel, and of numbers that are none's."""
+        return self._counts
+
+    def back_ns(self) -> int:
+        """Nothing: what the order of a damaged file was is not known."""
+        return 0
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """Every message of ``channels`` that is whole, in time order."""
@@ -97,7 +101,7 @@ class RecoveredMcapFile:
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""
         notices = list(self._qos.notices)
-        so_far = read_so_far(self, self._promised)
+        so_far = read_so_far(self, self.promised_messages)
         if self._records.cut_off_at is not None:
             notices.append(f"cut off or damaged at byte {grouped(self._records.cut_off_at)}: {so_far}")
         if self._records.damaged_chunks:
@@ -123,7 +127,7 @@ class RecoveredMcapFile:
         """The share of the file's bytes that is there and not damaged; unknown if it is cut off."""
         if self._records.cut_off_at is not None:
             return self._records.file_bytes / self._whole_bytes if self._whole_bytes else None
-        promised = max(self._promised, self._held)
+        promised = max(self.promised_messages, self._held)
         if promised > self.message_count:
             return self.message_count / promised
         return 1 - self._records.damaged_bytes / self._records.file_bytes
@@ -148,11 +152,11 @@ class RecoveredMcapFile:
         unknown = self._records.unknown_records
         if unknown:
             yield f"{counted(unknown, 'record')} of an unknown kind left out"
-        if self._promised > self._held and not self._is_damaged:
-            yield f"messages are missing: {read_so_far(self, self._promised)}"
-        elif self._promised < self._held:
+        if self.promised_messages > self._held and not self._is_damaged:
+            yield f"messages are missing: {read_so_far(self, self.promised_messages)}"
+        elif self.promised_messages < self._held:
             held = counted(self._held, "message")
-            yield f"{held} are in it, though its own index counts {grouped(self._promised)}"
+            yield f"{held} are in it, though its own index counts {grouped(self.promised_messages)}"
         elif self._promised_of not in (None, self._counts) and not (self._is_damaged or self._timeless):
             yield "its topics have other numbers of messages than its own index counts"
 
@@ -181,7 +185,7 @@ class RecoveredMcapFile:
                 held_of[start] = self._held - held
         indexed = self._records.indexed_messages
         lost = sum(max(0, messages - held_of.get(start, 0)) for start, messages in indexed.items())
-        self._promised = self._held + lost
+        self.promised_messages = self._held + lost
 
     def _read_promises(self, file: BinaryIO) -> None:
         """See what the file counts itself."""
@@ -194,7 +198,7 @@ class RecoveredMcapFile:
             counts = Counter(statistics.channels)
             # Where they disagree with themselves they are damaged.
             if counts.total() == statistics.message_count:
-                self._promised, self._promised_of = statistics.message_count, counts
+                self.promised_messages, self._promised_of = statistics.message_count, counts
 
     def _note(self, record: McapRecord | MessageHeader) -> Iterator[int]:
         """Take in ``record``; gives its stamp if it is a message."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import struct
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from operator import attrgetter, itemgetter
 from pathlib import Path
@@ -28,7 +28,6 @@ from smarttestudo.bags.mcap.summary import ChunkEntry, McapSummary, StatisticsEn
 from smarttestudo.bags.mcap.time_order import FoundMessage, in_time_order
 from smarttestudo.bags.mcap.written_order import furthest_back_in, overlap
 from smarttestudo.bags.qos import QosReader
-from smarttestudo.bags.remote_path import is_remote
 from smarttestudo.bags.stored_file import (
     ChannelsByNumber,
     ContinuedFile,
@@ -36,7 +35,6 @@ from smarttestudo.bags.stored_file import (
     OutlineError,
     StoredFile,
 )
-from smarttestudo.bags.written_order import SAMPLES
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS
 
@@ -108,7 +106,7 @@ class McapFile(ContinuedFile):
         assert index.statistics is not None
         self._path = path
         self._qos = QosReader()
-        self._counts = index.statistics.channels
+        self._counted = index.statistics.channels
         self.channels: ChannelsByNumber = {
             number: stored_channel(channel, index.schemas[channel.schema_id], self._qos)
             for number, channel in index.channels.items()
@@ -123,10 +121,6 @@ class McapFile(ContinuedFile):
             start_ns=min((index.statistics.message_start_time, *(one.message_start_time for one in chunks))),
             end_ns=max((index.statistics.message_end_time, *(one.message_end_time for one in chunks))),
         )
-
-    def count_of(self, number: int) -> int:
-        """Messages of the channel, as the file says."""
-        return self._counts.get(number, 0)
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``; of chunks that are not compressed, large payloads are not read."""
@@ -148,7 +142,7 @@ class McapFile(ContinuedFile):
 
     def notices(self) -> Sequence[str]:
         """Losses, one line each, once all messages were read."""
-        return [*dict.fromkeys((*self._qos.notices, *super().notices())), *self.notices_of_order()]
+        return [*dict.fromkeys((*self._qos.notices, *super().notices()))]
 
     def close(self) -> None:
         """Let go of the file."""
@@ -171,11 +165,13 @@ class McapFile(ContinuedFile):
         for stamp_ns, number, _, payload in self._in_time_order(read):
             yield channels[number], stamp_ns, payload
 
-    def _back_ns(self) -> int:
+    def _counts_of_whole(self) -> Mapping[int, int]:
+        return self._counted
+
+    def _back_of_whole_ns(self) -> int:
         chunks = sorted((chunk for _, chunk in self._places), key=attrgetter("chunk_start_offset"))
-        # Where the clock is set within the first chunk, only the indexes of messages tell.
-        is_short = self.message_count <= SAMPLES and not is_remote(self._path)
-        if not is_short and not overlap(chunks):
+        # Of several chunks, those of a clock that was set overlap; within one, only its indexes tell.
+        if len(chunks) > 1 and not overlap(chunks):
             return 0
         try:
             with self._path.open("rb") as file:

@@ -12,7 +12,7 @@ from typing import BinaryIO
 
 from smarttestudo.bags.mcap.record_bytes import FRAME, Op
 from smarttestudo.bags.mcap.summary import ChunkEntry
-from smarttestudo.bags.written_order import LEAST_BACK_NS
+from smarttestudo.bags.stray_stamps import LEAST_BACK_NS
 
 _INDEX_START = struct.Struct("<HI")
 """The channel, and the bytes of the entries."""

@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import cached_property
 from pathlib import Path
+from typing import cast
 
 import apsw
 
@@ -20,10 +22,8 @@ from smarttestudo.bags.stored_file import (
     OutlineError,
     StoredFile,
 )
-from smarttestudo.bags.written_order import LEAST_BACK_NS, SAMPLES
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
-from smarttestudo.domain.units import counted
 
 # SQLite knows the length of a blob from the head of its row, and leaves the pages that hold the rest alone.
 _SIZES = """
@@ -36,27 +36,13 @@ _NO_MESSAGE = "a row without topic, stamp or payload"
 _SPAN = "SELECT count(*), min(timestamp), max(timestamp) FROM messages WHERE typeof(timestamp) = 'integer'"
 # SQLite counts all rows in one step, which no limit of steps ends where pages lead in circles.
 _ROWS = "SELECT total(1) FROM messages NOT INDEXED"
-_COUNT = "SELECT count(*) FROM messages WHERE topic_id = ?"
 _MESSAGES = "SELECT topic_id, timestamp, data FROM messages {} ORDER BY timestamp, id"
-
-_MESSAGES_PER_SAMPLE = 1000
 _NUMBERS = "SELECT min(id), max(id) FROM messages"
-# One statement for all samples: as many statements take Python longer than SQLite.
-_SAMPLED_BACK = """
-WITH RECURSIVE sample(number) AS (
-    SELECT :first UNION ALL SELECT number + :step FROM sample WHERE number + :step <= :last
-)
-SELECT max(before - stamp) FROM (
-    SELECT stamp, lag(stamp) OVER (ORDER BY number) AS before FROM (
-        SELECT number, (SELECT timestamp FROM messages WHERE id >= number ORDER BY id LIMIT 1) AS stamp
-        FROM sample
-    )
-)
-"""
-_FURTHEST_BACK = """
-SELECT max(before - timestamp) FROM (
-    SELECT timestamp, lag(timestamp) OVER (PARTITION BY topic_id ORDER BY id) AS before FROM messages
-)
+_OF_TOPICS = """
+SELECT topic_id, count(*), max(before - timestamp) FROM (
+    SELECT topic_id, timestamp, lag(timestamp) OVER (PARTITION BY topic_id ORDER BY id) AS before
+    FROM messages WHERE typeof(timestamp) = 'integer'
+) GROUP BY topic_id
 """
 
 
@@ -85,22 +71,16 @@ class SqliteFile(ContinuedFile):
                 ((count, start_ns, end_ns),) = database.execute(_SPAN)
                 ((first, last),) = database.execute(_NUMBERS)
                 # A recorder numbers rows from 1 on.
-                self._absent = last - min(first, 1) + 1 - count if last is not None else 0
-                if self._absent or not count:
+                absent = last - min(first, 1) + 1 - count if last is not None else 0
+                if absent or not count:
                     # The index of stamps may be damaged.
                     ((rows,),) = database.execute(_ROWS)
                     _require_all(rows, count)
         except BROKEN as error:
             raise RecordingError(f"SQLite cannot read it: {error}", place=str(path)) from error
-        self._promised = int(count)
-        super().__init__(message_count=self._promised, start_ns=int(start_ns or 0), end_ns=int(end_ns or 0))
-
-    def count_of(self, number: int) -> int:
-        """Messages of the channel; all rows are read for it."""
-        with suppress(apsw.Error), open_database(self._path, self._log) as database:
-            ((count,),) = database.execute(_COUNT, (number,))
-            return int(count)
-        return 0
+        super().__init__(message_count=int(count), start_ns=int(start_ns or 0), end_ns=int(end_ns or 0))
+        self.promised_messages += max(0, absent)
+        self._count = int(count)
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:
         """The outlines of ``messages``, without reading payloads."""
@@ -124,9 +104,7 @@ class SqliteFile(ContinuedFile):
         """Losses, one line each, once all messages were read."""
         damage = super().notices()
         log_notices = () if self._log is None or damage else self._log.notices()
-        absent = [f"{counted(self._absent, 'row')} are not there: deleted, or lost"]
-        gone = absent if self._absent > 0 and not damage else []
-        return [*log_notices, *self._qos.notices, *gone, *damage, *self.notices_of_order()]
+        return [*log_notices, *self._qos.notices, *damage]
 
     def close(self) -> None:
         """There is nothing to let go of."""
@@ -153,24 +131,20 @@ class SqliteFile(ContinuedFile):
                 if number in channels:
                     yield channels[number], stamp_ns, payload
 
-    def _back_ns(self) -> int:
-        try:
-            with open_database(self._path, self._log) as database:
-                ((first, last),) = database.execute(_NUMBERS)
-                if first is None:
-                    return 0
-                samples = max(SAMPLES, self._promised // _MESSAGES_PER_SAMPLE)
-                places = {"first": first, "last": last, "step": max(1, (last - first) // samples)}
-                # All topics together first, and few messages of many: each topic alone takes longer.
-                ((back_ns,),) = database.execute(_SAMPLED_BACK, places)
-                if (back_ns or 0) > LEAST_BACK_NS:
-                    ((back_ns,),) = database.execute(_FURTHEST_BACK)
-                    return int(back_ns or 0)
-                return 0
-        except (apsw.Error, OSError, TypeError):
-            return 0
+    def _counts_of_whole(self) -> Mapping[int, int]:
+        return {number: count for number, count, _ in self._of_topics}
+
+    def _back_of_whole_ns(self) -> int:
+        return max((back_ns or 0 for _, _, back_ns in self._of_topics), default=0)
+
+    @cached_property
+    def _of_topics(self) -> Sequence[tuple[int, int, int | None]]:
+        """Number, messages and furthest step back of each topic; all rows are read for it."""
+        with suppress(apsw.Error, OSError), open_database(self._path, self._log) as database:
+            return cast("Sequence[tuple[int, int, int | None]]", database.execute(_OF_TOPICS).fetchall())
+        return ()
 
     def _recovered(self) -> StoredFile:
         from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile  # noqa: PLC0415  most are whole
 
-        return RecoveredSqliteFile(self._path, self._log, self._promised)
+        return RecoveredSqliteFile(self._path, self._log, self._count)

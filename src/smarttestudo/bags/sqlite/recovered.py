@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 
@@ -55,9 +55,18 @@ class RecoveredSqliteFile:
             self._resources = opened.pop_all()
         self._present_bytes = file.present_bytes
 
-    def count_of(self, number: int) -> int:
-        """Messages of the channel."""
-        return self._counts[number]
+    def counts(self) -> Mapping[int, int]:
+        """Messages of each channel."""
+        return self._counts
+
+    def back_ns(self) -> int:
+        """Nothing: what the order of a damaged file was is not known."""
+        return 0
+
+    @property
+    def promised_messages(self) -> int:
+        """Messages that the file held, as SQLite or the numbers of its rows tell."""
+        return self.message_count + self._homeless + self._lost
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:
         """Every message of ``channels`` that is whole, in time order."""
@@ -103,8 +112,7 @@ class RecoveredSqliteFile:
         """The share of the file's length that is there, or else that of its rows."""
         if self._is_cut_off:
             return self._present_bytes / self._pages.promised_bytes
-        rows = self.message_count + self._homeless + self._lost
-        return self.message_count / rows if rows else 1.0
+        return self.message_count / self.promised_messages if self.promised_messages else 1.0
 
     def close(self) -> None:
         """Let go of the file."""
