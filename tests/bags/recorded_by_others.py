@@ -121,7 +121,7 @@ def written(*records: McapRecord) -> bytes:
     return bytes(builder.end())  # type: ignore[no-untyped-call]
 
 
-def chunk(*records: McapRecord, frames: int = 0) -> list[McapRecord]:
+def chunk(*records: McapRecord, frames: int = 0, has_checksum: bool = True) -> list[McapRecord]:
     """The records in one chunk, and an index of each channel in it.
 
     It is compressed as so many zstd frames, and not at all where that is 0.
@@ -139,7 +139,7 @@ def chunk(*records: McapRecord, frames: int = 0) -> list[McapRecord]:
         data=b"".join(map(zstandard.compress, pieces)) if frames else bytes(data),
         message_start_time=min(stamps, default=0),
         message_end_time=max(stamps, default=0),
-        uncompressed_crc=zlib.crc32(data),
+        uncompressed_crc=zlib.crc32(data) if has_checksum else 0,
         uncompressed_size=len(data),
     )
     return [whole, *(MessageIndex(channel_id=of, records=at) for of, at in places.items())]

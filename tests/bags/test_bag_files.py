@@ -98,7 +98,7 @@ def test_a_letter_of_another_encoding_costs_itself(tmp_path: Path) -> None:
     path.write_bytes(named.encode("latin-1"))
     metadata = read_metadata(tmp_path / "bag")
     assert metadata.counts.total == len(MISSION.messages)
-    assert metadata.custom_data == {"operator": "J\ufffdrgen"}
+    assert metadata.custom_data == {"operator": r"J\xf6rgen"}
 
 
 def test_an_entry_that_is_indented_too_far_is_one_of_the_list(tmp_path: Path) -> None:

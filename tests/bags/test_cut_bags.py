@@ -74,7 +74,7 @@ def read_all_cuts(path: Path, folder: Path) -> list[int]:
         read = read_or_refuse(cut)
         if isinstance(read, RecordingError):
             assert not counts or counts[-1] == 0
-            assert read.cause in NOTHING_LEFT
+            assert read.cause.endswith(NOTHING_LEFT)
             counts.append(0)
             continue
         assert_each_is_an_original_at_most_once(read.messages)
@@ -199,7 +199,7 @@ def test_of_a_file_that_ends_in_its_header_nothing_can_be_read(tmp_path: Path, s
     path.write_bytes(path.read_bytes()[:size_bytes])
     read = read_or_refuse(path)
     assert isinstance(read, RecordingError)
-    assert read.cause in NOTHING_LEFT
+    assert read.cause.endswith(NOTHING_LEFT)
 
 
 @pytest.mark.parametrize("has_schema", [True, False])

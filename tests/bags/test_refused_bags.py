@@ -2,14 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+import dataclasses
 import sqlite3
 from contextlib import closing
 from pathlib import Path
 
 import pytest
+from mcap.records import Chunk, McapRecord
 
 from bags.bag_factory import small_mission, write_bag
+from bags.recorded_by_others import ODOMETRY, Table, chunk, drive, write_records, write_tables
 from smarttestudo.bags.reader import open_recording
+from smarttestudo.cli.main import main
 from smarttestudo.domain.errors import RecordingError
 
 EXPECTED = "give a rosbag2 folder, a .db3 or an .mcap file"
@@ -102,11 +106,64 @@ def test_a_bag_that_needs_a_plugin(tmp_path: Path, entry: str, changed: str, ref
     assert refusal(folder) == f"unknown {refused} with `ros2 bag convert`"
 
 
-@pytest.mark.parametrize("damage", [(b"offered_qos", b"\x80ffered_qos"), (b"name TEXT", b"nmae TEXT")])
-def test_a_database_whose_column_names_are_damaged(tmp_path: Path, damage: tuple[bytes, bytes]) -> None:
-    path = write_bag(tmp_path / "bag", small_mission(0.2)) / "bag.db3"
-    path.write_bytes(path.read_bytes().replace(*damage))
+def test_a_database_whose_column_names_are_damaged(tmp_path: Path) -> None:
+    content = small_mission(0.2)
+    path = write_bag(tmp_path / "bag", content) / "bag.db3"
+    path.write_bytes(path.read_bytes().replace(b"offered_qos", b"\x80ffered_qos"))
+    with open_recording(path) as recording:
+        assert sum(1 for _ in recording.messages()) == len(content.messages)
+    path.write_bytes(path.read_bytes().replace(b"name TEXT", b"nmae TEXT"))
     assert refusal(path) == "no rosbag2 topics can be found in it"
+
+
+COMMANDS = ("info", "rates", "bandwidth")
+
+
+def packed_with_brotli(*records: McapRecord) -> list[McapRecord]:
+    packed, *indexes = chunk(*records)
+    assert isinstance(packed, Chunk)
+    return [dataclasses.replace(packed, compression="br", data=b"\x0b\x02\x80 not zstd"), *indexes]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("is_closed", [True, False])
+def test_chunks_of_a_compression_that_is_not_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, *, is_closed: bool
+) -> None:
+    packed = packed_with_brotli(*ODOMETRY, *drive())
+    path = write_records(tmp_path / "a.mcap", *packed, is_closed=is_closed)
+    assert main(["bag", command, str(path)]) != 0
+    out, err = capsys.readouterr()
+    assert "chunks compressed with 'br', which is not read: 1" in err
+    assert "1970" not in out + err
+    if is_closed:
+        assert f"{path}: error: none of its 100 messages can be read; " in err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_half_of_the_chunks_of_a_compression_that_is_not_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    packed = packed_with_brotli(*drive(range(50, 100)))
+    path = write_records(tmp_path / "a.mcap", *chunk(*ODOMETRY, *drive(range(50))), *packed)
+    main(["bag", command, str(path)])
+    err = capsys.readouterr().err
+    assert "chunks compressed with 'br', which is not read: 1; 50 % readable" in err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_a_recording_without_messages_has_no_date(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, storage: str
+) -> None:
+    if storage == "mcap":
+        path = write_records(tmp_path / "a.mcap", *ODOMETRY)
+    else:
+        path = write_tables(tmp_path / "a.db3", [Table("/odom", "nav_msgs/msg/Odometry", [])])
+    assert main(["bag", command, str(path)]) != 0
+    out, err = capsys.readouterr()
+    assert f"{path}: error: the recording holds no message" in err
+    assert "1970" not in out + err
 
 
 def test_a_folder_with_two_storages_and_no_metadata(tmp_path: Path) -> None:

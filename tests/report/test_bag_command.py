@@ -336,7 +336,7 @@ def test_a_cut_bag_of_which_no_message_is_left_says_why(desk: Desk, tmp_path: Pa
     why = "cut off: no message could be read"
     assert (
         desk.refuses("info", "sent")
-        == f"sent: error: the recording holds no message; {Path('sent', path.name)}: {why}"
+        == f"sent: error: none of its 161 messages can be read; {Path('sent', path.name)}: {why}"
     )
 
 

@@ -204,13 +204,10 @@ def _count(
     report: Callable[[float], None],
 ) -> None:
     declared_bytes, messages = recording.declared_bytes, recording.message_count
-    if not messages:
-        lost = "; ".join(recording.notices())
-        raise RecordingError("the recording holds no message", place=str(path), remedy=lost or None)
-    counted, rest = 0, iter(sizes)
+    done, rest = 0, iter(sizes)
     while batch := [*islice(rest, _MESSAGES_PER_REPORT)]:
-        report(counted / messages)
-        counted += len(batch)
+        report(done / messages if messages else 0)
+        done += len(batch)
         by_topic: dict[str, tuple[list[int], list[int]]] = defaultdict(lambda: ([], []))
         for channel, stamp_ns, size_bytes in batch:
             stamps_ns, sizes_bytes = by_topic[channel.topic]
@@ -220,6 +217,12 @@ def _count(
             declared = declared_bytes.get(topic)
             counted_bytes = sizes_bytes if declared is None else [declared] * len(stamps_ns)
             counters[topic].add_all(stamps_ns, counted_bytes)
+    if not done:
+        promised = recording.promised_messages
+        cause = "the recording holds no message"
+        if promised:
+            cause = f"none of its {counted(promised, 'message')} can be read"
+        raise RecordingError(cause, place=str(path), remedy="; ".join(recording.notices()) or None)
 
 
 def _summary(

@@ -15,9 +15,9 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
 from smarttestudo.bags import magic
+from smarttestudo.bags.channel_reader import ChannelReader, with_escapes
 from smarttestudo.bags.message_counts import MessageCounts
 from smarttestudo.bags.metadata_text import METADATA_NAME
-from smarttestudo.bags.qos import QosReader, is_transient_local
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.names import ros_type_name
 from smarttestudo.domain.recording import Channel, Storage
@@ -56,8 +56,8 @@ def read_metadata(folder: Path) -> BagMetadata:
         require_file(path)
         if path.stat().st_size > MAX_BYTES:
             raise RecordingError(f"{METADATA_NAME} is larger than 50 MB", place=str(folder))
-        # A letter of another encoding, as in a note, costs itself.
-        text = path.read_bytes().decode("utf-8", "replace")
+        # A byte of another encoding costs itself, and a topic of that name is the one of the storage file.
+        text = path.read_bytes().decode("utf-8", "backslashreplace")
     except FileNotFoundError as error:
         raise RecordingError(f"{METADATA_NAME} is missing", place=str(folder)) from error
     except (OSError, ValueError) as error:
@@ -94,22 +94,23 @@ def _text_in_mcap(path: Path) -> str | None:
 
     try:
         with path.open("rb") as file:
-            return read_record(file, "rosbag2").get("serialized_metadata")
+            text = read_record(file, "rosbag2").get("serialized_metadata")
+            return None if text is None else with_escapes(text)
     except (struct.error, MemoryError, OSError, *_WRONG_SHAPE):
         return None
 
 
 def _text_in_sqlite(path: Path) -> str | None:
-    from smarttestudo.bags.sqlite.database import BROKEN, open_database, require_tables  # noqa: PLC0415
+    from smarttestudo.bags.sqlite.database import BROKEN, open_database, require_tables, rows_of  # noqa: PLC0415
 
     try:
         with open_database(path) as database:
             database.execute("PRAGMA writable_schema=ON")
             require_tables(database, "metadata")
-            row = database.execute("SELECT metadata FROM metadata ORDER BY id DESC LIMIT 1").fetchone()
+            texts = [row["metadata"] for _, row in rows_of(database, "metadata", ("metadata",))]
     except (RecordingError, *BROKEN):
         return None
-    return None if row is None else str(row[0])
+    return with_escapes(texts[-1]) if texts else None
 
 
 def _loaded(text: str) -> Any:
@@ -119,10 +120,10 @@ def _loaded(text: str) -> Any:
 
 def _metadata(values: Mapping[str, Any]) -> BagMetadata:
     """The metadata in ``values``; all but the list of files may be missing, as where people wrote it."""
-    qos = QosReader()
+    reader = ChannelReader()
     topics = values.get("topics_with_message_count")
     notes = values.get("custom_data")
-    channels = [_channel(entry, qos) for entry in ([] if topics in _NOTHING else topics)]
+    channels = [_channel(entry, reader) for entry in ([] if topics in _NOTHING else topics)]
     return BagMetadata(
         file_names=tuple(_scalar(name) for name in values["relative_file_paths"]),
         counts=_counts(values),
@@ -133,7 +134,7 @@ def _metadata(values: Mapping[str, Any]) -> BagMetadata:
         storage=_text(values.get("storage_identifier")),
         compression=_text(values.get("compression_format")).lower(),
         notices=(
-            *qos.notices,
+            *reader.notices,
             *([f"a topic of {METADATA_NAME} makes no sense and was left out"] if None in channels else []),
         ),
     )
@@ -176,21 +177,17 @@ def _count(entry: Mapping[str, Any]) -> int | None:
     return int(text) if isinstance(text, str) and text.isdecimal() else None
 
 
-def _channel(stored: object, qos: QosReader) -> Channel | None:
+def _channel(stored: object, reader: ChannelReader) -> Channel | None:
     """The channel of an entry, ``None`` where that has none."""
     entry = stored.get("topic_metadata") if isinstance(stored, Mapping) else None
     if not isinstance(entry, Mapping) or not entry.get("name") or not entry.get("type"):
         return None
-    topic = _scalar(entry["name"])
-    serialization_format = _text(entry.get("serialization_format")) or "cdr"
-    profiles = qos.read_or_note(topic, entry.get("offered_qos_profiles"))
-    return Channel(
-        topic=topic,
-        type_name=ros_type_name(_scalar(entry["type"]), serialization_format),
+    return reader.channel(
+        topic=_scalar(entry["name"]),
+        type_name=_scalar(entry["type"]),
+        serialization_format=_text(entry.get("serialization_format")) or "cdr",
+        qos=entry.get("offered_qos_profiles"),
         digest=_text(entry.get("type_description_hash")),
-        qos=profiles,
-        serialization_format=serialization_format,
-        transient_local=is_transient_local(profiles),
     )
 
 

@@ -36,27 +36,12 @@ def stored_qos(qos: robot.Qos) -> Qos:
     )
 
 
-class QosReader:
-    """Reads ``offered_qos_profiles`` entries: YAML text up to version 8 of the metadata, a list from 9 on."""
+def qos_profiles(stored: object) -> tuple[Qos, ...]:
+    """The profiles in an ``offered_qos_profiles``: YAML up to version 8 of the metadata, a list from 9 on.
 
-    def __init__(self) -> None:
-        self.notices: list[str] = []
-        """A line for each topic whose entry ``read_or_note`` could not read."""
-
-    def read(self, stored: Any) -> tuple[Qos, ...]:
-        """The profiles in an entry.
-
-        Raises ``ValueError`` where it holds something else.
-        """
-        return _parsed_text(stored) if isinstance(stored, str) else _parse(stored)
-
-    def read_or_note(self, topic: str, stored: Any) -> tuple[Qos, ...]:
-        """The profiles in the entry of ``topic``; none, and a notice, where it makes no sense."""
-        try:
-            return self.read(stored)
-        except ValueError:
-            self.notices.append(f"the QoS profiles of {topic} cannot be read and were left out")
-            return ()
+    Raises ``ValueError`` where it holds something else.
+    """
+    return _parsed_text(stored) if isinstance(stored, str) else _parse(stored)
 
 
 # The topics of all recordings mostly share a few texts, and YAML is slow.

@@ -199,6 +199,11 @@ class RosbagRecording:
         return sum(map(self._readable_in, self._parts)) - strays
 
     @property
+    def promised_messages(self) -> int:
+        """Messages that it held once, as far as its metadata and files tell."""
+        return max(self._promised.total, sum(part.file.promised_messages for part in self._parts))
+
+    @property
     def readable_share(self) -> float | None:
         """The least of what the metadata and each file tell."""
         held = self._counts(readable=True)

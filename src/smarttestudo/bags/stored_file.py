@@ -85,12 +85,14 @@ class StoredFile(Protocol):
 def read_so_far(file: StoredFile, promised_messages: int = 0) -> str:
     """How far a damaged file could be read, of more messages if it tells."""
     if not file.message_count:
-        return "no message could be read"
+        which = f"none of {counted(promised_messages, 'message')}" if promised_messages else "no message"
+        return f"{which} could be read"
     until = readable_until(file.readable_share, file.end_ns)
     of_all = f" of {grouped(promised_messages)}" if promised_messages > file.message_count else ""
     return f"{until} after {counted(file.message_count, 'message')}{of_all}"
 
 
+NO_TOPICS = "no rosbag2 topics can be found in it"
 HOMELESS = "of topics that the file does not name"
 
 

@@ -115,6 +115,10 @@ class RecordingReader(Protocol):
         """Messages in the recording, ``None`` while that is unknown."""
 
     @property
+    def promised_messages(self) -> int:
+        """Messages that it held once, as far as its metadata and files tell."""
+
+    @property
     def readable_share(self) -> float | None:
         """About how much of what was once recorded can be read, 0 … 1; known once all of it was read.
 

@@ -263,9 +263,12 @@ def read_notes(content: bytes, place: int) -> tuple[dict[str, str], int]:
 
 
 def read_text(content: bytes, place: int) -> tuple[str, int]:
-    """The text at byte ``place``, and where it ends; of one that is cut off, what is there."""
+    """The text at byte ``place``, and where it ends; of one that is cut off, what is there.
+
+    Bytes that are no UTF-8 become surrogates.
+    """
     data, end = read_bytes(content, place)
-    return data.decode(), end
+    return data.decode("utf-8", "surrogateescape"), end
 
 
 def read_bytes(content: bytes, place: int) -> tuple[bytes, int]:

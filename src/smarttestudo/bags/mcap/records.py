@@ -9,14 +9,11 @@ import struct
 from collections import Counter
 from collections.abc import Generator, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import BinaryIO
 
 import lz4.frame  # type: ignore[import-untyped]
 import zstandard
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
-from mcap.records import Channel, McapRecord, Message, Schema
 
 from smarttestudo.bags import magic
 from smarttestudo.bags.mcap.record_bytes import (
@@ -33,14 +30,15 @@ from smarttestudo.bags.mcap.record_bytes import (
     has_checksum,
     record_places,
 )
+from smarttestudo.bags.mcap.summary import ChannelEntry, SchemaEntry, read_channel, read_schema
 from smarttestudo.bags.stored_file import OutlineError
-from smarttestudo.bags.unpacking import Buffer, TooLargeError, unpacked_content
+from smarttestudo.bags.unpacking import MAX_UNPACKED_BYTES, Buffer, TooLargeError, unpacked_content
 from smarttestudo.bags.zstd_files import begin_frame
+from smarttestudo.domain.units import grouped
 
 _CONTENT = frozenset({Op.SCHEMA, Op.CHANNEL, Op.MESSAGE, Op.CHUNK})
 _KNOWN = frozenset(Op)
 BROKEN = (
-    McapError,
     struct.error,
     ValueError,
     LookupError,
@@ -51,12 +49,17 @@ BROKEN = (
     StopIteration,
     zstandard.ZstdError,
 )
-"""What mcap and the decompressors raise on damaged bytes."""
+"""What reading damaged bytes, and the decompressors, raise."""
+_LONGEST_NAME_BYTES = 64
+_DAMAGED_CHUNKS, _DAMAGED_RECORDS = "damaged chunks", "damaged records"
+_TOO_LARGE_CHUNKS = (
+    f"chunks longer than declared or than {grouped(MAX_UNPACKED_BYTES)} bytes, which are not decompressed"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MessageHeader:
-    """A message without its payload, of which ``head`` are the first bytes."""
+class MessageEntry:
+    """A message; ``head`` are all bytes of its payload, or the first ones."""
 
     channel_id: int
     log_time: int
@@ -64,11 +67,17 @@ class MessageHeader:
     head: bytes
 
 
+Record = SchemaEntry | ChannelEntry | MessageEntry
+
+
+class CompressionError(ValueError):
+    """A chunk is compressed in another way than any that is read, which its text says."""
+
+
 class RecordReader:
     """Walks over the records of a file and reads those that hold messages or describe them.
 
     ``cut_off_at`` is the byte at which the file stops making sense, ``None`` while it does.
-    ``too_large_chunks`` were not unpacked.
     ``statistics`` is the content of the last record of these, ``indexed_messages`` how many the indexes
     behind each chunk name, by the byte that it begins at. ``unknown_records`` are of no kind that MCAP has.
     """
@@ -77,21 +86,20 @@ class RecordReader:
         self._file = file
         self.file_bytes = file.seek(0, 2)
         self.cut_off_at: int | None = None
-        self.too_large_chunks = 0
         self.statistics = b""
         self.indexed_messages: Counter[int] = Counter()
         self.unknown_records = 0
-        self._damaged_bytes_at: dict[int, int] = {}
+        self._lost_at: dict[int, tuple[str, int]] = {}
 
     @property
-    def damaged_chunks(self) -> int:
-        """Chunks of which some or all could not be read, so far."""
-        return len(self._damaged_bytes_at)
+    def losses(self) -> Counter[str]:
+        """Records and chunks of which some or all could not be read, so far, by what they are."""
+        return Counter(what for what, _ in self._lost_at.values())
 
     @property
-    def damaged_bytes(self) -> int:
-        """The bytes of these chunks that could not be read."""
-        return sum(self._damaged_bytes_at.values())
+    def lost_bytes(self) -> int:
+        """The bytes of all these that could not be read."""
+        return sum(lost_bytes for _, lost_bytes in self._lost_at.values())
 
     def places(self) -> Iterator[RecordPlace]:
         """Every schema, channel, message and chunk up to the footer; the last may be cut off."""
@@ -117,7 +125,7 @@ class RecordReader:
                 self.unknown_records += 1
         self.cut_off_at = end
 
-    def read(self, place: RecordPlace) -> Iterator[McapRecord]:
+    def read(self, place: RecordPlace) -> Iterator[Record]:
         """The record at ``place``, or those in it if it is a chunk; of a cut-off one, what is whole."""
         op, start, end, _ = place
         is_whole = end <= self.file_bytes
@@ -128,14 +136,18 @@ class RecordReader:
             if record is not None:
                 yield record
             elif is_whole:
-                self._damaged_bytes_at[start] = len(content)
+                self._lost_at[start] = _DAMAGED_RECORDS, len(content)
             return
         try:
             records = chunk_content(content, is_whole=is_whole)
-        except BROKEN as error:
-            if isinstance(error, TooLargeError):
-                self.too_large_chunks += 1
-            self._damaged_bytes_at[start] = len(content)
+        except TooLargeError:
+            self._lost_at[start] = _TOO_LARGE_CHUNKS, len(content)
+            return
+        except CompressionError as error:
+            self._lost_at[start] = f"chunks {error}", len(content)
+            return
+        except BROKEN:
+            self._lost_at[start] = _DAMAGED_CHUNKS, len(content)
             return
         lost_bytes = yield from _records_in(records)
         if is_whole:
@@ -143,13 +155,13 @@ class RecordReader:
             lost_bytes = max(lost_bytes, abs(promised_bytes - len(records)))
             if lost_bytes:
                 of_bytes = max(promised_bytes, len(records))
-                self._damaged_bytes_at[start] = len(content) * lost_bytes // of_bytes
+                self._lost_at[start] = _DAMAGED_CHUNKS, len(content) * lost_bytes // of_bytes
 
-    def at(self, start: int) -> Iterator[McapRecord]:
+    def at(self, start: int) -> Iterator[Record]:
         """Records that ``read`` gave for the one that begins at byte ``start``."""
         return self.read(self._place_at(start))
 
-    def heads(self, place: RecordPlace, head_bytes: int = 0) -> Iterator[McapRecord | MessageHeader]:
+    def heads(self, place: RecordPlace, head_bytes: int = 0) -> Iterator[Record]:
         """Records that ``read`` gives, without the payloads of messages; damage in them is not seen then."""
         op, *_ = place
         if op == Op.MESSAGE:
@@ -158,24 +170,24 @@ class RecordReader:
         plain = self._plain_records(place) if op == Op.CHUNK else None
         hopped = None if plain is None else self._hopped(plain, place, head_bytes)
         for record in self.read(place) if hopped is None else hopped:
-            yield _header_of(record, head_bytes) if isinstance(record, Message) else record
+            yield _with_head(record, head_bytes) if isinstance(record, MessageEntry) else record
 
-    def heads_at(self, start: int, head_bytes: int) -> Iterator[McapRecord | MessageHeader]:
+    def heads_at(self, start: int, head_bytes: int) -> Iterator[Record]:
         """Records that ``heads`` gives for the one that begins at byte ``start``."""
         return self.heads(self._place_at(start, head_bytes), head_bytes)
 
-    def _message_header(self, place: RecordPlace) -> Iterator[MessageHeader]:
+    def _message_header(self, place: RecordPlace) -> Iterator[MessageEntry]:
         """The message at ``place`` without its payload; nothing if it is not whole."""
         _, start, end, data = place
         payload_bytes = end - start - FRAME.size - MESSAGE_HEADER.size
         if end > self.file_bytes:
             return
         if payload_bytes < 0:
-            self._damaged_bytes_at[start] = end - start
+            self._lost_at[start] = _DAMAGED_RECORDS, end - start
             return
         channel_id, _, log_time, _ = MESSAGE_HEADER.unpack_from(data)
         head = data[MESSAGE_HEADER.size :]
-        yield MessageHeader(channel_id=channel_id, log_time=log_time, payload_bytes=payload_bytes, head=head)
+        yield MessageEntry(channel_id=channel_id, log_time=log_time, payload_bytes=payload_bytes, head=head)
 
     def _plain_records(self, chunk: RecordPlace) -> int | None:
         """Where the records of a chunk begin that is not compressed, else ``None``."""
@@ -184,11 +196,9 @@ class RecordReader:
         is_plain = len(header) == CHUNK_HEADER.size and not int.from_bytes(header[28:32], "little")
         return start + CHUNK_START.size if is_plain else None
 
-    def _hopped(
-        self, start: int, chunk: RecordPlace, head_bytes: int
-    ) -> list[McapRecord | MessageHeader] | None:
+    def _hopped(self, start: int, chunk: RecordPlace, head_bytes: int) -> list[Record] | None:
         """The heads of the records from ``start`` to the end of ``chunk``; ``None`` if they do not fit it."""
-        heads: list[McapRecord | MessageHeader] = []
+        heads: list[Record] = []
         _, _, chunk_end, _ = chunk
         end = min(chunk_end, self.file_bytes)
         for place in record_places(self._file, start, end, MESSAGE_HEADER.size + head_bytes):
@@ -208,13 +218,8 @@ class RecordReader:
         return self._file.read(size)
 
 
-def _header_of(message: Message, head_bytes: int) -> MessageHeader:
-    return MessageHeader(
-        channel_id=message.channel_id,
-        log_time=message.log_time,
-        payload_bytes=len(message.data),
-        head=message.data[:head_bytes],
-    )
+def _with_head(message: MessageEntry, head_bytes: int) -> MessageEntry:
+    return replace(message, head=message.head[:head_bytes])
 
 
 def chunk_content(chunk: Buffer, *, is_whole: bool) -> bytes:
@@ -225,7 +230,9 @@ def chunk_content(chunk: Buffer, *, is_whole: bool) -> bytes:
         if is_whole:
             raise ValueError("a chunk is shorter than its header")
         return b""
-    compression = str(chunk[32 : 32 + name_bytes], "utf-8")
+    if name_bytes > _LONGEST_NAME_BYTES:
+        raise ValueError("a chunk names no compression")
+    compression = str(chunk[32 : 32 + name_bytes], "utf-8", "backslashreplace")
     declared_bytes = int.from_bytes(chunk[16:24], "little")
     content = _decompress(compression, chunk[CHUNK_HEADER.size + name_bytes :], declared_bytes)
     checksum = int.from_bytes(chunk[24:28], "little")
@@ -257,10 +264,10 @@ def _decompress(compression: str, data: Buffer, declared_bytes: int) -> bytes:
         return unpacked_content(data, begin_frame, declared_bytes)[0]
     if compression == "lz4":
         return unpacked_content(data, lz4.frame.LZ4FrameDecompressor, declared_bytes)[0]
-    raise ValueError(f"unknown compression {compression!r}")
+    raise CompressionError(f"compressed with {compression!r}, which is not read")
 
 
-def _records_in(content: bytes) -> Generator[McapRecord, None, int]:
+def _records_in(content: bytes) -> Generator[Record, None, int]:
     """The records; gives how many bytes make no sense: of one, or all from the first on that does not fit."""
     known = lost_bytes = 0
     for op, start, end, _ in record_places(io.BytesIO(content), 0, len(content), 0):
@@ -275,15 +282,17 @@ def _records_in(content: bytes) -> Generator[McapRecord, None, int]:
     return lost_bytes + len(content) - known
 
 
-def _parse(op: int, content: bytes) -> McapRecord | None:
+def _parse(op: int, content: bytes) -> Record | None:
     """The record, ``None`` if it is of another kind or makes no sense."""
-    stream = ReadDataStream(io.BytesIO(content))
-    record: McapRecord | None = None
-    with suppress(*BROKEN):
+    with suppress(struct.error, ValueError):
         if op == Op.MESSAGE:
-            record = Message.read(stream, len(content))
-        elif op == Op.SCHEMA:
-            record = Schema.read(stream)
-        elif op == Op.CHANNEL:
-            record = Channel.read(stream)
-    return record
+            number, _, stamp_ns, _ = MESSAGE_HEADER.unpack_from(content)
+            payload = content[MESSAGE_HEADER.size :]
+            return MessageEntry(
+                channel_id=number, log_time=stamp_ns, payload_bytes=len(payload), head=payload
+            )
+        if op == Op.SCHEMA:
+            return read_schema(content)
+        if op == Op.CHANNEL:
+            return read_channel(content)
+    return None

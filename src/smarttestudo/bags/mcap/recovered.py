@@ -12,24 +12,20 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
-from mcap.records import Channel as ChannelRecord
-from mcap.records import McapRecord, Message, Schema
-
-from smarttestudo.bags.mcap.channels import stored_channel
+from smarttestudo.bags.channel_reader import ChannelReader, with_escapes
 from smarttestudo.bags.mcap.record_bytes import Op
-from smarttestudo.bags.mcap.records import MessageHeader, RecordReader
-from smarttestudo.bags.mcap.summary import read_statistics, read_summary
+from smarttestudo.bags.mcap.records import MessageEntry, Record, RecordReader
+from smarttestudo.bags.mcap.summary import ChannelEntry, SchemaEntry, read_statistics, read_summary
 from smarttestudo.bags.mcap.time_order import FoundMessage, in_time_order
-from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.stored_file import (
     HOMELESS,
+    NO_TOPICS,
     ChannelsByNumber,
     Outline,
     left_out,
     read_so_far,
 )
 from smarttestudo.bags.time_index import TimeIndex
-from smarttestudo.bags.unpacking import MAX_UNPACKED_BYTES
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS, counted, grouped
@@ -45,13 +41,13 @@ class RecoveredMcapFile:
 
     def __init__(self, path: Path, whole_bytes: int | None = None) -> None:
         self._whole_bytes = whole_bytes
-        self._schemas: dict[int, Schema] = {}
-        self._described: dict[int, ChannelRecord] = {}
+        self._schemas: dict[int, SchemaEntry] = {}
+        self._described: dict[int, ChannelEntry] = {}
         self._counts: Counter[int] = Counter()
         self._timeless = self.promised_messages = 0
         self._promised_of: Counter[int] | None = None
         self._has_damaged_index = False
-        self._qos = QosReader()
+        self._reader = ChannelReader()
         self.channels: ChannelsByNumber = {}
         self._spans: dict[int, tuple[int, int]] = {}
         with ExitStack() as opened:
@@ -62,11 +58,11 @@ class RecoveredMcapFile:
             self._read_promises(file)
             # A schema may come after its channel, or be lost.
             self.channels = {
-                number: stored_channel(record, self._schemas.get(record.schema_id), self._qos)
+                number: self._reader.of_mcap(record, self._schemas.get(record.schema_id))
                 for number, record in self._described.items()
             }
             if not self.channels and self._records.cut_off_at is not None:
-                raise RecordingError("no rosbag2 topics can be found in it", place=str(path))
+                raise RecordingError("".join((*self._losses(), NO_TOPICS)), place=str(path))
             self._resources = opened.pop_all()
         self.message_count = sum(self._counts[number] for number in self.channels)
         spans = [self._spans[number] for number in self.channels if number in self._spans]
@@ -100,21 +96,15 @@ class RecoveredMcapFile:
 
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""
-        notices = list(self._qos.notices)
+        notices = list(self._reader.notices)
         so_far = read_so_far(self, self.promised_messages)
-        if self._records.cut_off_at is not None:
-            notices.append(f"cut off or damaged at byte {grouped(self._records.cut_off_at)}: {so_far}")
-        if self._records.damaged_chunks:
-            notices.append(f"damaged chunks: {grouped(self._records.damaged_chunks)}; {so_far}")
+        notices += (f"{loss}{so_far}" for loss in self._losses())
         notices += self._notices_of_promises()
         notices.extend(
-            f"{record.topic}: the file has no schema for it, so its type is not known"
+            f"{with_escapes(record.topic)}: the file has no schema for it, so its type is not known"
             for record in self._described.values()
             if record.schema_id not in {_NO_SCHEMA, *self._schemas}
         )
-        if self._records.too_large_chunks:
-            limit = f"longer than declared or than {grouped(MAX_UNPACKED_BYTES)} bytes"
-            notices.append(f"{counted(self._records.too_large_chunks, 'chunk')} {limit} not decompressed")
         homeless = self._counts.total() - self.message_count
         if homeless:
             notices.append(left_out(homeless, HOMELESS))
@@ -130,7 +120,7 @@ class RecoveredMcapFile:
         promised = max(self.promised_messages, self._held)
         if promised > self.message_count:
             return self.message_count / promised
-        return 1 - self._records.damaged_bytes / self._records.file_bytes
+        return 1 - self._records.lost_bytes / self._records.file_bytes
 
     def close(self) -> None:
         """Let go of the file."""
@@ -143,7 +133,15 @@ class RecoveredMcapFile:
 
     @property
     def _is_damaged(self) -> bool:
-        return self._records.cut_off_at is not None or self._records.damaged_chunks > 0
+        return self._records.cut_off_at is not None or bool(self._records.losses)
+
+    def _losses(self) -> Iterator[str]:
+        """The beginnings of the notices of what is cut off or damaged."""
+        if self._records.cut_off_at is not None:
+            yield f"cut off or damaged at byte {grouped(self._records.cut_off_at)}: "
+        losses = sorted(self._records.losses.items())
+        if losses:
+            yield f"{', '.join(f'{what}: {grouped(number)}' for what, number in losses)}; "
 
     def _notices_of_promises(self) -> Iterator[str]:
         """Where the file has other messages than it says, or records of no kind."""
@@ -162,15 +160,15 @@ class RecoveredMcapFile:
 
     def _payloads_at(self, offset: int) -> Iterator[FoundMessage]:
         for record in self._records.at(offset):
-            if isinstance(record, Message) and self._is_to_be_told(record):
-                yield record.log_time, record.channel_id, len(record.data), record.data
+            if isinstance(record, MessageEntry) and self._is_to_be_told(record):
+                yield record.log_time, record.channel_id, record.payload_bytes, record.head
 
     def _heads_at(self, offset: int, *, head_bytes: int) -> Iterator[FoundMessage]:
         for record in self._records.heads_at(offset, head_bytes):
-            if isinstance(record, MessageHeader) and self._is_to_be_told(record):
+            if isinstance(record, MessageEntry) and self._is_to_be_told(record):
                 yield record.log_time, record.channel_id, record.payload_bytes, record.head
 
-    def _is_to_be_told(self, message: Message | MessageHeader) -> bool:
+    def _is_to_be_told(self, message: MessageEntry) -> bool:
         return message.log_time <= LAST_STAMP_NS and message.channel_id in self.channels
 
     def _find_messages(self) -> None:
@@ -200,16 +198,16 @@ class RecoveredMcapFile:
             if counts.total() == statistics.message_count:
                 self.promised_messages, self._promised_of = statistics.message_count, counts
 
-    def _note(self, record: McapRecord | MessageHeader) -> Iterator[int]:
+    def _note(self, record: Record) -> Iterator[int]:
         """Take in ``record``; gives its stamp if it is a message."""
         match record:
-            case Schema():
-                self._schemas.setdefault(record.id, record)
-            case ChannelRecord():
-                self._described.setdefault(record.id, record)
-            case MessageHeader() if record.log_time > LAST_STAMP_NS:
+            case SchemaEntry():
+                self._schemas.setdefault(record.number, record)
+            case ChannelEntry():
+                self._described.setdefault(record.number, record)
+            case MessageEntry() if record.log_time > LAST_STAMP_NS:
                 self._timeless += 1
-            case MessageHeader():
+            case MessageEntry():
                 number, stamp_ns = record.channel_id, record.log_time
                 self._counts[number] += 1
                 first_ns, last_ns = self._spans.get(number, (stamp_ns, stamp_ns))

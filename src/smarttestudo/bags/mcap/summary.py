@@ -43,6 +43,7 @@ MAX_METADATA_BYTES = 50_000_000
 class SchemaEntry:
     """A type: its name, and its definition in the language ``encoding``."""
 
+    number: int
     name: str
     encoding: str
     data: bytes
@@ -52,6 +53,7 @@ class SchemaEntry:
 class ChannelEntry:
     """A topic whose type is the schema with the number ``schema_id``; 0 is none."""
 
+    number: int
     schema_id: int
     topic: str
     message_encoding: str
@@ -100,9 +102,11 @@ class McapSummary:
         """Take a record in."""
         match kind:
             case Op.SCHEMA:
-                number, self.schemas[number] = _schema(content)
+                schema = read_schema(content)
+                self.schemas[schema.number] = schema
             case Op.CHANNEL:
-                number, self.channels[number] = _channel(content)
+                channel = read_channel(content)
+                self.channels[channel.number] = channel
             case Op.CHUNK_INDEX:
                 self.chunks.append(_chunk(content))
             case Op.STATISTICS:
@@ -185,21 +189,26 @@ def _records(file: BinaryIO, at: int, end: int) -> Iterator[tuple[int, bytes]]:
             file.seek(at)
 
 
-def _schema(content: bytes) -> tuple[int, SchemaEntry]:
+def read_schema(content: bytes) -> SchemaEntry:
+    """The entry in a record of a schema; ``struct.error`` and ``ValueError`` for what is none."""
     name, place = read_text(content, 2)
     encoding, place = read_text(content, place)
     data, place = read_bytes(content, place)
     _require_within(content, place)
-    return int.from_bytes(content[:2], "little"), SchemaEntry(name=name, encoding=encoding, data=data)
+    number = int.from_bytes(content[:2], "little")
+    return SchemaEntry(number=number, name=name, encoding=encoding, data=data)
 
 
-def _channel(content: bytes) -> tuple[int, ChannelEntry]:
+def read_channel(content: bytes) -> ChannelEntry:
+    """The entry in a record of a channel; errors as ``read_schema``."""
     number, schema = _CHANNEL_START.unpack_from(content)
     topic, place = read_text(content, _CHANNEL_START.size)
     encoding, place = read_text(content, place)
     metadata, place = read_notes(content, place)
     _require_within(content, place)
-    return number, ChannelEntry(schema_id=schema, topic=topic, message_encoding=encoding, metadata=metadata)
+    return ChannelEntry(
+        number=number, schema_id=schema, topic=topic, message_encoding=encoding, metadata=metadata
+    )
 
 
 def _chunk(content: bytes) -> ChunkEntry:

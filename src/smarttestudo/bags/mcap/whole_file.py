@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from smarttestudo.bags import magic
-from smarttestudo.bags.mcap.channels import stored_channel
+from smarttestudo.bags.channel_reader import ChannelReader
 from smarttestudo.bags.mcap.record_bytes import (
     CHUNK_START,
     FRAME,
@@ -27,7 +27,6 @@ from smarttestudo.bags.mcap.record_bytes import (
 from smarttestudo.bags.mcap.summary import ChunkEntry, McapSummary, StatisticsEntry, read_summary
 from smarttestudo.bags.mcap.time_order import FoundMessage, in_time_order
 from smarttestudo.bags.mcap.written_order import furthest_back_in, overlap
-from smarttestudo.bags.qos import QosReader
 from smarttestudo.bags.stored_file import (
     ChannelsByNumber,
     ContinuedFile,
@@ -105,10 +104,10 @@ class McapFile(ContinuedFile):
     def __init__(self, path: Path, index: McapSummary) -> None:
         assert index.statistics is not None
         self._path = path
-        self._qos = QosReader()
+        self._reader = ChannelReader()
         self._counted = index.statistics.channels
         self.channels: ChannelsByNumber = {
-            number: stored_channel(channel, index.schemas[channel.schema_id], self._qos)
+            number: self._reader.of_mcap(channel, index.schemas[channel.schema_id])
             for number, channel in index.channels.items()
             if channel.schema_id in index.schemas
         }
@@ -142,7 +141,7 @@ class McapFile(ContinuedFile):
 
     def notices(self) -> Sequence[str]:
         """Losses, one line each, once all messages were read."""
-        return [*dict.fromkeys((*self._qos.notices, *super().notices()))]
+        return [*dict.fromkeys((*self._reader.notices, *super().notices()))]
 
     def close(self) -> None:
         """Let go of the file."""

@@ -5,27 +5,27 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from os import SEEK_END, SEEK_SET
 from pathlib import Path
+from typing import cast
 from urllib.parse import quote
 
 import apsw
 
-from smarttestudo.bags.definition_text import stored_definition
-from smarttestudo.bags.qos import QosReader, is_transient_local
+from smarttestudo.bags.channel_reader import NO_DEFINITION, ChannelReader, Definition
 from smarttestudo.bags.sqlite.log import WriteAheadLog
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.names import ros_type_name
 from smarttestudo.domain.recording import Channel, ForeignSchema
+from smarttestudo.domain.recording import Channel
 
 _FLAGS = apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI
 _STEPS_PER_BYTE = 50
 """The shortest row has some ten bytes, and no query takes more than a hundred steps for one."""
 _LEAST_STEPS = 10_000_000
 _STEPS_BETWEEN_CHECKS = 10_000
-_READABLE_KINDS = ("table", "view")
 
 
 class DatabaseFile:
@@ -120,11 +120,10 @@ def require_tables(database: apsw.Connection, *names: str) -> None:
 
     A view, or a column that is computed, may be a query without an end.
     """
-    for name, kind, root_page in database.execute(
-        "SELECT name, type, rootpage FROM sqlite_master"
-    ).fetchall():
-        if kind not in _READABLE_KINDS or str(name).lower() not in names:
-            continue
+    # The name of another table may be of any bytes.
+    wanted = f"lower(name) IN ({', '.join('?' * len(names))}) AND type IN ('table', 'view')"
+    query = f"SELECT name, type, rootpage FROM sqlite_master WHERE {wanted}"  # noqa: S608  of these alone
+    for name, kind, root_page in database.execute(query, names).fetchall():
         is_computed = database.execute("SELECT 1 FROM pragma_table_xinfo(?) WHERE hidden > 0", (name,))
         if kind == "view" or not root_page or is_computed.fetchall():
             what = "a view" if kind == "view" else "computed"
@@ -184,63 +183,73 @@ BROKEN = (apsw.Error, LookupError, TypeError, ValueError)
 """What reading topics raises on a damaged file."""
 
 
-def read_topics(database: apsw.Connection, qos: QosReader) -> dict[int, Channel]:
+def rows_of(
+    database: apsw.Connection, table: str, columns: Sequence[str]
+) -> Iterator[tuple[int, dict[str, str]]]:
+    """The numbers and texts of the rows of a table, with those of ``columns`` that it has.
+
+    Bytes that are no UTF-8 become surrogates: SQLite does not look at what it stores as a text.
+    """
+    ((encoding,),) = database.execute("PRAGMA encoding")
+    errors = "surrogateescape" if encoding == "UTF-8" else "replace"
+    named = database.execute("SELECT CAST(name AS BLOB) FROM pragma_table_xinfo(?)", (table,)).fetchall()
+    present = {_text(name, str(encoding), "replace") for (name,) in named}
+    if not present:
+        raise LookupError(f"no table {table}")
+    read = [one for one in columns if one in present]
+    values = ", ".join(["id", *(f"CAST({one} AS BLOB)" for one in read)])
+    for number, *stored in database.execute(f"SELECT {values} FROM {table} ORDER BY id"):  # noqa: S608  known
+        texts = (_text(one, str(encoding), errors) for one in stored)
+        yield int(cast("int", number)), dict(zip(read, texts, strict=True))
+
+
+def _text(stored: apsw.SQLiteValue, encoding: str, errors: str) -> str:
+    return stored.decode(encoding, errors) if isinstance(stored, bytes) else ""
+
+
+def read_topics(database: apsw.Connection, reader: ChannelReader) -> dict[int, Channel]:
     """The channels that SQLite can read, by their numbers.
 
     Raises one of ``BROKEN`` where it finds no table of them, and as ``require_tables``.
     """
     require_tables(database, "topics", "messages", "message_definitions")
-    definitions = _definitions(database)
+    definitions = _definitions(database, reader)
     channels: dict[int, Channel] = {}
-    rows = database.execute("SELECT * FROM topics ORDER BY id")
     with suppress(apsw.Error):
-        for row in rows:
-            columns = dict(zip((column[0] for column in rows.description), row, strict=True))
-            channels[int(columns["id"])] = _channel(columns, definitions, qos)
+        for number, columns in rows_of(database, "topics", _TOPIC_COLUMNS):
+            type_name, digest = columns["type"], columns.get("type_description_hash", "")
+            any_digest = definitions.get((type_name, ""), NO_DEFINITION)
+            channels[number] = reader.channel(
+                topic=columns["name"],
+                type_name=type_name,
+                serialization_format=columns["serialization_format"],
+                qos=columns.get("offered_qos_profiles"),
+                digest=digest,
+                definition=definitions.get((type_name, digest), any_digest),
+            )
     return channels
 
 
-_Definition = tuple[str | None, ForeignSchema | None]
+_TOPIC_COLUMNS = ("name", "type", "serialization_format", "offered_qos_profiles", "type_description_hash")
+_DEFINITION_COLUMNS = ("topic_type", "encoding", "encoded_message_definition", "type_description_hash")
 
 
-def _channel(
-    columns: dict[str, apsw.SQLiteValue], definitions: dict[tuple[str, str], _Definition], qos: QosReader
-) -> Channel:
-    topic, type_name = str(columns["name"]), str(columns["type"])
-    digest = str(columns.get("type_description_hash") or "")
-    serialization_format = str(columns["serialization_format"])
-    profiles = qos.read_or_note(topic, columns.get("offered_qos_profiles"))
-    any_digest = definitions.get((type_name, ""), (None, None))
-    definition, foreign = definitions.get((type_name, digest), any_digest)
-    return Channel(
-        topic=topic,
-        type_name=ros_type_name(type_name, serialization_format),
-        definition=definition,
-        digest=digest,
-        qos=profiles,
-        serialization_format=serialization_format,
-        transient_local=is_transient_local(profiles),
-        foreign_schema=foreign,
-    )
-
-
-def _definitions(database: apsw.Connection) -> dict[tuple[str, str], _Definition]:
+def _definitions(database: apsw.Connection, reader: ChannelReader) -> dict[tuple[str, str], Definition]:
     """Definitions by type name and digest, and the first of each name without one.
 
     There are none in a bag of Humble or older, which has no such table.
     """
-    definitions: dict[tuple[str, str], _Definition] = {}
-    with suppress(apsw.Error):
-        rows = database.execute("SELECT * FROM message_definitions ORDER BY id")
-        for row in rows:
-            columns = dict(zip((column[0] for column in rows.description), row, strict=True))
-            name, stored = str(columns["topic_type"]), columns["encoded_message_definition"]
+    definitions: dict[tuple[str, str], Definition] = {}
+    with suppress(apsw.Error, LookupError):
+        for _, columns in rows_of(database, "message_definitions", _DEFINITION_COLUMNS):
+            name, stored = columns["topic_type"], columns["encoded_message_definition"]
             if "/srv/" in name and not name.endswith("_Event"):
                 # That of a service stands under its name; what is recorded are its events.
                 name = f"{name}_Event"
-            data = stored if isinstance(stored, bytes) else str(stored or "").encode("utf-8", "replace")
-            definition = stored_definition(name, str(columns["encoding"] or ""), data)
-            if definition != (None, None):
-                definitions.setdefault((name, str(columns.get("type_description_hash") or "")), definition)
+            definition = reader.definition(
+                name, columns["encoding"], stored.encode("utf-8", "surrogateescape")
+            )
+            if definition != NO_DEFINITION:
+                definitions.setdefault((name, columns.get("type_description_hash", "")), definition)
                 definitions.setdefault((name, ""), definition)
     return definitions

@@ -12,7 +12,7 @@ from typing import cast
 
 import apsw
 
-from smarttestudo.bags.qos import QosReader
+from smarttestudo.bags.channel_reader import ChannelReader
 from smarttestudo.bags.sqlite.database import BROKEN, open_database, read_topics
 from smarttestudo.bags.sqlite.log import WriteAheadLog
 from smarttestudo.bags.stored_file import (
@@ -61,10 +61,10 @@ class SqliteFile(ContinuedFile):
     def __init__(self, path: Path, log: WriteAheadLog | None) -> None:
         self._path = path
         self._log = log
-        self._qos = QosReader()
+        self._reader = ChannelReader()
         try:
             with open_database(path, log) as database:
-                self.channels: ChannelsByNumber = read_topics(database, self._qos)
+                self.channels: ChannelsByNumber = read_topics(database, self._reader)
                 ((page_bytes,),) = database.execute("PRAGMA page_size")
                 if path.stat().st_size % int(page_bytes):
                     raise ValueError("a part of a page is missing")
@@ -104,7 +104,7 @@ class SqliteFile(ContinuedFile):
         """Losses, one line each, once all messages were read."""
         damage = super().notices()
         log_notices = () if self._log is None or damage else self._log.notices()
-        return [*log_notices, *self._qos.notices, *damage]
+        return [*log_notices, *self._reader.notices, *damage]
 
     def close(self) -> None:
         """There is nothing to let go of."""

@@ -9,12 +9,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 
-from smarttestudo.bags.qos import QosReader
+from smarttestudo.bags.channel_reader import ChannelReader
 from smarttestudo.bags.sqlite.database import BROKEN, DatabaseFile, open_database, read_topics
 from smarttestudo.bags.sqlite.log import WriteAheadLog
 from smarttestudo.bags.sqlite.pages import DamagedRowError, SqlitePages, SqliteRow
 from smarttestudo.bags.stored_file import (
     HOMELESS,
+    NO_TOPICS,
     ChannelsByNumber,
     Outline,
     left_out,
@@ -36,7 +37,7 @@ class RecoveredSqliteFile:
     """
 
     def __init__(self, path: Path, log: WriteAheadLog | None = None, rows: int | None = None) -> None:
-        self._qos = QosReader()
+        self._reader = ChannelReader()
         self._log = log
         self._rows = rows
         with ExitStack() as opened:
@@ -45,15 +46,15 @@ class RecoveredSqliteFile:
                 self._pages = SqlitePages(file)
             except DamagedRowError as error:
                 raise RecordingError("not a SQLite file", place=str(path)) from error
+            self._present_bytes = file.present_bytes
             self._index = opened.enter_context(closing(TimeIndex()))
-            self.channels: ChannelsByNumber = _read_topics(path, log, self._qos)
+            self.channels: ChannelsByNumber = self._read_topics(path)
             self._indexed = _indexed_rows(path, log) if rows is None else 0
             self._counts: Counter[int] = Counter()
             self.start_ns = self.end_ns = self.message_count = self._damaged = 0
             self._homeless = self._last_row = 0
             self._find_messages()
             self._resources = opened.pop_all()
-        self._present_bytes = file.present_bytes
 
     def counts(self) -> Mapping[int, int]:
         """Messages of each channel."""
@@ -96,7 +97,7 @@ class RecoveredSqliteFile:
 
     def notices(self) -> Sequence[str]:
         """Whether the file is cut off or damaged, and how much of it was read."""
-        notices = [*(self._log.notices() if self._log is not None else ()), *self._qos.notices]
+        notices = [*(self._log.notices() if self._log is not None else ()), *self._reader.notices]
         if self._is_cut_off:
             notices.append(f"cut off: {read_so_far(self)}")
         elif self._lost:
@@ -128,6 +129,17 @@ class RecoveredSqliteFile:
         rows = max(self._last_row, self._indexed) if self._rows is None else self._rows
         return max(self._damaged, rows - self.message_count - self._homeless)
 
+    def _read_topics(self, path: Path) -> ChannelsByNumber:
+        try:
+            with open_database(path, self._log) as database:
+                # Without it, SQLite opens no file that is shorter than its header says.
+                database.execute("PRAGMA writable_schema=ON")
+                return read_topics(database, self._reader)
+        except BROKEN as error:
+            raise RecordingError(
+                f"cut off: {NO_TOPICS}" if self._is_cut_off else NO_TOPICS, place=str(path)
+            ) from error
+
     def _find_messages(self) -> None:
         for offset in self._pages.rows():
             try:
@@ -157,16 +169,6 @@ def _as_message(row: SqliteRow) -> tuple[int, int, bytes] | None:
             return channel, stamp_ns, payload
         case _:
             return None
-
-
-def _read_topics(path: Path, log: WriteAheadLog | None, qos: QosReader) -> ChannelsByNumber:
-    try:
-        with open_database(path, log) as database:
-            # Without it, SQLite opens no file that is shorter than its header says.
-            database.execute("PRAGMA writable_schema=ON")
-            return read_topics(database, qos)
-    except BROKEN as error:
-        raise RecordingError("no rosbag2 topics can be found in it", place=str(path)) from error
 
 
 def _indexed_rows(path: Path, log: WriteAheadLog | None) -> int:
