@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+import shutil
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
@@ -196,3 +198,148 @@ def test_a_topic_that_makes_no_sense_costs_itself(tmp_path: Path, topic: str) ->
     with open_recording(folder) as recording:
         assert recording.custom_data == {"weather": "rain"}
         assert recording.notices() == [f"{folder}: a topic of metadata.yaml makes no sense and was left out"]
+
+
+def splits(folder: Path, *names: str) -> Path:
+    """Storage files of these names without metadata, each of another part of the mission."""
+    folder.mkdir()
+    for number, name in enumerate(names):
+        made = write_bag(folder / f"made{number}", MISSION.between(number, number + 1))
+        next(made.glob("*.db3")).rename(folder / name)
+        shutil.rmtree(made)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("names", "missing"),
+    [
+        (("a_0.db3", "a_2.db3"), ["a_1.db3"]),
+        (("a_1.db3", "a_2.db3"), ["a_0.db3"]),
+        (("a_0.db3", "a_1.db3", "b_0.db3", "b_2.db3"), ["b_1.db3"]),
+        (("a_0.DB3", "a_3.DB3"), ["a_1.DB3", "a_2.DB3"]),
+        (("a_0.db3", "a_1.db3"), []),
+        (("a_3.db3",), []),
+        (("of_2024.db3", "of_2025.db3"), []),
+        (("one.db3", "two.db3"), []),
+        (("a_20240101.db3", "a_20240103.db3"), []),
+    ],
+)
+def test_the_numbers_of_files_without_metadata_tell_which_are_missing(
+    tmp_path: Path, names: Sequence[str], missing: Sequence[str]
+) -> None:
+    folder = splits(tmp_path / "bag", *names)
+    with open_recording(folder) as recording:
+        assert sum(1 for _ in recording.messages()) == len(names)
+        _, *notices = recording.notices()
+        assert (recording.readable_share == 1) == (not missing)
+    assert notices == [f"{folder / name}: missing, by the numbers of the other files" for name in missing]
+
+
+def test_of_many_missing_files_few_are_named(tmp_path: Path) -> None:
+    folder = splits(tmp_path / "bag", "a_0.db3", "a_900.db3")
+    _, *named, rest = find_bag_files(folder).notices
+    assert len(named) == 3
+    assert rest == f"{folder}: 899 files missing, by their numbers"
+
+
+def linked(folder: Path) -> None:
+    (folder / "b.db3").symlink_to("bag.db3")
+
+
+def hard_linked(folder: Path) -> None:
+    (folder / "b.db3").hardlink_to(folder / "bag.db3")
+
+
+def copied(folder: Path) -> None:
+    shutil.copy(folder / "bag.db3", folder / "b.db3")
+
+
+@pytest.mark.parametrize("double", [linked, hard_linked, copied])
+@pytest.mark.parametrize("has_metadata", [True, False])
+def test_a_file_that_is_there_twice_is_read_once(
+    tmp_path: Path, double: Callable[[Path], None], *, has_metadata: bool
+) -> None:
+    folder = write_bag(tmp_path / "bag", MISSION)
+    double(folder)
+    (folder / "metadata.yaml").unlink()
+    if has_metadata:
+        (folder / "metadata.yaml").write_text(listing(["bag.db3", "b.db3"]))
+    read = read_bag(folder)
+    assert read.messages == list(MISSION.messages)
+    first, second = ("bag.db3", "b.db3") if has_metadata else ("b.db3", "bag.db3")
+    assert read.notices[-1] == f"{folder / second}: the same file as {first}, and read once"
+    assert len(read.notices) == (1 if has_metadata else 2)
+
+
+@pytest.mark.parametrize("name", ["./bag.db3", ".//bag.db3", "../bag/bag.db3", "./././bag.db3"])
+def test_a_file_that_the_metadata_name_twice_is_read_once(tmp_path: Path, name: str) -> None:
+    folder = write_bag(tmp_path / "bag", MISSION)
+    (folder / "metadata.yaml").write_text(listing(["bag.db3", name]))
+    read = read_bag(folder)
+    assert read.messages == list(MISSION.messages)
+    (notice,) = read.notices
+    assert "read once" in notice
+    assert "missing" not in notice
+
+
+def loop(path: Path) -> str:
+    path.symlink_to(path.name)
+    return "cannot be read: Too many levels of symbolic links"
+
+
+def pipe(path: Path) -> str:
+    os.mkfifo(path)
+    return "cannot be read: it is a device or a pipe, not a file"
+
+
+def dangling(path: Path) -> str:
+    path.symlink_to("nowhere")
+    return "cannot be read: No such file or directory"
+
+
+def empty(path: Path) -> str:
+    path.touch()
+    return "the file is empty"
+
+
+def folder_of_that_name(path: Path) -> str:
+    path.mkdir()
+    return "cannot be read: it is a folder"
+
+
+@pytest.mark.parametrize("make", [loop, pipe, dangling, empty, folder_of_that_name])
+@pytest.mark.parametrize("has_metadata", [True, False])
+def test_what_is_no_file_is_named_with_its_reason(
+    tmp_path: Path, make: Callable[[Path], str], *, has_metadata: bool
+) -> None:
+    folder = write_bag(tmp_path / "bag", MISSION)
+    why = make(folder / "b.db3")
+    (folder / "metadata.yaml").unlink()
+    if has_metadata:
+        (folder / "metadata.yaml").write_text(listing(["bag.db3", "b.db3"]))
+    with open_recording(folder) as recording:
+        assert sum(1 for _ in recording.messages()) == len(MISSION.messages)
+        notices = [notice for notice in recording.notices() if "metadata.yaml is missing" not in notice]
+    # A folder in a folder without metadata may be another recording.
+    is_said = has_metadata or make is not folder_of_that_name
+    assert notices == ([f"{folder / 'b.db3'}: {why}"] if is_said else [])
+
+
+@pytest.mark.parametrize("storage", StoragePlugin)
+@pytest.mark.parametrize("name", ["A.MCAP", "a.Db3", "a", "a.bag2", "a.txt", "A.MCAP.ZSTD", "a.db3.Zstd"])
+def test_a_single_file_is_read_by_its_content(tmp_path: Path, storage: StoragePlugin, name: str) -> None:
+    made = write_bag(tmp_path / "made", MISSION, storage=storage)
+    (file,) = (path for path in made.iterdir() if path.suffix in {".mcap", ".db3"})
+    data = file.read_bytes()
+    path = tmp_path / name
+    path.write_bytes(zstandard.compress(data) if name.lower().endswith(".zstd") else data)
+    with open_recording(path) as recording:
+        assert recording.storage.name == storage.name
+        assert sum(1 for _ in recording.messages()) == len(MISSION.messages)
+        assert recording.notices() == []
+
+
+def test_files_with_upper_case_names_in_a_folder_are_read(tmp_path: Path) -> None:
+    folder = splits(tmp_path / "bag", "A_0.DB3", "A_1.db3")
+    (folder / "A_1.db3").rename(folder / "A_1.DB3")
+    assert read_bag(folder).messages == list(MISSION.messages[:2])

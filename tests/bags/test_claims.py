@@ -12,15 +12,15 @@ from mcap.writer import CompressionType
 
 from bags.bag_factory import small_mission, write_mcap_file
 from bags.bag_reading import read_bag
+from smarttestudo.bags.channel_reader import MAX_COMPARED, MergedChannels
 from smarttestudo.bags.definitions import _types_in
 from smarttestudo.bags.mcap.record_bytes import FRAME, Op, record
 from smarttestudo.bags.mcap.summary import read_metadata
 from smarttestudo.bags.mcap.whole_file import full_index
 from smarttestudo.bags.metadata import embedded_metadata
 from smarttestudo.bags.metadata import read_metadata as read_bag_metadata
-from smarttestudo.bags.recording import MAX_COMPARED, MergedChannels
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.recording import Channel, Storage
 
 MISSION = small_mission(1.0)
 
@@ -53,7 +53,7 @@ def test_metadata_are_found_without_looking_into_chunks(tmp_path: Path) -> None:
     with path.open("rb") as file:
         assert read_metadata(file, "rosbag2") == {"key": "value"}
         assert read_metadata(file, "another") == {}
-    assert embedded_metadata(path) is None
+    assert embedded_metadata(path, Storage.MCAP) is None
 
 
 METADATA = """

@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Channels of the texts that storage files and metadata have of them."""
+"""Channels of the texts that storage files and metadata have of them, and what is one channel in several."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from smarttestudo.bags.definition_text import stored_definition
@@ -14,6 +16,9 @@ from smarttestudo.domain.type_names import ros_type_name
 if TYPE_CHECKING:
     from smarttestudo.bags.mcap.summary import ChannelEntry, SchemaEntry
 
+MAX_COMPARED = 20
+"""With so many definitions of a topic another one is compared; with more it counts as one of its own."""
+ChannelKey = tuple[str, str, str, str | None]
 Definition = tuple[str | None, ForeignSchema | None]
 NO_DEFINITION: Definition = (None, None)
 
@@ -100,3 +105,70 @@ def _is_utf8(data: bytes) -> bool:
     except UnicodeDecodeError:
         return False
     return True
+
+
+def key_of(channel: Channel) -> ChannelKey:
+    """Key of a channel: topic, type, and how messages are to be decoded."""
+    return channel.topic, channel.type_name, channel.serialization_format, channel.definition
+
+
+class MergedChannels:
+    """One channel for each topic and type; what an earlier one leaves open, later ones fill in.
+
+    A topic has several of one type where its definitions differ in their fields: messages mean what their
+    own says.
+    """
+
+    def __init__(self, channels: Iterable[Channel]) -> None:
+        self._numbers: dict[ChannelKey, int] = {}
+        self._alike: dict[tuple[str, str], list[int]] = {}
+        self._merged: list[Channel] = []
+        for channel in channels:
+            self._add(channel)
+
+    def all(self) -> tuple[Channel, ...]:
+        """All of them, in the order in which they came."""
+        return tuple(self._merged)
+
+    def of(self, channel: Channel) -> Channel:
+        """The one that ``channel`` went into."""
+        return self._merged[self._numbers[key_of(channel)]]
+
+    def _add(self, channel: Channel) -> None:
+        alike = self._alike.setdefault((channel.topic, channel.type_name), [])
+        number = self._numbers.get(key_of(channel))
+        if number is None:
+            number = next(
+                (one for one in alike[:MAX_COMPARED] if _means_the_same(self._merged[one], channel)), None
+            )
+        if number is None:
+            number = len(self._merged)
+            self._merged.append(channel)
+            alike.append(number)
+        self._numbers[key_of(channel)] = number
+        self._merged[number] = _filled_in(self._merged[number], channel)
+
+
+def _means_the_same(known: Channel, other: Channel) -> bool:
+    if known.serialization_format != other.serialization_format:
+        return False
+    if not known.definition or not other.definition or known.definition == other.definition:
+        return True
+    if known.digest and other.digest:
+        return known.digest == other.digest
+    from smarttestudo.bags.definitions import digest_of  # noqa: PLC0415  slow to import, and seldom needed
+
+    digests = {digest_of(channel.definition, channel.type_name) for channel in (known, other)}
+    return len(digests) == 1 and "" not in digests
+
+
+def _filled_in(known: Channel, other: Channel) -> Channel:
+    takes_qos = not known.qos
+    return replace(
+        known,
+        definition=known.definition or other.definition,
+        digest=known.digest or other.digest,
+        foreign_schema=known.foreign_schema or other.foreign_schema,
+        qos=other.qos if takes_qos else known.qos,
+        transient_local=other.transient_local if takes_qos else known.transient_local,
+    )

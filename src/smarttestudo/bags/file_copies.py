@@ -54,10 +54,12 @@ def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
             remedy="unpack it with zstd -d if it is right",
         ) from error
     try:
-        require_bag_file(target)
-    except RecordingError as error:
+        is_recording = require_bag_file(target) is not None
+    except RecordingError:
+        is_recording = False
+    if not is_recording:
         cause = "its compressed content is no recording" if is_whole else "no part of it can be decompressed"
-        raise RecordingError(cause, place=str(path)) from error
+        raise RecordingError(cause, place=str(path))
     if not is_whole:
         notices.append(f"{path}: its compressed data are truncated or damaged; read as far as possible")
     return target

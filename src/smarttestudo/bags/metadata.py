@@ -68,9 +68,9 @@ def read_metadata(folder: Path) -> BagMetadata:
         raise RecordingError(f"{METADATA_NAME} is broken", place=str(folder)) from error
 
 
-def embedded_metadata(path: Path) -> BagMetadata | None:
+def embedded_metadata(path: Path, storage: Storage) -> BagMetadata | None:
     """The metadata that Iron and later also write into the storage file at ``path``, if they are there."""
-    text = _text_in_mcap(path) if path.suffix == ".mcap" else _text_in_sqlite(path)
+    text = _text_in_mcap(path) if storage is Storage.MCAP else _text_in_sqlite(path)
     try:
         return None if text is None or len(text) > MAX_BYTES else _metadata(_loaded(text))
     except _WRONG_SHAPE:

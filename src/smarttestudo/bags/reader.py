@@ -10,14 +10,14 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from smarttestudo.bags.bag_files import BagFiles, find_bag_files, is_packed, require_bag_file
+from smarttestudo.bags.bag_files import BagFiles, find_bag_files, require_bag_file
 from smarttestudo.bags.message_counts import MessageCounts
 from smarttestudo.bags.metadata import BagMetadata, embedded_metadata
 from smarttestudo.bags.recording import RecordingPart, RosbagRecording
 from smarttestudo.bags.remote_path import fetched_in_full, is_remote
 from smarttestudo.bags.storage_files import open_storage_file
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.recording import RecordingReader
+from smarttestudo.domain.recording import RecordingReader, Storage
 
 _NO_DESCRIPTOR = (errno.EMFILE, errno.ENFILE)
 
@@ -66,26 +66,27 @@ def _try_part(path: Path, name: str, opened: ExitStack, notices: list[str]) -> R
 
 def _open_part(path: Path, name: str, opened: ExitStack, notices: list[str]) -> RecordingPart:
     try:
-        require_bag_file(path)
-        storage_path, whole_bytes = path, None
-        if is_packed(path) or (is_remote(path) and path.suffix != ".mcap"):
+        storage_path, whole_bytes, storage = path, None, require_bag_file(path)
+        if storage is None or (storage is not Storage.MCAP and is_remote(path)):
             from smarttestudo.bags.file_copies import readable_copy  # noqa: PLC0415  most are read where they are
 
             storage_path, whole_bytes = readable_copy(path, opened, notices)
-        file = open_storage_file(storage_path, whole_bytes)
+            storage = require_bag_file(storage_path)
+        assert storage is not None
+        file = open_storage_file(storage_path, storage, whole_bytes)
     except OSError as error:
         cause, remedy = f"cannot be read: {error.strerror}", "check the path and its permissions"
         if error.errno in _NO_DESCRIPTOR:
             remedy = "raise the limit of open files: ulimit -n"
         raise RecordingError(cause, place=str(path), remedy=remedy) from error
     opened.callback(file.close)
-    return RecordingPart(path=path, name=name, storage_path=storage_path, file=file)
+    return RecordingPart(path=path, name=name, storage=storage, storage_path=storage_path, file=file)
 
 
 def _metadata_within(parts: Sequence[RecordingPart]) -> BagMetadata:
     """The metadata that a storage file carries, without its list of files."""
     for part in parts:
-        metadata = embedded_metadata(part.storage_path)
+        metadata = embedded_metadata(part.storage_path, part.storage)
         if metadata is not None:
             # It counts the messages of all files.
             is_of_one = len(parts) == len(metadata.file_names) == 1

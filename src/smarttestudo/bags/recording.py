@@ -9,7 +9,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain, count, islice, pairwise
 from operator import itemgetter
@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from smarttestudo.bags import magic
+from smarttestudo.bags.channel_reader import ChannelKey, MergedChannels, key_of
 from smarttestudo.bags.message_counts import MessageCounts
 from smarttestudo.bags.metadata import BagMetadata, file_key
 from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
@@ -25,78 +26,7 @@ from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
 from smarttestudo.domain.units import NS_PER_S, counted
 
-_LOOKED_AT = 20
-MAX_COMPARED = 20
-"""With so many definitions of a topic another one is compared; with more it counts as one of its own."""
-ChannelKey = tuple[str, str, str, str | None]
-
-
-def key_of(channel: Channel) -> ChannelKey:
-    """Key of a channel: topic, type, and how messages are to be decoded."""
-    return channel.topic, channel.type_name, channel.serialization_format, channel.definition
-
-
-class MergedChannels:
-    """One channel for each topic and type; what an earlier one leaves open, later ones fill in.
-
-    A topic has several of one type where its definitions differ in their fields: messages mean what their
-    own says.
-    """
-
-    def __init__(self, channels: Iterable[Channel]) -> None:
-        self._numbers: dict[ChannelKey, int] = {}
-        self._alike: dict[tuple[str, str], list[int]] = {}
-        self._merged: list[Channel] = []
-        for channel in channels:
-            self._add(channel)
-
-    def all(self) -> tuple[Channel, ...]:
-        """All of them, in the order in which they came."""
-        return tuple(self._merged)
-
-    def of(self, channel: Channel) -> Channel:
-        """The one that ``channel`` went into."""
-        return self._merged[self._numbers[key_of(channel)]]
-
-    def _add(self, channel: Channel) -> None:
-        alike = self._alike.setdefault((channel.topic, channel.type_name), [])
-        number = self._numbers.get(key_of(channel))
-        if number is None:
-            number = next(
-                (one for one in alike[:MAX_COMPARED] if _means_the_same(self._merged[one], channel)), None
-            )
-        if number is None:
-            number = len(self._merged)
-            self._merged.append(channel)
-            alike.append(number)
-        self._numbers[key_of(channel)] = number
-        self._merged[number] = _filled_in(self._merged[number], channel)
-
-
-def _means_the_same(known: Channel, other: Channel) -> bool:
-    if known.serialization_format != other.serialization_format:
-        return False
-    if not known.definition or not other.definition or known.definition == other.definition:
-        return True
-    if known.digest and other.digest:
-        return known.digest == other.digest
-    from smarttestudo.bags.definitions import digest_of  # noqa: PLC0415  slow to import, and seldom needed
-
-    digests = {digest_of(channel.definition, channel.type_name) for channel in (known, other)}
-    return len(digests) == 1 and "" not in digests
-
-
-def _filled_in(known: Channel, other: Channel) -> Channel:
-    takes_qos = not known.qos
-    return replace(
-        known,
-        definition=known.definition or other.definition,
-        digest=known.digest or other.digest,
-        foreign_schema=known.foreign_schema or other.foreign_schema,
-        qos=other.qos if takes_qos else known.qos,
-        transient_local=other.transient_local if takes_qos else known.transient_local,
-    )
-
+_LOOKED_AT = 4
 
 DECLARED_BYTES_KEY = "smarttestudo.declared_bytes"
 
@@ -142,6 +72,7 @@ class RecordingPart:
 
     path: Path
     name: str
+    storage: Storage
     storage_path: Path
     file: StoredFile
 
@@ -165,7 +96,7 @@ class RosbagRecording:
         self._notices = list(notices)
         self._broken: dict[StoredFile, Counter[str]] = {}
         self._packed: dict[StoredFile, bool] = {}
-        self.storage = Storage.MCAP if parts[0].storage_path.suffix == ".mcap" else Storage.SQLITE3
+        self.storage = parts[0].storage
         announced = (channel for part in parts for channel in part.file.channels.values())
         self._channels = MergedChannels(chain(metadata.channels, announced))
         self.channels: Sequence[Channel] = self._used_channels()
@@ -400,16 +331,8 @@ class RosbagRecording:
     def _is_packed(self, file: StoredFile) -> bool:
         """Whether messages are packed one by one: rosbag2 packs all of a file or none; one may be damaged."""
         if file not in self._packed:
-            try:
-                heads = [
-                    head for *_, head in islice(file.outlines(file.channels, len(magic.ZSTD)), _LOOKED_AT)
-                ]
-            except OutlineError:
-                heads = [
-                    payload[: len(magic.ZSTD)]
-                    for *_, payload in islice(file.messages(file.channels), _LOOKED_AT)
-                ]
-            self._packed[file] = magic.ZSTD in heads
+            first = islice(file.messages(file.channels), _LOOKED_AT)
+            self._packed[file] = any(payload.startswith(magic.ZSTD) for *_, payload in first)
         return self._packed[file]
 
     def _channels_of(self, file: StoredFile) -> ChannelsByNumber:

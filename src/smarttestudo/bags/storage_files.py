@@ -9,15 +9,16 @@ from pathlib import Path
 
 from smarttestudo.bags.stored_file import StoredFile
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.recording import Storage
 
 
-def open_storage_file(path: Path, whole_bytes: int | None = None) -> StoredFile:
-    """The .db3 or .mcap file at ``path``: by its index if it is whole, else as far as it goes.
+def open_storage_file(path: Path, storage: Storage, whole_bytes: int | None = None) -> StoredFile:
+    """The file at ``path``: by its index if it is whole, else as far as it goes.
 
     ``whole_bytes`` is how long it was before it was cut off, where that is known.
     Raises ``RecordingError`` where nothing of it can be read.
     """
-    return _open_mcap(path, whole_bytes) if path.suffix == ".mcap" else _open_sqlite(path)
+    return _open_mcap(path, whole_bytes) if storage is Storage.MCAP else _open_sqlite(path)
 
 
 def _open_mcap(path: Path, whole_bytes: int | None) -> StoredFile:

@@ -15,8 +15,9 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer, WriterError
 from rosbags.rosbag2.storage_mcap import McapWriter, Schema, write_schema
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
+from smarttestudo.bags.channel_reader import ChannelKey, key_of
 from smarttestudo.bags.definitions import TypeLibrary
-from smarttestudo.bags.recording import ChannelKey, key_of, with_declared_bytes
+from smarttestudo.bags.recording import with_declared_bytes
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, ForeignSchema, RecordingWriter, Storage
 from smarttestudo.files.outputs import require_new, write_error
