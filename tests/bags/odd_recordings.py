@@ -218,7 +218,42 @@ def undefined(folder: Path) -> Path:
     return write_tables(folder / "a.db3", [Table("/own", "own_msgs/msg/Own", rows)])
 
 
+def encapsulated(folder: Path, *, kind: int) -> Path:
+    """Serialized otherwise than plain CDR, which the first bytes of each message say."""
+    messages = drive(payload=lambda number: bytes([0, kind]) + odometry_at(number)[2:])
+    return write_records(folder / "a.mcap", *chunk(*ODOMETRY, *messages))
+
+
+def described_without_messages(folder: Path) -> Path:
+    """A topic that nobody can decode, of which no message came."""
+    described = (*ODOMETRY, schema(2, "own/msg/X", encoding="jsonschema", text="{}"))
+    topic = channel(2, "/own", 2, encoding="json")
+    return write_records(
+        folder / "a.mcap", *chunk(*described, topic, *drive()), described=(*described, topic)
+    )
+
+
 UNDECODABLE = (
+    *(
+        a_drive(
+            f"encapsulation {kind}",
+            partial(encapsulated, kind=kind),
+            curves={},
+            passes={"/odom": (COUNT, COUNT)},
+            findings=frozenset({"never-a-number"}),
+            also_said={
+                command: [["/odom", word, f"encapsulation 00 {kind:02x}"]]
+                for command in ("loss", "replay", "check")
+            },
+        )
+        for kind, word in ((3, "parameter lists"), (7, "XCDR2"), (11, "XCDR2"), (99, "no known format"))
+    ),
+    a_drive(
+        "an undecodable topic without messages",
+        described_without_messages,
+        messages={"/odom": COUNT, "/own": 0},
+        is_quiet=False,
+    ),
     a_drive(
         "CDR, JSON, protobuf and ROS 1",
         encodings_mixed,

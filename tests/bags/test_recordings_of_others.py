@@ -16,8 +16,9 @@ from typing import Any
 import pytest
 
 from bags.cases_of_others import CASES
+from bags.odd_recordings import grown_between_files
 from bags.recorded_by_others import plain_counts
-from bags.recording_case import Case
+from bags.recording_case import Case, far
 from smarttestudo.cli.main import main
 
 EVERY_CASE = pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
@@ -92,6 +93,8 @@ def test_rates(case: Case, bag: Path, capsys: pytest.CaptureFixture[str]) -> Non
 @EVERY_CASE
 def test_loss(case: Case, bag: Path, capsys: pytest.CaptureFixture[str]) -> None:
     loss = answer(capsys, "bag", "loss", bag)
+    assert_each_said(case.also_said.get("loss", ()), loss["notices"])
+    assert not any(" 0 messages" in notice for notice in loss["notices"])
     fields = {topic: {*one["points"][0]["fields"]} for topic, one in loss["topics"].items()}
     for topic, name in case.curves.items():
         assert name in fields.get(topic, ()), (fields, loss["notices"])
@@ -119,6 +122,7 @@ def test_check(case: Case, bag: Path, rules: Path, capsys: pytest.CaptureFixture
     assert [one["severity"] for one in found if one["severity"] == "error"] == []
     assert code == 0
     assert {one["code"] for one in found} >= case.findings
+    assert_each_said(case.also_said.get("check", ()), [one["message"] for one in found])
 
 
 @EVERY_CASE
@@ -127,3 +131,14 @@ def test_report(case: Case, bag: Path, tmp_path: Path, capsys: pytest.CaptureFix
     assert main(["bag", "report", str(bag), "-o", str(page)]) == 0, capsys.readouterr().err
     text = page.read_text()
     assert all(topic.rpartition("/")[2] in text for topic in case.messages)
+
+
+def test_check_looks_at_messages_of_each_definition(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The field that is checked is there from the second file on."""
+    bag = grown_between_files(tmp_path / "bag")
+    rules = tmp_path / "rules.adirf"
+    rules.write_text(far("/level", "msg.volt"))
+    main(["check", str(rules), "--bag", str(bag), "--format", "json"])
+    assert "never-a-number" not in {one["code"] for one in json.loads(capsys.readouterr().out)}

@@ -169,13 +169,16 @@ class SampleTaker:
     def notices(self) -> Iterator[str]:
         """Notices of what was left out, a line each."""
         for samples, why in self._undefined:
+            if not samples.stamps_ns:
+                continue
             messages = counted(len(samples.stamps_ns), "message")
             yield f"{samples.channel.topic}: {messages} not decoded: {why}"
         for name, samples in self.samples.items():
             if samples.undecodable:
                 verb = "was" if samples.undecodable == 1 else "were"
                 messages = counted(samples.undecodable, "message")
-                yield f"{name}: {messages} could not be decoded and {verb} left out"
+                left_out = f"could not be decoded and {verb} left out{self._decoder.reason(name)}"
+                yield f"{name}: {messages} {left_out}"
         for name, count in (+self._of_second_type).items():
             yield f"{name}: {TWO_TYPES}: {counted(count, 'message')}"
 

@@ -21,6 +21,7 @@ from smarttestudo.bags.readable_types import (
     empty_store,
     layout,
     nest_at_most,
+    other_encapsulation,
     types_within,
 )
 from smarttestudo.domain.errors import RecordingError
@@ -220,6 +221,7 @@ class RosbagDecoder:
     def __init__(self) -> None:
         self._library = TypeLibrary()
         self._types: dict[tuple[str, str, str | None], ReadableType | None] = {}
+        self._reasons: dict[str, str] = {}
 
     def why_undecodable(self, channel: Channel) -> str | None:
         """As ``TypeLibrary``: of a type that the bag defines or ROS 2 knows, CDR is decoded."""
@@ -243,10 +245,21 @@ class RosbagDecoder:
         if kind is None:
             why = self.why_undecodable(channel) or f"the type {channel.type_name} cannot be read"
             raise RecordingError(why, place=channel.topic)
+        other = other_encapsulation(payload)
+        if other is not None:
+            self._reasons.setdefault(channel.topic, other)
+            raise RecordingError(other, place=channel.topic)
         try:
             return kind.read(payload)
         except BROKEN_MESSAGE as error:
             raise RecordingError(f"not a {channel.type_name}: {error}", place=channel.topic) from error
+
+    def reason(self, topic: str) -> str:
+        """What is behind a notice of messages of the topic that could not be decoded, with a colon before it.
+
+        Empty where their bytes are no message of its type.
+        """
+        return f": {self._reasons[topic]}" if topic in self._reasons else ""
 
     def _type(self, channel: Channel) -> ReadableType | None:
         key = (channel.type_name, channel.serialization_format, channel.definition)

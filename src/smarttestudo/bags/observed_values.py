@@ -54,7 +54,7 @@ def observed_values(
             read = value_reader(channels[signal.topic].type_name, signal.property, unit)
             found.setdefault(signal.topic, {})[signal] = _Observed(read)
     for channel, _, payload in recording.messages(found) if found else ():
-        if channels[channel.topic] is not channel:
+        if channels[channel.topic].type_name != channel.type_name:
             continue
         try:
             message: object | None = decoder.decode(channel, payload)
@@ -63,20 +63,20 @@ def observed_values(
         for observed in found[channel.topic].values():
             observed.on_message(message)
     return {
-        signal: _told(signal, one, channels[signal.topic].type_name)
+        signal: _told(signal, one, channels[signal.topic].type_name, decoder.reason(signal.topic))
         for of_topic in found.values()
         for signal, one in of_topic.items()
     }
 
 
-def _told(signal: Signal, one: _Observed, type_name: str) -> ObservedValues:
+def _told(signal: Signal, one: _Observed, type_name: str, reason: str) -> ObservedValues:
     if one.greatest > -math.inf:
         return ObservedValues(greatest=one.greatest)
     if not one.messages:
         return ObservedValues(why="it holds no message of it")
     messages = counted(one.messages, "message")
     if one.without is None:
-        return ObservedValues(why=f"none of its {messages} can be decoded")
+        return ObservedValues(why=f"none of its {messages} can be decoded{reason}")
     why, close = _lacks(one.without, signal.property, type_name)
     return ObservedValues(why=why or f"it is unknown in all of its {messages}", close=close)
 

@@ -22,6 +22,8 @@ BROKEN_MESSAGE = (SerdeError, struct.error, LookupError, ArithmeticError, ValueE
 """What rosbags' generated code raises on bytes that are no message of the type."""
 
 _ENCAPSULATIONS = (b"\0\0", b"\0\1")
+_OTHERS = {2: "parameter lists", 3: "parameter lists", **dict.fromkeys(range(6, 12), "XCDR2")}
+_ENCAPSULATION_BYTES = 4
 _TEXT, _CHARACTER, _LONG_DOUBLE = "testudo/Text", "testudo/Character", "testudo/LongDouble"
 _WIDE_TEXT, _WIDE_CHARACTER = "testudo/WideText", "testudo/WideCharacter"
 _STANDS_FOR = {"wstring": _WIDE_TEXT, "wchar": _WIDE_CHARACTER, "float128": _LONG_DOUBLE}
@@ -29,6 +31,14 @@ _STANDS_FOR = {"wstring": _WIDE_TEXT, "wchar": _WIDE_CHARACTER, "float128": _LON
 _WIDTHS = ((4, 2), (4, 4), (2, 2))
 _SAME_BYTES = {"byte": "uint8", "char": "uint8"}
 _LAST_UNIT = 0xFFFF
+
+
+def other_encapsulation(payload: bytes) -> str | None:
+    """Why a message that says itself not to be plain CDR is not decoded; ``None`` where it is."""
+    if len(payload) < _ENCAPSULATION_BYTES or payload[:2] in _ENCAPSULATIONS:
+        return None
+    of = _OTHERS.get(int.from_bytes(payload[:2], "big"), "no known format")
+    return f"they are of {of} (encapsulation {payload[:2].hex(' ')}), and only CDR is decoded"
 
 
 class ReadableType:

@@ -22,7 +22,6 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import (
     TWO_TYPES,
     Channel,
-    MessageDecoder,
     RecordingReader,
     RecordingWriter,
     Storage,
@@ -117,7 +116,7 @@ def replay_together(requests: Sequence[ReplayRequest]) -> list[ReplayOutcome]:
     return [run.outcome(wall_seconds) for run in runs]
 
 
-def _pass_messages(recording: RecordingReader, runs: Sequence[_Run], decoder: MessageDecoder) -> None:
+def _pass_messages(recording: RecordingReader, runs: Sequence[_Run], decoder: RosbagDecoder) -> None:
     """Show every message to all runs; what several of them need decoded is decoded once."""
     decoded = frozenset[str]().union(*(run.decoded for run in runs))
     takes = [run.on_message for run in runs]
@@ -127,7 +126,7 @@ def _pass_messages(recording: RecordingReader, runs: Sequence[_Run], decoder: Me
             take(channel, stamp_ns, payload, message)
 
 
-def _decoded(decoder: MessageDecoder, channel: Channel, payload: bytes) -> object:
+def _decoded(decoder: RosbagDecoder, channel: Channel, payload: bytes) -> object:
     try:
         return decoder.decode(channel, payload)
     except RecordingError:
@@ -162,7 +161,7 @@ class _Run:
     """Drives the loop of one request with the messages of the recording and the time between them."""
 
     @classmethod
-    def of(cls, request: ReplayRequest, decoder: MessageDecoder, opened: ExitStack) -> _Run:
+    def of(cls, request: ReplayRequest, decoder: RosbagDecoder, opened: ExitStack) -> _Run:
         """The run for ``request``, whose output lasts as long as ``opened``."""
         recording, rule_set = request.recording, request.rule_set
         require_decodable(recording.channels, rule_set, decoder)
@@ -186,7 +185,7 @@ class _Run:
         )
         for channel in topics.outputs.values():
             writer.add(channel)
-        return cls(request, loop, writer, topics, cutter=cutter)
+        return cls(request, loop, writer, topics, decoder, cutter=cutter)
 
     def __init__(
         self,
@@ -194,6 +193,7 @@ class _Run:
         loop: RelayLoop,
         writer: RecordingWriter,
         topics: ReplayTopics,
+        decoder: RosbagDecoder,
         *,
         cutter: IncidentCutter | None,
     ) -> None:
@@ -204,6 +204,7 @@ class _Run:
         self._loop = loop
         self._writer = writer
         self._topics = topics
+        self._decoder = decoder
         self._needed: Mapping[str, Channel] = {}
         self._declared_bytes = request.recording.declared_bytes
         self._report_ns = 0
@@ -323,7 +324,8 @@ class _Run:
         for (topic, why), count in (+self._left_out).items():
             yield f"{topic}: {why}: {counted(count, 'message')}"
         for topic, count in self._loop.knowledge.undecodable.items():
-            yield f"{topic}: {counted(count, 'message')} could not be decoded; what checks read was unknown"
+            why = f"what checks read was unknown{self._decoder.reason(topic)}"
+            yield f"{topic}: {counted(count, 'message')} could not be decoded; {why}"
         for signal, count in self._loop.knowledge.unknown_values.items():
             why = _WHY_UNREAD if signal in self._topics.unread else _WHY_UNKNOWN
             yield f"{signal}: unknown in {counted(count, 'message')} ({why})"
