@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.bags.definition_text import stored_definition
 from smarttestudo.bags.qos import is_transient_local, qos_profiles
+from smarttestudo.domain.names import ros_type_name
 from smarttestudo.domain.recording import Channel, ForeignSchema
-from smarttestudo.domain.type_names import ros_type_name
 
 if TYPE_CHECKING:
     from smarttestudo.bags.mcap.summary import ChannelEntry, SchemaEntry

@@ -19,7 +19,6 @@ from smarttestudo.bags.channel_reader import ChannelReader, with_escapes
 from smarttestudo.bags.message_counts import MessageCounts
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.names import ros_type_name
 from smarttestudo.domain.recording import Channel, Storage
 from smarttestudo.files.input_file import require_file
 

@@ -17,8 +17,6 @@ import apsw
 from smarttestudo.bags.channel_reader import NO_DEFINITION, ChannelReader, Definition
 from smarttestudo.bags.sqlite.log import WriteAheadLog
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.names import ros_type_name
-from smarttestudo.domain.recording import Channel, ForeignSchema
 from smarttestudo.domain.recording import Channel
 
 _FLAGS = apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI
