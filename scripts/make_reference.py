@@ -168,6 +168,10 @@ def commands_page(parser: CommandParser) -> Iterator[str]:
     yield "`testudo COMMAND --help` prints what stands here. Exit codes: 0 where all went well, 1 for an"
     yield "error, 2 for a wrong command line, 130 or 143 where Ctrl-C or SIGTERM broke off the"
     yield "work. Of commands that these are to end, such as `run` and `receive`, the code is then 0."
+    yield ""
+    yield "A recording that was closed without a message is read by every command: a note says so, and the"
+    yield "code is 0. Where messages were recorded, or may have been, and none can be read, every command"
+    yield "ends with code 1."
     for command in leaves(parser):
         yield from ("", f"## {command.prog}", "", command.description or "", "")
         yield from ("```text", *usage(command), "```")

@@ -41,7 +41,11 @@ from smarttestudo.bags.mcap.record_bytes import (
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 
-NOTHING_LEFT = ("no rosbag2 topics can be found in it", "no part of it can be decompressed")
+NOTHING_LEFT = (
+    "no rosbag2 topics can be found in it",
+    "no part of it can be decompressed",
+    "no message of the recording can be read",
+)
 PERCENTS = range(5, 100, 5)
 
 

@@ -197,7 +197,7 @@ def test_a_bag_without_messages_can_be_read_again(tmp_path: Path, storage: Stora
         assert [channel.topic for channel in recording.channels] == ["/map_name"]
         assert (recording.start_ns, recording.end_ns, recording.message_count) == (0, 0, 0)
         assert list(recording.messages()) == []
-        assert recording.notices() == []
+        assert recording.notices() == [f"{tmp_path / 'bag'}: the recording holds no message"]
 
 
 @settings(max_examples=25)

@@ -29,7 +29,6 @@ from smarttestudo.accuracy.recorded_samples import (
 from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.topic_selection import select_topics
-from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import RATE_STEP_HZ
 from smarttestudo.domain.record import JsonEntry, derived
@@ -266,13 +265,11 @@ def measure_curves(
     ``report`` gets the share done.
 
     Raises:
-        RecordingError: the recording cannot be read or is empty; a topic or field does not exist.
+        RecordingError: the recording cannot be read; a topic or field does not exist.
     """
     fields, profile = fields or {}, profile or Profile()
     share = _SHARE_OF_RATES if with_accuracy else 1.0
     with open_recording(bag) as recording:
-        if not recording.message_count:
-            raise RecordingError("the recording holds no message", place=str(bag))
         types = types_of_topics(recording.channels)
         patterns = [*topics, *fields]
         chosen = sorted(select_topics(patterns, types, place=str(bag)) if patterns else types)

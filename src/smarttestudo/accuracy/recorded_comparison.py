@@ -67,14 +67,15 @@ class AccuracyRequest:
 def compare_accuracy(request: AccuracyRequest) -> AccuracyComparison | None:
     """Replay the recording under all of the rules, thin it to fixed rates, and measure the pictures.
 
-    It is read once. Topics of images are left out. ``None`` where nothing that is relayed can be measured.
+    It is read once. Topics of images are left out. ``None`` where nothing that is relayed can be measured,
+    unless the recording holds no message at all.
 
     Raises:
         RecordingError: the recording cannot be read, or a check reads a topic of unknown type.
     """
     with open_recording(request.bag) as recording:
         measurement = ComparisonMeasurement(request, recording)
-        if not measurement.properties:
+        if not measurement.properties and recording.message_count:
             return None
         return measurement.comparison(measurement.read(measurement.readings()))
 

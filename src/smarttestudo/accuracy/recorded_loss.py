@@ -83,7 +83,7 @@ def measure_loss(
     gets the share done, 0 … 1.
 
     Raises:
-        RecordingError: one cannot be read or is empty; they share no topic or no time; a field or topic that
+        RecordingError: one cannot be read; they share no topic or no time; a field or topic that
             was asked for does not exist.
     """
     sent, received = measure_bag(a, lambda _: None), measure_bag(b, lambda _: None)
@@ -292,7 +292,7 @@ class LossMeasurement:
             if is_selected(topic, self._question.topics):
                 yield f"{topic}: {self._a.name} holds no message of it, so there is no loss to measure"
         early_s = (self._a.span.end_ns - self._b.span.end_ns) / NS_PER_S
-        if early_s > _ENDS_EARLY_S:
+        if early_s > _ENDS_EARLY_S and not self._b.span.is_empty:
             yield f"{self._b.name}: ends {early_s:.1f} s before {self._a.name}; nothing came in that time"
         for topic in sorted({one.signal.topic for one in self._thresholds}.difference(self._partners)):
             yield f"{topic}: a check reads it, which {self._b.name} lacks; its crossings are left out"
@@ -330,7 +330,7 @@ def _same_fields(sent: TopicSamples, type_name: str, _: object) -> Sequence[Fiel
 
 
 def _require_common_time(a: BagSummary, b: BagSummary) -> None:
-    if b.span.end_ns < a.span.start_ns or a.span.end_ns < b.span.start_ns:
+    if not a.span.shares_time(b.span):
         raise RecordingError(
             f"it has no time in common with {a.name}",
             place=b.name,

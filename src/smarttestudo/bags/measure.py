@@ -108,13 +108,13 @@ def measure_bag(path: Path, report: Callable[[float], None], *, with_latency: bo
     the beginning of each payload.
 
     Raises:
-        RecordingError: it cannot be read, or is empty.
+        RecordingError: it cannot be read.
     """
     with open_recording(path) as recording:
         types = MessageTypes()
         counters = {channel.topic: TopicCounter(with_latency=with_latency) for channel in recording.channels}
         sizes = _sizes_noting_latency(recording, types, counters) if with_latency else recording.sizes()
-        _count(path, recording, sizes, counters, report)
+        _count(recording, sizes, counters, report)
         notices = chain(types.notices(recording.channels), _clock_notices(counters))
         return _summary(path, recording, counters, notices)
 
@@ -128,12 +128,12 @@ def measure_run(
     where it has odometry.
 
     Raises:
-        RecordingError: it cannot be read, or is empty.
+        RecordingError: it cannot be read.
     """
     with open_recording(path) as recording:
         counters = {channel.topic: RunCounter() for channel in recording.channels}
         robot = _Robot(recording, by_transforms=by_transforms) if with_places else None
-        _count(path, recording, robot.sizes() if robot else recording.sizes(), counters, report)
+        _count(recording, robot.sizes() if robot else recording.sizes(), counters, report)
         return MeasuredRun(
             summary=_summary(
                 path,
@@ -197,7 +197,6 @@ def _sizes_noting_latency(
 
 
 def _count(
-    path: Path,
     recording: RecordingReader,
     sizes: Iterable[RecordedSize],
     counters: Mapping[str, TopicCounter],
@@ -206,7 +205,7 @@ def _count(
     declared_bytes, messages = recording.declared_bytes, recording.message_count
     done, rest = 0, iter(sizes)
     while batch := [*islice(rest, _MESSAGES_PER_REPORT)]:
-        report(done / messages if messages else 0)
+        report(done / (messages or len(batch)))
         done += len(batch)
         by_topic: dict[str, tuple[list[int], list[int]]] = defaultdict(lambda: ([], []))
         for channel, stamp_ns, size_bytes in batch:
@@ -217,12 +216,6 @@ def _count(
             declared = declared_bytes.get(topic)
             counted_bytes = sizes_bytes if declared is None else [declared] * len(stamps_ns)
             counters[topic].add_all(stamps_ns, counted_bytes)
-    if not done:
-        promised = recording.promised_messages
-        cause = "the recording holds no message"
-        if promised:
-            cause = f"none of its {counted(promised, 'message')} can be read"
-        raise RecordingError(cause, place=str(path), remedy="; ".join(recording.notices()) or None)
 
 
 def _summary(
@@ -232,7 +225,9 @@ def _summary(
     more_notices: Iterable[str],
 ) -> BagSummary:
     """The summary of a recording that was counted."""
-    span = RecordingSpan(start_ns=recording.start_ns, end_ns=recording.end_ns)
+    span = RecordingSpan(
+        start_ns=recording.start_ns, end_ns=recording.end_ns, is_empty=not recording.message_count
+    )
     incident, incident_lacks = _incident(path, span)
     by_topic = groupby(sorted(recording.channels, key=_topic_of), key=_topic_of)
     topics = tuple(

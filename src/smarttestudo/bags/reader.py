@@ -38,9 +38,12 @@ def open_recording(path: Path) -> Iterator[RecordingReader]:
         parts = _open_parts(bag, opened, notices)
         metadata = bag.metadata if bag.metadata.file_names else _metadata_within(parts)
         lacks_files = bool(bag.missing) or len(parts) < len(bag.paths)
-        recording = RosbagRecording(parts, metadata, notices, lacks_files=lacks_files)
+        recording = RosbagRecording(parts, metadata, notices, name=str(path), lacks_files=lacks_files)
+        recording.require_messages()
         recording.leave_out_strays()
         yield recording
+        # Some damage is met only in reading.
+        recording.require_messages()
 
 
 def _open_parts(bag: BagFiles, opened: ExitStack, notices: list[str]) -> Sequence[RecordingPart]:

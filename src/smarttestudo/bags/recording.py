@@ -86,8 +86,10 @@ class RosbagRecording:
         metadata: BagMetadata,
         notices: Sequence[str],
         *,
+        name: str,
         lacks_files: bool = False,
     ) -> None:
+        self._name = name
         self._parts = parts
         self._promised = metadata.counts
         self._lacks_files = lacks_files
@@ -103,6 +105,15 @@ class RosbagRecording:
         self.custom_data: Mapping[str, str] = metadata.custom_data
         self.declared_bytes: Mapping[str, int] = self._declared_bytes()
         self._strays: StrayStamps | None = None
+
+    def require_messages(self) -> None:
+        """Raise ``RecordingError`` where messages were recorded, or may have been, and none can be read."""
+        if not self.message_count and self.readable_share != 1:
+            lost, promised = "; ".join(self.notices()), self.promised_messages
+            cause = "no message of the recording can be read"
+            if promised:
+                cause = f"none of its {counted(promised, 'message')} can be read"
+            raise RecordingError(cause, place=self._name, remedy=lost or None)
 
     def leave_out_strays(self) -> None:
         """Leave out messages of another time from now on; a recording of over a year is read for it."""
@@ -200,6 +211,8 @@ class RosbagRecording:
     def _notices_of_counts(self) -> Iterator[str]:
         """Where files without damage hold other messages than the metadata, or their own numbers, say."""
         promised, held = self._promised, self._counts()
+        if not self.message_count and self.readable_share == 1:
+            yield f"{self._name}: the recording holds no message"
         if self._is_intact and (notice := promised.notice(held)):
             yield notice
             return

@@ -18,22 +18,35 @@ from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S, utc
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingSpan:
-    """From the first to the last message of a recording, over all topics."""
+    """From the first to the last message of a recording, over all topics; both 0 where there is none."""
 
-    start_ns: int
-    end_ns: int
+    start_ns: Annotated[int, JsonEntry(is_absent=True)]
+    end_ns: Annotated[int, JsonEntry(is_absent=True)]
+    is_empty: Annotated[bool, JsonEntry(is_absent=True)] = False
 
     @property
     @derived()
-    def start(self) -> str:
+    def start(self) -> str | None:
         """Date and time of the first message."""
-        return utc_time(self.start_ns)
+        return None if self.is_empty else utc_time(self.start_ns)
 
     @property
     @derived()
-    def end(self) -> str:
+    def end(self) -> str | None:
         """Date and time of the last message."""
-        return utc_time(self.end_ns)
+        return None if self.is_empty else utc_time(self.end_ns)
+
+    @property
+    @derived("start_ns")
+    def known_start_ns(self) -> int | None:
+        """Stamp of the first message, if there is one."""
+        return None if self.is_empty else self.start_ns
+
+    @property
+    @derived("end_ns")
+    def known_end_ns(self) -> int | None:
+        """Stamp of the last message, if there is one."""
+        return None if self.is_empty else self.end_ns
 
     @property
     @derived()
@@ -42,7 +55,9 @@ class RecordingSpan:
         return (self.end_ns - self.start_ns) / NS_PER_S
 
     def shares_time(self, other: RecordingSpan) -> bool:
-        """Whether both lasted at one time."""
+        """Whether both lasted at one time; nothing came at any time, also at that of the other."""
+        if self.is_empty or other.is_empty:
+            return True
         return self.start_ns <= other.end_ns and other.start_ns <= self.end_ns
 
     def seconds_to(self, stamp_ns: int) -> float:

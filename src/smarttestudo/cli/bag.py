@@ -119,7 +119,10 @@ class _Summaries(RecordingCommand[BagSummary]):
 
     def rows(self, result: BagSummary) -> Iterator[Mapping[str, object]]:
         """Also when it was recorded."""
-        recorded_at = datetime.fromtimestamp(result.span.start_ns // NS_PER_S, tz=timezone.utc)
+        span = result.span
+        recorded_at = (
+            None if span.is_empty else datetime.fromtimestamp(span.start_ns // NS_PER_S, tz=timezone.utc)
+        )
         return ({**row, "recorded_at": recorded_at} for row in result.rows())
 
     def finish(self, arguments: argparse.Namespace) -> None:

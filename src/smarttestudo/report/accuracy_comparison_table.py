@@ -47,6 +47,8 @@ def accuracy_tables(comparison: AccuracyComparison) -> tuple[Table, ...]:
 def accuracy_sentences(comparison: AccuracyComparison) -> Iterator[str]:
     """The gain of rules with bounds over fixed rates in the first property of the first topic."""
     fixed = comparison.arms[0]
+    if not fixed.topics:
+        return
     topic, passed = next(iter(fixed.topics.items()))
     name, before = next(iter(passed.properties.items()))
     for view in View:

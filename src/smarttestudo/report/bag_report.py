@@ -77,7 +77,7 @@ def bag_report(request: ReportRequest) -> RunReport:
     """Read the recordings and put together what their report shows.
 
     Raises:
-        RecordingError: one cannot be read or is empty; they share no topic; a topic asked for is in neither.
+        RecordingError: one cannot be read; they share no topic; a topic asked for is in neither.
     """
     runs = _measure(request, with_places=True)
     report = _report(request, runs)
@@ -232,7 +232,7 @@ def draw_over_time(request: ReportRequest, kinds: Collection[FigureKind], folder
     """Measure the recordings, without their payloads, and draw what came when.
 
     Raises:
-        RecordingError: one cannot be read or is empty, or they share no topic.
+        RecordingError: one cannot be read, or they share no topic.
         OutputFileError: a figure cannot be written.
     """
     return _draw(series_over_time(request), kinds, folder)

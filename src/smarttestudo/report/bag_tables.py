@@ -50,7 +50,7 @@ def info_table(bag: BagSummary) -> Table:
         title=f"{bag.name}: {bag.storage.value}, {grouped(span.duration_s, 3)} s, "
         f"{counted(bag.total.messages, 'message')}",
         subtitles=(
-            f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}",
+            *(() if span.is_empty else (f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}",)),
             *incident_subtitles(bag.incident),
             *_damage(bag),
         ),

@@ -48,7 +48,7 @@ def replay_report(
             title=f"Replay of {bag.resolve().name}",
             explanation=_EXPLANATION,
             mapping=output_topics,
-            topics=tuple(output_topics or outcome.topics),
+            topics=tuple(output_topics),
             rule_set=rules.rule_set,
             rule_texts=rules.texts,
             decisions=decisions,

@@ -185,14 +185,15 @@ def test_what_cannot_be_read_is_on_the_page_and_the_rest_is_complete(testudo: Co
     errors = [line for line in ran.err.splitlines() if not line.startswith("note: ")]
     assert [line.partition(": error: ")[0] for line in errors] == [
         "fleet/r0/00/00.mcap",
-        "fleet/r0/empty",
         "fleet/r1/notes.mcap",
     ]
-    assert ran.out.startswith("report.html: 12 recordings, 3 robots, ")
-    assert ran.out.endswith(", 3 unreadable\n")
+    assert ran.out.startswith("report.html: 13 recordings, 3 robots, ")
+    assert ran.out.endswith(", 2 unreadable\n")
+    assert "1970" not in ran.out
     text = (robots / "report.html").read_text("utf-8")
     notes = [line.removeprefix("note: ") for line in ran.err.splitlines() if line.startswith("note: ")]
-    assert notes
+    assert "fleet/r0/empty: the recording holds no message" in notes
+    assert "1970" not in text
     for line in (*errors, *notes):
         assert f'<li class="words">{html.escape(line)}</li>' in text
 

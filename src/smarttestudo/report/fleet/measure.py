@@ -77,7 +77,7 @@ def measure_recording(question: RecordingQuestion) -> RecordingNumbers:
     """The numbers of a recording, or a pair.
 
     Raises:
-        RecordingError: one cannot be read or is empty; they share no topic.
+        RecordingError: one cannot be read; they share no topic.
     """
     a = _measure(question, question.a)
     b = None if question.b is None else _measure(question, question.b)
@@ -94,6 +94,7 @@ def measure_recording(question: RecordingQuestion) -> RecordingNumbers:
         b=None if question.b is None else str(question.b),
         robot=question.robot,
         start_ns=a.summary.span.start_ns,
+        is_empty=a.summary.span.is_empty,
         duration_s=a.summary.span.duration_s,
         topics=tuple(
             TopicNumbers(

@@ -83,13 +83,14 @@ class RecordingNumbers:
 
     ``position`` is how far off the operator's picture of the robot's place was. ``rules`` are known where
     rules decided over A, ``bounds`` where there is a B, too. ``unmatched`` are patterns of topics that name
-    none here. ``notices`` say what was lost or odd, a line each.
+    none here. ``notices`` say what was lost or odd, a line each. An empty A has no time.
     """
 
     a: str
     b: str | None
     robot: str
-    start_ns: int
+    start_ns: Annotated[int, JsonEntry(is_absent=True)]
+    is_empty: Annotated[bool, JsonEntry(is_absent=True)] = False
     duration_s: float
     topics: Annotated[tuple[TopicNumbers, ...], JsonEntry(keyed_by="topic")]
     rules: tuple[RuleNumbers, ...] = ()
@@ -100,13 +101,20 @@ class RecordingNumbers:
 
     @property
     @derived()
-    def start(self) -> str:
+    def start(self) -> str | None:
         """Date and time of the first message of A."""
-        return utc_time(self.start_ns)
+        return None if self.is_empty else utc_time(self.start_ns)
+
+    @property
+    @derived("start_ns")
+    def known_start_ns(self) -> int | None:
+        """Stamp of the first message of A, if there is one."""
+        return None if self.is_empty else self.start_ns
 
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each topic, for ``--csv``."""
-        recorded_at = datetime.fromtimestamp(self.start_ns // NS_PER_S, tz=timezone.utc)
+        began_at = datetime.fromtimestamp(self.start_ns // NS_PER_S, tz=timezone.utc)
+        recorded_at = None if self.is_empty else began_at
         for one in self.topics:
             got = one.received
             yield {

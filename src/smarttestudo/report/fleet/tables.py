@@ -66,7 +66,7 @@ def recording_table(totals: FleetTotals) -> Table:
                     *_loss_cells(totals, sums),
                     *_volume_cells(totals, sums, unit),
                     Number(one.duration_s, decimals=1),
-                    Text(utc_time(one.start_ns)[:16]),
+                    Text("" if one.is_empty else utc_time(one.start_ns)[:16]),
                 )
             )
             for one, sums in shown

@@ -62,7 +62,8 @@ class FleetTotals:
             self.rules[rule.rule].add(rule)
         for bound in recording.bounds:
             self.bounds[bound.picture, bound.bound, bound.unit].add(bound)
-        self.trend.add(recording)
+        if not recording.is_empty:
+            self.trend.add(recording)
         keep = heapq.heappush if len(self._worst) < MOST_ROWS else heapq.heappushpop
         keep(self._worst, (self.rank(of_recording(recording)), -self.all.recordings, recording))
 
