@@ -12,13 +12,32 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bags.bag_factory import START_NS, BagContent, BagMessage, BagTopic, write_humble_file, write_mcap_file
+from bags.bag_factory import (
+    ODOM,
+    START_NS,
+    BagContent,
+    BagMessage,
+    BagTopic,
+    write_humble_file,
+    write_mcap_file,
+)
+from bags.recorded_by_others import (
+    QOS_IN_WORDS,
+    channel,
+    chunk,
+    message,
+    odometry_at,
+    schema,
+    stamp_of,
+    write_records,
+)
 from pacing.reckoning.ros_messages import ODOMETRY, odometry, planar
 from replays.replay_runs import replay_bag
 from smarttestudo.accuracy.recorded_loss import measure_loss
 from smarttestudo.bags.measure import measure_bag, measure_run
 from smarttestudo.bags.profile import profile_of_recording
 from smarttestudo.bags.reader import open_recording
+from smarttestudo.bags.statistics import Latency
 
 S = 1_000_000_000
 YEAR_NS = 366 * 86_400 * S
@@ -107,24 +126,56 @@ def test_a_recording_of_one_time_is_not_read_for_it_and_keeps_all(tmp_path: Path
     ("header_ns", "notices", "mean_s"),
     [
         pytest.param(lambda stamp_ns: stamp_ns - S // 4, (), 0.25, id="one clock"),
-        pytest.param(lambda stamp_ns: stamp_ns + S // 4, (), -0.25, id="a clock that is ahead"),
+        pytest.param(lambda stamp_ns: stamp_ns - 59 * S, (), 59, id="a slow robot"),
+        pytest.param(lambda stamp_ns: stamp_ns // (4 * S) * 4 * S, (), 1.65, id="bursts"),
+        pytest.param(lambda stamp_ns: stamp_ns + S // 20, (), -0.05, id="clocks as good as one"),
+        pytest.param(lambda _: 0, (), None, id="nobody stamps"),
+        pytest.param(
+            lambda stamp_ns: stamp_ns + S // 4,
+            ("the clocks differ: no latency of 50 stamps; 50 after the reception",),
+            None,
+            id="a clock that is ahead",
+        ),
+        pytest.param(
+            lambda stamp_ns: stamp_ns - 3600 * S,
+            ("the clocks differ: no latency of 50 stamps; 50 more than 60 s before it",),
+            None,
+            id="an hour late",
+        ),
         pytest.param(
             lambda stamp_ns: stamp_ns - START_NS + S,
-            (
-                "/odom, /scan: the clocks differ: header.stamp is of another clock than the reception, "
-                "as simulated time or the time since a start, so there is no latency",
-            ),
+            ("the clocks differ: no latency of 50 stamps; 50 more than 60 s before it",),
             None,
             id="simulated time",
         ),
         pytest.param(
-            lambda stamp_ns: 1 if stamp_ns < START_NS + S else stamp_ns - S // 4,
+            lambda stamp_ns: stamp_ns - S // 4 - (600 * S if stamp_ns >= START_NS + 2 * S else 0),
+            ("the clocks differ: its latency is of 20 of 50 stamps; 30 more than 60 s before it",),
+            0.25,
+            id="a jump back in the middle",
+        ),
+        pytest.param(
+            lambda stamp_ns: stamp_ns - S // 4 + (600 * S if stamp_ns >= START_NS + 2 * S else 0),
+            ("the clocks differ: its latency is of 20 of 50 stamps; 30 after the reception",),
+            0.25,
+            id="a jump ahead in the middle",
+        ),
+        pytest.param(
+            lambda stamp_ns: stamp_ns - S // 4 if stamp_ns // (S // 10) % 2 else 0,
+            ("its latency is of 25 of 50 stamps; 25 not set",),
+            0.25,
+            id="half of them not set",
+        ),
+        pytest.param(
+            lambda stamp_ns: (0, -(2**31) * S, stamp_ns - S // 4, stamp_ns + S, stamp_ns - 61 * S)[
+                stamp_ns // (S // 10) % 5
+            ],
             (
-                "/odom: the clocks differ in 10 of 50 messages, which are left out of its latency",
-                "/scan: the clocks differ in 10 of 50 messages, which are left out of its latency",
+                "the clocks differ: its latency is of 10 of 50 stamps; "
+                "10 not set, 10 after the reception, 20 more than 60 s before it",
             ),
             0.25,
-            id="before the clock was there",
+            id="of everything something",
         ),
     ],
 )
@@ -133,7 +184,16 @@ def test_a_latency_between_two_clocks_is_none(
 ) -> None:
     bag = write_mcap_file(tmp_path / "bag.mcap", content_of(REGULAR, header_ns=header_ns))
     found = measure_bag(bag, lambda _: None, with_latency=True)
-    assert found.notices == notices
+    assert found.notices == tuple(f"/odom, /scan: {notice}" for notice in notices)
     latency = found.topics[0].latency
     assert latency is not None
     assert latency.mean_s == (None if mean_s is None else pytest.approx(mean_s))
+
+
+def test_a_latched_message_has_no_latency_however_old_it_is(tmp_path: Path) -> None:
+    latched = QOS_IN_WORDS.replace("volatile", "transient_local")
+    described = (schema(1, ODOM.type_name), channel(1, ODOM.name, 1, qos=latched))
+    old = message(0, odometry_at(0, header_ns=stamp_of(0) - 7200 * S))
+    bag = write_records(tmp_path / "a.mcap", *chunk(*described, old), described=described)
+    found = measure_bag(bag, lambda _: None, with_latency=True)
+    assert (found.notices, found.topics[0].latency) == ((), Latency())

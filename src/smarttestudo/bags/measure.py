@@ -28,7 +28,6 @@ from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.rate_meter import Intervals
 from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader
-from smarttestudo.domain.units import counted, grouped
 from smarttestudo.pacing.cdr import STAMPED_BYTES, header_stamp_ns
 
 if TYPE_CHECKING:
@@ -55,8 +54,8 @@ class TopicCounter:
     def add_stamp(self, stamp_ns: int, head: bytes) -> None:
         """Count the latency of a message that begins with ``head``, if its header was stamped."""
         sent_ns = header_stamp_ns(head)
-        if sent_ns is not None and self.latencies is not None:
-            self.latencies.add(stamp_ns - sent_ns)
+        if self.latencies is not None:
+            self.latencies.add(None if sent_ns is None else stamp_ns - sent_ns)
 
     def topic(self, channels: Sequence[Channel], span: RecordingSpan, *, is_declared: bool) -> BagTopic:
         """The topic of ``channels``, of which there are several if it has several types."""
@@ -189,7 +188,12 @@ class _Robot:
 def _sizes_noting_latency(
     recording: RecordingReader, types: MessageTypes, counters: Mapping[str, TopicCounter]
 ) -> Iterator[RecordedSize]:
-    stamped = {id(channel) for channel in recording.channels if types.has_header(channel)}
+    # What is latched is kept for those who come later, however long.
+    stamped = {
+        id(channel)
+        for channel in recording.channels
+        if not channel.transient_local and types.has_header(channel)
+    }
     for channel, stamp_ns, (size_bytes, head) in recording.heads(STAMPED_BYTES):
         if id(channel) in stamped:
             counters[channel.topic].add_stamp(stamp_ns, head)
@@ -255,18 +259,11 @@ def _incident(path: Path, span: RecordingSpan) -> tuple[IncidentRecord | None, t
 
 
 def _clock_notices(counters: Mapping[str, TopicCounter]) -> Iterator[str]:
-    """Topics whose headers are stamped by another clock than that of their reception."""
-    latencies = {topic: one.latencies for topic, one in sorted(counters.items()) if one.latencies}
-    others = {topic: one for topic, one in latencies.items() if one.of_other_clocks}
-    wholly = [topic for topic, one in others.items() if one.of_other_clocks == one.messages]
-    if wholly:
-        yield (
-            f"{', '.join(wholly)}: the clocks differ: header.stamp is of another clock than the reception, "
-            "as simulated time or the time since a start, so there is no latency"
-        )
-    for topic, one in others.items():
-        if topic not in wholly:
-            yield (
-                f"{topic}: the clocks differ in {grouped(one.of_other_clocks)} of "
-                f"{counted(one.messages, 'message')}, which are left out of its latency"
-            )
+    """Topics of which not all headers are stamped by the clock of their reception, those alike together."""
+    alike: dict[str, list[str]] = defaultdict(list)
+    for topic, one in sorted(counters.items()):
+        notice = one.latencies.notice() if one.latencies else None
+        if notice is not None:
+            alike[notice].append(topic)
+    for notice, topics in alike.items():
+        yield f"{', '.join(topics)}: {notice}"

@@ -14,6 +14,8 @@ from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.rate_meter import mean_hz
 from smarttestudo.domain.record import JsonEntry, derived
 from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S, utc_time
+from smarttestudo.domain.record import JsonEntry
+from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S, grouped
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,7 +133,7 @@ _P95_PERCENT = 95
 class Latency:
     """Receive time minus ``header.stamp``: its mean, the least that 95 % do not exceed, and the largest.
 
-    ``None`` where no message has a stamp of the clock of its reception.
+    ``None`` where no message has a stamp that can be of the clock of its reception.
     """
 
     mean_s: Annotated[float | None, JsonEntry(name="latency_mean_s")] = None
@@ -139,33 +141,56 @@ class Latency:
     max_s: Annotated[float | None, JsonEntry(name="latency_max_s")] = None
 
 
-_ONE_CLOCK_NS = range(-60 * NS_PER_S, 86_400 * NS_PER_S)
-"""A message that is older, or that comes so long before it was sent, has a stamp of another clock."""
+LONGEST_LATENCY_S = 60
+_LATENCIES_NS = range(-NS_PER_S // 10, LONGEST_LATENCY_S * NS_PER_S + 1)
+"""Synchronized clocks differ by less than 0.1 s, and no message of a robot that works takes a minute."""
 
 
 class LatencyAccumulator:
     """Takes a topic's latencies one by one; memory grows by 8 bytes for each.
 
-    ``of_other_clocks`` counts messages that no clock of both ends stamped: those have no latency.
+    ``unset`` counts messages without a stamp, or with one of 0, ``early`` those that came before their
+    stamp, ``late`` those that came more than a minute after. None of these has a latency.
     """
 
-    __slots__ = ("_latencies_ns", "of_other_clocks")
+    __slots__ = ("_latencies_ns", "early", "late", "unset")
 
     def __init__(self) -> None:
         self._latencies_ns = array("q")
-        self.of_other_clocks = 0
+        self.unset = self.early = self.late = 0
 
     @property
-    def messages(self) -> int:
-        """Messages that have a stamp."""
-        return len(self._latencies_ns) + self.of_other_clocks
+    def used(self) -> int:
+        """Messages that have a latency."""
+        return len(self._latencies_ns)
 
-    def add(self, latency_ns: int) -> None:
-        """Count one message."""
-        if latency_ns in _ONE_CLOCK_NS:
+    def add(self, latency_ns: int | None) -> None:
+        """Count one message; ``None`` for one that was not stamped."""
+        if latency_ns is None:
+            self.unset += 1
+        elif latency_ns in _LATENCIES_NS:
             self._latencies_ns.append(latency_ns)
+        elif latency_ns < _LATENCIES_NS.start:
+            self.early += 1
         else:
-            self.of_other_clocks += 1
+            self.late += 1
+
+    def notice(self) -> str | None:
+        """What stamps are not used, and why; ``None`` where all are, or where nobody stamped."""
+        others = {
+            "not set": self.unset,
+            "after the reception": self.early,
+            f"more than {LONGEST_LATENCY_S} s before it": self.late,
+        }
+        if not (self.used or self.early or self.late) or not any(others.values()):
+            return None
+        differ = "the clocks differ: " if self.early or self.late else ""
+        listed = ", ".join(f"{grouped(count)} {which}" for which, count in others.items() if count)
+        stamps = f"{grouped(self.used + sum(others.values()))} stamps"
+        used = (
+            f"its latency is of {grouped(self.used)} of {stamps}" if self.used else f"no latency of {stamps}"
+        )
+        return f"{differ}{used}; {listed}"
 
     def latency(self) -> Latency:
         """The numbers over all messages so far."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from smarttestudo.bags.bag_summary import BagSummary, BagTopic
 from smarttestudo.bags.incident_mark import incident_subtitles
+from smarttestudo.bags.statistics import LONGEST_LATENCY_S
 from smarttestudo.domain.recording import readable_until
 from smarttestudo.domain.units import BYTES_PER_KB, counted, grouped, utc_time
 from smarttestudo.report.comparison_tables import BANDWIDTH_NOTE, DECLARED, DECLARED_NOTE
@@ -25,7 +26,8 @@ _LATENCY = (
 )
 _LATENCY_NOTE = (
     " Latency: receive time − header.stamp, mean, not exceeded by 95 %, and largest, "
-    "of messages that begin with a header."
+    "of messages that begin with a header. Stamps of 0, 0.1 s after the reception or more than "
+    f"{LONGEST_LATENCY_S} s before it do not count."
 )
 
 
