@@ -122,7 +122,10 @@ def test_the_tables_and_curves_read_as_in_the_golden_files(desk: Desk) -> None:
     assert max(map(len, ran.out.splitlines())) <= 100
     ran = desk.loss("sent")
     assert ran.code == 0
-    assert ran.err == "note: /image, /map_name: no field changes, so there is no curve\n"
+    assert ran.err == (
+        "note: /image: of a sensor_msgs/msg/Image no field is looked at unless --field names it, so there is "
+        "no curve\nnote: /map_name: only one message, so there is no curve\n"
+    )
     assert_reads_as(GOLDEN / "bag-loss-curves.txt", ran.out)
 
 
@@ -198,6 +201,43 @@ def test_messages_that_cannot_be_decoded_are_counted(desk: Desk, tmp_path: Path)
     ran = desk.loss("broken", "seen", "--json")
     assert ran.err == "note: /odom: 1 message could not be decoded and was left out\n"
     assert field_of(ran, "/odom", "pose_y")["excluded_sent"] == 1
+
+
+FLOAT, TEXT = "std_msgs/msg/Float64", "std_msgs/msg/String"
+
+
+@pytest.mark.parametrize(
+    ("type_name", "payloads", "why"),
+    [
+        (FLOAT, [], "/odd: no message"),
+        (FLOAT, [{"data": 1.0}], "/odd: only one message"),
+        (FLOAT, [{"data": 1.0}] * 3, "/odd: no field changes"),
+        (FLOAT, [{"data": math.nan}] * 3, "/odd: no message has a number that is known"),
+        (TEXT, [{"data": "a"}, {"data": "b"}], "/odd: no field is a number"),
+        (FLOAT, [b"\0\1\0\0"] * 3, "/odd: 3 messages could not be decoded and were left out"),
+        ("own_msgs/msg/Own", [b"\0\1\0\0"], "/odd: 1 message not decoded: neither the recording nor ROS 2"),
+    ],
+)
+def test_why_a_topic_has_no_curve_is_said_once(
+    desk: Desk, tmp_path: Path, type_name: str, payloads: list[Any], why: str
+) -> None:
+    messages = [
+        BagMessage(
+            "/odd",
+            START_NS + number * S,
+            one if isinstance(one, bytes) else cdr(type_name, message_of(type_name, **one)),
+        )
+        for number, one in enumerate(payloads)
+    ]
+    drive = [BagMessage("/odom", START_NS + n * S, odometry(3.0 * n, 4.0 * n)) for n in range(5)]
+    content = BagContent(
+        (ODOM, BagTopic("/odd", type_name)), tuple(sorted([*drive, *messages], key=lambda one: one.stamp_ns))
+    )
+    write_humble_file(tmp_path / "odd.db3", content)
+    ran = desk.loss("odd.db3", "--json")
+    (notice,) = ran.json["notices"]
+    assert notice.startswith(why)
+    assert ran.err == f"note: {notice}\n"
 
 
 def test_a_topic_of_two_types_is_compared_by_age_only(desk: Desk, tmp_path: Path) -> None:

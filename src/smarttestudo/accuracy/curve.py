@@ -27,6 +27,7 @@ from smarttestudo.accuracy.recorded_samples import (
     require_numbers,
 )
 from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
+from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.profile import Profile, TopicProfile
@@ -293,13 +294,50 @@ def measure_curves(
     costs, notices = accuracies(
         samples.topics, wanted, end_ns, lambda done: report(share + (1 - share) * done)
     )
+    without = tuple(topic for topic, curve in found.items() if curve is None)
+    bare = set(without).difference(curve.topic for curve in costs)
     return LossCurves(
         name=str(bag),
         curves=tuple(curve for curve in found.values() if curve),
         accuracies=costs,
-        without=tuple(topic for topic, curve in found.items() if curve is None),
-        notices=(*samples.notices, *notices),
+        without=without,
+        notices=(
+            *samples.notices,
+            *notices,
+            *_notices_without([samples.topics[one] for one in sorted(bare)]),
+        ),
     )
+
+
+def _notices_without(topics: Sequence[TopicSamples]) -> Iterator[str]:
+    """Why topics have no curve, those of one reason together."""
+    named: dict[str, list[str]] = {}
+    for samples in topics:
+        why = _why_without(samples)
+        if why is not None:
+            named.setdefault(why, []).append(samples.channel.topic)
+    for why, alike in named.items():
+        yield f"{', '.join(alike)}: {why}, so there is no curve"
+
+
+def _why_without(samples: TopicSamples) -> str | None:
+    """Why a topic has no curve; ``None`` where that its messages were not decoded is said already."""
+    messages = len(samples.stamps_ns)
+    if not messages:
+        return "no message"
+    if samples.undecodable == messages or RosbagDecoder().why_undecodable(samples.channel) is not None:
+        return None
+    if messages == 1:
+        return "only one message"
+    if samples.mean_hz is None:
+        return "all messages have one stamp"
+    if samples.channel.type_name in BULK_TYPES and not samples.fields:
+        return f"of a {samples.channel.type_name} no field is looked at unless --field names it"
+    if not samples.fields:
+        return "no field is a number"
+    if all(samples.series(field).unknown == messages for field in samples.fields):
+        return "no message has a number that is known"
+    return "no field changes"
 
 
 def _reading(asked: Sequence[str], entry: TopicProfile) -> TopicReading:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -202,12 +202,6 @@ class _Curves(RecordingCommand["LossCurves"]):
         """The tables of each topic."""
         print_incident(Path(result.name))
         print_tables(_curve_tables(result))
-
-    def notices(self, result: LossCurves) -> Iterable[str]:
-        """Also which topics have no curve."""
-        without = ", ".join(topic for topic in result.without if not result.accuracies_of(topic))
-        unchanged = [f"{without}: no field changes, so there is no curve"] if without else []
-        return (*result.notices, *unchanged)
 
 
 def _curve_tables(curves: LossCurves) -> Iterator[Table]:
