@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, groupby, islice
@@ -158,7 +158,7 @@ class _Robot:
         self._places: PathReader | None = places_in(
             recording.channels, RosbagDecoder(), recording.start_ns, by_transforms=by_transforms
         )
-        self._unknown = 0
+        self._unknown: Counter[str] = Counter()
 
     @property
     def path(self) -> tuple[PathPoint, ...]:
@@ -173,16 +173,15 @@ class _Robot:
         for channel, stamp_ns, payload in self._recording.messages():
             try:
                 self._places.on_message(channel, stamp_ns, payload)
-            except RecordingError:
-                self._unknown += 1
+            except RecordingError as error:
+                self._unknown[error.cause] += 1
             yield channel, stamp_ns, len(payload)
 
     def notices(self) -> Iterator[str]:
         """Places of the robot that are not known."""
-        if self._unknown:
-            from smarttestudo.bags.robot_path import notice_of_unknown  # noqa: PLC0415
+        from smarttestudo.bags.robot_path import notice_of_unknown  # noqa: PLC0415
 
-            yield notice_of_unknown(self._unknown)
+        return notice_of_unknown(self._unknown)
 
 
 def _sizes_noting_latency(
@@ -244,9 +243,24 @@ def _summary(
         span=span,
         topics=topics,
         readable_share=recording.readable_share,
-        notices=(*recording.notices(), *more_notices, *incident_lacks),
+        notices=(
+            *recording.notices(),
+            *_notices_of_types(recording.channels),
+            *more_notices,
+            *incident_lacks,
+        ),
         incident=incident,
     )
+
+
+def _notices_of_types(channels: Iterable[Channel]) -> Iterator[str]:
+    """Topics that were recorded with several types."""
+    types: dict[str, dict[str, None]] = defaultdict(dict)
+    for channel in channels:
+        types[channel.topic][channel.type_name] = None
+    for topic, names in sorted(types.items()):
+        if len(names) > 1:
+            yield f"{topic}: recorded with several types, {', '.join(names)}; its numbers are of all of them"
 
 
 def _incident(path: Path, span: RecordingSpan) -> tuple[IncidentRecord | None, tuple[str, ...]]:

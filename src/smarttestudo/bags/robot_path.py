@@ -5,16 +5,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from numbers import Real
 from typing import Any, Protocol, cast
 
 from smarttestudo.bags.floor import PathPoint
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, MessageDecoder, first_of_topics
-from smarttestudo.domain.units import NS_PER_S, counted
+from smarttestudo.domain.units import NS_PER_S, counted, grouped
 from smarttestudo.language.properties import part_reader, value_reader
 from smarttestudo.language.properties.field_path import field_reader
 from smarttestudo.language.properties.readers import yaw_degrees
+from smarttestudo.language.properties.motion import yaw_degrees
+from smarttestudo.pacing.cdr_walk import HEADER_BYTES
 
 _STEP_NS = NS_PER_S // 5
 _MAP_FRAME = "map"
@@ -24,6 +28,10 @@ _SAID_BY_PEOPLE = "initialpose"
 _TRANSFORMS = "tf2_msgs/msg/TFMessage"
 _ROBOT_FRAMES = ("base_footprint", "base_link")
 _MOST_LINKS = 50
+_PLACE = ("pose.pose.position.x", "pose.pose.position.y")
+_TRANSFORM = ("transform.translation.x", "transform.translation.y", "transform.rotation.w")
+_EMPTY, _BROKEN = "in an empty message", "in a message that cannot be decoded"
+_NO_NUMBER, _NO_FIELD = "that is NaN or infinite", "without the field that says it"
 
 
 class PathReader(Protocol):
@@ -75,12 +83,12 @@ class PosePlaces:
         if channel.type_name != self._channel.type_name:
             return
         self._due_ns = stamp_ns + _STEP_NS
-        message = self._decoder.decode(channel, payload)
+        message = _decoded(self._decoder, channel, payload)
         self.frame = _frame(message, "header.frame_id")
         t_s = (stamp_ns - self._start_ns) / NS_PER_S
         x_m, y_m = self._read_x(message), self._read_y(message)
         if not (math.isfinite(x_m) and math.isfinite(y_m)):
-            raise RecordingError("its position is not known", place=channel.topic)
+            raise RecordingError(_why_unknown(message, _PLACE), place=channel.topic)
         self.path.append(PathPoint(t_s=t_s, x_m=x_m, y_m=y_m))
 
 
@@ -147,18 +155,18 @@ class TransformPlaces:
         """As ``PathReader``."""
         if not any(channel is one for one in self._channels):
             return
-        message = self._decoder.decode(channel, payload)
-        unknown = 0
+        message = _decoded(self._decoder, channel, payload)
+        unknown: object = None
         for link in _listed(message):
             x_m, y_m, yaw_rad = _read_x(link), _read_y(link), math.radians(_yaw_degrees(link))
             if math.isfinite(x_m + y_m + yaw_rad):
                 parent = _frame(link, "header.frame_id")
                 self._links[_frame(link, "child_frame_id")] = parent, x_m, y_m, yaw_rad
             else:
-                unknown += 1
+                unknown = link
         self._go_to(stamp_ns)
-        if unknown:
-            raise RecordingError(f"{unknown} of its transforms are not known", place=channel.topic)
+        if unknown is not None:
+            raise RecordingError(_why_unknown(unknown, _TRANSFORM), place=channel.topic)
 
     def _go_to(self, stamp_ns: int) -> None:
         """The robot is where its links say."""
@@ -181,9 +189,25 @@ class TransformPlaces:
         return x_m, y_m
 
 
-def notice_of_unknown(places: int) -> str:
-    """A line about so many messages that should say where the robot is, and do not."""
-    return f"{counted(places, 'place')} of the robot not known: NaN, or no such field"
+def _decoded(decoder: MessageDecoder, channel: Channel, payload: bytes) -> object:
+    """The message. Raises ``RecordingError`` with a cause that all messages of one kind share."""
+    try:
+        return decoder.decode(channel, payload)
+    except RecordingError as error:
+        is_empty = len(payload) <= HEADER_BYTES
+        raise RecordingError(_EMPTY if is_empty else _BROKEN, place=channel.topic) from error
+
+
+def _why_unknown(message: object, paths: Iterable[str]) -> str:
+    is_there = all(isinstance(part_reader(path)(message), Real) for path in paths)
+    return _NO_NUMBER if is_there else _NO_FIELD
+
+
+def notice_of_unknown(places: Counter[str]) -> Iterator[str]:
+    """A line about messages that should say where the robot is, and do not, by the causes of their errors."""
+    if places:
+        listed = ", ".join(f"{grouped(count)} {why}" for why, count in places.items())
+        yield f"{counted(places.total(), 'place')} of the robot not known: {listed}"
 
 
 def places_in(

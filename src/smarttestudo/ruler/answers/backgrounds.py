@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Literal
@@ -177,23 +178,20 @@ def _driven(bag: Path, name: str, shown: Callable[[str], str]) -> DrivenPath:
         if places is None:
             remedy = "record /odom, or /tf, with it"
             raise RecordingError("the recording does not say where the robot was", place=name, remedy=remedy)
-        unknown = 0
+        unknown: Counter[str] = Counter()
         for channel, stamp_ns, (size_bytes, head) in recording.heads(_HEAD_BYTES):
             if size_bytes == len(head):
                 try:
                     places.on_message(channel, stamp_ns, head)
-                except RecordingError:
-                    unknown += 1
+                except RecordingError as error:
+                    unknown[error.cause] += 1
         step = -(-len(places.path) // MAX_POINTS) or 1
         return DrivenPath(
             path=tuple((point.t_s, point.x_m, point.y_m) for point in places.path[::step]),
             source=places.source,
             has_pose=not isinstance(places, TransformPlaces),
             frame=places.frame,
-            notices=(
-                *map(shown, recording.notices()),
-                *([notice_of_unknown(unknown)] if unknown else ()),
-            ),
+            notices=(*map(shown, recording.notices()), *notice_of_unknown(unknown)),
         )
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -142,7 +143,8 @@ class _Reading:
         topics = sorted({*record.topics, *(channel.topic for channel in recording.channels)})
         self.messages = {topic: [0] * bins.count for topic in topics}
         self._latched = {one.topic for one in record.latched}
-        self._outside = self._undecoded = 0
+        self._outside = 0
+        self._unknown: Counter[str] = Counter()
         self._places: PathReader | None = places_in(
             recording.channels, RosbagDecoder(), record.from_ns, by_transforms=False
         )
@@ -168,13 +170,12 @@ class _Reading:
             return
         try:
             self._places.on_message(channel, stamp_ns, payload)
-        except RecordingError:
-            self._undecoded += 1
+        except RecordingError as error:
+            self._unknown[error.cause] += 1
 
     def notices(self) -> Iterator[str]:
         """Notices of what is left out of the charts and of the path."""
         if self._outside:
             outside = counted(self._outside, "message")
             yield f"the clock jumped: not in the charts, because outside the window: {outside}"
-        if self._undecoded:
-            yield notice_of_unknown(self._undecoded)
+        yield from notice_of_unknown(self._unknown)
