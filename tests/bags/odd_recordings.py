@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from bags.bag_factory import ODOM, START_NS, TYPES, cdr, message_of
+from bags.odd_definitions import DEFINITIONS, LEVEL, SEPARATOR
 from bags.recorded_by_others import (
     COUNT,
     ODOMETRY,
@@ -31,9 +32,6 @@ from bags.recorded_by_others import (
     write_tables,
 )
 from bags.recording_case import Case, a_drive, far
-
-LEVEL = "demo/msg/Level"
-
 
 # Layouts
 
@@ -111,43 +109,6 @@ def named(folder: Path, *, type_name: str) -> Path:
     described = (short, channel(1, "/odom", 1))
     return write_records(folder / "a.mcap", *chunk(*described, *drive()), described=described)
 
-
-def defined(folder: Path, *, text: str, encoding: str = "ros2msg", before: bytes = b"") -> Path:
-    """A level behind the bytes ``before``, which are aligned to its eight."""
-    described = (schema(1, LEVEL, encoding=encoding, text=text), channel(1, "/level", 1))
-    messages = drive(payload=lambda number: b"\0\1\0\0" + before + struct.pack("<d", number / 10))
-    return write_records(folder / "a.mcap", *chunk(*described, *messages), described=described)
-
-
-def level(name: str, text: str, **more: Any) -> Case:
-    return Case(
-        name=f"definition: {name}",
-        make=partial(defined, text=text, **more),
-        messages={"/level": COUNT},
-        curves={"/level": "level"},
-        rules=far("/level", "msg.level"),
-        passes={"/level": (53, 62)},
-    )
-
-
-SEPARATOR = "=" * 80 + "\n"
-IDL = "#include <x.idl>\nmodule demo { module msg { struct Level { double level; }; }; };\n"
-SHORT_TEXT = b"\2\0\0\0x\0\0\0"
-
-DEFINITIONS = (
-    level("as ROS 2 writes it", "float64 level\n"),
-    level("of Windows, with a mark", "\ufeff# made there\r\nfloat64 level\r\n"),
-    level("constants and defaults", 'string EMPTY=\nstring NAME = "a # b"\nfloat64 level 1.5\n'),
-    level("an include", '#include "demo/Other.msg"\nfloat64 level\n'),
-    level("a default without quotes", "string name unknown robot\nfloat64 level\n", before=SHORT_TEXT),
-    level("a wide text", "wstring name\nfloat64 level\n", before=b"\2\0\0\0a\0b\0"),
-    level("IDL of rosbag2", f"{SEPARATOR}IDL: {LEVEL}\n{IDL}", encoding="ros2idl"),
-    level(
-        "a part by its short name",
-        f"Other other\nfloat64 level\n{SEPARATOR}MSG: demo/Other\nint8 x",
-        before=b"\1" + bytes(7),
-    ),
-)
 
 TYPES_OF_OTHERS = (
     a_drive("nav_msgs/Odometry", partial(named, type_name="nav_msgs/Odometry")),

@@ -7,6 +7,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -175,7 +176,7 @@ REASONS = {
     ),
     "no IDL": (
         channel_of("module demo { struct", "ros2idl"),
-        f"its definition of {NAME} is not understood: the text from line 3 on is no IDL",
+        f"its definition of {NAME} is not understood: the text from line 3 on is no IDL that ROS 2 has",
     ),
     "another language": (
         channel_of("{}", "jsonschema"),
@@ -280,3 +281,13 @@ def test_the_reasons_are_told_with_the_numbers(tmp_path: Path) -> None:
     with open_recording(path) as recording:
         types: Mapping[str, str] = {one.topic: one.type_name for one in recording.channels}
     assert types["/data"] == "std_msgs/msg/Int8"
+
+
+def test_an_enum_of_idl_is_its_number() -> None:
+    text = (
+        f"{SEPARATOR}IDL: {NAME}\nmodule demo {{ module msg {{ enum Mode {{ OFF, ON }}; "
+        "struct Level { Mode mode; sequence<Mode> more; }; }; };\n"
+    )
+    channel = Channel(topic="/level", type_name=NAME, definition=text)
+    message: Any = RosbagDecoder().decode(channel, b"\0\1\0\0" + struct.pack("<IIII", 1, 2, 0, 7))
+    assert (message.mode, [*message.more]) == (1, [0, 7])

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from bags.bag_factory import ODOM
-from bags.odd_recordings import SEPARATOR
+from bags.odd_definitions import SEPARATOR
 from bags.recorded_by_others import (
     ODOMETRY,
     channel,

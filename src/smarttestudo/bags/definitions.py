@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_typestore
 
 from smarttestudo.bags.definition_limits import require_few_statements, require_few_values
@@ -23,18 +24,21 @@ from smarttestudo.bags.readable_types import (
     nest_at_most,
     other_encapsulation,
     types_within,
+    with_inner,
 )
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.names import TypeName, full_type_name
 from smarttestudo.domain.recording import Channel
 
 if TYPE_CHECKING:
-    from rosbags.interfaces.typing import Typesdict
+    from rosbags.interfaces.typing import FieldDesc, Typesdict
     from rosbags.typesys.store import Typestore
 
 _DEFINITIONS_KEPT = 256
 _DEEPEST = 64
 _INCLUDE = re.compile(r"^[ \t]*#.*", re.MULTILINE)
+_ENUM = re.compile(r"(?:@bit_bound\s*\(\s*(?P<bits>\d+)\s*\)\s*)?\benum\s+(?P<name>\w+)\s*\{[^{}]*\}")
+_ENUM_FIELD = "number_of_enum"
 # A bag without definitions was recorded by Humble or an older release, so Humble's come first.
 _STORES = (
     Stores.ROS2_HUMBLE,
@@ -177,6 +181,7 @@ def _parsed(definition: str, type_name: str) -> Typesdict:
             except DefinitionError:
                 if of == type_name or not _is_of_ros(of):
                     raise
+    types = _with_numbers_for_enums(types)
     if not own[0].is_idl and not is_generated:
         # The first text is that of the type, whatever its header calls it.
         types.setdefault(type_name, types[full_type_name(own[0].name, "")])
@@ -186,9 +191,34 @@ def _parsed(definition: str, type_name: str) -> Typesdict:
 def _types_of_idl(section: Section) -> Typesdict:
     require_few_statements(section.text, is_idl=True)
     try:
-        return get_types_from_idl(_INCLUDE.sub("", section.text))
+        return get_types_from_idl(_ENUM.sub(_struct_of_enum, _INCLUDE.sub("", section.text)))
     except _BROKEN_DEFINITION as error:
-        raise DefinitionError(f"the text from line {section.line} on is no IDL") from error
+        raise DefinitionError(f"the text from line {section.line} on is no IDL that ROS 2 has") from error
+
+
+def _struct_of_enum(enum: re.Match[str]) -> str:
+    """A struct in the place of an enum, of which rosbags makes no type: one number, as in CDR."""
+    bits = int(enum["bits"] or 32)
+    width = next((one for one in (8, 16, 32) if bits <= one), 32)
+    return f"struct {enum['name']} {{ uint{width} {_ENUM_FIELD}; }}"
+
+
+def _with_numbers_for_enums(types: Typesdict) -> Typesdict:
+    """``types`` whose fields are numbers where they were of enums, wherever those are defined."""
+    enums = {
+        name: fields[0][1]
+        for name, (_, fields) in types.items()
+        if [field for field, _ in fields] == [_ENUM_FIELD]
+    }
+
+    def number(desc: FieldDesc) -> FieldDesc:
+        return enums.get(desc[1], desc) if desc[0] == Nodetype.NAME else desc
+
+    return {
+        name: (constants, [(field, with_inner(desc, number)) for field, desc in fields])
+        for name, (constants, fields) in types.items()
+        if name not in enums
+    }
 
 
 def _is_of_ros(type_name: str) -> bool:
