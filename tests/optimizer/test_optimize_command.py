@@ -267,9 +267,15 @@ def test_explain_says_what_holds_each_rate(tmp_path: Path, capsys: pytest.Captur
         ("begin end", "[topics.'/x']\nmessage_kb = 1\ntiers_hz = [1, 2, 3, 4, 5]", "list of six rates"),
         ("begin end", "[topics.'/x']\nmessage_kb = nan", "must be a finite number"),
         ("begin end", "[topics.'/x']\nmessage_kb = 1", '[topics."/x"] has no tiers_hz; add tiers_hz'),
+        (
+            "begin SetFrequency /x Marginal end",
+            "[topics.'/x']\nmessage_kb = 1",
+            "add tiers_hz, its six levels in Hz, as in [1, 2, 5, 10, 15, 20], or write a rate, as 4, Full or "
+            "Off, in place of its level in the rules",
+        ),
         ("begin end", "[topics.'/x']\nmessag_kb = 1", "did you mean message_kb?"),
     ],
-    ids=["unknown topic", "error in the rules", "five tiers", "NaN", "no tiers", "unknown key"],
+    ids=["unknown topic", "error in the rules", "five tiers", "NaN", "no tiers", "level", "unknown key"],
 )
 def test_bad_input_is_one_line_and_exit_code_1(
     rules: str, profile: str, error: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

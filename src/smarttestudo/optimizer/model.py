@@ -15,6 +15,11 @@ from smarttestudo.domain.rate import Tier
 from smarttestudo.optimizer.problem import Demand, Piece
 from smarttestudo.optimizer.quality import envelope_pieces, interval_hz
 
+_LEVELS = (
+    "its six levels in Hz, as in [1, 2, 5, 10, 15, 20], or write a rate, as 4, Full or Off, in place of its "
+    "level in the rules"
+)
+
 
 class Model(Enum):
     """The goal that OBI maximises; the value is its name on the command line.
@@ -84,7 +89,7 @@ class TopicNeeds:
     def tiers_hz(self) -> Sequence[float]:
         """τ0 … τ5 in Hz."""
         if self.entry.tiers_hz is None:
-            raise self.missing("tiers_hz", "six rates τ0 … τ5 in Hz")
+            raise self.missing("tiers_hz", _LEVELS)
         return self.entry.tiers_hz
 
     @property
