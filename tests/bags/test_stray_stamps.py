@@ -116,6 +116,54 @@ def test_all_numbers_are_those_of_the_recording_without_them(
     assert len(found.notices) == bool(strays)
 
 
+DAY_NS = 86_400 * S
+DRIVE = [START_NS + number * S // 10 for number in range(100)]
+
+
+@pytest.mark.parametrize(
+    ("stamps_ns", "left_out", "days"),
+    [
+        pytest.param([*DRIVE, START_NS + 180 * DAY_NS], 1, 30, id="half a year ahead"),
+        pytest.param([START_NS - 180 * DAY_NS, *DRIVE], 1, 30, id="half a year behind"),
+        pytest.param([START_NS - 40 * DAY_NS, *DRIVE], 1, 30, id="forty days"),
+        pytest.param([0, *DRIVE, START_NS + 180 * DAY_NS], 2, 30, id="stamp 0, too"),
+        pytest.param([START_NS + 180 * DAY_NS + one for one in range(11)] + DRIVE, 11, 30, id="a tenth"),
+        pytest.param(
+            [*DRIVE, *(one + 5 * DAY_NS for one in DRIVE), START_NS + 200 * DAY_NS], 1, 150, id="of days"
+        ),
+    ],
+)
+def test_few_stamps_that_are_further_than_all_others_by_far_are_left_out(
+    stamps_ns: list[int], left_out: int, days: int, tmp_path: Path
+) -> None:
+    bag = write_mcap_file(tmp_path / "odd.mcap", content_of(sorted(stamps_ns)))
+    found = measure_bag(bag, lambda _: None)
+    assert found.total.messages == 2 * (len(stamps_ns) - left_out)
+    (notice,) = found.notices
+    assert f"more than {days} days from the median" in notice
+
+
+@pytest.mark.parametrize(
+    "stamps_ns",
+    [
+        pytest.param([one + day * DAY_NS for day in (0, 1, 2, 9) for one in DRIVE], id="nights and a week"),
+        pytest.param([*DRIVE, *(one + 60 * DAY_NS for one in DRIVE)], id="two drives"),
+        pytest.param(
+            [one + 31 * month * DAY_NS for month in range(12) for one in DRIVE[:9]], id="each month"
+        ),
+        pytest.param([*DRIVE, *(one + 29 * DAY_NS for one in DRIVE[:5])], id="less than a month"),
+        pytest.param([START_NS + number * 14 * DAY_NS for number in range(100)], id="a ramp of four years"),
+        pytest.param([START_NS + number * DAY_NS // 2 for number in range(6000)], id="a ramp of eight years"),
+        pytest.param([START_NS + number * 300 * DAY_NS for number in range(10)], id="a few over years"),
+        pytest.param([one + year * YEAR_NS * 2 for year in range(3) for one in DRIVE[:9]], id="three thirds"),
+    ],
+)
+def test_long_recordings_with_pauses_keep_all(stamps_ns: list[int], tmp_path: Path) -> None:
+    bag = write_mcap_file(tmp_path / "long.mcap", content_of(stamps_ns))
+    found = measure_bag(bag, lambda _: None)
+    assert (found.total.messages, found.notices) == (2 * len(stamps_ns), ())
+
+
 def test_a_recording_of_one_time_is_not_read_for_it_and_keeps_all(tmp_path: Path) -> None:
     stamps_ns = [START_NS, START_NS + YEAR_NS - 1]
     found = measure_bag(write_mcap_file(tmp_path / "long.mcap", content_of(stamps_ns)), lambda _: None)

@@ -22,6 +22,8 @@ from smarttestudo.bags.message_counts import MessageCounts
 from smarttestudo.bags.metadata import BagMetadata, file_key
 from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
 from smarttestudo.bags.stray_stamps import LEAST_BACK_NS, YEAR_NS, StrayStamps, stray_stamps
+from smarttestudo.bags.stray_stamps import LEAST_STRAY_NS, StrayStamps, stray_stamps
+from smarttestudo.bags.written_order import LEAST_BACK_NS, notices_of_back
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
 from smarttestudo.domain.units import NS_PER_S, counted
@@ -116,8 +118,8 @@ class RosbagRecording:
             raise RecordingError(cause, place=self._name, remedy=lost or None)
 
     def leave_out_strays(self) -> None:
-        """Leave out messages of another time from now on; a recording of over a year is read for it."""
-        if self.end_ns - self.start_ns > YEAR_NS:
+        """Leave out messages of another time from now on; a recording of over a month is read for it."""
+        if self.end_ns - self.start_ns > LEAST_STRAY_NS:
             self._strays = stray_stamps(self.sizes())
 
     @property

@@ -176,7 +176,7 @@ class LatencyAccumulator:
             self.late += 1
 
     def notice(self) -> str | None:
-        """What stamps are not used, and why; ``None`` where all are, or where nobody stamped."""
+        """Stamps that are not used, and why; ``None`` where all are, or where nobody stamped."""
         others = {
             "not set": self.unset,
             "after the reception": self.early,

@@ -15,6 +15,9 @@ from smarttestudo.domain.units import NS_PER_S, counted, grouped, utc_time
 _DAY_NS = 86_400 * NS_PER_S
 _YEAR_DAYS = 366
 YEAR_NS = _YEAR_DAYS * _DAY_NS
+_BY_FAR = 30
+_FEW = 10
+LEAST_STRAY_NS = _BY_FAR * _DAY_NS
 """A recording that lasts no longer has no stray stamps."""
 LEAST_BACK_NS = NS_PER_S
 """A recorder that has several threads writes messages in another order than they came, by less than that."""
@@ -25,11 +28,14 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StrayStamps:
-    """Messages more than a year from the median of all stamps, by topic, and the span of the others.
+    """Messages far from the median of all stamps, by topic, and the span of the others.
 
-    The median of two equal halves is in the later one.
+    Far is more than ``limit_days``: a year for at most half of the messages, where a gap of a month parts
+    them from the others; for at most a tenth, 30 times as many days as all others are from the median. The
+    median of two equal halves is in the later one.
     """
 
+    limit_days: int
     days: range
     median_ns: int
     messages: Mapping[str, int]
@@ -56,8 +62,9 @@ class StrayStamps:
             number = sum(count for _, count in rest)
             listed.append(f"{grouped(number)} of {counted(len(rest), 'other topic')}")
         day, *_ = utc_time(self.median_ns).split()
+        far = "a year" if self.limit_days == _YEAR_DAYS else f"{self.limit_days} days"
         return (
-            f"left out of all numbers, as their stamps are more than a year from the median ({day}): "
+            f"left out of all numbers, as their stamps are more than {far} from the median ({day}): "
             + ", ".join(listed)
         )
 
@@ -74,21 +81,42 @@ def stray_stamps(sizes: Iterable[RecordedSize]) -> StrayStamps | None:
     if not counts:
         return None
     median = _median_day(counts)
-    days = range(median - _YEAR_DAYS, median + _YEAR_DAYS + 1)
+    limit_days = _limit_days(counts, median)
+    if limit_days is None:
+        return None
+    days = range(median - limit_days, median + limit_days + 1)
     strays: Counter[str] = Counter()
     for (day, topic), count in counts.items():
         if day not in days:
             strays[topic] += count
-    if not strays:
-        return None
     kept_ns = [span_ns for day, span_ns in spans_ns.items() if day in days]
     return StrayStamps(
+        limit_days=limit_days,
         days=days,
         median_ns=spans_ns[median][0],
         messages=strays,
         start_ns=min(first_ns for first_ns, _ in kept_ns),
         end_ns=max(last_ns for _, last_ns in kept_ns),
     )
+
+
+def _limit_days(counts: Mapping[tuple[int, str], int], median: int) -> int | None:
+    """How far from the median messages may be; ``None`` where there are no strays."""
+    by_distance: Counter[int] = Counter()
+    for (day, _), count in counts.items():
+        by_distance[abs(day - median)] += count
+    total = left = by_distance.total()
+    radius_days = 1
+    for distance_days, count in sorted(by_distance.items()):
+        is_by_far = distance_days > _BY_FAR * radius_days and left * _FEW <= total
+        if is_by_far and distance_days <= _YEAR_DAYS:
+            return _BY_FAR * radius_days
+        is_after_gap = distance_days > radius_days + _BY_FAR and left * 2 <= total
+        if distance_days > _YEAR_DAYS and (radius_days <= _YEAR_DAYS):
+            return _YEAR_DAYS if is_after_gap else None
+        radius_days = max(radius_days, distance_days)
+        left -= count
+    return None
 
 
 def _median_day(counts: Mapping[tuple[int, str], int]) -> int:
