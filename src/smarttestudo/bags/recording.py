@@ -21,9 +21,7 @@ from smarttestudo.bags.channel_reader import ChannelKey, MergedChannels, key_of
 from smarttestudo.bags.message_counts import MessageCounts
 from smarttestudo.bags.metadata import BagMetadata, file_key
 from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
-from smarttestudo.bags.stray_stamps import LEAST_BACK_NS, YEAR_NS, StrayStamps, stray_stamps
-from smarttestudo.bags.stray_stamps import LEAST_STRAY_NS, StrayStamps, stray_stamps
-from smarttestudo.bags.written_order import LEAST_BACK_NS, notices_of_back
+from smarttestudo.bags.stray_stamps import LEAST_BACK_NS, LEAST_STRAY_NS, YEAR_NS, StrayStamps, stray_stamps
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
 from smarttestudo.domain.units import NS_PER_S, counted

@@ -17,7 +17,6 @@ from smarttestudo.domain.units import NS_PER_S, counted, grouped
 from smarttestudo.language.properties import part_reader, value_reader
 from smarttestudo.language.properties.field_path import field_reader
 from smarttestudo.language.properties.readers import yaw_degrees
-from smarttestudo.language.properties.motion import yaw_degrees
 from smarttestudo.pacing.cdr_walk import HEADER_BYTES
 
 _STEP_NS = NS_PER_S // 5

@@ -13,9 +13,7 @@ from typing import Annotated
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.rate_meter import mean_hz
 from smarttestudo.domain.record import JsonEntry, derived
-from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S, utc_time
-from smarttestudo.domain.record import JsonEntry
-from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S, grouped
+from smarttestudo.domain.units import BITS_PER_BYTE, BYTES_PER_KB, NS_PER_S, grouped, utc_time
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
