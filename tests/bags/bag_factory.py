@@ -184,6 +184,9 @@ def write_bag(
     return folder
 
 
+TOPICS_COUNTED = "topics_with_message_count"
+
+
 def write_split_bag(folder: Path, parts: Sequence[BagContent], **options: Any) -> Path:
     """A bag of several files, as rosbag2 splits one."""
     folder.mkdir(parents=True)
@@ -194,11 +197,16 @@ def write_split_bag(folder: Path, parts: Sequence[BagContent], **options: Any) -
         for name in information["relative_file_paths"]:
             shutil.move(piece / name, folder / name)
         shutil.rmtree(piece)
-        topics = information["topics_with_message_count"]
-        if merged:
-            for topic, more in zip(merged["topics_with_message_count"], topics, strict=True):
-                topic["message_count"] += more["message_count"]
-        merged = merged or {**information, "relative_file_paths": [], "message_count": 0}
+        if not merged:
+            merged = {**information, "relative_file_paths": [], "message_count": 0, TOPICS_COUNTED: []}
+        for topic in information[TOPICS_COUNTED]:
+            known = (
+                one for one in merged[TOPICS_COUNTED] if one["topic_metadata"] == topic["topic_metadata"]
+            )
+            if (before := next(known, None)) is None:
+                merged[TOPICS_COUNTED].append(topic)
+            else:
+                before["message_count"] += topic["message_count"]
         merged["message_count"] += information["message_count"]
         merged["relative_file_paths"] += information["relative_file_paths"]
     with (folder / "metadata.yaml").open("w") as file:

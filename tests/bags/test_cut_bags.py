@@ -45,6 +45,8 @@ NOTHING_LEFT = (
     "no rosbag2 topics can be found in it",
     "no part of it can be decompressed",
     "no message of the recording can be read",
+    "messages can be read",
+    "message can be read",
 )
 PERCENTS = range(5, 100, 5)
 

@@ -109,11 +109,11 @@ class RecoveredSqliteFile:
         return notices
 
     @property
-    def readable_share(self) -> float:
-        """The share of the file's length that is there, or else that of its rows."""
+    def readable_share(self) -> float | None:
+        """The share of its length that is there, or else of its rows; ``None`` where neither is known."""
         if self._is_cut_off:
             return self._present_bytes / self._pages.promised_bytes
-        return self.message_count / self.promised_messages if self.promised_messages else 1.0
+        return self.message_count / self.promised_messages if self.promised_messages else None
 
     def close(self) -> None:
         """Let go of the file."""
