@@ -17,7 +17,7 @@ NOTE = "<!-- Written by scripts/make_error_texts.py; change the code instead. --
 SECTIONS: Mapping[str, Sequence[str]] = {
     "Command lines": ("cli",),
     "Rule files, profiles, missions and maps": (
-        "files", "rules", "optimizer", "simulation/mission_file.py", "simulation/messages",
+        "files", "rules", "optimizer", "simulation/mission_file.py", "simulation/messages.py",
         "simulation/physics", "ruler/project",
     ),
     "On a robot": ("robot", "domain"),

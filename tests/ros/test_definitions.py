@@ -13,7 +13,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from smarttestudo.robot.ros.definitions import message_definition
 from smarttestudo.robot.ros.message_types import is_installed
-from smarttestudo.simulation.messages.messages import RobotMessages
+from smarttestudo.simulation.messages import RobotMessages
 
 PACKAGES = ("diagnostic_msgs", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")
 ODOMETRY = "nav_msgs/msg/Odometry"

@@ -15,7 +15,7 @@ from ros_package.workspace import ROOT
 from smarttestudo.cli.main import main
 from smarttestudo.domain.floor_plan import ObstacleKind, Point, Rectangle
 from smarttestudo.rules.profile_file import load_profile
-from smarttestudo.simulation.readings import PATROL_TOPICS
+from smarttestudo.simulation.messages import PATROL_TOPICS
 from smarttestudo.simulation.robot import DriveModel
 from smarttestudo.simulation.warehouse import warehouse
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from simulation.missions import readings
-from smarttestudo.simulation.readings import TimedReading
+from simulation.missions import driven
+from smarttestudo.simulation.messages import TimedMessage
 
 
 @pytest.fixture(scope="session")
-def patrol_readings() -> list[TimedReading]:
+def patrol_messages() -> list[TimedMessage]:
     """One whole round of the warehouse."""
-    return readings(200)
+    return driven(200)

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulation.missions import of_topic
+from simulation.missions import of_topic, poses, stamp_ns
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, Pose
-from smarttestudo.simulation.readings import Command, JointStates, Odometry, TimedReading, Topic
+from smarttestudo.simulation.messages import TimedMessage, Topic
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
 from smarttestudo.simulation.warehouse import patrol
 
@@ -98,26 +98,26 @@ def test_a_steady_command_drives_a_circle_of_radius_speed_over_turn_rate() -> No
         )
 
 
-def test_the_commands_of_a_patrol_add_up_to_its_odometry(patrol_readings: list[TimedReading]) -> None:
-    commands = [r.velocity for r in of_topic(patrol_readings, Topic.CMD_VEL) if isinstance(r, Command)]
-    poses = [r.pose for r in of_topic(patrol_readings, Topic.ODOM) if isinstance(r, Odometry)]
+def test_the_commands_of_a_patrol_add_up_to_its_odometry(patrol_messages: list[TimedMessage]) -> None:
+    commands = of_topic(patrol_messages, Topic.CMD_VEL)
+    way = list(poses(patrol_messages).values())
 
-    commanded_m = sum(command.linear_m_per_s for command in commands) / 10
-    commanded_rad = sum(command.angular_rad_per_s for command in commands) / 10
-    driven_m = sum(math.hypot(b.x_m - a.x_m, b.y_m - a.y_m) for a, b in itertools.pairwise(poses))
+    commanded_m = sum(command.linear.x for command in commands) / 10
+    commanded_rad = sum(command.angular.z for command in commands) / 10
+    driven_m = sum(math.hypot(b.x_m - a.x_m, b.y_m - a.y_m) for a, b in itertools.pairwise(way))
 
     # Reaching the first command from rest costs 0.25² / (2 · 1.0) = 0.03 m.
     assert driven_m == pytest.approx(commanded_m, abs=0.1)
-    assert poses[-1].yaw_rad - poses[0].yaw_rad == pytest.approx(commanded_rad, abs=0.05)
+    assert way[-1].yaw_rad - way[0].yaw_rad == pytest.approx(commanded_rad, abs=0.05)
 
 
-def test_the_wheels_turn_as_far_as_the_robot_drives(patrol_readings: list[TimedReading]) -> None:
-    wheels = [r for r in of_topic(patrol_readings, Topic.JOINT_STATES) if isinstance(r, JointStates)]
-    poses = {r.stamp_ns: r.pose for r in of_topic(patrol_readings, Topic.ODOM) if isinstance(r, Odometry)}
+def test_the_wheels_turn_as_far_as_the_robot_drives(patrol_messages: list[TimedMessage]) -> None:
+    last = of_topic(patrol_messages, Topic.JOINT_STATES)[-1]
+    way = poses(patrol_messages)
     model = DriveModel()
-    last_ns = min(poses, key=lambda stamp_ns: abs(stamp_ns - wheels[-1].stamp_ns))
+    last_ns = min(way, key=lambda at_ns: abs(at_ns - stamp_ns(last)))
 
-    turned_rad = wheels[-1].positions_rad[1] - wheels[-1].positions_rad[0]
+    turned_rad = last.position[1] - last.position[0]
 
     yaw_rad = turned_rad * model.wheel_radius_m / model.wheel_separation_m
-    assert poses[last_ns].yaw_rad - patrol().start.yaw_rad == pytest.approx(yaw_rad, abs=0.03)
+    assert way[last_ns].yaw_rad - patrol().start.yaw_rad == pytest.approx(yaw_rad, abs=0.03)

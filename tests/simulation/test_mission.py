@@ -6,10 +6,10 @@ from itertools import islice, pairwise
 
 import pytest
 
-from simulation.missions import START_NS, of_topic, readings
+from simulation.missions import START_NS, driven, of_topic, stamp_ns
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.simulation.messages import TimedMessage, Topic
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
-from smarttestudo.simulation.readings import CameraInfo, CompressedImage, Image, TimedReading, Topic
 from smarttestudo.simulation.warehouse import patrol, warehouse
 
 RATES_HZ = {
@@ -26,8 +26,8 @@ RATES_HZ = {
 
 
 @pytest.mark.parametrize("topic", RATES_HZ)
-def test_every_topic_comes_at_its_rate(topic: Topic, patrol_readings: list[TimedReading]) -> None:
-    stamps_ns = [reading.time_ns for reading in patrol_readings if reading.topic is topic]
+def test_every_topic_comes_at_its_rate(topic: Topic, patrol_messages: list[TimedMessage]) -> None:
+    stamps_ns = [timed.time_ns for timed in patrol_messages if timed.topic is topic]
 
     mean_hz = (len(stamps_ns) - 1) / (stamps_ns[-1] - stamps_ns[0]) * NS_PER_S
 
@@ -38,9 +38,9 @@ def test_every_topic_comes_at_its_rate(topic: Topic, patrol_readings: list[Timed
     "topic", [topic for topic in RATES_HZ if topic not in (Topic.COMPRESSED_IMAGE, Topic.TF)]
 )
 def test_arrivals_jitter_by_a_few_percent_of_the_period(
-    topic: Topic, patrol_readings: list[TimedReading]
+    topic: Topic, patrol_messages: list[TimedMessage]
 ) -> None:
-    stamps_ns = [reading.time_ns for reading in patrol_readings if reading.topic is topic]
+    stamps_ns = [timed.time_ns for timed in patrol_messages if timed.topic is topic]
     period_ns = NS_PER_S / RATES_HZ[topic]
 
     gaps = [(b - a) / period_ns for a, b in pairwise(stamps_ns)]
@@ -49,27 +49,24 @@ def test_arrivals_jitter_by_a_few_percent_of_the_period(
     assert 1.01 < max(gaps) <= 1.1
 
 
-def test_readings_come_in_the_order_of_their_arrival_and_after_they_were_measured(
-    patrol_readings: list[TimedReading],
+def test_messages_come_in_the_order_of_their_arrival_and_after_they_were_measured(
+    patrol_messages: list[TimedMessage],
 ) -> None:
-    times_ns = [reading.time_ns for reading in patrol_readings]
+    times_ns = [timed.time_ns for timed in patrol_messages]
 
     assert times_ns == sorted(times_ns)
-    for timed in patrol_readings:
-        stamp_ns = getattr(timed.reading, "stamp_ns", timed.time_ns)
-        assert START_NS <= stamp_ns <= timed.time_ns
+    for timed in patrol_messages:
+        if timed.topic is not Topic.CMD_VEL:
+            assert START_NS <= stamp_ns(timed.message) <= timed.time_ns
 
 
 def test_images_their_calibration_and_their_compressed_copies_share_stamps(
-    patrol_readings: list[TimedReading],
+    patrol_messages: list[TimedMessage],
 ) -> None:
-    images = [r.stamp_ns for r in of_topic(patrol_readings, Topic.IMAGE) if isinstance(r, Image)]
-    infos = [r.stamp_ns for r in of_topic(patrol_readings, Topic.CAMERA_INFO) if isinstance(r, CameraInfo)]
-    jpegs = [
-        r.stamp_ns
-        for r in of_topic(patrol_readings, Topic.COMPRESSED_IMAGE)
-        if isinstance(r, CompressedImage)
-    ]
+    images, infos, jpegs = (
+        [stamp_ns(message) for message in of_topic(patrol_messages, topic)]
+        for topic in (Topic.IMAGE, Topic.CAMERA_INFO, Topic.COMPRESSED_IMAGE)
+    )
 
     assert infos == images
     assert set(jpegs) < set(images)
@@ -77,14 +74,14 @@ def test_images_their_calibration_and_their_compressed_copies_share_stamps(
 
 @pytest.mark.full
 def test_the_same_seed_gives_the_same_mission_and_another_seed_other_noise() -> None:
-    first, again, other = (repr(readings(3, seed=seed)) for seed in (5, 5, 6))
+    first, again, other = (repr(driven(3, seed=seed)) for seed in (5, 5, 6))
 
     assert first == again
     assert first != other
 
 
 def test_a_longer_mission_begins_as_a_shorter_one() -> None:
-    short, long = readings(2), readings(4)
+    short, long = driven(2), driven(4)
 
     assert repr(long[: len(short)]) == repr(short)
 

@@ -60,7 +60,7 @@ def test_a_robot_beside_its_route_comes_back_to_it(aside_m: float) -> None:
     pursuit = PurePursuit(route, model)
 
     for tick in range(1, 101):
-        drive.command(pursuit.command(drive.pose))
+        drive.command(pursuit.command(drive))
         drive.advance_to(tick * NS_PER_S // 10)
 
     here = Point(drive.pose.x_m, drive.pose.y_m)

@@ -12,8 +12,7 @@ from robot.small_graph import SmallGraph
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.demo.simulate import SimulateRequest, simulate
-from smarttestudo.simulation.messages.messages import RobotMessages
-from smarttestudo.simulation.readings import CAMERA_TOPICS
+from smarttestudo.simulation.messages import CAMERA_TOPICS, RobotMessages
 
 TYPES = {channel.type_name for channel in RobotMessages().channels.values()}
 CAMERA = [RobotMessages().channels[topic] for topic in CAMERA_TOPICS]

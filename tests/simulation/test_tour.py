@@ -15,9 +15,9 @@ from simulation.missions import START_NS, of_topic
 from smarttestudo.domain.errors import MissionError
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.simulation.messages import Topic
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
 from smarttestudo.simulation.mission_file import load_mission
-from smarttestudo.simulation.readings import Command, Topic
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
 from smarttestudo.simulation.tour import Tour, Waypoint, WaypointFollower
 from smarttestudo.simulation.warehouse import warehouse
@@ -109,12 +109,12 @@ def test_commands_change_by_what_the_velocity_smoother_allows() -> None:
     request = MissionRequest(plan=warehouse(), route=tour, seed=1, start_ns=START_NS)
     end_ns = START_NS + 60 * NS_PER_S
     timed = list(takewhile(lambda reading: reading.time_ns < end_ns, drive_mission(request)))
-    commands = [r.velocity for r in of_topic(timed, Topic.CMD_VEL) if isinstance(r, Command)]
+    commands = of_topic(timed, Topic.CMD_VEL)
 
     assert len(commands) == pytest.approx(600, abs=2)
     for before, after in pairwise(commands):
-        assert abs(after.linear_m_per_s - before.linear_m_per_s) <= 0.25 + 1e-9
-        assert abs(after.angular_rad_per_s - before.angular_rad_per_s) <= 0.32 + 1e-9
+        assert abs(after.linear.x - before.linear.x) <= 0.25 + 1e-9
+        assert abs(after.angular.z - before.angular.z) <= 0.32 + 1e-9
 
 
 def test_it_stays_on_its_way_and_touches_nothing(errands: Tour, moments: list[Moment]) -> None:

@@ -6,16 +6,15 @@ from itertools import groupby, pairwise
 
 import pytest
 
-from simulation.missions import of_topic
+from simulation.missions import poses
 from smarttestudo.domain.floor_plan import Point
-from smarttestudo.simulation.readings import Odometry, TimedReading, Topic
+from smarttestudo.simulation.messages import TimedMessage
 from smarttestudo.simulation.robot import DriveModel
 from smarttestudo.simulation.warehouse import patrol, warehouse, warehouse_bounds
 
 
-def _places(patrol_readings: list[TimedReading]) -> list[Point]:
-    poses = [r.pose for r in of_topic(patrol_readings, Topic.ODOM) if isinstance(r, Odometry)]
-    return [Point(pose.x_m, pose.y_m) for pose in poses]
+def _places(patrol_messages: list[TimedMessage]) -> list[Point]:
+    return [Point(pose.x_m, pose.y_m) for pose in poses(patrol_messages).values()]
 
 
 def _zone(place: Point) -> str | None:
@@ -25,37 +24,37 @@ def _zone(place: Point) -> str | None:
 
 @pytest.mark.full
 def test_a_patrol_goes_through_hall_corridor_and_scaffolding_and_back(
-    patrol_readings: list[TimedReading],
+    patrol_messages: list[TimedMessage],
 ) -> None:
-    visited = [zone for zone, _ in groupby(map(_zone, _places(patrol_readings)))]
+    visited = [zone for zone, _ in groupby(map(_zone, _places(patrol_messages)))]
 
     # Between the corridor and the scaffolding lies the wall, 0.6 m that belong to neither zone.
     assert visited == [None, "Warehouse Corridor", None, "Scaffolding", None]
 
 
-def test_the_robot_never_touches_anything(patrol_readings: list[TimedReading]) -> None:
+def test_the_robot_never_touches_anything(patrol_messages: list[TimedMessage]) -> None:
     plan = warehouse()
 
-    nearest_m = min(plan.clearance_m(place) for place in _places(patrol_readings))
+    nearest_m = min(plan.clearance_m(place) for place in _places(patrol_messages))
 
     assert nearest_m > DriveModel().radius_m
 
 
 def test_a_round_takes_the_demo_200_seconds_within_the_robots_top_speed(
-    patrol_readings: list[TimedReading],
+    patrol_messages: list[TimedMessage],
 ) -> None:
-    places = _places(patrol_readings)
+    places = _places(patrol_messages)
     driven_m = sum(a.distance_m(b) for a, b in pairwise(places))
 
     assert abs(driven_m - patrol().length_m) < 0.5
     assert driven_m < 200 * DriveModel().max_linear_m_per_s
 
 
-def test_the_robot_stays_on_its_route(patrol_readings: list[TimedReading]) -> None:
+def test_the_robot_stays_on_its_route(patrol_messages: list[TimedMessage]) -> None:
     route = patrol()
     line = [route.at(step * 0.02) for step in range(round(route.length_m / 0.02))]
 
-    off_m = max(min(place.distance_m(point) for point in line) for place in _places(patrol_readings)[::50])
+    off_m = max(min(place.distance_m(point) for point in line) for place in _places(patrol_messages)[::50])
 
     assert off_m < 0.1
 

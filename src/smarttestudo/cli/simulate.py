@@ -76,7 +76,7 @@ def _drive(
 def _drive_with_physics(
     arguments: argparse.Namespace, frames: FrameSize, robot: Robot, stopped: Callable[[], bool]
 ) -> None:
-    from smarttestudo.simulation.demo.physics import SimulatePhysicsRequest, simulate_physics  # noqa: PLC0415
+    from smarttestudo.simulation.demo.simulate import SimulatePhysicsRequest, simulate_physics  # noqa: PLC0415
     from smarttestudo.simulation.physics.drive import RobotKind, teleop_of  # noqa: PLC0415  see run
 
     kind = RobotKind(arguments.robot or RobotKind.WAFFLE.value)

@@ -4,18 +4,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import Generic, Protocol, TypeVar
+from typing import Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarttestudo.domain.floor_plan import FloorPlan, ObstacleKind, Point
+from smarttestudo.simulation.geometry import Lens
 from smarttestudo.simulation.lidar import Floats, RayCaster
-from smarttestudo.simulation.readings import CameraInfo, CompressedImage, Image, Lens, Pixels, Reading, Topic
-from smarttestudo.simulation.robot import DifferentialDrive
+from smarttestudo.simulation.messages import (
+    Pixels,
+    Published,
+    Topic,
+    camera_info,
+    compressed_image,
+    image,
+    jpeg_of,
+)
+from smarttestudo.simulation.robot import BodyT, DifferentialDrive
 
 _SIGHT_M = 60.0
 _FADING_M = 15.0
@@ -89,12 +98,20 @@ _FRAMES_PER_VIEW = 15
 _FRAMES_PER_LOSS = 29
 
 
+FULL_JPEG_BYTES = 420_000
+
+
 class FrameSize(Enum):
     """How large the camera's frames are; the value is the binning: 48 × 27, 960 × 540, 1920 × 1080 pixels."""
 
     SMALL = 40
     MEDIUM = 2
     FULL = 1
+
+    @property
+    def jpeg_bytes(self) -> int | None:
+        """The size that compressed frames come close to; ``None`` leaves it to the usual quality."""
+        return {FrameSize.SMALL: None, FrameSize.MEDIUM: 100_000, FrameSize.FULL: FULL_JPEG_BYTES}[self]
 
 
 def raspberry_pi_lens(frames: FrameSize) -> Lens:
@@ -103,16 +120,7 @@ def raspberry_pi_lens(frames: FrameSize) -> Lens:
     return Lens(width=_WIDTH, height=_HEIGHT, focal_px=focal_px, binning=frames.value)
 
 
-class _Seeing(Protocol):
-    """A robot with a clock."""
-
-    now_ns: int
-
-
-SeeingT = TypeVar("SeeingT", bound=_Seeing)
-
-
-class Camera(Generic[SeeingT]):
+class Camera(Generic[BodyT]):
     """One shutter for the raw image, its calibration and its compressed copy.
 
     The view is drawn anew about twice a second and repeated in between. The compressor is a little too
@@ -121,25 +129,27 @@ class Camera(Generic[SeeingT]):
 
     rate_hz = 29.0
 
-    def __init__(self, look: Callable[[SeeingT], Pixels], lens: Lens) -> None:
-        """``look`` draws what the robot sees through ``lens``."""
+    def __init__(self, look: Callable[[BodyT], Pixels], frames: FrameSize) -> None:
+        """``look`` draws what the robot sees."""
         self._look = look
-        self._lens = lens
+        self._lens = raspberry_pi_lens(frames)
+        self._most_jpeg_bytes = frames.jpeg_bytes
         self._frame = 0
         self._view: Pixels = np.zeros((0, 0, 3), np.uint8)
+        self._jpeg: Pixels = np.zeros(0, np.uint8)
 
-    def sample(self, drive: SeeingT) -> Sequence[tuple[Topic, Reading]]:
+    def sample(self, body: BodyT) -> Published:
         """One frame."""
         if self._frame % _FRAMES_PER_VIEW == 0:
-            self._view = self._look(drive)
+            self._view = self._look(body)
+            self._jpeg = jpeg_of(self._view, self._most_jpeg_bytes)
         self._frame += 1
-        stamp_ns, pixels = drive.now_ns, self._view
-        published: list[tuple[Topic, Reading]] = [
-            (Topic.IMAGE, Image(stamp_ns=stamp_ns, pixels=pixels)),
-            (Topic.CAMERA_INFO, CameraInfo(stamp_ns=stamp_ns, lens=self._lens)),
+        published: list[tuple[Topic, object]] = [
+            (Topic.IMAGE, image(body.now_ns, self._view)),
+            (Topic.CAMERA_INFO, camera_info(body.now_ns, self._lens)),
         ]
         if self._frame % _FRAMES_PER_LOSS:
-            published.append((Topic.COMPRESSED_IMAGE, CompressedImage(stamp_ns=stamp_ns, pixels=pixels)))
+            published.append((Topic.COMPRESSED_IMAGE, compressed_image(body.now_ns, self._jpeg)))
         return published
 
 

@@ -92,6 +92,24 @@ class Quaternion:
         )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lens:
+    """A pinhole camera of ``width`` × ``height`` pixels, read out in blocks of ``binning`` × ``binning``.
+
+    ``focal_px`` counts in pixels of the whole sensor.
+    """
+
+    width: int
+    height: int
+    focal_px: float
+    binning: int
+
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """Width and height of the images, in pixels."""
+        return self.width // self.binning, self.height // self.binning
+
+
 @dataclass(frozen=True, slots=True)
 class FrameTransform:
     """Where the frame ``child`` lies in the frame ``parent``; the translation is in metres."""

@@ -4,15 +4,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarttestudo.domain.floor_plan import FloorPlan, Point
-from smarttestudo.simulation.readings import Reading, Scan, Topic
-from smarttestudo.simulation.robot import DifferentialDrive
+from smarttestudo.simulation.messages import Published, Topic, scan
+from smarttestudo.simulation.robot import BodyT, DifferentialDrive
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -72,44 +73,47 @@ class RayCaster:
         return near
 
 
-RAYS = 360
-
-
-class Lidar:
+@dataclass(frozen=True)
+class Lidar(Generic[BodyT]):
     """The LDS-01: 360 rays, 0.12 to 3.5 m, five turns a second.
 
-    A turn is a snapshot, as in Gazebo. Out of range reads as REP 117 has it: infinite beyond, minus
-    infinite below. The noise is that of ``turtlebot3_gazebo``.
+    ``cast`` says how far each ray truly goes, up to ``reach_m``. A turn is a snapshot, as in Gazebo. Out of
+    range reads as REP 117 has it: infinite beyond, minus infinite below. The noise is that of
+    ``turtlebot3_gazebo``.
     """
 
+    cast: Callable[[BodyT], Floats]
+    noise: np.random.Generator
     rate_hz = 5.0
     range_min_m = 0.12
     range_max_m = 3.5
     noise_m = 0.01
+    # Noise may bring a hit just beyond the range back into it.
+    reach_m = range_max_m + 4 * noise_m
+    bearings_rad = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
 
-    def __init__(self, caster: RayCaster, noise: np.random.Generator) -> None:
-        self._caster = caster
-        self._noise = noise
-        self._bearings_rad = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
-
-    def sample(self, drive: DifferentialDrive) -> Sequence[tuple[Topic, Reading]]:
+    def sample(self, body: BodyT) -> Published:
         """One turn from where the robot is now."""
+        distances_m = self.cast(body)
+        ranges_m = distances_m + self.noise.normal(0.0, self.noise_m, len(distances_m))
+        ranges_m[ranges_m > self.range_max_m] = np.inf
+        ranges_m[ranges_m < self.range_min_m] = -np.inf
+        message = scan(
+            body.now_ns,
+            ranges_m.astype(np.float32),
+            least_m=self.range_min_m,
+            most_m=self.range_max_m,
+            turn_s=1 / self.rate_hz,
+        )
+        return [(Topic.SCAN, message)]
+
+
+def level_cast(caster: RayCaster) -> Callable[[DifferentialDrive], Floats]:
+    """Function that casts the rays of a LiDAR that is never tilted."""
+
+    def cast(drive: DifferentialDrive) -> Floats:
         origin = drive.pose.ahead(drive.model.scan_x_m)
-        # Noise may bring a hit just beyond the range back into it.
-        reach_m = self.range_max_m + 4 * self.noise_m
-        hits = self._caster.cast(origin, self._bearings_rad + drive.pose.yaw_rad, range_m=reach_m)
-        return [(Topic.SCAN, measured_turn(hits.distances_m, drive.now_ns, self._noise))]
+        bearings_rad = Lidar.bearings_rad + drive.pose.yaw_rad
+        return caster.cast(origin, bearings_rad, range_m=Lidar.reach_m).distances_m
 
-
-def measured_turn(distances_m: Floats, stamp_ns: int, noise: np.random.Generator) -> Scan:
-    """Scan of the LDS-01 whose rays truly go as far as ``distances_m``."""
-    ranges_m = distances_m + noise.normal(0.0, Lidar.noise_m, len(distances_m))
-    ranges_m[ranges_m > Lidar.range_max_m] = np.inf
-    ranges_m[ranges_m < Lidar.range_min_m] = -np.inf
-    return Scan(
-        stamp_ns=stamp_ns,
-        ranges_m=ranges_m.astype(np.float32),
-        range_min_m=Lidar.range_min_m,
-        range_max_m=Lidar.range_max_m,
-        turn_s=1 / Lidar.rate_hz,
-    )
+    return cast

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,13 +18,11 @@ from smarttestudo.simulation.body_sensors import (
     WheelFrames,
 )
 from smarttestudo.simulation.camera import Camera, FrameSize, drawn_view, raspberry_pi_lens
-from smarttestudo.simulation.geometry import BodyVelocity
-from smarttestudo.simulation.lidar import Lidar, RayCaster
-from smarttestudo.simulation.readings import TimedReading
+from smarttestudo.simulation.lidar import Lidar, RayCaster, level_cast
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel, fixed_frames
-from smarttestudo.simulation.route import Navigator, PurePursuit, Route
+from smarttestudo.simulation.route import Navigator, Route
 from smarttestudo.simulation.schedule import Device, DeviceSchedule
-from smarttestudo.simulation.tour import Tour, WaypointFollower
+from smarttestudo.simulation.tour import Tour, steering
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,35 +39,11 @@ class MissionRequest:
     frames: FrameSize = FrameSize.SMALL
 
 
-class DrivenMission:
-    """Everything a robot publishes, by arrival time, without end: it drives round after round.
-
-    Nothing is computed ahead of what is taken, so that a live run can take readings as their time comes.
-    """
-
-    def __init__(self, drive: DifferentialDrive, schedule: DeviceSchedule[DifferentialDrive]) -> None:
-        self._drive = drive
-        self._schedule = schedule
-
-    def __iter__(self) -> Iterator[TimedReading]:
-        """All readings."""
-        return self
-
-    def __next__(self) -> TimedReading:
-        """The reading that arrives next."""
-        return next(self._schedule)
-
-    def skip(self, lost_ns: int) -> None:
-        """Let ``lost_ns`` pass in which the robot stands still."""
-        self._drive.now_ns += lost_ns
-        self._schedule.skip(lost_ns)
-
-
-def drive_mission(request: MissionRequest) -> DrivenMission:
-    """The mission of a robot that starts now."""
+def drive_mission(request: MissionRequest) -> DeviceSchedule[DifferentialDrive]:
+    """All messages of a robot that starts now, by arrival time: it drives round after round."""
     model = DriveModel()
     drive = DifferentialDrive(model, pose=request.route.start, now_ns=request.start_ns)
-    schedule = DeviceSchedule(
+    return DeviceSchedule(
         drive,
         _devices(request, model),
         seed=request.seed,
@@ -77,28 +51,21 @@ def drive_mission(request: MissionRequest) -> DrivenMission:
         # A frame is sampled when its sensor is, and so has its stamp.
         together=((OdometryFrame, Odometer), (WheelFrames, WheelEncoders)),
     )
-    return DrivenMission(drive, schedule)
 
 
 def _devices(request: MissionRequest, model: DriveModel) -> Sequence[Device[DifferentialDrive]]:
     """Devices that the robot carries; each has noise of its own, so that none depends on another."""
     noises = [np.random.default_rng([request.seed, index, 0]) for index in range(4)]
     caster = RayCaster(request.plan)
-    lens = raspberry_pi_lens(request.frames)
     return (
-        Navigator(_steering(request.route, model)),
+        Navigator(steering(request.route, model)),
         Odometer(noises[0]),
         InertialUnit(noises[1]),
         WheelEncoders(),
-        Lidar(caster, noises[2]),
+        Lidar(level_cast(caster), noises[2]),
         OdometryFrame(),
-        Camera(drawn_view(request.plan, caster, lens, noises[3]), lens),
+        Camera(
+            drawn_view(request.plan, caster, raspberry_pi_lens(request.frames), noises[3]), request.frames
+        ),
         WheelFrames(),
     )
-
-
-def _steering(route: Route | Tour, model: DriveModel) -> Callable[[DifferentialDrive], BodyVelocity]:
-    if isinstance(route, Tour):
-        return WaypointFollower(route, model).command
-    pursuit = PurePursuit(route, model)
-    return lambda drive: pursuit.command(drive.pose)

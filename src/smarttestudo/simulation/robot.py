@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol, TypeVar
 
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Pose, Quaternion, Vector
@@ -76,6 +77,27 @@ def wheel_frames(model: DriveModel, angles_rad: tuple[float, float]) -> tuple[Fr
     )
 
 
+class Body(Protocol):
+    """A robot's body, which moves as time goes on."""
+
+    now_ns: int
+
+    @property
+    def pose(self) -> Pose:
+        """Where it truly is on the floor."""
+
+    def command(self, velocity: BodyVelocity) -> None:
+        """Make for ``velocity`` from now on."""
+
+    def advance_to(self, now_ns: int) -> None:
+        """Move on to ``now_ns``."""
+
+    def skip(self, lost_ns: int) -> None:
+        """Let ``lost_ns`` pass in which nothing moves."""
+
+
+BodyT = TypeVar("BodyT", bound=Body)
+
 _MAX_STEP_NS = 5_000_000
 
 
@@ -109,7 +131,6 @@ class DifferentialDrive:
         return sum(self.rim_m_per_s2) / 2
 
     def command(self, velocity: BodyVelocity) -> None:
-        """Make for ``velocity`` from now on."""
         half_turn = velocity.angular_rad_per_s * self.model.wheel_separation_m / 2
         self._target = (velocity.linear_m_per_s - half_turn, velocity.linear_m_per_s + half_turn)
 
@@ -119,6 +140,9 @@ class DifferentialDrive:
             step_ns = min(now_ns - self.now_ns, _MAX_STEP_NS)
             self._step(step_ns / NS_PER_S)
             self.now_ns += step_ns
+
+    def skip(self, lost_ns: int) -> None:
+        self.now_ns += lost_ns
 
     def _step(self, dt_s: float) -> None:
         """Second-order Runge-Kutta: the mean speeds of the step along its middle heading."""

@@ -8,12 +8,13 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from itertools import accumulate, pairwise
-from typing import Protocol
+from typing import Generic
 
 from smarttestudo.domain.floor_plan import Point
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, Pose
-from smarttestudo.simulation.readings import Command, Reading, Topic
-from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
+from smarttestudo.simulation.messages import Published, Topic, command
+from smarttestudo.simulation.robot import Body, BodyT, DriveModel
 
 _SPACING_M = 0.05
 
@@ -118,8 +119,9 @@ class PurePursuit:
         self._model = model
         self.travelled_m = 0.0
 
-    def command(self, pose: Pose) -> BodyVelocity:
-        """The velocity that brings a robot at ``pose`` back to the route one lookahead further on."""
+    def command(self, body: Body) -> BodyVelocity:
+        """The velocity that brings the robot back to the route one lookahead further on."""
+        pose = body.pose
         here = Point(pose.x_m, pose.y_m)
         self.travelled_m = self._route.nearest_m(here, from_m=self.travelled_m, window_m=SEARCH_M)
         goal = self._route.at(self.travelled_m + LOOKAHEAD_M)
@@ -136,28 +138,29 @@ def towards(goal: Point, pose: Pose, model: DriveModel, *, cruise_m_per_s: float
     return BodyVelocity(linear, min(max(linear * curvature_per_m, -limit), limit))
 
 
-class LocatedBody(Protocol):
-    """A robot that knows the time and where it is."""
-
-    @property
-    def now_ns(self) -> int:
-        """Its clock."""
-
-    @property
-    def pose(self) -> Pose:
-        """Its place and heading."""
+Steer = Callable[[BodyT], BodyVelocity]
+OTHERS_NS = 2 * NS_PER_S
+"""How long after a command of another publisher the robot's own navigator goes on."""
 
 
-class Navigator:
-    """Steers the robot and publishes what it asks of the wheels."""
+class Navigator(Generic[BodyT]):
+    """Steers the robot and publishes what it asks of the wheels, but for two seconds after others did so."""
 
     rate_hz = 10.0
 
-    def __init__(self, steer: Callable[[DifferentialDrive], BodyVelocity]) -> None:
+    def __init__(self, steer: Steer[BodyT]) -> None:
         self._steer = steer
+        self._others_until_ns = 0
 
-    def sample(self, drive: DifferentialDrive) -> Sequence[tuple[Topic, Reading]]:
-        """Command the wheels anew."""
-        velocity = self._steer(drive)
-        drive.command(velocity)
-        return [(Topic.CMD_VEL, Command(velocity=velocity))]
+    def obey(self, velocity: BodyVelocity, body: BodyT) -> None:
+        """Have the robot follow the command of another publisher for now."""
+        self._others_until_ns = body.now_ns + OTHERS_NS
+        body.command(velocity)
+
+    def sample(self, body: BodyT) -> Published:
+        """Command the robot anew."""
+        if body.now_ns < self._others_until_ns:
+            return []
+        velocity = self._steer(body)
+        body.command(velocity)
+        return [(Topic.CMD_VEL, command(velocity))]

@@ -13,7 +13,8 @@ import numpy as np
 
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import FrameTransform
-from smarttestudo.simulation.readings import Reading, TimedReading, Topic, Transforms
+from smarttestudo.simulation.messages import Published, TimedMessage, Topic, transforms
+from smarttestudo.simulation.robot import Body, BodyT
 
 _TRANSPORT_NS = 500_000
 _DISCOVERY_NS = 20_000_000
@@ -23,34 +24,24 @@ _MAX_JITTER = 0.1
 _DRAWN_AT_ONCE = 256
 
 
-class MovingBody(Protocol):
-    """A robot's body that moves as time goes on."""
-
-    now_ns: int
-
-    def advance_to(self, now_ns: int) -> None:
-        """Move on to ``now_ns``."""
+BodyT_contra = TypeVar("BodyT_contra", bound=Body, contravariant=True)
 
 
-BodyT = TypeVar("BodyT", bound=MovingBody)
-SampledT_contra = TypeVar("SampledT_contra", contravariant=True)
-
-
-class Device(Protocol[SampledT_contra]):
+class Device(Protocol[BodyT_contra]):
     """Something that looks at the robot ``rate_hz`` times a second and publishes what it saw."""
 
     @property
     def rate_hz(self) -> float:
         """How often it is sampled."""
 
-    def sample(self, body: SampledT_contra, /) -> Sequence[tuple[Topic, Reading]]:
-        """Readings that it publishes now; called once each period, in time order."""
+    def sample(self, body: BodyT_contra, /) -> Published:
+        """Messages that it publishes now; called once each period, in time order."""
 
 
 class DeviceSchedule(Generic[BodyT]):
     """Everything that the devices of ``body`` publish, by arrival time, without end.
 
-    Nothing is computed ahead of what is taken, so that a live run can take readings as their time comes.
+    Nothing is computed ahead of what is taken, so that a live run can take messages as their time comes.
     """
 
     def __init__(
@@ -67,24 +58,23 @@ class DeviceSchedule(Generic[BodyT]):
         self._clocks = _clocks(devices, body.now_ns, seed, together)
         self._due = [(clock.next_ns, order) for order, clock in enumerate(self._clocks)]
         heapq.heapify(self._due)
-        latched = Transforms(stamp_ns=body.now_ns, frames=fixed_frames)
+        latched = transforms(body.now_ns, fixed_frames)
         found_ns = body.now_ns + _DISCOVERY_NS
-        static = TimedReading(time_ns=found_ns, topic=Topic.TF_STATIC, reading=latched)
-        self._under_way: list[tuple[int, int, TimedReading]] = [(found_ns, 0, static)]
+        static = TimedMessage(time_ns=found_ns, topic=Topic.TF_STATIC, message=latched)
+        self._under_way: list[tuple[int, int, TimedMessage]] = [(found_ns, 0, static)]
         self._serial = 0
 
-    def __iter__(self) -> Iterator[TimedReading]:
-        """All readings."""
+    def __iter__(self) -> Iterator[TimedMessage]:
         return self
 
-    def __next__(self) -> TimedReading:
-        """The reading that arrives next."""
+    def __next__(self) -> TimedMessage:
         while not (self._under_way and self._under_way[0][0] <= self._due[0][0]):
             self._sample()
         return heapq.heappop(self._under_way)[2]
 
     def skip(self, lost_ns: int) -> None:
-        """Have all that is to come happen ``lost_ns`` later; others tell the body."""
+        """Let ``lost_ns`` pass in which the body stands still."""
+        self._body.skip(lost_ns)
         for clock in self._clocks:
             clock.skip(lost_ns)
         self._due = [(next_ns + lost_ns, order) for next_ns, order in self._due]
@@ -96,9 +86,9 @@ class DeviceSchedule(Generic[BodyT]):
     def _sample(self) -> None:
         now_ns, order = self._due[0]
         self._body.advance_to(now_ns)
-        for reading in self._clocks[order].publish(self._body):
+        for timed in self._clocks[order].publish(self._body):
             self._serial += 1
-            heapq.heappush(self._under_way, (reading.time_ns, self._serial, reading))
+            heapq.heappush(self._under_way, (timed.time_ns, self._serial, timed))
         heapq.heapreplace(self._due, (self._clocks[order].next_ns, order))
 
 
@@ -121,15 +111,15 @@ class _DeviceClock(Generic[BodyT]):
         self._count = 0
         self.next_ns = self._first_ns
 
-    def publish(self, body: BodyT) -> Iterator[TimedReading]:
+    def publish(self, body: BodyT) -> Iterator[TimedMessage]:
         """Sample the device, and set the time of the next sample."""
         now_ns = self.next_ns
         self._count += 1
         self.next_ns = self._first_ns + round(self._count * self._period_ns)
-        for topic, reading in self._device.sample(body):
+        for topic, message in self._device.sample(body):
             share = min(abs(next(self._noise)) * _JITTER, _MAX_JITTER)
             arrival_ns = now_ns + _TRANSPORT_NS + round(share * self._period_ns)
-            yield TimedReading(time_ns=arrival_ns, topic=topic, reading=reading)
+            yield TimedMessage(time_ns=arrival_ns, topic=topic, message=message)
 
     def skip(self, lost_ns: int) -> None:
         """Take all samples that are to come later."""

@@ -17,14 +17,15 @@ from dataclasses import dataclass
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.simulation.geometry import BodyVelocity, Pose
-from smarttestudo.simulation.robot import DriveModel
+from smarttestudo.simulation.robot import Body, DriveModel
 from smarttestudo.simulation.route import (
     CRUISE_M_PER_S,
     LOOKAHEAD_M,
     SEARCH_M,
-    LocatedBody,
     Navigator,
+    PurePursuit,
     Route,
+    Steer,
     towards,
 )
 
@@ -124,7 +125,7 @@ class WaypointFollower:
         self._paused_until_ns: int | None = None
         self.travelled_m = 0.0
 
-    def command(self, drive: LocatedBody) -> BodyVelocity:
+    def command(self, drive: Body) -> BodyVelocity:
         """The velocity to make for now; called ten times a second."""
         wanted = self._wanted(drive.pose, drive.now_ns)
         last, linear, angular = self._last, _LINEAR_M_PER_S2 * _PERIOD_S, _ANGULAR_RAD_PER_S2 * _PERIOD_S
@@ -187,3 +188,10 @@ class WaypointFollower:
 
 def _within(wanted: float, last: float, change: float) -> float:
     return min(max(wanted, last - change), last + change)
+
+
+def steering(route: Route | Tour, model: DriveModel) -> Steer[Body]:
+    """Function that steers a robot along ``route`` by its true pose."""
+    if isinstance(route, Tour):
+        return WaypointFollower(route, model).command
+    return PurePursuit(route, model).command

@@ -12,8 +12,8 @@ from typing import Any
 
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import Vector
+from smarttestudo.simulation.messages import TimedMessage, Topic
 from smarttestudo.simulation.physics.drive import PhysicalRobot, PhysicsRequest, RobotKind, physical_robot
-from smarttestudo.simulation.readings import Imu, SpatialOdometry, TimedReading, Topic
 from smarttestudo.simulation.warehouse import patrol, warehouse
 
 START_NS = 1_750_000_000 * NS_PER_S
@@ -26,10 +26,10 @@ def robot_of(kind: RobotKind = RobotKind.WAFFLE, **options: Any) -> Iterator[Phy
         yield robot
 
 
-def until(robot: PhysicalRobot, readings: Iterator[TimedReading], seconds: float) -> list[TimedReading]:
+def until(robot: PhysicalRobot, drive: Iterator[TimedMessage], seconds: float) -> list[TimedMessage]:
     """What arrives within the first ``seconds`` of the drive."""
     found = []
-    for timed in readings:
+    for timed in drive:
         if timed.time_ns >= START_NS + seconds * NS_PER_S:
             break
         found.append(timed)
@@ -46,19 +46,20 @@ class Driven:
     counts: dict[Topic, int] = field(default_factory=dict)
     hardest_m_per_s2: float = 0.0
 
-    def note(self, robot: PhysicalRobot, timed: TimedReading) -> None:
+    def note(self, robot: PhysicalRobot, timed: TimedMessage) -> None:
         self.counts[timed.topic] = self.counts.get(timed.topic, 0) + 1
-        reading = timed.reading
-        if isinstance(reading, SpatialOdometry):
-            self.off_m.append(distance_m(reading.pose.position, robot.body.engine.position))
+        message: Any = timed.message
+        if timed.topic is Topic.ODOM:
+            self.off_m.append(distance_m(message.pose.pose.position, robot.body.engine.position))
             self.touched |= robot.body.engine.touched()
-        elif isinstance(reading, Imu):
-            self.hardest_m_per_s2 = max(self.hardest_m_per_s2, length(reading.linear_acceleration))
+        elif timed.topic is Topic.IMU:
+            force = message.linear_acceleration
+            self.hardest_m_per_s2 = max(self.hardest_m_per_s2, math.hypot(force.x, force.y, force.z))
 
 
 def driven(robot: PhysicalRobot, seconds: float) -> Driven:
     result = Driven()
-    for timed in robot.readings(START_NS):
+    for timed in robot.start(START_NS):
         if timed.time_ns >= START_NS + seconds * NS_PER_S:
             return result
         result.note(robot, timed)
@@ -69,9 +70,5 @@ def rates_hz(counts: Mapping[Topic, int], seconds: float) -> dict[Topic, float]:
     return {topic: count / seconds for topic, count in counts.items()}
 
 
-def distance_m(a: Vector, b: Vector) -> float:
+def distance_m(a: Any, b: Vector) -> float:
     return math.hypot(a.x - b.x, a.y - b.y)
-
-
-def length(vector: Vector) -> float:
-    return math.sqrt(vector.x**2 + vector.y**2 + vector.z**2)

@@ -4,14 +4,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from simulation.physics.physical_drives import START_NS, Driven, robot_of, until
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.simulation.messages import Topic
 from smarttestudo.simulation.physics.drive import RobotKind
-from smarttestudo.simulation.physics.quadrotor import CRUISE_HEIGHT_M, LANDED_HEIGHT_M
-from smarttestudo.simulation.physics.quadrotor_sensors import RANGE_MOUNT_M
-from smarttestudo.simulation.readings import RangeReading, SpatialOdometry, Topic
+from smarttestudo.simulation.physics.quadrotor import CRUISE_HEIGHT_M, LANDED_HEIGHT_M, RANGE_MOUNT_M
 
 pytestmark = pytest.mark.full
 
@@ -20,13 +21,14 @@ def test_it_climbs_flies_on_and_measures_its_height() -> None:
     result = Driven()
     ranges_m, heights_m, odometry_m = [], [], []
     with robot_of(RobotKind.QUADROTOR, has_camera=False) as robot:
-        for timed in robot.readings(START_NS):
+        for timed in robot.start(START_NS):
             result.note(robot, timed)
-            if isinstance(timed.reading, RangeReading):
-                ranges_m.append(timed.reading.range_m)
+            message: Any = timed.message
+            if timed.topic is Topic.RANGE:
+                ranges_m.append(message.range)
                 heights_m.append(robot.body.engine.position.z)
-            elif isinstance(timed.reading, SpatialOdometry):
-                odometry_m.append(timed.reading.pose.position.z)
+            elif timed.topic is Topic.ODOM:
+                odometry_m.append(message.pose.pose.position.z)
             if timed.time_ns > START_NS + 14 * NS_PER_S:
                 break
         place = robot.body.pose
@@ -42,10 +44,10 @@ def test_it_climbs_flies_on_and_measures_its_height() -> None:
 
 def test_it_lands_when_the_battery_is_empty() -> None:
     with robot_of(RobotKind.QUADROTOR, has_camera=False, battery_percent=0.25) as robot:
-        readings = robot.readings(START_NS)
-        until(robot, readings, 4)
+        drive = robot.start(START_NS)
+        until(robot, drive, 4)
         highest_m = robot.body.engine.position.z
-        until(robot, readings, 10)
+        until(robot, drive, 10)
         speed = robot.body.engine.velocity
         height_m = robot.body.engine.position.z
     assert highest_m > 0.5

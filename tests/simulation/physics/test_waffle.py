@@ -5,10 +5,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from simulation.missions import of_topic, stamp_ns
 from simulation.physics.physical_drives import (
     START_NS,
     Driven,
@@ -21,16 +23,9 @@ from simulation.physics.physical_drives import (
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity
 from smarttestudo.simulation.lidar import Lidar, RayCaster
-from smarttestudo.simulation.physics.steering import HEARD_FOR_NS
-from smarttestudo.simulation.readings import (
-    BatteryLevelReading,
-    Imu,
-    Localization,
-    Scan,
-    SpatialOdometry,
-    Topic,
-)
+from smarttestudo.simulation.messages import Topic
 from smarttestudo.simulation.robot import DriveModel
+from smarttestudo.simulation.route import OTHERS_NS
 from smarttestudo.simulation.warehouse import warehouse
 
 pytestmark = pytest.mark.full
@@ -45,19 +40,16 @@ def patrol_drive() -> Driven:
         return driven(robot, ROUND_S)
 
 
-@pytest.mark.full
 def test_a_round_of_the_patrol_touches_nothing(patrol_drive: Driven) -> None:
     assert patrol_drive.touched == set()
     assert patrol_drive.hardest_m_per_s2 < 11
 
 
-@pytest.mark.full
 def test_odometry_drifts_and_finds_no_way_back(patrol_drive: Driven) -> None:
     assert patrol_drive.off_m[0] < 0.01
     assert 0.05 < patrol_drive.off_m[-1] < 1.5
 
 
-@pytest.mark.full
 def test_every_device_has_the_rate_of_the_thesis(patrol_drive: Driven) -> None:
     rates = {topic.value: hz for topic, hz in rates_hz(patrol_drive.counts, ROUND_S).items()}
     expected = {"/cmd_vel": 10, "/odom": 25.5, "/imu": 195, "/scan": 5, "/joint_states": 5}
@@ -67,34 +59,33 @@ def test_every_device_has_the_rate_of_the_thesis(patrol_drive: Driven) -> None:
 def test_a_robot_that_pushes_feels_a_blow_and_its_wheels_slip() -> None:
     with robot_of(has_camera=False) as robot:
         result = Driven()
-        last: SpatialOdometry | None = None
-        readings = robot.readings(START_NS)
-        for timed in readings:
+        last: Any = None
+        drive = robot.start(START_NS)
+        for timed in drive:
             # The first seconds of the patrol lead past a rack: turn to it and push.
             turn = 0.6 if timed.time_ns < START_NS + 3 * NS_PER_S else 0.0
-            robot.hear(BodyVelocity(0.26, -turn))
+            robot.obey(BodyVelocity(0.26, -turn))
             result.note(robot, timed)
-            last = timed.reading if isinstance(timed.reading, SpatialOdometry) else last
+            last = timed.message if timed.topic is Topic.ODOM else last
             if timed.time_ns > START_NS + 12 * NS_PER_S:
                 break
         true = robot.body.engine.velocity
     assert last is not None
     assert {name.partition("_")[0] for name in result.touched} == {"rack"}
     assert result.hardest_m_per_s2 > 13
-    assert last.linear.x > 0.1
+    assert last.twist.twist.linear.x > 0.1
     assert math.hypot(true.x, true.y) < 0.05
-    assert distance_m(last.pose.position, robot.body.engine.position) > 0.2
+    assert distance_m(last.pose.pose.position, robot.body.engine.position) > 0.2
 
 
 def test_the_lidar_sees_the_walls_where_they_are() -> None:
     caster = RayCaster(warehouse())
     with robot_of(has_camera=False) as robot:
-        for timed in robot.readings(START_NS):
-            if isinstance(timed.reading, Scan):
+        for timed in robot.start(START_NS):
+            if timed.topic is Topic.SCAN:
                 break
         pose = robot.body.pose
-    assert isinstance(timed.reading, Scan)
-    seen = timed.reading.ranges_m
+    seen = cast("Any", timed.message).ranges
     bearings = np.linspace(0, 2 * np.pi, len(seen), endpoint=False) + pose.yaw_rad
     origin = pose.ahead(DriveModel().scan_x_m)
     true = caster.cast(origin, bearings, range_m=Lidar.range_max_m - 0.1).distances_m
@@ -107,22 +98,18 @@ def test_the_lidar_sees_the_walls_where_they_are() -> None:
 
 def test_a_covered_lidar_reads_too_near_all_around() -> None:
     with robot_of(has_camera=False, cover_s=1.0) as robot:
-        scans = [
-            (timed.reading.stamp_ns, timed.reading.ranges_m)
-            for timed in until(robot, robot.readings(START_NS), 2)
-            if isinstance(timed.reading, Scan)
-        ]
-    covered = [ranges for stamp_ns, ranges in scans if stamp_ns > START_NS + 1.05 * NS_PER_S]
+        scans = of_topic(until(robot, robot.start(START_NS), 2), Topic.SCAN)
+    covered = [scan.ranges for scan in scans if stamp_ns(scan) > START_NS + 1.05 * NS_PER_S]
     assert len(covered) > 2
     assert all(np.isneginf(ranges).all() for ranges in covered)
-    assert np.isfinite(scans[0][1]).any()
+    assert np.isfinite(scans[0].ranges).any()
 
 
 def test_an_empty_battery_stops_the_robot() -> None:
     with robot_of(has_camera=False, battery_percent=0.03) as robot:
-        found = until(robot, robot.readings(START_NS), 7)
+        found = until(robot, robot.start(START_NS), 7)
         speed = robot.body.engine.velocity
-    shares = [one.reading.share for one in found if isinstance(one.reading, BatteryLevelReading)]
+    shares = [battery.percentage for battery in of_topic(found, Topic.BATTERY_STATE)]
     assert shares == sorted(shares, reverse=True)
     assert shares[0] > 0 == shares[-1]
     assert math.hypot(speed.x, speed.y) < 0.01
@@ -131,9 +118,10 @@ def test_an_empty_battery_stops_the_robot() -> None:
 def test_the_localizer_stays_with_the_truth() -> None:
     with robot_of(has_camera=False) as robot:
         off = []
-        for timed in robot.readings(START_NS):
-            if isinstance(timed.reading, Localization):
-                off.append(distance_m(timed.reading.pose.position, robot.body.engine.position))
+        for timed in robot.start(START_NS):
+            if timed.topic is Topic.AMCL_POSE:
+                place = cast("Any", timed.message).pose.pose.position
+                off.append(distance_m(place, robot.body.engine.position))
             if timed.time_ns > START_NS + 5 * NS_PER_S:
                 break
     assert len(off) == 10
@@ -142,23 +130,21 @@ def test_the_localizer_stays_with_the_truth() -> None:
 
 def test_who_publishes_cmd_vel_drives_until_two_seconds_after() -> None:
     with robot_of(has_camera=False) as robot:
-        readings = robot.readings(START_NS)
-        until(robot, readings, 1)
-        robot.hear(BodyVelocity(0.0, 0.0))
+        drive = robot.start(START_NS)
+        until(robot, drive, 1)
+        robot.obey(BodyVelocity(0.0, 0.0))
         heard_ns = robot.body.now_ns
-        own = [one.time_ns for one in until(robot, readings, 5) if one.topic is Topic.CMD_VEL]
-    assert heard_ns + HEARD_FOR_NS <= own[0] < heard_ns + HEARD_FOR_NS + NS_PER_S / 5
+        own = [one.time_ns for one in until(robot, drive, 5) if one.topic is Topic.CMD_VEL]
+    assert heard_ns + OTHERS_NS <= own[0] < heard_ns + OTHERS_NS + NS_PER_S / 5
 
 
 def test_lost_time_moves_stamps_and_not_the_robot() -> None:
     with robot_of(has_camera=False) as robot:
-        readings = robot.readings(START_NS)
-        until(robot, readings, 2)
+        drive = robot.start(START_NS)
+        until(robot, drive, 2)
         before, lost_ns = robot.body.engine.position, 30 * NS_PER_S
-        robot.skip(lost_ns)
-        stamps = [
-            one.reading.stamp_ns for one in until(robot, readings, 32.2) if isinstance(one.reading, Imu)
-        ]
+        drive.skip(lost_ns)
+        stamps = [stamp_ns(message) for message in of_topic(until(robot, drive, 32.2), Topic.IMU)]
         moved_m = distance_m(before, robot.body.engine.position)
     assert len(stamps) == pytest.approx(39, abs=3)
     assert min(stamps[3:]) >= START_NS + lost_ns + 2 * NS_PER_S
@@ -169,6 +155,6 @@ def test_the_same_seed_gives_the_same_drive() -> None:
     drives = []
     for seed in (1, 1, 2):
         with robot_of(has_camera=False, seed=seed) as robot:
-            found = until(robot, robot.readings(START_NS), 1)
-        drives.append([one.reading for one in found if one.topic in (Topic.ODOM, Topic.IMU)])
+            found = until(robot, robot.start(START_NS), 1)
+        drives.append(repr([one for one in found if one.topic in (Topic.ODOM, Topic.IMU)]))
     assert drives[0] == drives[1] != drives[2]

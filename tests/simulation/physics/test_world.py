@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import pytest
 
+from simulation.missions import of_topic
 from simulation.physics.physical_drives import START_NS, robot_of, until
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.simulation.geometry import BodyVelocity
+from smarttestudo.simulation.messages import Topic
 from smarttestudo.simulation.physics.drive import RobotKind, teleop_of
 from smarttestudo.simulation.physics.people import WALKS, Walk, WalkingPerson
 from smarttestudo.simulation.physics.world_model import PersonSize
-from smarttestudo.simulation.readings import CompressedImage
 from smarttestudo.simulation.robot import DriveModel
 from smarttestudo.simulation.warehouse import patrol, warehouse
 
@@ -46,9 +47,8 @@ def test_the_camera_sees_the_warehouse() -> None:
         if robot.camera_problem is not None:
             pytest.skip(robot.camera_problem)
         images = [
-            one.reading.pixels
-            for one in until(robot, robot.readings(START_NS), 3)
-            if isinstance(one.reading, CompressedImage)
+            image.data.reshape(image.height, image.width, 3)
+            for image in of_topic(until(robot, robot.start(START_NS), 3), Topic.IMAGE)
         ]
     first, last = images[0].astype(int), images[-1].astype(int)
     assert first.shape == (27, 48, 3)

@@ -4,30 +4,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
-from smarttestudo.simulation.camera import FrameSize
-from smarttestudo.simulation.messages.messages import RobotMessages
+from smarttestudo.simulation.camera import FULL_JPEG_BYTES, FrameSize
+from smarttestudo.simulation.messages import RobotMessages, Topic
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
 from smarttestudo.simulation.mission_file import load_mission
-from smarttestudo.simulation.readings import Topic
 from smarttestudo.simulation.route import Route
 from smarttestudo.simulation.tour import Tour
 from smarttestudo.simulation.warehouse import patrol, warehouse
 
 START_NS = 1_767_600_000 * NS_PER_S
 IMAGE_BYTES = 6_220_872
-_FULL_JPEG_BYTES = 420_000
-JPEG_BYTES: Mapping[FrameSize, int | None] = {
-    FrameSize.SMALL: None,
-    FrameSize.MEDIUM: 100_000,
-    FrameSize.FULL: _FULL_JPEG_BYTES,
-}
-"""The size that compressed frames come close to; ``None`` leaves it to the JPEG's usual quality."""
-DECLARED_BYTES = {Topic.IMAGE.value: IMAGE_BYTES, Topic.COMPRESSED_IMAGE.value: _FULL_JPEG_BYTES}
+DECLARED_BYTES = {Topic.IMAGE.value: IMAGE_BYTES, Topic.COMPRESSED_IMAGE.value: FULL_JPEG_BYTES}
 _MESSAGES_PER_REPORT = 1000
 _SMALL_BYTES_PER_S = 500_000
 _FULL_BYTES_PER_S = 216_000_000
@@ -61,7 +53,7 @@ def record_mission(
     """
     frames = FrameSize.FULL if full_images else FrameSize.SMALL
     request = MissionRequest(plan=warehouse(), route=route, seed=seed, start_ns=START_NS, frames=frames)
-    messages = RobotMessages(jpeg_bytes=JPEG_BYTES[frames])
+    messages = RobotMessages()
     duration_ns = ns_from_s(seconds)
     declared_bytes = {} if full_images else DECLARED_BYTES
     with create_recording(path, declared_bytes=declared_bytes) as recording:
@@ -72,7 +64,7 @@ def record_mission(
             if elapsed_ns >= duration_ns:
                 break
             recording.write(
-                messages.channels[timed.topic], timed.time_ns, messages.payload(timed.topic, timed.reading)
+                messages.channels[timed.topic], timed.time_ns, messages.payload(timed.topic, timed.message)
             )
             if count % _MESSAGES_PER_REPORT == 0:
                 report(elapsed_ns / duration_ns)

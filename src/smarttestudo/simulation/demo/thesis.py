@@ -14,7 +14,7 @@ from smarttestudo.report.run_report import RunReport
 from smarttestudo.report.table import Table
 from smarttestudo.report.table_files import csv_table, markdown_table
 from smarttestudo.report.thesis_tables import bandwidth_as_in_thesis, frequency_as_in_thesis
-from smarttestudo.simulation.readings import Topic
+from smarttestudo.simulation.messages import Topic
 
 FOLDER = "thesis"
 FREQUENCY_TABLE = "table-7.1-frequency"

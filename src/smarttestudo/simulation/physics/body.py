@@ -12,19 +12,43 @@ import numpy as np
 
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.simulation.geometry import BodyVelocity, Pose, Quaternion, Vector
+from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Pose, Quaternion, Vector
+from smarttestudo.simulation.messages import Topic
 from smarttestudo.simulation.physics.engine import Engine, Floats
 from smarttestudo.simulation.physics.names import LIDAR_COVER
 from smarttestudo.simulation.physics.people import WalkingPerson
-from smarttestudo.simulation.physics.power import BatteryCharge
-from smarttestudo.simulation.readings import Lens
+from smarttestudo.simulation.physics.power import BatteryCharge, BatteryType
+from smarttestudo.simulation.route import Steer
+from smarttestudo.simulation.schedule import Device
 
 _WALK_STEPS = 10
 """People and battery move on after so many steps of the engine."""
 
 
 class Machine(Protocol):
-    """The parts of a robot, and what drives them."""
+    """The parts of a robot, what drives them, and the sensors that only this robot has."""
+
+    @property
+    def actuator_count(self) -> int:
+        """How many motors it has."""
+
+    @property
+    def battery(self) -> BatteryType:
+        """The battery that it carries."""
+
+    @property
+    def own_topics(self) -> tuple[Topic, ...]:
+        """Topics that not all robots with physics have."""
+
+    @property
+    def fixed_frames(self) -> tuple[FrameTransform, ...]:
+        """Frames that never move against their parent."""
+
+    def devices(self, start: Pose, noises: Sequence[np.random.Generator]) -> list[Device[PhysicalBody]]:
+        """Sensors of its own, each with noise of its own."""
+
+    def keeping_height(self, steer: Steer[PhysicalBody]) -> Steer[PhysicalBody]:
+        """``steer``, which knows the floor only, for this robot."""
 
     def body(self, start: Pose, lens: Lens) -> Element:
         """The robot at ``start`` as MJCF."""

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from smarttestudo.domain.errors import TestudoError, missing_package
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import Quaternion, Vector
+from smarttestudo.simulation.messages import Pixels
 from smarttestudo.simulation.physics.names import FLOOR, HIDDEN_GROUP
-from smarttestudo.simulation.readings import Pixels
 
 Floats = NDArray[np.float64]
 _GL_LIBRARIES: Mapping[str, str] = {"egl": "EGL", "osmesa": "OSMesa"}

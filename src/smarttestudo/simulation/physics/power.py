@@ -18,10 +18,6 @@ class BatteryType:
     capacity_ah: float
 
 
-WAFFLE_BATTERY = BatteryType(nominal_v=11.1, capacity_ah=1.8)
-QUADROTOR_BATTERY = BatteryType(nominal_v=11.1, capacity_ah=5.0)
-
-
 class BatteryCharge:
     """Charge left in a battery, whose voltage falls in proportion to that."""
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A quadrotor of 1.2 kg: four rotors, and the cascade of controllers that makes it fly at a velocity.
+"""A quadrotor: its masses, rotors, flight controller and sensors.
 
 The velocity gives an acceleration, that a tilt, that a rate of turning, and that the torques (as in PX4).
 """
@@ -9,18 +9,152 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
+import numpy as np
+
 from smarttestudo.simulation.body_sensors import GRAVITY_M_PER_S2
-from smarttestudo.simulation.geometry import BodyVelocity, Pose
+from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Pose, Quaternion, Vector
+from smarttestudo.simulation.messages import (
+    Published,
+    Topic,
+    estimated_pose,
+    estimated_twist,
+    odometry,
+    range_of,
+    transforms,
+)
+from smarttestudo.simulation.physics.body import PhysicalBody
 from smarttestudo.simulation.physics.engine import Engine
+from smarttestudo.simulation.physics.power import BatteryType
+from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
 from smarttestudo.simulation.physics.waffle import add_camera
 from smarttestudo.simulation.physics.world_model import add_geom, numbers
-from smarttestudo.simulation.readings import Lens
+from smarttestudo.simulation.robot import (
+    BASE_LINK,
+    CAMERA_FRAME,
+    IMU_FRAME,
+    ODOM_FRAME,
+    OPTICAL_FRAME,
+    RANGE_FRAME,
+    optical_rotation,
+)
+from smarttestudo.simulation.route import Steer
+from smarttestudo.simulation.schedule import Device
+
+RANGE_MOUNT_M = 0.04
+"""Of the range finder below the middle."""
+_LEVEL = Quaternion(0.0, 0.0, 0.0, 1.0)
+_DOWN = Quaternion.from_roll_pitch_yaw(0.0, np.pi / 2, 0.0)
+_POSE_DEVIATIONS = (0.1, 0.1, 0.1, 0.01, 0.01, 0.05)
+
+
+def quadrotor_frames(camera_x_m: float) -> tuple[FrameTransform, ...]:
+    """The frames that never move against the quadrotor."""
+    return (
+        FrameTransform(BASE_LINK, IMU_FRAME, Vector(0.0, 0.0, 0.0), _LEVEL),
+        FrameTransform(BASE_LINK, RANGE_FRAME, Vector(0.0, 0.0, -RANGE_MOUNT_M), _DOWN),
+        FrameTransform(BASE_LINK, CAMERA_FRAME, Vector(camera_x_m, 0.0, 0.0), _LEVEL),
+        FrameTransform(CAMERA_FRAME, OPTICAL_FRAME, Vector(0.0, 0.0, 0.0), optical_rotation()),
+    )
+
+
+class VisualOdometer:
+    """Odometry in three dimensions, which strays like a random walk."""
+
+    rate_hz = 30.0
+    linear_noise_m_per_s = 0.02
+    angular_noise_rad_per_s = 0.005
+
+    def __init__(self, drift: DriftWalk, noise: np.random.Generator) -> None:
+        self._drift = drift
+        self._noise = noise
+        self._sampled_ns: int | None = None
+        self.pose = Pose(0.0, 0.0, 0.0)
+
+    def sample(self, body: PhysicalBody) -> Published:
+        """Where the robot takes itself to be."""
+        self._drift.update(elapsed_s(self._sampled_ns, body.now_ns, self.rate_hz))
+        self._sampled_ns = body.now_ns
+        x, y, z, yaw = self._drift.offset.tolist()
+        true, engine = body.engine.position, body.engine
+        place = Vector(true.x + x, true.y + y, true.z + z)
+        turned = Quaternion.from_yaw(yaw).then(engine.orientation)
+        self.pose = Pose(place.x, place.y, turned.yaw_rad)
+        velocity, turning = engine.velocity, engine.angular_velocity
+        ahead, left, up = engine.rotation.T @ (velocity.x, velocity.y, velocity.z)
+        noise = self._noise.standard_normal(6).tolist()
+        slow, turn = self.linear_noise_m_per_s, self.angular_noise_rad_per_s
+        linear = Vector(
+            float(ahead) + slow * noise[0], float(left) + slow * noise[1], float(up) + slow * noise[2]
+        )
+        angular = Vector(
+            turning.x + turn * noise[3], turning.y + turn * noise[4], turning.z + turn * noise[5]
+        )
+        twist = estimated_twist(linear, angular, (slow, slow, slow, turn, turn, turn))
+        pose = estimated_pose(place, turned, _POSE_DEVIATIONS)
+        frame = FrameTransform(ODOM_FRAME, BASE_LINK, place, turned)
+        return [
+            (Topic.ODOM, odometry(body.now_ns, BASE_LINK, pose, twist)),
+            (Topic.TF, transforms(body.now_ns, [frame])),
+        ]
+
+
+@dataclass(frozen=True)
+class RangeFinder:
+    """An infrared range finder that looks down."""
+
+    noise: np.random.Generator
+    rate_hz = 20.0
+    range_min_m = 0.03
+    range_max_m = 8.0
+    noise_m = 0.01
+    field_of_view_rad = 0.47
+
+    def sample(self, body: PhysicalBody) -> Published:
+        """The distance along the middle of the beam."""
+        engine = body.engine
+        down = -engine.rotation[:, 2]
+        place = engine.position
+        x, y, z = (down * RANGE_MOUNT_M).tolist()
+        origin = Vector(place.x + x, place.y + y, place.z + z)
+        (true_m,) = engine.cast(origin, down.reshape(1, 3), self.range_max_m).tolist()
+        measured_m = true_m + self.noise_m * float(self.noise.standard_normal())
+        if measured_m < self.range_min_m:
+            measured_m = -np.inf
+        message = range_of(
+            body.now_ns,
+            measured_m if measured_m <= self.range_max_m else np.inf,
+            least_m=self.range_min_m,
+            most_m=self.range_max_m,
+            field_of_view_rad=self.field_of_view_rad,
+        )
+        return [(Topic.RANGE, message)]
+
+
+POSITION_WALK_M = 0.01
+YAW_WALK_RAD = 0.002
+"""How far visual odometry strays in the first second; after n seconds √n times as far."""
+
+
+class DriftWalk:
+    """How far visual odometry is off: a random walk of x, y, z and heading."""
+
+    def __init__(self, noise: np.random.Generator) -> None:
+        self._noise = noise
+        self.offset = np.zeros(4)
+        self._per_s = np.array((POSITION_WALK_M, POSITION_WALK_M, POSITION_WALK_M, YAW_WALK_RAD))
+
+    def update(self, dt_s: float) -> None:
+        """Stray for ``dt_s`` more."""
+        self.offset += self._noise.standard_normal(4) * self._per_s * math.sqrt(dt_s)
+
 
 CRUISE_HEIGHT_M = 1.5
 LANDED_HEIGHT_M = 0.06
 MASS_KG = 1.2
+_CAMERA_X_M = 0.11
 _ARM_M = 0.12
 """From the middle to a rotor, along x and along y."""
 _INERTIA_KG_M2 = (0.011, 0.011, 0.02)
@@ -33,6 +167,8 @@ _MOST_TILT = 0.35
 _MOST_HORIZONTAL_M_PER_S = 1.5
 _MOST_VERTICAL_M_PER_S = 0.7
 _MOST_YAW_RAD_PER_S = 1.8
+_CLIMB_PER_M = 1.0
+_MOST_CLIMB_M_PER_S = 0.6
 _SINK_M_PER_S = -0.4
 _VELOCITY_GAIN = 2.0
 _CLIMB_GAIN = 4.0
@@ -49,8 +185,9 @@ class Quadrotor:
 
     actuator_count = len(_ROTORS)
     most = BodyVelocity(_MOST_HORIZONTAL_M_PER_S, _MOST_YAW_RAD_PER_S, climb_m_per_s=_MOST_VERTICAL_M_PER_S)
-    camera_x_m = 0.11
-    camera_height_m = 0.0
+    battery = BatteryType(nominal_v=11.1, capacity_ah=5.0)
+    own_topics = (Topic.RANGE,)
+    fixed_frames = quadrotor_frames(_CAMERA_X_M)
 
     def __init__(self) -> None:
         self._velocity = BodyVelocity(0.0, 0.0)
@@ -72,7 +209,7 @@ class Quadrotor:
             add_geom(body, f"foot_{number}", type="sphere", pos=foot, size="0.01", rgba=_DARK)
             SubElement(body, "site", name=f"rotor_{number}", pos=place)
         SubElement(body, "site", name="imu", pos="0 0 0")
-        add_camera(body, self.camera_x_m, self.camera_height_m, lens)
+        add_camera(body, _CAMERA_X_M, 0.0, lens)
         return body
 
     def actuators(self) -> Element:
@@ -86,6 +223,23 @@ class Quadrotor:
                 dynprm=str(_ROTOR_S), gainprm="1",
             )  # fmt: skip
         return found
+
+    def devices(self, _start: Pose, noises: Sequence[np.random.Generator]) -> list[Device[PhysicalBody]]:
+        odometer = VisualOdometer(DriftWalk(noises[0]), noises[1])
+        return [odometer, RangeFinder(noises[2]), Localizer(lambda: odometer.pose, noises[3])]
+
+    def keeping_height(self, steer: Steer[PhysicalBody]) -> Steer[PhysicalBody]:
+        """``steer`` with the climb that comes first, and keeps the height."""
+
+        def command(body: PhysicalBody) -> BodyVelocity:
+            missing_m = CRUISE_HEIGHT_M - body.engine.position.z
+            climb = _cut(_CLIMB_PER_M * missing_m, _MOST_CLIMB_M_PER_S)
+            if missing_m > CRUISE_HEIGHT_M / 3:
+                return BodyVelocity(0.0, 0.0, climb_m_per_s=climb)
+            level = steer(body)
+            return BodyVelocity(level.linear_m_per_s, level.angular_rad_per_s, climb_m_per_s=climb)
+
+        return command
 
     def command(self, velocity: BodyVelocity) -> None:
         """Fly at ``velocity``, which is level with the ground and along the heading."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,46 +14,42 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.body_sensors import InertialUnit
 from smarttestudo.simulation.camera import grained
 from smarttestudo.simulation.geometry import FrameTransform, Pose, Quaternion, Vector
-from smarttestudo.simulation.physics.body import PhysicalBody
-from smarttestudo.simulation.readings import (
-    BatteryLevelReading,
-    EstimatedPose,
-    Imu,
-    Localization,
+from smarttestudo.simulation.messages import (
     Pixels,
-    Reading,
+    Published,
     Topic,
-    Transforms,
+    battery_state,
+    estimated_pose,
+    imu,
+    localization,
+    transforms,
 )
+from smarttestudo.simulation.physics.body import PhysicalBody
 from smarttestudo.simulation.robot import MAP_FRAME, ODOM_FRAME
 
-Published = Sequence[tuple[Topic, Reading]]
 
-
+@dataclass(frozen=True)
 class InertialSensor:
     """Gyroscope and accelerometer, as means since the last sample, and the rotation made from them."""
 
+    noise: np.random.Generator
     rate_hz = InertialUnit.rate_hz
-
-    def __init__(self, noise: np.random.Generator) -> None:
-        self._noise = noise
 
     def sample(self, body: PhysicalBody) -> Published:
         """Reading of what the robot feels: at rest, gravity up."""
-        noise = self._noise.standard_normal(9).tolist()
+        noise = self.noise.standard_normal(9).tolist()
         angular, force = body.mean_inertial()
         turned = InertialUnit.yaw_noise_rad
         roll, pitch, yaw = (turned * one for one in noise[:3])
-        reading = Imu(
-            stamp_ns=body.now_ns,
-            orientation=body.engine.orientation.then(Quaternion.from_roll_pitch_yaw(roll, pitch, yaw)),
-            angular_velocity=_noisy(angular, InertialUnit.angular_noise_rad_per_s, noise[3:6]),
-            linear_acceleration=_noisy(force, InertialUnit.linear_noise_m_per_s2, noise[6:]),
-            orientation_noise_rad=(turned, turned, turned),
-            angular_noise_rad_per_s=InertialUnit.angular_noise_rad_per_s,
-            linear_noise_m_per_s2=InertialUnit.linear_noise_m_per_s2,
+        turning_noise, force_noise = InertialUnit.angular_noise_rad_per_s, InertialUnit.linear_noise_m_per_s2
+        message = imu(
+            body.now_ns,
+            body.engine.orientation.then(Quaternion.from_roll_pitch_yaw(roll, pitch, yaw)),
+            _noisy(angular, turning_noise, noise[3:6]),
+            _noisy(force, force_noise, noise[6:]),
+            ((turned, turned, turned), turning_noise, force_noise),
         )
-        return [(Topic.IMU, reading)]
+        return [(Topic.IMU, message)]
 
 
 class BatteryGauge:
@@ -61,33 +58,31 @@ class BatteryGauge:
     rate_hz = 1.0
 
     def sample(self, body: PhysicalBody) -> Published:
-        """Voltage, current and what is left."""
         battery = body.battery
-        reading = BatteryLevelReading(
-            stamp_ns=body.now_ns,
+        message = battery_state(
+            body.now_ns,
             voltage_v=battery.voltage_v,
             current_a=battery.current_a,
             share=battery.share,
             capacity_ah=battery.type.capacity_ah,
         )
-        return [(Topic.BATTERY_STATE, reading)]
+        return [(Topic.BATTERY_STATE, message)]
 
 
+@dataclass(frozen=True)
 class Localizer:
     """The pose on the map, as AMCL has it: near the truth, twice a second; it corrects the odometry frame."""
 
+    odometry_pose: Callable[[], Pose]
+    noise: np.random.Generator
     rate_hz = 2.0
     position_noise_m = 0.03
     yaw_noise_rad = 0.01
 
-    def __init__(self, odometry_pose: Callable[[], Pose], noise: np.random.Generator) -> None:
-        self._odometry_pose = odometry_pose
-        self._noise = noise
-
     def sample(self, body: PhysicalBody) -> Published:
         """The pose, and the frame of the odometry on the map."""
-        x_noise, y_noise, yaw_noise = self._noise.standard_normal(3).tolist()
-        true, odometry = body.pose, self._odometry_pose()
+        x_noise, y_noise, yaw_noise = self.noise.standard_normal(3).tolist()
+        true, odometry = body.pose, self.odometry_pose()
         found = Pose(
             true.x_m + self.position_noise_m * x_noise,
             true.y_m + self.position_noise_m * y_noise,
@@ -101,15 +96,11 @@ class Localizer:
             0.0,
         )
         noise = (self.position_noise_m, self.position_noise_m, 0.0, 0.0, 0.0, self.yaw_noise_rad)
-        pose = EstimatedPose(
-            position=Vector(found.x_m, found.y_m, 0.0),
-            orientation=Quaternion.from_yaw(found.yaw_rad),
-            deviations=noise,
-        )
+        pose = estimated_pose(Vector(found.x_m, found.y_m, 0.0), Quaternion.from_yaw(found.yaw_rad), noise)
         frame = FrameTransform(MAP_FRAME, ODOM_FRAME, shift, Quaternion.from_yaw(turn_rad))
         return [
-            (Topic.AMCL_POSE, Localization(stamp_ns=body.now_ns, pose=pose)),
-            (Topic.TF, Transforms(stamp_ns=body.now_ns, frames=(frame,))),
+            (Topic.AMCL_POSE, localization(body.now_ns, pose)),
+            (Topic.TF, transforms(body.now_ns, [frame])),
         ]
 
 

@@ -1,19 +1,133 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The TurtleBot3 Waffle: masses and sizes of its description, and the motors of its wheels."""
+"""The TurtleBot3 Waffle: masses and sizes of its description, the motors of its wheels, and its sensors."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
-from smarttestudo.simulation.geometry import BodyVelocity, Pose
+import numpy as np
+
+from smarttestudo.simulation.body_sensors import Odometer, WheelEncoders
+from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Pose, Quaternion, Vector
+from smarttestudo.simulation.lidar import Floats, Lidar
+from smarttestudo.simulation.messages import (
+    Published,
+    Topic,
+    estimated_pose,
+    estimated_twist,
+    joint_states,
+    odometry,
+    transforms,
+)
+from smarttestudo.simulation.physics.body import PhysicalBody
 from smarttestudo.simulation.physics.engine import Engine
 from smarttestudo.simulation.physics.names import HIDDEN_GROUP, LIDAR_COVER
+from smarttestudo.simulation.physics.power import BatteryType
+from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
 from smarttestudo.simulation.physics.world_model import STEP_S, add_geom, numbers
-from smarttestudo.simulation.readings import Lens
-from smarttestudo.simulation.robot import DriveModel
+from smarttestudo.simulation.robot import BASE_FRAME, ODOM_FRAME, DriveModel, fixed_frames, wheel_frames
+from smarttestudo.simulation.route import Steer
+from smarttestudo.simulation.schedule import Device
+
+_POSE_DEVIATIONS = (0.1, 0.1, 0.0, 0.0, 0.0, 0.1)
+
+
+class WheelOdometer:
+    """Odometry from the wheels, and the frame that goes with it; both drift."""
+
+    rate_hz = Odometer.rate_hz
+
+    def __init__(self, odometry: WheelOdometry) -> None:
+        self._odometry = odometry
+        self._sampled_ns: int | None = None
+
+    def sample(self, body: PhysicalBody) -> Published:
+        """Where the robot takes itself to be."""
+        dt_s = elapsed_s(self._sampled_ns, body.now_ns, self.rate_hz)
+        self._sampled_ns = body.now_ns
+        self._odometry.update(body.engine.joint_angles, dt_s)
+        pose, velocity = self._odometry.pose, self._odometry.velocity
+        place, heading = Vector(pose.x_m, pose.y_m, 0.0), Quaternion.from_yaw(pose.yaw_rad)
+        twist = estimated_twist(
+            Vector(velocity.linear_m_per_s, 0.0, 0.0),
+            Vector(0.0, 0.0, velocity.angular_rad_per_s),
+            Odometer.twist_deviations,
+        )
+        estimate = estimated_pose(place, heading, _POSE_DEVIATIONS)
+        frame = FrameTransform(ODOM_FRAME, BASE_FRAME, place, heading)
+        return [
+            (Topic.ODOM, odometry(body.now_ns, BASE_FRAME, estimate, twist)),
+            (Topic.TF, transforms(body.now_ns, [frame])),
+        ]
+
+
+@dataclass(frozen=True)
+class WheelSensors:
+    """The angles and speeds of the wheels, and the frames that robot_state_publisher makes of them."""
+
+    model: DriveModel
+    rate_hz = WheelEncoders.rate_hz
+
+    def sample(self, body: PhysicalBody) -> Published:
+        left, right = body.engine.joint_angles
+        return [
+            (Topic.JOINT_STATES, joint_states(body.now_ns, (left, right), body.engine.joint_speeds)),
+            (Topic.TF, transforms(body.now_ns, wheel_frames(self.model, (left, right)))),
+        ]
+
+
+def tilting_cast(model: DriveModel) -> Callable[[PhysicalBody], Floats]:
+    """Function that casts the rays of a LiDAR that tilts: they may meet the floor, a person, or a cover."""
+    bearings_rad = Lidar.bearings_rad
+    directions = np.stack([np.cos(bearings_rad), np.sin(bearings_rad), np.zeros(len(bearings_rad))], axis=1)
+    mount = np.array((model.scan_x_m, 0.0, SCAN_HEIGHT_M))
+
+    def cast(body: PhysicalBody) -> Floats:
+        rotation, position = body.engine.rotation, body.engine.position
+        x, y, z = (rotation @ mount).tolist()
+        origin = Vector(position.x + x, position.y + y, position.z + z)
+        return body.engine.cast(origin, directions @ rotation.T, Lidar.reach_m)
+
+    return cast
+
+
+TICKS_PER_TURN = 4096
+RADIUS_ERROR = 0.0004
+SEPARATION_ERROR = 0.002
+"""Standard deviations of what the robot believes of its wheels, as shares."""
+
+
+class WheelOdometry:
+    """Dead reckoning from the ticks of two encoders, by wheels that are not quite as they are believed to be.
+
+    Slipping wheels turn without moving the robot, and this cannot see it.
+    """
+
+    def __init__(self, model: DriveModel, start: Pose, noise: np.random.Generator) -> None:
+        left, right, separation = noise.standard_normal(3).tolist()
+        self._left_m = model.wheel_radius_m * (1 + RADIUS_ERROR * left)
+        self._right_m = model.wheel_radius_m * (1 + RADIUS_ERROR * right)
+        self._separation_m = model.wheel_separation_m * (1 + SEPARATION_ERROR * separation)
+        self._last: tuple[int, int] | None = None
+        self.pose = start
+        self.velocity = BodyVelocity(0.0, 0.0)
+
+    def update(self, angles_rad: tuple[float, ...], dt_s: float) -> None:
+        """Take the angles of the left and the right wheel, ``dt_s`` after the last ones."""
+        left, right = (math.floor(angle / math.tau * TICKS_PER_TURN) for angle in angles_rad)
+        before, self._last = self._last or (left, right), (left, right)
+        rolled_left_m = (left - before[0]) / TICKS_PER_TURN * math.tau * self._left_m
+        rolled_right_m = (right - before[1]) / TICKS_PER_TURN * math.tau * self._right_m
+        forward_m = (rolled_left_m + rolled_right_m) / 2
+        turn_rad = (rolled_right_m - rolled_left_m) / self._separation_m
+        middle = Pose(self.pose.x_m, self.pose.y_m, self.pose.yaw_rad + turn_rad / 2).ahead(forward_m)
+        self.pose = Pose(middle.x_m, middle.y_m, self.pose.yaw_rad + turn_rad)
+        self.velocity = BodyVelocity(forward_m / dt_s, turn_rad / dt_s)
+
 
 SCAN_HEIGHT_M = 0.132
 """Of the LiDAR above the floor."""
@@ -33,8 +147,9 @@ class Waffle:
 
     model = DriveModel()
     actuator_count = 2
-    camera_x_m = model.camera_x_m
-    camera_height_m = model.camera_height_m
+    battery = BatteryType(nominal_v=11.1, capacity_ah=1.8)
+    own_topics = (Topic.SCAN, Topic.JOINT_STATES)
+    fixed_frames = fixed_frames(model)
 
     def __init__(self) -> None:
         self._target_m_per_s = (0.0, 0.0)
@@ -81,6 +196,18 @@ class Waffle:
                 forcerange=numbers(-_MOTOR_TORQUE_N_M, _MOTOR_TORQUE_N_M),
             )  # fmt: skip
         return found
+
+    def devices(self, start: Pose, noises: Sequence[np.random.Generator]) -> list[Device[PhysicalBody]]:
+        odometry = WheelOdometry(self.model, start, noises[0])
+        return [
+            WheelOdometer(odometry),
+            WheelSensors(self.model),
+            Lidar(tilting_cast(self.model), noises[1]),
+            Localizer(lambda: odometry.pose, noises[2]),
+        ]
+
+    def keeping_height(self, steer: Steer[PhysicalBody]) -> Steer[PhysicalBody]:
+        return steer
 
     def command(self, velocity: BodyVelocity) -> None:
         """Make for ``velocity``, cut to what the robot can do."""
