@@ -27,7 +27,7 @@ from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.recording import Storage
 from smarttestudo.replays.replay import ReplayRequest, replay
 from smarttestudo.rules.rule_sets import load_rules
-from smarttestudo.simulation.demo.mission import record_mission
+from smarttestudo.simulation.mission import record_mission
 from smarttestudo.simulation.warehouse import patrol
 
 WARM_UPS = 1

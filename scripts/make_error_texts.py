@@ -17,7 +17,7 @@ NOTE = "<!-- Written by scripts/make_error_texts.py; change the code instead. --
 SECTIONS: Mapping[str, Sequence[str]] = {
     "Command lines": ("cli",),
     "Rule files, profiles, missions and maps": (
-        "files", "rules", "optimizer", "simulation/mission_file.py", "simulation/messages.py",
+        "files", "rules", "optimizer", "simulation/route.py", "simulation/messages.py",
         "simulation/physics", "ruler/project",
     ),
     "On a robot": ("robot", "domain"),
@@ -25,7 +25,7 @@ SECTIONS: Mapping[str, Sequence[str]] = {
     "Incidents": ("incidents", "loop"),
     "Recordings": ("bags", "replays", "accuracy", "report"),
     "From Python": ("api.py",),
-    "The demo": ("simulation/demo",),
+    "The demo": ("simulation/demo", "simulation/simulate.py"),
     "The Ruler's page": ("ruler/answers", "ruler/server", "language", "checks", "editing"),
 }  # fmt: skip
 """Folders and files of the code, by where a user meets their texts."""

@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 
 from simulation.missions import driven, of_topic, poses, stamp_ns
-from smarttestudo.simulation.body_sensors import GRAVITY_M_PER_S2
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.geometry import Pose, Quaternion
-from smarttestudo.simulation.lidar import Lidar, RayCaster, level_cast
 from smarttestudo.simulation.messages import TimedMessage, Topic
 from smarttestudo.simulation.robot import OPTICAL_FRAME, DifferentialDrive, DriveModel, fixed_frames
+from smarttestudo.simulation.sensors import GRAVITY_M_PER_S2, Lidar, RayCaster, level_cast
 from smarttestudo.simulation.warehouse import warehouse
 
 

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from smarttestudo.domain.floor_plan import FloorPlan, Obstacle, ObstacleKind, Point, Rectangle
-from smarttestudo.simulation.lidar import RayCaster
+from smarttestudo.simulation.sensors import RayCaster
 from smarttestudo.simulation.warehouse import warehouse
 
 FREE_PLACES = st.builds(Point, st.floats(-12.9, 13.9), st.floats(-7.9, 25.4)).filter(

@@ -13,7 +13,8 @@ from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import Pose
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
-from smarttestudo.simulation.route import PurePursuit, Route
+from smarttestudo.simulation.route import Route
+from smarttestudo.simulation.steering import PurePursuit
 
 SQUARE = [Point(0.0, 0.0), Point(4.0, 0.0), Point(4.0, 4.0), Point(0.0, 4.0)]
 

@@ -11,8 +11,8 @@ import pytest
 from robot.small_graph import SmallGraph
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.camera import FrameSize
-from smarttestudo.simulation.demo.simulate import SimulateRequest, simulate
 from smarttestudo.simulation.messages import CAMERA_TOPICS, RobotMessages
+from smarttestudo.simulation.simulate import SimulateRequest, simulate
 
 TYPES = {channel.type_name for channel in RobotMessages().channels.values()}
 CAMERA = [RobotMessages().channels[topic] for topic in CAMERA_TOPICS]

@@ -17,9 +17,9 @@ from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.messages import Topic
 from smarttestudo.simulation.mission import MissionRequest, drive_mission
-from smarttestudo.simulation.mission_file import load_mission
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
-from smarttestudo.simulation.tour import Tour, Waypoint, WaypointFollower
+from smarttestudo.simulation.route import Tour, Waypoint, load_mission
+from smarttestudo.simulation.steering import WaypointFollower
 from smarttestudo.simulation.warehouse import warehouse
 
 ERRANDS = Path(__file__).parents[2] / "examples" / "errands.mission.toml"

@@ -7,7 +7,7 @@ import pytest
 
 from smarttestudo.domain.floor_plan import FloorPlan, Obstacle, ObstacleKind, Point, Rectangle
 from smarttestudo.simulation.camera import FrameSize, Viewpoint, raspberry_pi_lens, render
-from smarttestudo.simulation.lidar import RayCaster
+from smarttestudo.simulation.sensors import RayCaster
 
 
 def _view(distance_m: float) -> np.ndarray:

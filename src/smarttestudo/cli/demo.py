@@ -123,7 +123,7 @@ def _recorder(opened: ExitStack) -> Robot:
 def _print(outcome: DemoOutcome, out: Path, *, with_thesis: bool) -> None:
     from smarttestudo.report.summary import declared_sentence  # noqa: PLC0415
     from smarttestudo.simulation.demo import demo  # noqa: PLC0415  see run
-    from smarttestudo.simulation.demo.rules import PREDICTED, RULES, WITHIN  # noqa: PLC0415
+    from smarttestudo.simulation.demo.folder import PREDICTED, RULES, WITHIN  # noqa: PLC0415
 
     for table in (frequency_table(outcome.comparison), bandwidth_table(outcome.comparison)):
         print_table(table)

@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _drive(
     arguments: argparse.Namespace, frames: FrameSize, robot: Robot, stopped: Callable[[], bool]
 ) -> None:
-    from smarttestudo.simulation.demo.simulate import SimulateRequest, simulate  # noqa: PLC0415  see run
+    from smarttestudo.simulation.simulate import SimulateRequest, simulate  # noqa: PLC0415  see run
 
     simulate(
         SimulateRequest(
@@ -76,8 +76,8 @@ def _drive(
 def _drive_with_physics(
     arguments: argparse.Namespace, frames: FrameSize, robot: Robot, stopped: Callable[[], bool]
 ) -> None:
-    from smarttestudo.simulation.demo.simulate import SimulatePhysicsRequest, simulate_physics  # noqa: PLC0415
     from smarttestudo.simulation.physics.drive import RobotKind, teleop_of  # noqa: PLC0415  see run
+    from smarttestudo.simulation.simulate import SimulatePhysicsRequest, simulate_physics  # noqa: PLC0415
 
     kind = RobotKind(arguments.robot or RobotKind.WAFFLE.value)
     teleop = teleop_of(kind) if arguments.teleop else None

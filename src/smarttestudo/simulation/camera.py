@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from smarttestudo.domain.floor_plan import FloorPlan, ObstacleKind, Point
 from smarttestudo.simulation.geometry import Lens
-from smarttestudo.simulation.lidar import Floats, RayCaster
 from smarttestudo.simulation.messages import (
     Pixels,
     Published,
@@ -25,6 +24,7 @@ from smarttestudo.simulation.messages import (
     jpeg_of,
 )
 from smarttestudo.simulation.robot import BodyT, DifferentialDrive
+from smarttestudo.simulation.sensors import Floats, RayCaster
 
 _SIGHT_M = 60.0
 _FADING_M = 15.0

@@ -1,22 +1,24 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Routes, and following them."""
+"""Ways through the warehouse: routes, tours on which the robot pauses, and tours in files."""
 
 from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import accumulate, pairwise
-from typing import Generic
+from pathlib import Path
 
-from smarttestudo.domain.floor_plan import Point
-from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.simulation.geometry import BodyVelocity, Pose
-from smarttestudo.simulation.messages import Published, Topic, command
-from smarttestudo.simulation.robot import Body, BodyT, DriveModel
+from smarttestudo.domain.errors import MissionError, ProfileError
+from smarttestudo.domain.floor_plan import FloorPlan, Point
+from smarttestudo.files.input_file import read_input
+from smarttestudo.files.toml_text import parse_toml
+from smarttestudo.simulation.geometry import Pose
+from smarttestudo.simulation.robot import DriveModel
 
-_SPACING_M = 0.05
+SPACING_M = 0.05
 
 
 class Route:
@@ -79,8 +81,8 @@ class Route:
 
     def nearest_m(self, point: Point, *, from_m: float, window_m: float) -> float:
         """How far along the route is nearest to ``point``, between ``from_m`` and ``window_m`` later."""
-        steps = round(window_m / _SPACING_M)
-        candidates = [from_m + step * _SPACING_M for step in range(steps + 1)]
+        steps = round(window_m / SPACING_M)
+        candidates = [from_m + step * SPACING_M for step in range(steps + 1)]
         return min(candidates, key=lambda travelled_m: self.at(travelled_m).distance_m(point))
 
 
@@ -96,71 +98,192 @@ def _arc(before: Point, corner: Point, after: Point, radius_m: float) -> Iterato
     side = math.copysign(1.0, turn)
     start = Pose(corner.x_m, corner.y_m, heading_in).ahead(-radius_m * abs(math.tan(turn / 2)))
     centre = Pose(start.x_m, start.y_m, heading_in + side * math.pi / 2).ahead(radius_m)
-    count = max(2, math.ceil(abs(turn) * radius_m / _SPACING_M))
+    count = max(2, math.ceil(abs(turn) * radius_m / SPACING_M))
     for step in range(count + 1):
         bearing = heading_in - side * math.pi / 2 + turn * step / count
         yield Pose(centre.x_m, centre.y_m, bearing).ahead(radius_m)
 
 
-LOOKAHEAD_M = 0.4
-SEARCH_M = 0.5
 CRUISE_M_PER_S = 0.25
-_SLOW_BELOW_RADIUS_M = 0.9
-_SLOWEST_SHARE = 0.4
+CORNER_RADIUS_M = 0.8
 
 
-class PurePursuit:
-    """Pure pursuit (Coulter 1992), slower in tight turns as Nav2's regulated one (Macenski et al. 2023)."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Waypoint:
+    """A place, the speed on the way to it, and how long the robot pauses there; at 0 it passes by."""
 
-    __slots__ = ("_model", "_route", "travelled_m")
-
-    def __init__(self, route: Route, model: DriveModel) -> None:
-        self._route = route
-        self._model = model
-        self.travelled_m = 0.0
-
-    def command(self, body: Body) -> BodyVelocity:
-        """The velocity that brings the robot back to the route one lookahead further on."""
-        pose = body.pose
-        here = Point(pose.x_m, pose.y_m)
-        self.travelled_m = self._route.nearest_m(here, from_m=self.travelled_m, window_m=SEARCH_M)
-        goal = self._route.at(self.travelled_m + LOOKAHEAD_M)
-        return towards(goal, pose, self._model, cruise_m_per_s=CRUISE_M_PER_S)
+    place: Point
+    speed_m_per_s: float = CRUISE_M_PER_S
+    pause_s: float = 0.0
 
 
-def towards(goal: Point, pose: Pose, model: DriveModel, *, cruise_m_per_s: float) -> BodyVelocity:
-    """The arc from ``pose`` to ``goal``, at ``cruise_m_per_s`` where it is not tight."""
-    bearing = math.atan2(goal.y_m - pose.y_m, goal.x_m - pose.x_m) - pose.yaw_rad
-    curvature_per_m = 2 * math.sin(bearing) / Point(pose.x_m, pose.y_m).distance_m(goal)
-    share = min(1.0, max(_SLOWEST_SHARE, 1 / max(abs(curvature_per_m) * _SLOW_BELOW_RADIUS_M, 1e-9)))
-    linear = min(cruise_m_per_s * share, model.max_linear_m_per_s)
-    limit = model.max_angular_rad_per_s
-    return BodyVelocity(linear, min(max(linear * curvature_per_m, -limit), limit))
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Goal:
+    """The end of a leg: how far along the round it is, and what the waypoint there asks for."""
+
+    at_m: float
+    speed_m_per_s: float
+    pause_s: float
 
 
-Steer = Callable[[BodyT], BodyVelocity]
-OTHERS_NS = 2 * NS_PER_S
-"""How long after a command of another publisher the robot's own navigator goes on."""
+class Tour:
+    """Rounds through waypoints, from the first one back to it; the robot begins with the pause there."""
+
+    __slots__ = ("_goals", "route")
+
+    def __init__(self, waypoints: Sequence[Waypoint]) -> None:
+        """At least three waypoints; legs must be long enough for arcs of 0.8 m where it does not pause."""
+        places = [waypoint.place for waypoint in waypoints]
+        radii_m = [0.0 if waypoint.pause_s else CORNER_RADIUS_M for waypoint in waypoints]
+        self.route = Route.from_first(places, corner_radii_m=radii_m)
+        self._goals: list[Goal] = []
+        at_m = 0.0
+        for before, waypoint in pairwise(waypoints):
+            leg_m = before.place.distance_m(waypoint.place)
+            at_m = self.route.nearest_m(waypoint.place, from_m=at_m, window_m=leg_m + SPACING_M)
+            self._goals.append(_goal(waypoint, at_m))
+        self._goals.append(_goal(waypoints[0], self.route.length_m))
+
+    @property
+    def start(self) -> Pose:
+        """The first waypoint, heading for the second."""
+        return self.route.start
+
+    @property
+    def first_pause_s(self) -> float:
+        """How long the robot stands at the start."""
+        return self._goals[-1].pause_s
+
+    def goal_after(self, travelled_m: float) -> Goal:
+        """The end of the leg on which the robot is after so many metres, counted round after round."""
+        rounds, rest_m = divmod(travelled_m, self.route.length_m)
+        index = bisect_right([goal.at_m for goal in self._goals], rest_m)
+        goal = self._goals[min(index, len(self._goals) - 1)]
+        at_m = rounds * self.route.length_m + goal.at_m
+        return Goal(at_m=at_m, speed_m_per_s=goal.speed_m_per_s, pause_s=goal.pause_s)
+
+    def stop_after(self, travelled_m: float) -> Goal | None:
+        """The next goal with a pause, if there is one within a round."""
+        goal = self.goal_after(travelled_m)
+        for _ in self._goals:
+            if goal.pause_s:
+                return goal
+            goal = self.goal_after(goal.at_m)
+        return None
 
 
-class Navigator(Generic[BodyT]):
-    """Steers the robot and publishes what it asks of the wheels, but for two seconds after others did so."""
+def _goal(waypoint: Waypoint, at_m: float) -> Goal:
+    return Goal(at_m=at_m, speed_m_per_s=waypoint.speed_m_per_s, pause_s=waypoint.pause_s)
 
-    rate_hz = 10.0
 
-    def __init__(self, steer: Steer[BodyT]) -> None:
-        self._steer = steer
-        self._others_until_ns = 0
+_MOST_BYTES = 100_000
+_MOST_WAYPOINTS = 1000
+_MOST_PAUSE_S = 86_400.0
+_LEAST_M_PER_S = 0.05
+_MOST_M = 1000.0
+_CHECKED_M = 0.05
+_KEYS = ("at_m", "speed_m_per_s", "pause_s")
 
-    def obey(self, velocity: BodyVelocity, body: BodyT) -> None:
-        """Have the robot follow the command of another publisher for now."""
-        self._others_until_ns = body.now_ns + OTHERS_NS
-        body.command(velocity)
 
-    def sample(self, body: BodyT) -> Published:
-        """Command the robot anew."""
-        if body.now_ns < self._others_until_ns:
-            return []
-        velocity = self._steer(body)
-        body.command(velocity)
-        return [(Topic.CMD_VEL, command(velocity))]
+def load_mission(path: Path, plan: FloorPlan) -> Tour:
+    """The tour in the TOML file at ``path``, clear of everything on ``plan``.
+
+    Raises ``MissionError`` where the file cannot be read, holds something else, or leads through an obstacle.
+    """
+    try:
+        data = read_input(path, _MOST_BYTES + 1)
+        text = data.decode("utf-8-sig")
+    except OSError as error:
+        cause = f"the mission cannot be read: {error.strerror}"
+        raise MissionError(cause, place=str(path), remedy="give the path of a TOML file") from error
+    except UnicodeDecodeError as error:
+        raise MissionError(
+            "the mission is not UTF-8 text", place=str(path), remedy="save it as UTF-8"
+        ) from error
+    if len(data) > _MOST_BYTES:
+        raise MissionError(
+            "the mission is larger than 100 KB", place=str(path), remedy="is it the right file?"
+        )
+    try:
+        values, _ = parse_toml(text, path)
+    except ProfileError as error:
+        raise MissionError(error.cause, place=error.place, remedy=error.remedy) from error
+    waypoints = _waypoints(values, path)
+    _require_room(waypoints, path)
+    tour = Tour(waypoints)
+    _require_clear(tour, plan, path)
+    return tour
+
+
+def _waypoints(values: Mapping[str, object], path: Path) -> list[Waypoint]:
+    tables = values.get("waypoints")
+    remedy = "write at least three tables [[waypoints]] with at_m = [x, y] each, and nothing else"
+    is_list = isinstance(tables, list) and set(values) == {"waypoints"}
+    if not is_list or not isinstance(tables, list) or not 3 <= len(tables) <= _MOST_WAYPOINTS:
+        raise MissionError("not the waypoints of a mission", place=str(path), remedy=remedy)
+    return [_waypoint(table, f"{path}: waypoint {number}") for number, table in enumerate(tables, start=1)]
+
+
+def _waypoint(table: object, place: str) -> Waypoint:
+    if not isinstance(table, Mapping) or not set(table) <= set(_KEYS) or "at_m" not in table:
+        remedy = f"it must have at_m, and can have {_KEYS[1]} and {_KEYS[2]}"
+        raise MissionError("not a waypoint", place=place, remedy=remedy)
+    at_m = table["at_m"]
+    if not isinstance(at_m, list) or len(at_m) != 2:
+        raise MissionError("at_m must be [x, y] in metres", place=place)
+    x_m, y_m = (_number(one, "at_m", -_MOST_M, _MOST_M, place) for one in at_m)
+    fastest = DriveModel().max_linear_m_per_s
+    return Waypoint(
+        place=Point(x_m, y_m),
+        speed_m_per_s=_number(
+            table.get("speed_m_per_s", CRUISE_M_PER_S), "speed_m_per_s", _LEAST_M_PER_S, fastest, place
+        ),
+        pause_s=_number(table.get("pause_s", 0.0), "pause_s", 0.0, _MOST_PAUSE_S, place),
+    )
+
+
+def _number(value: object, key: str, least: float, most: float, place: str) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool) and least <= value <= most:
+        return float(value)
+    raise MissionError(f"{key} must be a number from {least:g} to {most:g}", place=place)
+
+
+def _require_room(waypoints: Sequence[Waypoint], path: Path) -> None:
+    """Refuse legs that are shorter than the arcs at their ends."""
+    arcs_m = [
+        0.0 if waypoint.pause_s or index == 0 else _arc_m(index, waypoints)
+        for index, waypoint in enumerate(waypoints)
+    ]
+    for index, start in enumerate(waypoints):
+        after = (index + 1) % len(waypoints)
+        leg_m = start.place.distance_m(waypoints[after].place)
+        if leg_m <= max(arcs_m[index] + arcs_m[after], _CHECKED_M):
+            raise MissionError(
+                f"the way from waypoint {index + 1} to the next is {leg_m:.2f} m, too short for its corners",
+                place=str(path),
+                remedy=f"where the robot does not pause it takes corners in arcs of {CORNER_RADIUS_M:g} m; "
+                "move them apart, or let it pause",
+            )
+
+
+def _arc_m(index: int, waypoints: Sequence[Waypoint]) -> float:
+    """How far before and after the corner at a waypoint its arc begins and ends."""
+    before, after = waypoints[index - 1].place, waypoints[(index + 1) % len(waypoints)].place
+    here = waypoints[index].place
+    turn = math.atan2(after.y_m - here.y_m, after.x_m - here.x_m) - math.atan2(
+        here.y_m - before.y_m, here.x_m - before.x_m
+    )
+    return CORNER_RADIUS_M * abs(math.tan(math.remainder(turn, math.tau) / 2))
+
+
+def _require_clear(tour: Tour, plan: FloorPlan, path: Path) -> None:
+    """Refuse a way on which the robot would touch something."""
+    radius_m = DriveModel().radius_m
+    for step in range(math.ceil(tour.route.length_m / _CHECKED_M)):
+        place = tour.route.at(step * _CHECKED_M)
+        if plan.clearance_m(place) <= radius_m:
+            raise MissionError(
+                f"the robot would touch something at {place.x_m:.1f}, {place.y_m:.1f} m",
+                place=str(path),
+                remedy="lead it around: the warehouse is on the map examples/warehouse_map.yaml",
+            )

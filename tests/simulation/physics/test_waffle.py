@@ -22,10 +22,10 @@ from simulation.physics.physical_drives import (
 )
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity
-from smarttestudo.simulation.lidar import Lidar, RayCaster
 from smarttestudo.simulation.messages import Topic
 from smarttestudo.simulation.robot import DriveModel
-from smarttestudo.simulation.route import OTHERS_NS
+from smarttestudo.simulation.sensors import Lidar, RayCaster
+from smarttestudo.simulation.steering import OTHERS_NS
 from smarttestudo.simulation.warehouse import warehouse
 
 pytestmark = pytest.mark.full

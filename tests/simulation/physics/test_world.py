@@ -12,8 +12,7 @@ from smarttestudo.domain.floor_plan import Point
 from smarttestudo.simulation.geometry import BodyVelocity
 from smarttestudo.simulation.messages import Topic
 from smarttestudo.simulation.physics.drive import RobotKind, teleop_of
-from smarttestudo.simulation.physics.people import WALKS, Walk, WalkingPerson
-from smarttestudo.simulation.physics.world_model import PersonSize
+from smarttestudo.simulation.physics.world import WALKS, PersonSize, Walk, WalkingPerson
 from smarttestudo.simulation.robot import DriveModel
 from smarttestudo.simulation.warehouse import patrol, warehouse
 

@@ -27,12 +27,18 @@ from smarttestudo.report.bag_report import Progress, ReportRequest, bag_report
 from smarttestudo.report.document import render_report
 from smarttestudo.report.run_report import Fact, RunReport
 from smarttestudo.simulation.demo import thesis
-from smarttestudo.simulation.demo.folder import MARKER, demo_folder
+from smarttestudo.simulation.demo.folder import (
+    MARKER,
+    PREDICTED,
+    RULES,
+    WITHIN,
+    DemoRules,
+    demo_folder,
+    put_rules,
+)
 from smarttestudo.simulation.demo.live import LOGS, LiveDemoRequest, record_live
-from smarttestudo.simulation.demo.mission import bytes_per_second, record_mission, route_of
-from smarttestudo.simulation.demo.rules import PREDICTED, RULES, WITHIN, DemoRules, put_rules
-from smarttestudo.simulation.route import Route
-from smarttestudo.simulation.tour import Tour
+from smarttestudo.simulation.mission import bytes_per_second, record_mission, route_of
+from smarttestudo.simulation.route import Route, Tour
 from smarttestudo.simulation.warehouse import warehouse
 
 BASELINE = "baseline"

@@ -20,8 +20,8 @@ from smarttestudo.domain.robot import Payload, Qos, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_S, grouped, ns_from_s
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.robot.output_topics import DEFAULT_OUTPUT_TOPIC
-from smarttestudo.simulation.demo.mission import DECLARED_BYTES
 from smarttestudo.simulation.messages import CAMERA_TOPICS, RobotMessages, Topic
+from smarttestudo.simulation.mission import DECLARED_BYTES
 
 _QOS = Qos(reliable=True, transient_local=False, depth=100)
 

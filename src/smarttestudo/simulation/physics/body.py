@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A robot that moves by forces, as time goes on."""
+"""A robot that moves by forces as time goes on, and its battery."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 from xml.etree.ElementTree import Element
 
@@ -14,12 +15,49 @@ from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Pose, Quaternion, Vector
 from smarttestudo.simulation.messages import Topic
-from smarttestudo.simulation.physics.engine import Engine, Floats
-from smarttestudo.simulation.physics.names import LIDAR_COVER
-from smarttestudo.simulation.physics.people import WalkingPerson
-from smarttestudo.simulation.physics.power import BatteryCharge, BatteryType
-from smarttestudo.simulation.route import Steer
+from smarttestudo.simulation.physics.engine import LIDAR_COVER, Engine, Floats
+from smarttestudo.simulation.physics.world import WalkingPerson
 from smarttestudo.simulation.schedule import Device
+from smarttestudo.simulation.steering import Steer
+
+_FULL_V_SHARE = 1.13
+_EMPTY_V_SHARE = 0.90
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatteryType:
+    """A battery: its nominal voltage, and its charge when it is full."""
+
+    nominal_v: float
+    capacity_ah: float
+
+
+class BatteryCharge:
+    """Charge left in a battery, whose voltage falls in proportion to that."""
+
+    __slots__ = ("current_a", "share", "type")
+
+    def __init__(self, battery: BatteryType, percent: float) -> None:
+        self.type = battery
+        self.share = percent / 100
+        self.current_a = 0.0
+
+    @property
+    def voltage_v(self) -> float:
+        """Between the poles now."""
+        sagging = _FULL_V_SHARE - _EMPTY_V_SHARE
+        return self.type.nominal_v * (_EMPTY_V_SHARE + sagging * self.share)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing is left."""
+        return self.share <= 0.0
+
+    def draw(self, power_w: float, dt_s: float) -> None:
+        """Take ``power_w`` for ``dt_s``."""
+        self.current_a = 0.0 if self.is_empty else power_w / self.voltage_v
+        self.share = max(0.0, self.share - self.current_a * dt_s / 3600 / self.type.capacity_ah)
+
 
 _WALK_STEPS = 10
 """People and battery move on after so many steps of the engine."""

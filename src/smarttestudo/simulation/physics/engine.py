@@ -17,7 +17,12 @@ from smarttestudo.domain.errors import TestudoError, missing_package
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import Quaternion, Vector
 from smarttestudo.simulation.messages import Pixels
-from smarttestudo.simulation.physics.names import FLOOR, HIDDEN_GROUP
+
+FLOOR = "floor"
+LIDAR_COVER = "lidar_cover"
+HIDDEN_GROUP = 4
+"""The group of geometry that neither rays nor cameras see."""
+
 
 Floats = NDArray[np.float64]
 _GL_LIBRARIES: Mapping[str, str] = {"egl": "EGL", "osmesa": "OSMesa"}

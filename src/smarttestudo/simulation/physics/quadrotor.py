@@ -14,7 +14,6 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from smarttestudo.simulation.body_sensors import GRAVITY_M_PER_S2
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Pose, Quaternion, Vector
 from smarttestudo.simulation.messages import (
     Published,
@@ -25,12 +24,11 @@ from smarttestudo.simulation.messages import (
     range_of,
     transforms,
 )
-from smarttestudo.simulation.physics.body import PhysicalBody
+from smarttestudo.simulation.physics.body import BatteryType, PhysicalBody
 from smarttestudo.simulation.physics.engine import Engine
-from smarttestudo.simulation.physics.power import BatteryType
 from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
 from smarttestudo.simulation.physics.waffle import add_camera
-from smarttestudo.simulation.physics.world_model import add_geom, numbers
+from smarttestudo.simulation.physics.world import add_geom, numbers
 from smarttestudo.simulation.robot import (
     BASE_LINK,
     CAMERA_FRAME,
@@ -40,8 +38,9 @@ from smarttestudo.simulation.robot import (
     RANGE_FRAME,
     optical_rotation,
 )
-from smarttestudo.simulation.route import Steer
 from smarttestudo.simulation.schedule import Device
+from smarttestudo.simulation.sensors import GRAVITY_M_PER_S2
+from smarttestudo.simulation.steering import Steer
 
 RANGE_MOUNT_M = 0.04
 """Of the range finder below the middle."""

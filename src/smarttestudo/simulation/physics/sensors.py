@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.simulation.body_sensors import InertialUnit
 from smarttestudo.simulation.camera import grained
 from smarttestudo.simulation.geometry import FrameTransform, Pose, Quaternion, Vector
 from smarttestudo.simulation.messages import (
@@ -26,6 +25,7 @@ from smarttestudo.simulation.messages import (
 )
 from smarttestudo.simulation.physics.body import PhysicalBody
 from smarttestudo.simulation.robot import MAP_FRAME, ODOM_FRAME
+from smarttestudo.simulation.sensors import InertialUnit
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from smarttestudo.simulation.body_sensors import Odometer, WheelEncoders
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Pose, Quaternion, Vector
-from smarttestudo.simulation.lidar import Floats, Lidar
 from smarttestudo.simulation.messages import (
     Published,
     Topic,
@@ -23,15 +21,14 @@ from smarttestudo.simulation.messages import (
     odometry,
     transforms,
 )
-from smarttestudo.simulation.physics.body import PhysicalBody
-from smarttestudo.simulation.physics.engine import Engine
-from smarttestudo.simulation.physics.names import HIDDEN_GROUP, LIDAR_COVER
-from smarttestudo.simulation.physics.power import BatteryType
+from smarttestudo.simulation.physics.body import BatteryType, PhysicalBody
+from smarttestudo.simulation.physics.engine import HIDDEN_GROUP, LIDAR_COVER, Engine
 from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
-from smarttestudo.simulation.physics.world_model import STEP_S, add_geom, numbers
+from smarttestudo.simulation.physics.world import STEP_S, add_geom, numbers
 from smarttestudo.simulation.robot import BASE_FRAME, ODOM_FRAME, DriveModel, fixed_frames, wheel_frames
-from smarttestudo.simulation.route import Steer
 from smarttestudo.simulation.schedule import Device
+from smarttestudo.simulation.sensors import Floats, Lidar, Odometer, WheelEncoders
+from smarttestudo.simulation.steering import Steer
 
 _POSE_DEVIATIONS = (0.1, 0.1, 0.0, 0.0, 0.0, 0.1)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tours: routes on which the robot pauses, turns on the spot, and is in more or less of a hurry.
+"""Steering along a way.
 
 Numbers are those that Nav2's ``nav2_params.yaml`` gives a TurtleBot3's regulated pure pursuit and velocity
 smoother, except for a smaller tolerance of the goal.
@@ -8,97 +8,78 @@ smoother, except for a smaller tolerance of the goal.
 
 from __future__ import annotations
 
-import itertools
 import math
-from bisect import bisect_right
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from typing import Generic
 
 from smarttestudo.domain.floor_plan import Point
-from smarttestudo.domain.units import ns_from_s
+from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.simulation.geometry import BodyVelocity, Pose
-from smarttestudo.simulation.robot import Body, DriveModel
-from smarttestudo.simulation.route import (
-    CRUISE_M_PER_S,
-    LOOKAHEAD_M,
-    SEARCH_M,
-    Navigator,
-    PurePursuit,
-    Route,
-    Steer,
-    towards,
-)
+from smarttestudo.simulation.messages import Published, Topic, command
+from smarttestudo.simulation.robot import Body, BodyT, DriveModel
+from smarttestudo.simulation.route import CRUISE_M_PER_S, SPACING_M, Goal, Route, Tour
 
-CORNER_RADIUS_M = 0.8
-_SPACING_M = 0.05
+LOOKAHEAD_M = 0.4
+SEARCH_M = 0.5
+_SLOW_BELOW_RADIUS_M = 0.9
+_SLOWEST_SHARE = 0.4
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Waypoint:
-    """A place, the speed on the way to it, and how long the robot pauses there; at 0 it passes by."""
+class PurePursuit:
+    """Pure pursuit (Coulter 1992), slower in tight turns as Nav2's regulated one (Macenski et al. 2023)."""
 
-    place: Point
-    speed_m_per_s: float = CRUISE_M_PER_S
-    pause_s: float = 0.0
+    __slots__ = ("_model", "_route", "travelled_m")
 
+    def __init__(self, route: Route, model: DriveModel) -> None:
+        self._route = route
+        self._model = model
+        self.travelled_m = 0.0
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Goal:
-    """The end of a leg: how far along the round it is, and what the waypoint there asks for."""
-
-    at_m: float
-    speed_m_per_s: float
-    pause_s: float
-
-
-class Tour:
-    """Rounds through waypoints, from the first one back to it; the robot begins with the pause there."""
-
-    __slots__ = ("_goals", "route")
-
-    def __init__(self, waypoints: Sequence[Waypoint]) -> None:
-        """At least three waypoints; legs must be long enough for arcs of 0.8 m where it does not pause."""
-        places = [waypoint.place for waypoint in waypoints]
-        radii_m = [0.0 if waypoint.pause_s else CORNER_RADIUS_M for waypoint in waypoints]
-        self.route = Route.from_first(places, corner_radii_m=radii_m)
-        self._goals: list[Goal] = []
-        at_m = 0.0
-        for before, waypoint in itertools.pairwise(waypoints):
-            leg_m = before.place.distance_m(waypoint.place)
-            at_m = self.route.nearest_m(waypoint.place, from_m=at_m, window_m=leg_m + _SPACING_M)
-            self._goals.append(_goal(waypoint, at_m))
-        self._goals.append(_goal(waypoints[0], self.route.length_m))
-
-    @property
-    def start(self) -> Pose:
-        """The first waypoint, heading for the second."""
-        return self.route.start
-
-    @property
-    def first_pause_s(self) -> float:
-        """How long the robot stands at the start."""
-        return self._goals[-1].pause_s
-
-    def goal_after(self, travelled_m: float) -> Goal:
-        """The end of the leg on which the robot is after so many metres, counted round after round."""
-        rounds, rest_m = divmod(travelled_m, self.route.length_m)
-        index = bisect_right([goal.at_m for goal in self._goals], rest_m)
-        goal = self._goals[min(index, len(self._goals) - 1)]
-        at_m = rounds * self.route.length_m + goal.at_m
-        return Goal(at_m=at_m, speed_m_per_s=goal.speed_m_per_s, pause_s=goal.pause_s)
-
-    def stop_after(self, travelled_m: float) -> Goal | None:
-        """The next goal with a pause, if there is one within a round."""
-        goal = self.goal_after(travelled_m)
-        for _ in self._goals:
-            if goal.pause_s:
-                return goal
-            goal = self.goal_after(goal.at_m)
-        return None
+    def command(self, body: Body) -> BodyVelocity:
+        """The velocity that brings the robot back to the route one lookahead further on."""
+        pose = body.pose
+        here = Point(pose.x_m, pose.y_m)
+        self.travelled_m = self._route.nearest_m(here, from_m=self.travelled_m, window_m=SEARCH_M)
+        goal = self._route.at(self.travelled_m + LOOKAHEAD_M)
+        return towards(goal, pose, self._model, cruise_m_per_s=CRUISE_M_PER_S)
 
 
-def _goal(waypoint: Waypoint, at_m: float) -> Goal:
-    return Goal(at_m=at_m, speed_m_per_s=waypoint.speed_m_per_s, pause_s=waypoint.pause_s)
+def towards(goal: Point, pose: Pose, model: DriveModel, *, cruise_m_per_s: float) -> BodyVelocity:
+    """The arc from ``pose`` to ``goal``, at ``cruise_m_per_s`` where it is not tight."""
+    bearing = math.atan2(goal.y_m - pose.y_m, goal.x_m - pose.x_m) - pose.yaw_rad
+    curvature_per_m = 2 * math.sin(bearing) / Point(pose.x_m, pose.y_m).distance_m(goal)
+    share = min(1.0, max(_SLOWEST_SHARE, 1 / max(abs(curvature_per_m) * _SLOW_BELOW_RADIUS_M, 1e-9)))
+    linear = min(cruise_m_per_s * share, model.max_linear_m_per_s)
+    limit = model.max_angular_rad_per_s
+    return BodyVelocity(linear, min(max(linear * curvature_per_m, -limit), limit))
+
+
+Steer = Callable[[BodyT], BodyVelocity]
+OTHERS_NS = 2 * NS_PER_S
+"""How long after a command of another publisher the robot's own navigator goes on."""
+
+
+class Navigator(Generic[BodyT]):
+    """Steers the robot and publishes what it asks of the wheels, but for two seconds after others did so."""
+
+    rate_hz = 10.0
+
+    def __init__(self, steer: Steer[BodyT]) -> None:
+        self._steer = steer
+        self._others_until_ns = 0
+
+    def obey(self, velocity: BodyVelocity, body: BodyT) -> None:
+        """Have the robot follow the command of another publisher for now."""
+        self._others_until_ns = body.now_ns + OTHERS_NS
+        body.command(velocity)
+
+    def sample(self, body: BodyT) -> Published:
+        """Command the robot anew."""
+        if body.now_ns < self._others_until_ns:
+            return []
+        velocity = self._steer(body)
+        body.command(velocity)
+        return [(Topic.CMD_VEL, command(velocity))]
 
 
 _GOAL_TOLERANCE_M = 0.05
@@ -170,7 +151,7 @@ class WaypointFollower:
         if left_m >= LOOKAHEAD_M:
             return route.at(self.travelled_m + LOOKAHEAD_M)
         end_m = self.travelled_m + left_m
-        before, end = route.at(end_m - _SPACING_M), route.at(end_m - 1e-9)
+        before, end = route.at(end_m - SPACING_M), route.at(end_m - 1e-9)
         heading_rad = math.atan2(end.y_m - before.y_m, end.x_m - before.x_m)
         return Pose(end.x_m, end.y_m, heading_rad).ahead(LOOKAHEAD_M - left_m)
 

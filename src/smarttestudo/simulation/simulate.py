@@ -15,12 +15,10 @@ from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher, Robot
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.simulation.camera import FrameSize
-from smarttestudo.simulation.demo.mission import route_of
 from smarttestudo.simulation.geometry import BodyVelocity
 from smarttestudo.simulation.messages import RobotMessages, TimedMessage, Topic, qos_of
-from smarttestudo.simulation.mission import MissionRequest, drive_mission
-from smarttestudo.simulation.physics.drive import PhysicsRequest, RobotKind, physical_robot
-from smarttestudo.simulation.physics.teleop import Teleop
+from smarttestudo.simulation.mission import MissionRequest, drive_mission, route_of
+from smarttestudo.simulation.physics.drive import PhysicsRequest, RobotKind, Teleop, physical_robot
 from smarttestudo.simulation.robot import DifferentialDrive
 from smarttestudo.simulation.schedule import DeviceSchedule
 from smarttestudo.simulation.warehouse import warehouse
