@@ -12,16 +12,16 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.geometry import Pose
 from smarttestudo.simulation.messages import TimedMessage, Topic
-from smarttestudo.simulation.mission import MissionRequest, drive_mission
-from smarttestudo.simulation.warehouse import patrol, warehouse
+from smarttestudo.simulation.mission import drive_mission
+from smarttestudo.simulation.warehouse import patrol
 
 START_NS = 1_750_000_000 * NS_PER_S
 
 
 def driven(seconds: float, *, seed: int = 1, frames: FrameSize = FrameSize.SMALL) -> list[TimedMessage]:
-    request = MissionRequest(plan=warehouse(), route=patrol(), seed=seed, start_ns=START_NS, frames=frames)
+    mission = drive_mission(patrol(), seed=seed, start_ns=START_NS, frames=frames)
     end_ns = START_NS + round(seconds * NS_PER_S)
-    return list(takewhile(lambda timed: timed.time_ns < end_ns, drive_mission(request)))
+    return list(takewhile(lambda timed: timed.time_ns < end_ns, mission))
 
 
 def of_topic(timed: list[TimedMessage], topic: Topic) -> list[Any]:

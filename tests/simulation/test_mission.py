@@ -9,8 +9,8 @@ import pytest
 from simulation.missions import START_NS, driven, of_topic, stamp_ns
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.messages import TimedMessage, Topic
-from smarttestudo.simulation.mission import MissionRequest, drive_mission
-from smarttestudo.simulation.warehouse import patrol, warehouse
+from smarttestudo.simulation.mission import drive_mission
+from smarttestudo.simulation.warehouse import patrol
 
 RATES_HZ = {
     Topic.CMD_VEL: 10,
@@ -87,7 +87,7 @@ def test_a_longer_mission_begins_as_a_shorter_one() -> None:
 
 
 def test_a_mission_is_computed_as_it_is_taken_and_never_ends() -> None:
-    mission = drive_mission(MissionRequest(plan=warehouse(), route=patrol(), seed=0, start_ns=START_NS))
+    mission = drive_mission(patrol(), seed=0, start_ns=START_NS)
 
     taken = list(islice(mission, 5))
 

@@ -16,7 +16,7 @@ from smarttestudo.domain.errors import MissionError
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.messages import Topic
-from smarttestudo.simulation.mission import MissionRequest, drive_mission
+from smarttestudo.simulation.mission import drive_mission
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
 from smarttestudo.simulation.route import Tour, Waypoint, load_mission
 from smarttestudo.simulation.steering import WaypointFollower
@@ -106,9 +106,10 @@ def test_speeds_change_as_fast_as_the_wheels_can_at_most(moments: list[Moment]) 
 
 def test_commands_change_by_what_the_velocity_smoother_allows() -> None:
     tour = load_mission(ERRANDS, warehouse())
-    request = MissionRequest(plan=warehouse(), route=tour, seed=1, start_ns=START_NS)
     end_ns = START_NS + 60 * NS_PER_S
-    timed = list(takewhile(lambda reading: reading.time_ns < end_ns, drive_mission(request)))
+    timed = list(
+        takewhile(lambda reading: reading.time_ns < end_ns, drive_mission(tour, seed=1, start_ns=START_NS))
+    )
     commands = of_topic(timed, Topic.CMD_VEL)
 
     assert len(commands) == pytest.approx(600, abs=2)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from smarttestudo.domain.floor_plan import FloorPlan, Obstacle, ObstacleKind, Point, Rectangle
-from smarttestudo.simulation.camera import FrameSize, Viewpoint, raspberry_pi_lens, render
+from smarttestudo.domain.floor_plan import FloorPlan, Obstacle, ObstacleKind, Rectangle
+from smarttestudo.simulation.camera import FrameSize, raspberry_pi_lens, render
+from smarttestudo.simulation.geometry import Pose
 from smarttestudo.simulation.sensors import RayCaster
 
 
@@ -15,10 +16,8 @@ def _view(distance_m: float) -> np.ndarray:
     plan = FloorPlan(
         obstacles=(Obstacle(kind=ObstacleKind.RACK, footprint=rack, height_m=0.5),),
     )
-    viewpoint = Viewpoint(place=Point(0.0, 0.0), yaw_rad=0.0, height_m=0.1)
-    return render(
-        plan, RayCaster(plan), viewpoint, raspberry_pi_lens(FrameSize.FULL), np.random.default_rng(0)
-    )
+    lens = raspberry_pi_lens(FrameSize.FULL)
+    return render(RayCaster(plan), Pose(0.0, 0.0, 0.0), 0.1, lens, np.random.default_rng(0))
 
 
 def _is_blue(pixels: np.ndarray) -> np.ndarray:

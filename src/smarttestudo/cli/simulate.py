@@ -76,11 +76,11 @@ def _drive(
 def _drive_with_physics(
     arguments: argparse.Namespace, frames: FrameSize, robot: Robot, stopped: Callable[[], bool]
 ) -> None:
-    from smarttestudo.simulation.physics.drive import RobotKind, teleop_of  # noqa: PLC0415  see run
+    from smarttestudo.simulation.physics.drive import RobotKind, Teleop  # noqa: PLC0415  see run
     from smarttestudo.simulation.simulate import SimulatePhysicsRequest, simulate_physics  # noqa: PLC0415
 
     kind = RobotKind(arguments.robot or RobotKind.WAFFLE.value)
-    teleop = teleop_of(kind) if arguments.teleop else None
+    teleop = Teleop(kind) if arguments.teleop else None
     # A process in the background that asks for keys is stopped.
     with nullcontext(str) if teleop is None else key_presses() as keys:
         if teleop is not None:

@@ -4,16 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarttestudo.domain.floor_plan import FloorPlan, ObstacleKind, Point
-from smarttestudo.simulation.geometry import Lens
+from smarttestudo.domain.floor_plan import ObstacleKind
+from smarttestudo.simulation.geometry import Lens, Pose
 from smarttestudo.simulation.messages import (
     Pixels,
     Published,
@@ -31,21 +30,17 @@ _FADING_M = 15.0
 _CEILING = (70.0, 74.0, 82.0)
 _FLOOR = (150.0, 148.0, 142.0)
 _GRAIN = 6
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Viewpoint:
-    """Where a level camera stands and looks."""
-
-    place: Point
-    yaw_rad: float
-    height_m: float
+_COLOURS: Mapping[ObstacleKind, tuple[float, float, float]] = {
+    ObstacleKind.WALL: (214.0, 208.0, 196.0),
+    ObstacleKind.RACK: (38.0, 96.0, 170.0),
+    ObstacleKind.UPRIGHT: (236.0, 176.0, 32.0),
+}
 
 
 def render(
-    plan: FloorPlan, caster: RayCaster, viewpoint: Viewpoint, lens: Lens, noise: np.random.Generator
+    caster: RayCaster, camera: Pose, height_m: float, lens: Lens, noise: np.random.Generator
 ) -> Pixels:
-    """The image that ``lens`` gives of ``plan``, height × width × RGB, with the grain of a sensor.
+    """The image of a level ``camera``, height × width × RGB, with the grain of a sensor.
 
     One ray a column finds the obstacle; its height over its distance gives the rows that it covers.
     """
@@ -53,16 +48,17 @@ def render(
     focal_px = lens.focal_px / lens.binning
     slopes = (width / 2 - 0.5 - np.arange(width)) / focal_px
     angles = np.arctan(slopes)
-    hits = caster.cast(viewpoint.place, viewpoint.yaw_rad + angles, range_m=_SIGHT_M)
+    obstacles = caster.plan.obstacles
+    hits = caster.cast(camera.place, camera.yaw_rad + angles, range_m=_SIGHT_M)
     depths_m = hits.distances_m * np.cos(angles)
-    heights_m = np.array([obstacle.height_m for obstacle in plan.obstacles])[hits.obstacles]
-    colours = np.array([_colour(obstacle.kind) for obstacle in plan.obstacles])[hits.obstacles]
+    heights_m = np.array([obstacle.height_m for obstacle in obstacles])[hits.obstacles]
+    colours = np.array([_COLOURS[obstacle.kind] for obstacle in obstacles])[hits.obstacles]
 
     below_horizon_px = np.arange(height) + 0.5 - height / 2
-    top_px = -focal_px * (heights_m - viewpoint.height_m) / depths_m
-    foot_px = focal_px * viewpoint.height_m / depths_m
+    top_px = -focal_px * (heights_m - height_m) / depths_m
+    foot_px = focal_px * height_m / depths_m
     with np.errstate(divide="ignore"):
-        floor_m = np.abs(focal_px * viewpoint.height_m / below_horizon_px)
+        floor_m = np.abs(focal_px * height_m / below_horizon_px)
     background = np.where((below_horizon_px < 0)[:, None], _CEILING, _faded(np.array(_FLOOR), floor_m))
     covered = (below_horizon_px[:, None] >= top_px) & (below_horizon_px[:, None] < foot_px)
     scene = np.where(covered[..., None], _faded(colours, depths_m), background[:, None, :])
@@ -79,16 +75,6 @@ def grained(scene: NDArray[np.generic], noise: np.random.Generator) -> Pixels:
 def _faded(colours: Floats, distances_m: Floats) -> Floats:
     """Colours, darker with distance."""
     return colours * (1 / (1 + distances_m / _FADING_M))[:, None]
-
-
-def _colour(kind: ObstacleKind) -> tuple[float, float, float]:
-    match kind:
-        case ObstacleKind.WALL:
-            return (214.0, 208.0, 196.0)
-        case ObstacleKind.RACK:
-            return (38.0, 96.0, 170.0)
-        case ObstacleKind.UPRIGHT:
-            return (236.0, 176.0, 32.0)
 
 
 _WIDTH = 1920
@@ -154,16 +140,13 @@ class Camera(Generic[BodyT]):
 
 
 def drawn_view(
-    plan: FloorPlan, caster: RayCaster, lens: Lens, noise: np.random.Generator
+    caster: RayCaster, lens: Lens, noise: np.random.Generator
 ) -> Callable[[DifferentialDrive], Pixels]:
-    """Function that draws the robot's view of ``plan``."""
+    """Function that draws what the robot sees."""
 
     def look(drive: DifferentialDrive) -> Pixels:
-        viewpoint = Viewpoint(
-            place=drive.pose.ahead(drive.model.camera_x_m),
-            yaw_rad=drive.pose.yaw_rad,
-            height_m=drive.model.camera_height_m,
-        )
-        return render(plan, caster, viewpoint, lens, noise)
+        place = drive.pose.ahead(drive.model.camera_x_m)
+        camera = Pose(place.x_m, place.y_m, drive.pose.yaw_rad)
+        return render(caster, camera, drive.model.camera_height_m, lens, noise)
 
     return look

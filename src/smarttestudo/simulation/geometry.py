@@ -18,11 +18,21 @@ class Pose:
     y_m: float
     yaw_rad: float
 
+    @property
+    def place(self) -> Point:
+        """The place alone."""
+        return Point(self.x_m, self.y_m)
+
     def ahead(self, forward_m: float) -> Point:
         """The place ``forward_m`` metres in front of this pose (behind it where negative)."""
         return Point(
             self.x_m + forward_m * math.cos(self.yaw_rad), self.y_m + forward_m * math.sin(self.yaw_rad)
         )
+
+
+def clamped(value: float, limit: float) -> float:
+    """The nearest number that is at most ``limit`` away from 0."""
+    return min(max(value, -limit), limit)
 
 
 @dataclass(frozen=True, slots=True)

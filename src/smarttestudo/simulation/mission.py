@@ -4,14 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from smarttestudo.bags.writer import create_recording
-from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.simulation.camera import FULL_JPEG_BYTES, Camera, FrameSize, drawn_view, raspberry_pi_lens
 from smarttestudo.simulation.messages import RobotMessages, Topic
@@ -32,55 +30,38 @@ from smarttestudo.simulation.steering import Navigator, steering
 from smarttestudo.simulation.warehouse import patrol, warehouse
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MissionRequest:
-    """Request for a mission: where to drive, along a route without a stop, or on a tour.
+def drive_mission(
+    route: Route | Tour, *, seed: int, start_ns: int, frames: FrameSize = FrameSize.SMALL
+) -> DeviceSchedule[DifferentialDrive]:
+    """All messages of a robot that starts at ``start_ns``, by arrival time: it drives round after round.
 
-    ``start_ns`` is the time at which the mission starts, ``seed`` fixes every noise.
+    ``seed`` fixes every noise; each device has its own, so that none depends on another.
     """
-
-    plan: FloorPlan
-    route: Route | Tour
-    seed: int
-    start_ns: int
-    frames: FrameSize = FrameSize.SMALL
-
-
-def drive_mission(request: MissionRequest) -> DeviceSchedule[DifferentialDrive]:
-    """All messages of a robot that starts now, by arrival time: it drives round after round."""
-    model = DriveModel()
-    drive = DifferentialDrive(model, pose=request.route.start, now_ns=request.start_ns)
+    model, plan = DriveModel(), warehouse()
+    noises = [np.random.default_rng([seed, index, 0]) for index in range(4)]
+    caster = RayCaster(plan)
+    devices: list[Device[DifferentialDrive]] = [
+        Navigator(steering(route, model)),
+        Odometer(noises[0]),
+        InertialUnit(noises[1]),
+        WheelEncoders(),
+        Lidar(level_cast(caster), noises[2]),
+        OdometryFrame(),
+        Camera(drawn_view(caster, raspberry_pi_lens(frames), noises[3]), frames),
+        WheelFrames(),
+    ]
     return DeviceSchedule(
-        drive,
-        _devices(request, model),
-        seed=request.seed,
+        DifferentialDrive(model, pose=route.start, now_ns=start_ns),
+        devices,
+        seed=seed,
         fixed_frames=fixed_frames(model),
         # A frame is sampled when its sensor is, and so has its stamp.
         together=((OdometryFrame, Odometer), (WheelFrames, WheelEncoders)),
     )
 
 
-def _devices(request: MissionRequest, model: DriveModel) -> Sequence[Device[DifferentialDrive]]:
-    """Devices that the robot carries; each has noise of its own, so that none depends on another."""
-    noises = [np.random.default_rng([request.seed, index, 0]) for index in range(4)]
-    caster = RayCaster(request.plan)
-    return (
-        Navigator(steering(request.route, model)),
-        Odometer(noises[0]),
-        InertialUnit(noises[1]),
-        WheelEncoders(),
-        Lidar(level_cast(caster), noises[2]),
-        OdometryFrame(),
-        Camera(
-            drawn_view(request.plan, caster, raspberry_pi_lens(request.frames), noises[3]), request.frames
-        ),
-        WheelFrames(),
-    )
-
-
 START_NS = 1_767_600_000 * NS_PER_S
-IMAGE_BYTES = 6_220_872
-DECLARED_BYTES = {Topic.IMAGE.value: IMAGE_BYTES, Topic.COMPRESSED_IMAGE.value: FULL_JPEG_BYTES}
+DECLARED_BYTES = {Topic.IMAGE.value: 6_220_872, Topic.COMPRESSED_IMAGE.value: FULL_JPEG_BYTES}
 _MESSAGES_PER_REPORT = 1000
 _SMALL_BYTES_PER_S = 500_000
 _FULL_BYTES_PER_S = 216_000_000
@@ -113,14 +94,14 @@ def record_mission(
         RecordingError: the recording cannot be written.
     """
     frames = FrameSize.FULL if full_images else FrameSize.SMALL
-    request = MissionRequest(plan=warehouse(), route=route, seed=seed, start_ns=START_NS, frames=frames)
+    mission = drive_mission(route, seed=seed, start_ns=START_NS, frames=frames)
     messages = RobotMessages()
     duration_ns = ns_from_s(seconds)
     declared_bytes = {} if full_images else DECLARED_BYTES
     with create_recording(path, declared_bytes=declared_bytes) as recording:
         for channel in messages.channels.values():
             recording.add(channel)
-        for count, timed in enumerate(drive_mission(request)):
+        for count, timed in enumerate(mission):
             elapsed_ns = timed.time_ns - START_NS
             if elapsed_ns >= duration_ns:
                 break

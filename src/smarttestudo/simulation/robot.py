@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Pose, Quaternion, Vector
+from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Pose, Quaternion, Vector, clamped
 
 MAP_FRAME = "map"
 ODOM_FRAME = "odom"
@@ -147,24 +147,18 @@ class DifferentialDrive:
     def _step(self, dt_s: float) -> None:
         """Second-order Runge-Kutta: the mean speeds of the step along its middle heading."""
         limit = self.model.wheel_acceleration_m_per_s2 * dt_s
-        left, right = self.rim_m_per_s
-        change_left = min(max(self._target[0] - left, -limit), limit)
-        change_right = min(max(self._target[1] - right, -limit), limit)
-        rolled_left_m = (left + change_left / 2) * dt_s
-        rolled_right_m = (right + change_right / 2) * dt_s
-        forward_m = (rolled_left_m + rolled_right_m) / 2
-        turn_rad = (rolled_right_m - rolled_left_m) / self.model.wheel_separation_m
-        pose = self.pose
-        middle_rad = pose.yaw_rad + turn_rad / 2
-        self.pose = Pose(
-            pose.x_m + forward_m * math.cos(middle_rad),
-            pose.y_m + forward_m * math.sin(middle_rad),
-            pose.yaw_rad + turn_rad,
-        )
+        speeds = self.rim_m_per_s
+        changes = [clamped(target - speed, limit) for target, speed in zip(self._target, speeds, strict=True)]
+        left_m, right_m = ((speed + change / 2) * dt_s for speed, change in zip(speeds, changes, strict=True))
+        self.pose = rolled(self.pose, left_m, right_m, self.model.wheel_separation_m)
         radius_m = self.model.wheel_radius_m
-        self.angles_rad = (
-            self.angles_rad[0] + rolled_left_m / radius_m,
-            self.angles_rad[1] + rolled_right_m / radius_m,
-        )
-        self.rim_m_per_s = (left + change_left, right + change_right)
-        self.rim_m_per_s2 = (change_left / dt_s, change_right / dt_s)
+        self.angles_rad = (self.angles_rad[0] + left_m / radius_m, self.angles_rad[1] + right_m / radius_m)
+        self.rim_m_per_s = (speeds[0] + changes[0], speeds[1] + changes[1])
+        self.rim_m_per_s2 = (changes[0] / dt_s, changes[1] / dt_s)
+
+
+def rolled(pose: Pose, left_m: float, right_m: float, separation_m: float) -> Pose:
+    """Where two wheels bring a robot that roll so far, along its middle heading."""
+    turn_rad = (right_m - left_m) / separation_m
+    middle = Pose(pose.x_m, pose.y_m, pose.yaw_rad + turn_rad / 2).ahead((left_m + right_m) / 2)
+    return Pose(middle.x_m, middle.y_m, pose.yaw_rad + turn_rad)

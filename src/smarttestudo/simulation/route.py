@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from pathlib import Path
 
@@ -38,16 +38,9 @@ class Route:
 
         It starts in the middle of the first line. Lines must be long enough for the arcs at both ends.
         """
-        count = len(waypoints)
-        points = [_between(waypoints[0], waypoints[1], 0.5)]
-        for index in range(1, count + 1):
-            before, corner, after = (
-                waypoints[index - 1],
-                waypoints[index % count],
-                waypoints[(index + 1) % count],
-            )
-            points += _arc(before, corner, after, corner_radius_m)
-        return Route(points)
+        middle = _between(waypoints[0], waypoints[1], 0.5)
+        corners = (*waypoints[1:], waypoints[0])
+        return Route.from_first((middle, *corners), corner_radii_m=(0.0, *(corner_radius_m for _ in corners)))
 
     @staticmethod
     def from_first(waypoints: Sequence[Point], *, corner_radii_m: Sequence[float]) -> Route:
@@ -56,13 +49,10 @@ class Route:
         Each corner is an arc of its radius; 0 leaves it a corner, as the first one always is.
         """
         points = [waypoints[0]]
-        for index in range(1, len(waypoints)):
-            before, corner, after = (
-                waypoints[index - 1],
-                waypoints[index],
-                waypoints[(index + 1) % len(waypoints)],
-            )
-            radius_m = corner_radii_m[index]
+        corners = zip(
+            waypoints, waypoints[1:], (*waypoints[2:], waypoints[0]), corner_radii_m[1:], strict=False
+        )
+        for before, corner, after, radius_m in corners:
             points += _arc(before, corner, after, radius_m) if radius_m else (corner,)
         return Route(points)
 
@@ -159,8 +149,7 @@ class Tour:
         rounds, rest_m = divmod(travelled_m, self.route.length_m)
         index = bisect_right([goal.at_m for goal in self._goals], rest_m)
         goal = self._goals[min(index, len(self._goals) - 1)]
-        at_m = rounds * self.route.length_m + goal.at_m
-        return Goal(at_m=at_m, speed_m_per_s=goal.speed_m_per_s, pause_s=goal.pause_s)
+        return replace(goal, at_m=rounds * self.route.length_m + goal.at_m)
 
     def stop_after(self, travelled_m: float) -> Goal | None:
         """The next goal with a pause, if there is one within a round."""

@@ -126,9 +126,8 @@ class Hits:
 class RayCaster:
     """Casts rays against the sides of every obstacle of a floor plan."""
 
-    __slots__ = ("_obstacles", "_sides_m", "_starts_m")
-
     def __init__(self, plan: FloorPlan) -> None:
+        self.plan = plan
         corners = np.array(
             [[(c.x_m, c.y_m) for c in obstacle.footprint.corners] for obstacle in plan.obstacles]
         )

@@ -17,11 +17,9 @@ from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.geometry import BodyVelocity
 from smarttestudo.simulation.messages import RobotMessages, TimedMessage, Topic, qos_of
-from smarttestudo.simulation.mission import MissionRequest, drive_mission, route_of
-from smarttestudo.simulation.physics.drive import PhysicsRequest, RobotKind, Teleop, physical_robot
-from smarttestudo.simulation.robot import DifferentialDrive
+from smarttestudo.simulation.mission import drive_mission, route_of
+from smarttestudo.simulation.physics.drive import RobotKind, Teleop, physical_robot
 from smarttestudo.simulation.schedule import DeviceSchedule
-from smarttestudo.simulation.warehouse import warehouse
 
 _LONGEST_WAIT_S = 0.05
 _REMEMBERED = 50
@@ -78,14 +76,10 @@ def simulate(request: SimulateRequest, robot: Robot, stopped: Callable[[], bool]
     node = _RobotNode(robot, RobotMessages(), request, "this machine slept, or is too slow for the camera")
     node.greet(request.way)
 
-    def start(start_ns: int) -> DeviceSchedule[DifferentialDrive]:
-        return drive_mission(
-            MissionRequest(
-                plan=warehouse(), route=route, seed=request.seed, start_ns=start_ns, frames=request.frames
-            )
-        )
-
-    node.drive(start, stopped)
+    node.drive(
+        lambda start_ns: drive_mission(route, seed=request.seed, start_ns=start_ns, frames=request.frames),
+        stopped,
+    )
 
 
 def simulate_physics(request: SimulatePhysicsRequest, robot: Robot, stopped: Callable[[], bool]) -> None:
@@ -96,17 +90,16 @@ def simulate_physics(request: SimulatePhysicsRequest, robot: Robot, stopped: Cal
         PhysicsError: it does not load.
         MissionError: the mission cannot be read or driven.
     """
-    physics = PhysicsRequest(
-        plan=warehouse(),
-        route=route_of(request.mission),
-        kind=request.kind,
+    driven = physical_robot(
+        request.kind,
+        route_of(request.mission),
         seed=request.seed,
         frames=request.frames,
         battery_percent=request.battery_percent,
         cover_s=request.cover_s,
         steer=None if request.teleop is None else request.teleop.command,
     )
-    with physical_robot(physics) as physical:
+    with driven as physical:
         has_range_variance = Topic.RANGE in physical.topics and "variance" in robot.definition(_RANGE)
         messages = RobotMessages(physical.topics, has_range_variance=has_range_variance)
         why = "this machine is too slow for its physics or its camera"

@@ -14,7 +14,7 @@ from typing import Generic
 
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
-from smarttestudo.simulation.geometry import BodyVelocity, Pose
+from smarttestudo.simulation.geometry import BodyVelocity, Pose, clamped
 from smarttestudo.simulation.messages import Published, Topic, command
 from smarttestudo.simulation.robot import Body, BodyT, DriveModel
 from smarttestudo.simulation.route import CRUISE_M_PER_S, SPACING_M, Goal, Route, Tour
@@ -37,21 +37,19 @@ class PurePursuit:
 
     def command(self, body: Body) -> BodyVelocity:
         """The velocity that brings the robot back to the route one lookahead further on."""
-        pose = body.pose
-        here = Point(pose.x_m, pose.y_m)
-        self.travelled_m = self._route.nearest_m(here, from_m=self.travelled_m, window_m=SEARCH_M)
+        place = body.pose.place
+        self.travelled_m = self._route.nearest_m(place, from_m=self.travelled_m, window_m=SEARCH_M)
         goal = self._route.at(self.travelled_m + LOOKAHEAD_M)
-        return towards(goal, pose, self._model, cruise_m_per_s=CRUISE_M_PER_S)
+        return towards(goal, body.pose, self._model, cruise_m_per_s=CRUISE_M_PER_S)
 
 
 def towards(goal: Point, pose: Pose, model: DriveModel, *, cruise_m_per_s: float) -> BodyVelocity:
     """The arc from ``pose`` to ``goal``, at ``cruise_m_per_s`` where it is not tight."""
     bearing = math.atan2(goal.y_m - pose.y_m, goal.x_m - pose.x_m) - pose.yaw_rad
-    curvature_per_m = 2 * math.sin(bearing) / Point(pose.x_m, pose.y_m).distance_m(goal)
+    curvature_per_m = 2 * math.sin(bearing) / pose.place.distance_m(goal)
     share = min(1.0, max(_SLOWEST_SHARE, 1 / max(abs(curvature_per_m) * _SLOW_BELOW_RADIUS_M, 1e-9)))
     linear = min(cruise_m_per_s * share, model.max_linear_m_per_s)
-    limit = model.max_angular_rad_per_s
-    return BodyVelocity(linear, min(max(linear * curvature_per_m, -limit), limit))
+    return BodyVelocity(linear, clamped(linear * curvature_per_m, model.max_angular_rad_per_s))
 
 
 Steer = Callable[[BodyT], BodyVelocity]
@@ -139,9 +137,8 @@ class WaypointFollower:
     def _advance(self, pose: Pose, stop: Goal | None) -> float:
         """Find the robot on the route; how many metres are left to the stop."""
         left_m = math.inf if stop is None else stop.at_m - self.travelled_m
-        here = Point(pose.x_m, pose.y_m)
         self.travelled_m = self._tour.route.nearest_m(
-            here, from_m=self.travelled_m, window_m=min(SEARCH_M, left_m)
+            pose.place, from_m=self.travelled_m, window_m=min(SEARCH_M, left_m)
         )
         return math.inf if stop is None else stop.at_m - self.travelled_m
 

@@ -13,16 +13,15 @@ from typing import Any
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import Vector
 from smarttestudo.simulation.messages import TimedMessage, Topic
-from smarttestudo.simulation.physics.drive import PhysicalRobot, PhysicsRequest, RobotKind, physical_robot
-from smarttestudo.simulation.warehouse import patrol, warehouse
+from smarttestudo.simulation.physics.drive import PhysicalRobot, RobotKind, physical_robot
+from smarttestudo.simulation.warehouse import patrol
 
 START_NS = 1_750_000_000 * NS_PER_S
 
 
 @contextmanager
 def robot_of(kind: RobotKind = RobotKind.WAFFLE, **options: Any) -> Iterator[PhysicalRobot]:
-    request = PhysicsRequest(plan=warehouse(), route=patrol(), kind=kind, **{"seed": 1, **options})
-    with physical_robot(request) as robot:
+    with physical_robot(kind, patrol(), **{"seed": 1, **options}) as robot:
         yield robot
 
 

@@ -11,27 +11,26 @@ from simulation.physics.physical_drives import START_NS, robot_of, until
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.simulation.geometry import BodyVelocity
 from smarttestudo.simulation.messages import Topic
-from smarttestudo.simulation.physics.drive import RobotKind, teleop_of
-from smarttestudo.simulation.physics.world import WALKS, PersonSize, Walk, WalkingPerson
+from smarttestudo.simulation.physics.drive import RobotKind, Teleop
+from smarttestudo.simulation.physics.world import PERSON_RADIUS_M, WalkingPerson, people
 from smarttestudo.simulation.robot import DriveModel
 from smarttestudo.simulation.warehouse import patrol, warehouse
 
 FAR = Point(-100.0, 0.0)
 
 
-@pytest.mark.parametrize("walk", WALKS)
-def test_people_walk_clear_of_everything_and_of_the_patrol(walk: Walk) -> None:
-    person, radius_m = WalkingPerson(walk), PersonSize().radius_m
-    robot_m = DriveModel().radius_m
+@pytest.mark.parametrize("number", range(len(people())))
+def test_people_walk_clear_of_everything_and_of_the_patrol(number: int) -> None:
+    person, radius_m, robot_m = people()[number], PERSON_RADIUS_M, DriveModel().radius_m
     for _ in range(400):
         person.walk(0.1, FAR)
-        place = Point(person.pose.x_m, person.pose.y_m)
+        place = person.pose.place
         assert warehouse().clearance_m(place) > radius_m + 0.1
         assert min(place.distance_m(point) for point in patrol().points) > radius_m + robot_m + 0.2
 
 
 def test_a_person_waits_for_a_robot_ahead_and_goes_on_without_it() -> None:
-    person = WalkingPerson(Walk(start=Point(0.0, 0.0), end=Point(5.0, 0.0), speed_m_per_s=1.0))
+    person = WalkingPerson(start=Point(0.0, 0.0), end=Point(5.0, 0.0), speed_m_per_s=1.0)
     person.walk(1.0, Point(1.5, 0.2))
     assert person.pose.x_m == pytest.approx(1.0)
     person.walk(1.0, Point(1.5, 0.2))
@@ -56,7 +55,7 @@ def test_the_camera_sees_the_warehouse() -> None:
 
 
 def test_keys_step_stop_and_end_at_the_robots_speed() -> None:
-    teleop = teleop_of(RobotKind.WAFFLE)
+    teleop = Teleop(RobotKind.WAFFLE)
     teleop.press("wwa")
     assert teleop.velocity == BodyVelocity(0.1, 0.2)
     teleop.press("rW?d")
@@ -70,6 +69,6 @@ def test_keys_step_stop_and_end_at_the_robots_speed() -> None:
 
 
 def test_only_what_flies_climbs() -> None:
-    teleop = teleop_of(RobotKind.QUADROTOR)
+    teleop = Teleop(RobotKind.QUADROTOR)
     teleop.press("rrf")
     assert teleop.velocity == BodyVelocity(0.0, 0.0, climb_m_per_s=0.1)

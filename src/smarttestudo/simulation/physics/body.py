@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Pose, Quaternion, Vector
+from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Pose, Vector
 from smarttestudo.simulation.messages import Topic
 from smarttestudo.simulation.physics.engine import LIDAR_COVER, Engine, Floats
 from smarttestudo.simulation.physics.world import WalkingPerson
@@ -63,46 +63,45 @@ _WALK_STEPS = 10
 """People and battery move on after so many steps of the engine."""
 
 
-class Machine(Protocol):
+class Machine(ABC):
     """The parts of a robot, what drives them, and the sensors that only this robot has."""
 
-    @property
-    def actuator_count(self) -> int:
-        """How many motors it has."""
+    most: BodyVelocity
+    """As fast as it goes."""
+    actuator_count: int
+    battery: BatteryType
+    own_topics: tuple[Topic, ...]
+    fixed_frames: tuple[FrameTransform, ...]
 
-    @property
-    def battery(self) -> BatteryType:
-        """The battery that it carries."""
-
-    @property
-    def own_topics(self) -> tuple[Topic, ...]:
-        """Topics that not all robots with physics have."""
-
-    @property
-    def fixed_frames(self) -> tuple[FrameTransform, ...]:
-        """Frames that never move against their parent."""
-
-    def devices(self, start: Pose, noises: Sequence[np.random.Generator]) -> list[Device[PhysicalBody]]:
+    @abstractmethod
+    def devices(self, noises: Sequence[np.random.Generator]) -> list[Device[PhysicalBody]]:
         """Sensors of its own, each with noise of its own."""
 
+    @abstractmethod
     def keeping_height(self, steer: Steer[PhysicalBody]) -> Steer[PhysicalBody]:
         """``steer``, which knows the floor only, for this robot."""
 
-    def body(self, start: Pose, lens: Lens) -> Element:
-        """The robot at ``start`` as MJCF."""
+    @abstractmethod
+    def body(self, lens: Lens) -> Element:
+        """The robot at its start as MJCF."""
 
+    @abstractmethod
     def actuators(self) -> Element:
         """Its motors as MJCF."""
 
+    @abstractmethod
     def command(self, velocity: BodyVelocity) -> None:
         """Make for ``velocity`` from now on."""
 
+    @abstractmethod
     def rest(self) -> None:
         """Come to rest: the battery is empty."""
 
+    @abstractmethod
     def controls(self, engine: Engine) -> Sequence[float]:
         """Controls of the motors for the next step."""
 
+    @abstractmethod
     def power_w(self, engine: Engine) -> float:
         """Power that it takes from its battery now."""
 
@@ -151,7 +150,6 @@ class PhysicalBody:
         self.now_ns = now_ns
 
     def skip(self, lost_ns: int) -> None:
-        """Let ``lost_ns`` pass in which nothing moves."""
         self._epoch_ns += lost_ns
         self.now_ns += lost_ns
 
@@ -175,9 +173,7 @@ class PhysicalBody:
         position = self.engine.position
         for number, person in enumerate(self._walkers):
             person.walk(dt_s, Point(position.x, position.y))
-            pose = person.pose
-            place = Vector(pose.x_m, pose.y_m, 0.0)
-            self.engine.place(number, place, Quaternion.from_yaw(pose.yaw_rad))
+            self.engine.place(number, person.pose)
         self.battery.draw(self.machine.power_w(self.engine), dt_s)
         if self.battery.is_empty:
             self.machine.rest()

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -13,7 +13,7 @@ import numpy as np
 
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.simulation.camera import Camera, FrameSize, raspberry_pi_lens
-from smarttestudo.simulation.geometry import BodyVelocity, Lens, Pose
+from smarttestudo.simulation.geometry import BodyVelocity, Lens, Pose, clamped
 from smarttestudo.simulation.messages import CAMERA_TOPICS, Topic
 from smarttestudo.simulation.physics.body import BatteryCharge, Machine, PhysicalBody
 from smarttestudo.simulation.physics.engine import Engine, PhysicsError
@@ -25,32 +25,50 @@ from smarttestudo.simulation.robot import DriveModel
 from smarttestudo.simulation.route import Route, Tour
 from smarttestudo.simulation.schedule import Device, DeviceSchedule
 from smarttestudo.simulation.steering import Navigator, Steer, steering
+from smarttestudo.simulation.warehouse import warehouse
 
-LINEAR_STEP_M_PER_S = 0.05
-ANGULAR_STEP_RAD_PER_S = 0.2
-CLIMB_STEP_M_PER_S = 0.1
+
+class RobotKind(Enum):
+    """The robots with physics."""
+
+    WAFFLE = "waffle"
+    QUADROTOR = "quadrotor"
+
+
+_MACHINES: Mapping[RobotKind, type[Waffle | Quadrotor]] = {
+    RobotKind.WAFFLE: Waffle,
+    RobotKind.QUADROTOR: Quadrotor,
+}
 DRIVING_KEYS = "w/x: faster, slower or back; a/d: turn left, right; s or space: stop; Ctrl-C: end"
 FLYING_KEYS = f"r/f: climb, sink; {DRIVING_KEYS}"
+_STEPS = {
+    "w": ("linear_m_per_s", 0.05),
+    "x": ("linear_m_per_s", -0.05),
+    "a": ("angular_rad_per_s", 0.2),
+    "d": ("angular_rad_per_s", -0.2),
+    "r": ("climb_m_per_s", 0.1),
+    "f": ("climb_m_per_s", -0.1),
+}
 
 
 class Teleop:
-    """The velocity that the keys pressed so far ask for; each press is a step."""
+    """The velocity that keys ask for, up to the speed of the robot; each press is a step."""
 
-    def __init__(self, *, can_fly: bool, most: BodyVelocity) -> None:
-        """``most`` is as fast as the robot goes."""
-        self._can_fly = can_fly
-        self._most = most
+    def __init__(self, kind: RobotKind) -> None:
+        self._most = _MACHINES[kind].most
+        self._can_fly = self._most.climb_m_per_s > 0
+        self.keys = FLYING_KEYS if self._can_fly else DRIVING_KEYS
         self.velocity = BodyVelocity(0.0, 0.0)
-
-    @property
-    def keys(self) -> str:
-        """Keys, and what each does."""
-        return FLYING_KEYS if self._can_fly else DRIVING_KEYS
 
     def press(self, keys: str) -> None:
         """Take ``keys`` in order; unknown ones mean nothing."""
-        for key in keys:
-            self._press(key.lower())
+        for key in keys.lower():
+            if key in "s ":
+                self.velocity = BodyVelocity(0.0, 0.0)
+            elif key in _STEPS:
+                field, step = _STEPS[key]
+                value = clamped(getattr(self.velocity, field) + step, getattr(self._most, field))
+                self.velocity = replace(self.velocity, **{field: round(value, 6)})
 
     @property
     def description(self) -> str:
@@ -63,35 +81,6 @@ class Teleop:
         """The velocity to make for now."""
         return self.velocity
 
-    def _press(self, key: str) -> None:
-        now, most = self.velocity, self._most
-        match key:
-            case "w" | "x":
-                step = LINEAR_STEP_M_PER_S if key == "w" else -LINEAR_STEP_M_PER_S
-                linear = _stepped(now.linear_m_per_s, step, most.linear_m_per_s)
-                self.velocity = replace(now, linear_m_per_s=linear)
-            case "a" | "d":
-                step = ANGULAR_STEP_RAD_PER_S if key == "a" else -ANGULAR_STEP_RAD_PER_S
-                angular = _stepped(now.angular_rad_per_s, step, most.angular_rad_per_s)
-                self.velocity = replace(now, angular_rad_per_s=angular)
-            case "r" | "f" if self._can_fly:
-                step = CLIMB_STEP_M_PER_S if key == "r" else -CLIMB_STEP_M_PER_S
-                climb = _stepped(now.climb_m_per_s, step, most.climb_m_per_s)
-                self.velocity = replace(now, climb_m_per_s=climb)
-            case "s" | " ":
-                self.velocity = BodyVelocity(0.0, 0.0)
-
-
-def _stepped(value: float, step: float, most: float) -> float:
-    return round(min(max(value + step, -most), most), 6)
-
-
-class RobotKind(Enum):
-    """The robots with physics."""
-
-    WAFFLE = "waffle"
-    QUADROTOR = "quadrotor"
-
 
 _COMMON_TOPICS = (
     Topic.CMD_VEL,
@@ -103,25 +92,6 @@ _COMMON_TOPICS = (
     Topic.AMCL_POSE,
 )
 _SETTLING_STEPS = 300
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PhysicsRequest:
-    """Request for a drive: where, and by which robot.
-
-    ``seed`` fixes every noise. ``battery_percent`` is left at the start. After ``cover_s`` seconds something
-    covers the LiDAR. ``steer`` drives instead of the route. Without ``has_camera`` none is tried.
-    """
-
-    plan: FloorPlan
-    route: Route | Tour
-    kind: RobotKind
-    seed: int
-    frames: FrameSize = FrameSize.SMALL
-    battery_percent: float = 100.0
-    cover_s: float | None = None
-    steer: Steer[PhysicalBody] | None = None
-    has_camera: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,45 +125,50 @@ class PhysicalRobot:
         self.navigator.obey(velocity, self.body)
 
 
-def teleop_of(kind: RobotKind) -> Teleop:
-    """Keys for that robot, up to its speed."""
-    if kind is RobotKind.QUADROTOR:
-        return Teleop(can_fly=True, most=Quadrotor.most)
-    model = DriveModel()
-    return Teleop(can_fly=False, most=BodyVelocity(model.max_linear_m_per_s, model.max_angular_rad_per_s))
-
-
 @contextmanager
-def physical_robot(request: PhysicsRequest) -> Iterator[PhysicalRobot]:
-    """The robot of ``request``, ready to start, until the block ends.
+def physical_robot(
+    kind: RobotKind,
+    route: Route | Tour,
+    *,
+    seed: int,
+    frames: FrameSize = FrameSize.SMALL,
+    battery_percent: float = 100.0,
+    cover_s: float | None = None,
+    steer: Steer[PhysicalBody] | None = None,
+    has_camera: bool = True,
+) -> Iterator[PhysicalRobot]:
+    """A robot in the warehouse, ready to drive, until the block ends.
+
+    ``seed`` fixes every noise. ``battery_percent`` is left at the start. After ``cover_s`` seconds something
+    covers the LiDAR. ``steer`` drives instead of the route. Without ``has_camera`` none is tried.
 
     Raises:
         MissingPackageError: MuJoCo is not installed.
         PhysicsError: it does not load.
     """
-    lens = raspberry_pi_lens(request.frames)
-    machine: Machine = Waffle() if request.kind is RobotKind.WAFFLE else Quadrotor()
-    start, walkers = request.route.start, people()
+    lens = raspberry_pi_lens(frames)
+    machine = _MACHINES[kind](route.start)
+    walkers = people()
+    robot = machine.body(lens)
     poses = [person.pose for person in walkers]
-    robot = machine.body(start, lens)
-    engine = Engine(world_model(request.plan, robot, machine.actuators(), poses, lens.image_size))
+    engine = Engine(world_model(warehouse(), robot, machine.actuators(), poses, lens.image_size))
     try:
-        problem = _open_camera(engine, lens) if request.has_camera else "not asked for"
+        problem = _open_camera(engine, lens) if has_camera else "not asked for"
         engine.settle([0.0] * machine.actuator_count, _SETTLING_STEPS)
-        battery = BatteryCharge(machine.battery, request.battery_percent)
-        noises = [np.random.default_rng([request.seed, index, 2]) for index in range(6)]
-        devices = [*machine.devices(start, noises[2:]), InertialSensor(noises[0]), BatteryGauge()]
+        battery = BatteryCharge(machine.battery, battery_percent)
+        noises = [np.random.default_rng([seed, index, 2]) for index in range(6)]
+        devices = [*machine.devices(noises[2:]), InertialSensor(noises[0]), BatteryGauge()]
         if not problem:
-            devices.append(Camera(camera_view(noises[1]), request.frames))
-        steer = request.steer or machine.keeping_height(steering(request.route, DriveModel()))
+            devices.append(Camera(camera_view(noises[1]), frames))
+        steer = steer or machine.keeping_height(steering(route, DriveModel()))
         yield PhysicalRobot(
-            body=PhysicalBody(engine, machine, walkers, battery, cover_s=request.cover_s),
+            body=PhysicalBody(engine, machine, walkers, battery, cover_s=cover_s),
             topics=(*_COMMON_TOPICS, *machine.own_topics, *(() if problem else CAMERA_TOPICS)),
             camera_problem=problem,
             machine=machine,
             navigator=Navigator(steer),
             devices=devices,
-            seed=request.seed,
+            seed=seed,
         )
     finally:
         engine.close()
@@ -201,8 +176,8 @@ def physical_robot(request: PhysicsRequest) -> Iterator[PhysicalRobot]:
 
 def camera_problem() -> str | None:
     """Why robots have no camera on this machine, if so. Raises as ``physical_robot`` does."""
-    lens, machine = raspberry_pi_lens(FrameSize.SMALL), Waffle()
-    robot = machine.body(Pose(0.0, 0.0, 0.0), lens)
+    lens, machine = raspberry_pi_lens(FrameSize.SMALL), Waffle(Pose(0.0, 0.0, 0.0))
+    robot = machine.body(lens)
     engine = Engine(world_model(FloorPlan(), robot, machine.actuators(), [], lens.image_size))
     try:
         return _open_camera(engine, lens)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from smarttestudo.domain.errors import TestudoError, missing_package
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.simulation.geometry import Quaternion, Vector
+from smarttestudo.simulation.geometry import Pose, Quaternion, Vector
 from smarttestudo.simulation.messages import Pixels
 
 FLOOR = "floor"
@@ -82,7 +82,9 @@ class Engine:
         self._renderer: Any = None
         self._steps = 0
         self._mujoco.mj_forward(self._model, self._data)
-        self._inertial: Floats = self._data.sensordata
+        self.version = str(self._mujoco.__version__)
+        self.inertial: Floats = self._data.sensordata
+        """Gyroscope and accelerometer along the robot's axes: rad/s, then m/s²."""
         self.step_ns: int = round(self._model.opt.timestep * NS_PER_S)
 
     @property
@@ -101,11 +103,6 @@ class Engine:
         for _ in range(steps):
             self.step(controls)
         self._steps = 0
-
-    @property
-    def version(self) -> str:
-        """That of MuJoCo."""
-        return str(self._mujoco.__version__)
 
     @property
     def position(self) -> Vector:
@@ -135,11 +132,6 @@ class Engine:
         return Vector(*self._data.qvel[3:6].tolist())
 
     @property
-    def inertial(self) -> Floats:
-        """Gyroscope and accelerometer along the robot's axes: rad/s, then m/s²."""
-        return self._inertial
-
-    @property
     def joint_angles(self) -> tuple[float, ...]:
         """The robot's joints, in radians."""
         return tuple(self._data.qpos[7:].tolist())
@@ -154,10 +146,11 @@ class Engine:
         """Force or torque of each actuator: N m of a wheel, N of a rotor."""
         return tuple(self._data.actuator_force.tolist())
 
-    def place(self, walker: int, position: Vector, orientation: Quaternion) -> None:
+    def place(self, walker: int, pose: Pose) -> None:
         """Put the ``walker``-th body that walks by itself somewhere."""
-        self._data.mocap_pos[walker] = (position.x, position.y, position.z)
-        self._data.mocap_quat[walker] = (orientation.w, orientation.x, orientation.y, orientation.z)
+        self._data.mocap_pos[walker] = (pose.x_m, pose.y_m, 0.0)
+        turned = Quaternion.from_yaw(pose.yaw_rad)
+        self._data.mocap_quat[walker] = (turned.w, turned.x, turned.y, turned.z)
 
     def reveal(self, geom: str) -> None:
         """Have a hidden part seen by rays and cameras from now on."""

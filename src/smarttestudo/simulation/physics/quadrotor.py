@@ -14,7 +14,15 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Pose, Quaternion, Vector
+from smarttestudo.simulation.geometry import (
+    BodyVelocity,
+    FrameTransform,
+    Lens,
+    Pose,
+    Quaternion,
+    Vector,
+    clamped,
+)
 from smarttestudo.simulation.messages import (
     Published,
     Topic,
@@ -24,7 +32,7 @@ from smarttestudo.simulation.messages import (
     range_of,
     transforms,
 )
-from smarttestudo.simulation.physics.body import BatteryType, PhysicalBody
+from smarttestudo.simulation.physics.body import BatteryType, Machine, PhysicalBody
 from smarttestudo.simulation.physics.engine import Engine
 from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
 from smarttestudo.simulation.physics.waffle import add_camera
@@ -47,6 +55,8 @@ RANGE_MOUNT_M = 0.04
 _LEVEL = Quaternion(0.0, 0.0, 0.0, 1.0)
 _DOWN = Quaternion.from_roll_pitch_yaw(0.0, np.pi / 2, 0.0)
 _POSE_DEVIATIONS = (0.1, 0.1, 0.1, 0.01, 0.01, 0.05)
+_WALK_PER_S = np.array((0.01, 0.01, 0.01, 0.002))
+"""How far x, y, z and heading of visual odometry stray in a second; in n seconds √n times as far."""
 
 
 def quadrotor_frames(camera_x_m: float) -> tuple[FrameTransform, ...]:
@@ -66,17 +76,19 @@ class VisualOdometer:
     linear_noise_m_per_s = 0.02
     angular_noise_rad_per_s = 0.005
 
-    def __init__(self, drift: DriftWalk, noise: np.random.Generator) -> None:
+    def __init__(self, drift: np.random.Generator, noise: np.random.Generator) -> None:
         self._drift = drift
+        self._offset = np.zeros(4)
         self._noise = noise
         self._sampled_ns: int | None = None
         self.pose = Pose(0.0, 0.0, 0.0)
 
     def sample(self, body: PhysicalBody) -> Published:
         """Where the robot takes itself to be."""
-        self._drift.update(elapsed_s(self._sampled_ns, body.now_ns, self.rate_hz))
+        dt_s = elapsed_s(self._sampled_ns, body.now_ns, self.rate_hz)
         self._sampled_ns = body.now_ns
-        x, y, z, yaw = self._drift.offset.tolist()
+        self._offset += self._drift.standard_normal(4) * _WALK_PER_S * math.sqrt(dt_s)
+        x, y, z, yaw = self._offset.tolist()
         true, engine = body.engine.position, body.engine
         place = Vector(true.x + x, true.y + y, true.z + z)
         turned = Quaternion.from_yaw(yaw).then(engine.orientation)
@@ -132,24 +144,6 @@ class RangeFinder:
         return [(Topic.RANGE, message)]
 
 
-POSITION_WALK_M = 0.01
-YAW_WALK_RAD = 0.002
-"""How far visual odometry strays in the first second; after n seconds √n times as far."""
-
-
-class DriftWalk:
-    """How far visual odometry is off: a random walk of x, y, z and heading."""
-
-    def __init__(self, noise: np.random.Generator) -> None:
-        self._noise = noise
-        self.offset = np.zeros(4)
-        self._per_s = np.array((POSITION_WALK_M, POSITION_WALK_M, POSITION_WALK_M, YAW_WALK_RAD))
-
-    def update(self, dt_s: float) -> None:
-        """Stray for ``dt_s`` more."""
-        self.offset += self._noise.standard_normal(4) * self._per_s * math.sqrt(dt_s)
-
-
 CRUISE_HEIGHT_M = 1.5
 LANDED_HEIGHT_M = 0.06
 MASS_KG = 1.2
@@ -179,7 +173,7 @@ _HOVER_W = 140.0
 _DARK = "0.15 0.15 0.17 1"
 
 
-class Quadrotor:
+class Quadrotor(Machine):
     """Rotors and flight controller; on the ground it waits for a command to climb."""
 
     actuator_count = len(_ROTORS)
@@ -188,11 +182,13 @@ class Quadrotor:
     own_topics = (Topic.RANGE,)
     fixed_frames = quadrotor_frames(_CAMERA_X_M)
 
-    def __init__(self) -> None:
+    def __init__(self, start: Pose) -> None:
+        self._start = start
         self._velocity = BodyVelocity(0.0, 0.0)
 
-    def body(self, start: Pose, lens: Lens) -> Element:
-        """The robot on the ground at ``start`` as MJCF; its origin is its middle."""
+    def body(self, lens: Lens) -> Element:
+        """The robot on the ground; its origin is its middle."""
+        start = self._start
         half_rad = start.yaw_rad / 2
         body = Element(
             "body", name="robot", pos=numbers(start.x_m, start.y_m, LANDED_HEIGHT_M),
@@ -223,16 +219,16 @@ class Quadrotor:
             )  # fmt: skip
         return found
 
-    def devices(self, _start: Pose, noises: Sequence[np.random.Generator]) -> list[Device[PhysicalBody]]:
-        odometer = VisualOdometer(DriftWalk(noises[0]), noises[1])
-        return [odometer, RangeFinder(noises[2]), Localizer(lambda: odometer.pose, noises[3])]
+    def devices(self, noises: Sequence[np.random.Generator]) -> list[Device[PhysicalBody]]:
+        odometer = VisualOdometer(noises[0], noises[1])
+        return [odometer, RangeFinder(noises[2]), Localizer(odometer, noises[3])]
 
     def keeping_height(self, steer: Steer[PhysicalBody]) -> Steer[PhysicalBody]:
         """``steer`` with the climb that comes first, and keeps the height."""
 
         def command(body: PhysicalBody) -> BodyVelocity:
             missing_m = CRUISE_HEIGHT_M - body.engine.position.z
-            climb = _cut(_CLIMB_PER_M * missing_m, _MOST_CLIMB_M_PER_S)
+            climb = clamped(_CLIMB_PER_M * missing_m, _MOST_CLIMB_M_PER_S)
             if missing_m > CRUISE_HEIGHT_M / 3:
                 return BodyVelocity(0.0, 0.0, climb_m_per_s=climb)
             level = steer(body)
@@ -257,7 +253,7 @@ class Quadrotor:
         to_roll, to_pitch, thrust_n = self._tilt_and_thrust(engine, yaw, math.cos(roll) * math.cos(pitch))
         rates = engine.angular_velocity
         wanted = self._velocity
-        yaw_rate = _cut(wanted.angular_rad_per_s, _MOST_YAW_RAD_PER_S)
+        yaw_rate = clamped(wanted.angular_rad_per_s, _MOST_YAW_RAD_PER_S)
         about_x, about_y, about_z = _INERTIA_KG_M2
         roll_n_m = about_x * _RATE_GAIN * (_TILT_GAIN * (to_roll - roll) - rates.x)
         pitch_n_m = about_y * _RATE_GAIN * (_TILT_GAIN * (to_pitch - pitch) - rates.y)
@@ -282,14 +278,10 @@ class Quadrotor:
         forward = velocity.x * math.cos(yaw) + velocity.y * math.sin(yaw)
         leftward = velocity.y * math.cos(yaw) - velocity.x * math.sin(yaw)
         most = _MOST_HORIZONTAL_M_PER_S
-        ahead = _VELOCITY_GAIN * (_cut(wanted.linear_m_per_s, most) - forward)
-        aside = _VELOCITY_GAIN * (_cut(wanted.lateral_m_per_s, most) - leftward)
-        climb = _cut(wanted.climb_m_per_s, _MOST_VERTICAL_M_PER_S)
+        ahead = _VELOCITY_GAIN * (clamped(wanted.linear_m_per_s, most) - forward)
+        aside = _VELOCITY_GAIN * (clamped(wanted.lateral_m_per_s, most) - leftward)
+        climb = clamped(wanted.climb_m_per_s, _MOST_VERTICAL_M_PER_S)
         up = GRAVITY_M_PER_S2 + _CLIMB_GAIN * (climb - velocity.z)
-        pitch = _cut(math.atan2(ahead, GRAVITY_M_PER_S2), _MOST_TILT)
-        roll = _cut(math.atan2(-aside, GRAVITY_M_PER_S2), _MOST_TILT)
+        pitch = clamped(math.atan2(ahead, GRAVITY_M_PER_S2), _MOST_TILT)
+        roll = clamped(math.atan2(-aside, GRAVITY_M_PER_S2), _MOST_TILT)
         return roll, pitch, MASS_KG * max(up, 0.0) / max(upright, 0.5)
-
-
-def _cut(value: float, limit: float) -> float:
-    return min(max(value, -limit), limit)

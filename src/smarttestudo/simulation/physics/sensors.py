@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -69,11 +70,17 @@ class BatteryGauge:
         return [(Topic.BATTERY_STATE, message)]
 
 
+class DriftingOdometer(Protocol):
+    """A device that knows where the robot takes itself to be."""
+
+    pose: Pose
+
+
 @dataclass(frozen=True)
 class Localizer:
     """The pose on the map, as AMCL has it: near the truth, twice a second; it corrects the odometry frame."""
 
-    odometry_pose: Callable[[], Pose]
+    odometer: DriftingOdometer
     noise: np.random.Generator
     rate_hz = 2.0
     position_noise_m = 0.03
@@ -82,7 +89,7 @@ class Localizer:
     def sample(self, body: PhysicalBody) -> Published:
         """The pose, and the frame of the odometry on the map."""
         x_noise, y_noise, yaw_noise = self.noise.standard_normal(3).tolist()
-        true, odometry = body.pose, self.odometry_pose()
+        true, odometry = body.pose, self.odometer.pose
         found = Pose(
             true.x_m + self.position_noise_m * x_noise,
             true.y_m + self.position_noise_m * y_noise,

@@ -11,7 +11,15 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Pose, Quaternion, Vector
+from smarttestudo.simulation.geometry import (
+    BodyVelocity,
+    FrameTransform,
+    Lens,
+    Pose,
+    Quaternion,
+    Vector,
+    clamped,
+)
 from smarttestudo.simulation.messages import (
     Published,
     Topic,
@@ -21,37 +29,59 @@ from smarttestudo.simulation.messages import (
     odometry,
     transforms,
 )
-from smarttestudo.simulation.physics.body import BatteryType, PhysicalBody
+from smarttestudo.simulation.physics.body import BatteryType, Machine, PhysicalBody
 from smarttestudo.simulation.physics.engine import HIDDEN_GROUP, LIDAR_COVER, Engine
 from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
 from smarttestudo.simulation.physics.world import STEP_S, add_geom, numbers
-from smarttestudo.simulation.robot import BASE_FRAME, ODOM_FRAME, DriveModel, fixed_frames, wheel_frames
+from smarttestudo.simulation.robot import (
+    BASE_FRAME,
+    ODOM_FRAME,
+    DriveModel,
+    fixed_frames,
+    rolled,
+    wheel_frames,
+)
 from smarttestudo.simulation.schedule import Device
 from smarttestudo.simulation.sensors import Floats, Lidar, Odometer, WheelEncoders
 from smarttestudo.simulation.steering import Steer
 
 _POSE_DEVIATIONS = (0.1, 0.1, 0.0, 0.0, 0.0, 0.1)
+TICKS_PER_TURN = 4096
+RADIUS_ERROR = 0.0004
+SEPARATION_ERROR = 0.002
+"""Standard deviations of what the robot believes of its wheels, as shares."""
 
 
 class WheelOdometer:
-    """Odometry from the wheels, and the frame that goes with it; both drift."""
+    """Dead reckoning from the ticks of two encoders, by wheels that are not quite as they are believed to be.
+
+    Slipping wheels turn without moving the robot, and this cannot see it. The frame goes with the odometry.
+    """
 
     rate_hz = Odometer.rate_hz
 
-    def __init__(self, odometry: WheelOdometry) -> None:
-        self._odometry = odometry
+    def __init__(self, model: DriveModel, start: Pose, noise: np.random.Generator) -> None:
+        left, right, separation = noise.standard_normal(3).tolist()
+        self._left_m = model.wheel_radius_m * (1 + RADIUS_ERROR * left)
+        self._right_m = model.wheel_radius_m * (1 + RADIUS_ERROR * right)
+        self._separation_m = model.wheel_separation_m * (1 + SEPARATION_ERROR * separation)
+        self._last: tuple[int, int] | None = None
         self._sampled_ns: int | None = None
+        self.pose = start
 
     def sample(self, body: PhysicalBody) -> Published:
         """Where the robot takes itself to be."""
         dt_s = elapsed_s(self._sampled_ns, body.now_ns, self.rate_hz)
         self._sampled_ns = body.now_ns
-        self._odometry.update(body.engine.joint_angles, dt_s)
-        pose, velocity = self._odometry.pose, self._odometry.velocity
-        place, heading = Vector(pose.x_m, pose.y_m, 0.0), Quaternion.from_yaw(pose.yaw_rad)
+        left, right = (math.floor(angle / math.tau * TICKS_PER_TURN) for angle in body.engine.joint_angles)
+        before, self._last = self._last or (left, right), (left, right)
+        left_m = (left - before[0]) / TICKS_PER_TURN * math.tau * self._left_m
+        right_m = (right - before[1]) / TICKS_PER_TURN * math.tau * self._right_m
+        self.pose = rolled(self.pose, left_m, right_m, self._separation_m)
+        place, heading = Vector(self.pose.x_m, self.pose.y_m, 0.0), Quaternion.from_yaw(self.pose.yaw_rad)
         twist = estimated_twist(
-            Vector(velocity.linear_m_per_s, 0.0, 0.0),
-            Vector(0.0, 0.0, velocity.angular_rad_per_s),
+            Vector((left_m + right_m) / 2 / dt_s, 0.0, 0.0),
+            Vector(0.0, 0.0, (right_m - left_m) / self._separation_m / dt_s),
             Odometer.twist_deviations,
         )
         estimate = estimated_pose(place, heading, _POSE_DEVIATIONS)
@@ -92,40 +122,6 @@ def tilting_cast(model: DriveModel) -> Callable[[PhysicalBody], Floats]:
     return cast
 
 
-TICKS_PER_TURN = 4096
-RADIUS_ERROR = 0.0004
-SEPARATION_ERROR = 0.002
-"""Standard deviations of what the robot believes of its wheels, as shares."""
-
-
-class WheelOdometry:
-    """Dead reckoning from the ticks of two encoders, by wheels that are not quite as they are believed to be.
-
-    Slipping wheels turn without moving the robot, and this cannot see it.
-    """
-
-    def __init__(self, model: DriveModel, start: Pose, noise: np.random.Generator) -> None:
-        left, right, separation = noise.standard_normal(3).tolist()
-        self._left_m = model.wheel_radius_m * (1 + RADIUS_ERROR * left)
-        self._right_m = model.wheel_radius_m * (1 + RADIUS_ERROR * right)
-        self._separation_m = model.wheel_separation_m * (1 + SEPARATION_ERROR * separation)
-        self._last: tuple[int, int] | None = None
-        self.pose = start
-        self.velocity = BodyVelocity(0.0, 0.0)
-
-    def update(self, angles_rad: tuple[float, ...], dt_s: float) -> None:
-        """Take the angles of the left and the right wheel, ``dt_s`` after the last ones."""
-        left, right = (math.floor(angle / math.tau * TICKS_PER_TURN) for angle in angles_rad)
-        before, self._last = self._last or (left, right), (left, right)
-        rolled_left_m = (left - before[0]) / TICKS_PER_TURN * math.tau * self._left_m
-        rolled_right_m = (right - before[1]) / TICKS_PER_TURN * math.tau * self._right_m
-        forward_m = (rolled_left_m + rolled_right_m) / 2
-        turn_rad = (rolled_right_m - rolled_left_m) / self._separation_m
-        middle = Pose(self.pose.x_m, self.pose.y_m, self.pose.yaw_rad + turn_rad / 2).ahead(forward_m)
-        self.pose = Pose(middle.x_m, middle.y_m, self.pose.yaw_rad + turn_rad)
-        self.velocity = BodyVelocity(forward_m / dt_s, turn_rad / dt_s)
-
-
 SCAN_HEIGHT_M = 0.132
 """Of the LiDAR above the floor."""
 _WHEEL_WIDTH_M = 0.018
@@ -139,22 +135,24 @@ _EFFICIENCY = 0.4
 _DARK = "0.15 0.15 0.17 1"
 
 
-class Waffle:
+class Waffle(Machine):
     """Two driven wheels and two balls that slide; the wheels follow a command within their acceleration."""
 
     model = DriveModel()
+    most = BodyVelocity(model.max_linear_m_per_s, model.max_angular_rad_per_s)
     actuator_count = 2
     battery = BatteryType(nominal_v=11.1, capacity_ah=1.8)
     own_topics = (Topic.SCAN, Topic.JOINT_STATES)
     fixed_frames = fixed_frames(model)
 
-    def __init__(self) -> None:
+    def __init__(self, start: Pose) -> None:
+        self._start = start
         self._target_m_per_s = (0.0, 0.0)
         self._rim_m_per_s = (0.0, 0.0)
 
-    def body(self, start: Pose, lens: Lens) -> Element:
-        """The robot at ``start`` as MJCF; its origin is on the floor between the wheels."""
-        model = self.model
+    def body(self, lens: Lens) -> Element:
+        """The robot; its origin is on the floor between the wheels."""
+        model, start = self.model, self._start
         body = Element(
             "body", name="robot", pos=numbers(start.x_m, start.y_m, 0.001),
             quat=numbers(math.cos(start.yaw_rad / 2), 0, 0, math.sin(start.yaw_rad / 2)),
@@ -194,13 +192,13 @@ class Waffle:
             )  # fmt: skip
         return found
 
-    def devices(self, start: Pose, noises: Sequence[np.random.Generator]) -> list[Device[PhysicalBody]]:
-        odometry = WheelOdometry(self.model, start, noises[0])
+    def devices(self, noises: Sequence[np.random.Generator]) -> list[Device[PhysicalBody]]:
+        odometer = WheelOdometer(self.model, self._start, noises[0])
         return [
-            WheelOdometer(odometry),
+            odometer,
             WheelSensors(self.model),
             Lidar(tilting_cast(self.model), noises[1]),
-            Localizer(lambda: odometry.pose, noises[2]),
+            Localizer(odometer, noises[2]),
         ]
 
     def keeping_height(self, steer: Steer[PhysicalBody]) -> Steer[PhysicalBody]:
@@ -209,8 +207,8 @@ class Waffle:
     def command(self, velocity: BodyVelocity) -> None:
         """Make for ``velocity``, cut to what the robot can do."""
         model = self.model
-        linear = _cut(velocity.linear_m_per_s, model.max_linear_m_per_s)
-        angular = _cut(velocity.angular_rad_per_s, model.max_angular_rad_per_s)
+        linear = clamped(velocity.linear_m_per_s, model.max_linear_m_per_s)
+        angular = clamped(velocity.angular_rad_per_s, model.max_angular_rad_per_s)
         half_turn = angular * model.wheel_separation_m / 2
         self._target_m_per_s = (linear - half_turn, linear + half_turn)
 
@@ -222,7 +220,7 @@ class Waffle:
         """Controls of the motors for the next step: the speed of each wheel in rad/s."""
         limit = self.model.wheel_acceleration_m_per_s2 * STEP_S
         (left, right), (to_left, to_right) = self._rim_m_per_s, self._target_m_per_s
-        self._rim_m_per_s = (left + _cut(to_left - left, limit), right + _cut(to_right - right, limit))
+        self._rim_m_per_s = (left + clamped(to_left - left, limit), right + clamped(to_right - right, limit))
         return [rim / self.model.wheel_radius_m for rim in self._rim_m_per_s]
 
     def power_w(self, engine: Engine) -> float:
@@ -247,7 +245,3 @@ def add_camera(body: Element, forward_m: float, height_m: float, lens: Lens) -> 
         body, "camera", name="camera", pos=numbers(forward_m, 0, height_m), xyaxes="0 -1 0 0 0 1",
         fovy=numbers(fovy),
     )  # fmt: skip
-
-
-def _cut(value: float, limit: float) -> float:
-    return min(max(value, -limit), limit)

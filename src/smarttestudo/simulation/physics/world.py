@@ -18,44 +18,27 @@ _CLEAR_M = 0.55
 _AT_ONCE_M = 0.1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Walk:
-    """A straight way from ``start`` to ``end`` and back, without end."""
+@dataclass(slots=True, kw_only=True)
+class WalkingPerson:
+    """Walks straight from ``start`` to ``end`` and back, without end."""
 
     start: Point
     end: Point
     speed_m_per_s: float
-
-
-WALKS = (
-    Walk(start=Point(11.9, 11.0), end=Point(11.9, -2.0), speed_m_per_s=0.9),
-    Walk(start=Point(4.5, 4.6), end=Point(-4.5, 4.6), speed_m_per_s=1.1),
-    Walk(start=Point(-8.0, 15.6), end=Point(7.8, 15.6), speed_m_per_s=1.0),
-)
-"""In the hall, in the corridor and behind the scaffolds."""
-
-
-class WalkingPerson:
-    """One person on a walk."""
-
-    __slots__ = ("_length_m", "_travelled_m", "_walk")
-
-    def __init__(self, walk: Walk) -> None:
-        self._walk = walk
-        self._length_m = walk.start.distance_m(walk.end)
-        self._travelled_m = 0.0
+    travelled_m: float = 0.0
 
     @property
     def pose(self) -> Pose:
         """Where the person is, facing ahead."""
-        walk = self._walk
-        lap_m = self._travelled_m % (2 * self._length_m)
-        share = 1 - abs(lap_m / self._length_m - 1)
-        heading = math.atan2(walk.end.y_m - walk.start.y_m, walk.end.x_m - walk.start.x_m)
+        length_m = self.start.distance_m(self.end)
+        lap_m = self.travelled_m % (2 * length_m)
+        share = 1 - abs(lap_m / length_m - 1)
+        way_x_m, way_y_m = self.end.x_m - self.start.x_m, self.end.y_m - self.start.y_m
+        heading = math.atan2(way_y_m, way_x_m)
         return Pose(
-            walk.start.x_m + share * (walk.end.x_m - walk.start.x_m),
-            walk.start.y_m + share * (walk.end.y_m - walk.start.y_m),
-            heading if lap_m < self._length_m else heading + math.pi,
+            self.start.x_m + share * way_x_m,
+            self.start.y_m + share * way_y_m,
+            heading if lap_m < length_m else heading + math.pi,
         )
 
     def walk(self, dt_s: float, robot: Point) -> None:
@@ -66,12 +49,16 @@ class WalkingPerson:
         aside_m = (robot.y_m - pose.y_m) * math.cos(pose.yaw_rad)
         aside_m -= (robot.x_m - pose.x_m) * math.sin(pose.yaw_rad)
         if not (-_AT_ONCE_M < ahead_m < _STOP_M and abs(aside_m) < _CLEAR_M):
-            self._travelled_m += self._walk.speed_m_per_s * dt_s
+            self.travelled_m += self.speed_m_per_s * dt_s
 
 
-def people(walks: Sequence[Walk] = WALKS) -> list[WalkingPerson]:
-    """Everybody, at the start of their walks."""
-    return [WalkingPerson(walk) for walk in walks]
+def people() -> list[WalkingPerson]:
+    """Everybody at the start: in the hall, in the corridor and behind the scaffolds."""
+    return [
+        WalkingPerson(start=Point(11.9, 11.0), end=Point(11.9, -2.0), speed_m_per_s=0.9),
+        WalkingPerson(start=Point(4.5, 4.6), end=Point(-4.5, 4.6), speed_m_per_s=1.1),
+        WalkingPerson(start=Point(-8.0, 15.6), end=Point(7.8, 15.6), speed_m_per_s=1.0),
+    ]
 
 
 STEP_S = 0.002
@@ -86,12 +73,8 @@ _CEILING_COLOUR = "0.27 0.29 0.32"
 _PERSON_COLOUR = "0.85 0.35 0.15 1"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PersonSize:
-    """An upright capsule."""
-
-    radius_m: float = 0.22
-    height_m: float = 1.7
+PERSON_RADIUS_M = 0.22
+_PERSON_HEIGHT_M = 1.7
 
 
 def world_model(
@@ -145,29 +128,18 @@ def add_geom(parent: Element, name: str, **attributes: str) -> Element:
 
 
 def _add_box(world: Element, name: str, footprint: Rectangle, height_m: float, colour: str) -> None:
-    middle_x_m = (footprint.min_x_m + footprint.max_x_m) / 2
-    middle_y_m = (footprint.min_y_m + footprint.max_y_m) / 2
-    half_x_m = (footprint.max_x_m - footprint.min_x_m) / 2
-    half_y_m = (footprint.max_y_m - footprint.min_y_m) / 2
+    low, high = footprint.corners[0], footprint.corners[2]
     add_geom(
-        world,
-        name,
-        type="box",
-        pos=numbers(middle_x_m, middle_y_m, height_m / 2),
-        size=numbers(half_x_m, half_y_m, height_m / 2),
-        rgba=colour,
-    )
+        world, name, type="box",
+        pos=numbers((low.x_m + high.x_m) / 2, (low.y_m + high.y_m) / 2, height_m / 2),
+        size=numbers((high.x_m - low.x_m) / 2, (high.y_m - low.y_m) / 2, height_m / 2), rgba=colour,
+    )  # fmt: skip
 
 
 def _add_person(world: Element, name: str, pose: Pose) -> None:
-    size = PersonSize()
+    """An upright capsule."""
     body = SubElement(world, "body", name=name, mocap="true", pos=numbers(pose.x_m, pose.y_m, 0))
-    half_m = size.height_m / 2 - size.radius_m
     add_geom(
-        body,
-        name,
-        type="capsule",
-        pos=numbers(0, 0, size.height_m / 2),
-        size=numbers(size.radius_m, half_m),
-        rgba=_PERSON_COLOUR,
-    )
+        body, name, type="capsule", pos=numbers(0, 0, _PERSON_HEIGHT_M / 2),
+        size=numbers(PERSON_RADIUS_M, _PERSON_HEIGHT_M / 2 - PERSON_RADIUS_M), rgba=_PERSON_COLOUR,
+    )  # fmt: skip
