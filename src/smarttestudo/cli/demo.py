@@ -86,7 +86,8 @@ def add_arguments(parser: CommandParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo and print what came of it."""
-    from smarttestudo.simulation.demo.demo import DemoRequest, run_demo  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.simulation.demo.demo import run_demo  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.simulation.demo.folder import DemoRequest  # noqa: PLC0415
 
     require_separate({"--out": arguments.out})
     if arguments.physics and not arguments.live:
@@ -122,31 +123,30 @@ def _recorder(opened: ExitStack) -> Robot:
 
 def _print(outcome: DemoOutcome, out: Path, *, with_thesis: bool) -> None:
     from smarttestudo.report.summary import declared_sentence  # noqa: PLC0415
-    from smarttestudo.simulation.demo import demo  # noqa: PLC0415  see run
-    from smarttestudo.simulation.demo.folder import PREDICTED, RULES, WITHIN  # noqa: PLC0415
+    from smarttestudo.simulation.demo import folder  # noqa: PLC0415  see run
 
-    for table in (frequency_table(outcome.comparison), bandwidth_table(outcome.comparison)):
+    for table in (frequency_table(outcome.report.comparison), bandwidth_table(outcome.report.comparison)):
         print_table(table)
         write_line()
-    _print_loss(outcome.loss)
-    _print_accuracy(outcome.accuracy)
-    write_lines([declared_sentence(outcome.comparison), ""])
+    _print_loss(outcome.report.loss)
+    _print_accuracy(outcome.report.accuracy)
+    write_lines([declared_sentence(outcome.report.comparison), ""])
     for notice in outcome.notices:
         write_line(f"note: {notice}", sys.stderr)
     bounding = {
-        WITHIN: "rules that keep the operator's picture within bounds",
-        PREDICTED: "the same for an operator's end that shows dead reckoning",
-        demo.ACCURACY: "how far the picture is off under each of them",
+        folder.WITHIN: "rules that keep the operator's picture within bounds",
+        folder.PREDICTED: "the same for an operator's end that shows dead reckoning",
+        folder.ACCURACY: "how far the picture is off under each of them",
     }
     written = {
-        demo.BASELINE: "what the robot published (rosbag2)",
-        demo.ADAPTIVE: "what the operator received (rosbag2)",
-        demo.DECISIONS: f"every change of a rate, with its reason: {outcome.decisions} decisions",
-        RULES: "the rules",
-        **(bounding if outcome.accuracy else {}),
-        demo.REPORT: "all of it in one page: map, decisions, rates, bandwidth, losses",
+        folder.BASELINE: "what the robot published (rosbag2)",
+        folder.ADAPTIVE: "what the operator received (rosbag2)",
+        folder.DECISIONS: f"every change of a rate, with its reason: {outcome.decisions} decisions",
+        folder.RULES: "the rules",
+        **(bounding if outcome.report.accuracy else {}),
+        folder.REPORT: "all of it in one page: map, decisions, rates, bandwidth, losses",
         **(
-            {demo.THESIS: "tables 7.1 and 7.2 of the thesis, a figure of each topic, zones"}
+            {folder.THESIS: "tables 7.1 and 7.2 of the thesis, a figure of each topic, zones"}
             if with_thesis
             else {}
         ),
@@ -154,7 +154,9 @@ def _print(outcome: DemoOutcome, out: Path, *, with_thesis: bool) -> None:
     width = max(len(str(out / name)) for name in written)
     for name, meaning in written.items():
         write_line(f"{out / name!s:<{width}}  {meaning}")
-    baseline, rules, report = (shlex.quote(str(out / name)) for name in (demo.BASELINE, RULES, demo.REPORT))
+    baseline, rules, report = (
+        shlex.quote(str(out / name)) for name in (folder.BASELINE, folder.RULES, folder.REPORT)
+    )
     write_lines(
         (
             "",

@@ -10,8 +10,8 @@ import pytest
 
 from bags.bag_factory import small_mission, write_bag
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.simulation.demo.demo import DemoRequest, run_demo
-from smarttestudo.simulation.demo.folder import MARKER, DemoFolderError, demo_folder
+from smarttestudo.simulation.demo.demo import run_demo
+from smarttestudo.simulation.demo.folder import MARKER, DemoFolderError, DemoRequest, demo_folder
 
 
 def _make(out: Path, text: str) -> None:

@@ -10,10 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarttestudo import __version__
-from smarttestudo.accuracy.comparison import AccuracyComparison, View
-from smarttestudo.accuracy.loss_report import LossReport
+from smarttestudo.accuracy.comparison import View
 from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules
-from smarttestudo.bags.comparison import Comparison
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.record import to_json
@@ -21,32 +19,33 @@ from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.loop.decision_log import decision_log, read_decisions
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.replays.outcome import ReplayOutcome
 from smarttestudo.replays.replay import ReplayRequest, replay
-from smarttestudo.report.bag_report import Progress, ReportRequest, bag_report
+from smarttestudo.report.bag_report import ReportRequest, bag_report
 from smarttestudo.report.document import render_report
 from smarttestudo.report.run_report import Fact, RunReport
 from smarttestudo.simulation.demo import thesis
 from smarttestudo.simulation.demo.folder import (
+    ACCURACY,
+    ADAPTIVE,
+    BASELINE,
+    DECISIONS,
+    LOGS,
     MARKER,
     PREDICTED,
+    REPORT,
     RULES,
+    THESIS,
     WITHIN,
+    DemoRequest,
     DemoRules,
     demo_folder,
     put_rules,
 )
-from smarttestudo.simulation.demo.live import LOGS, LiveDemoRequest, record_live
+from smarttestudo.simulation.demo.live import record_live
 from smarttestudo.simulation.mission import bytes_per_second, record_mission, route_of
 from smarttestudo.simulation.route import Route, Tour
 from smarttestudo.simulation.warehouse import warehouse
 
-BASELINE = "baseline"
-ADAPTIVE = "adaptive"
-DECISIONS = "decisions.jsonl"
-REPORT = "report.html"
-ACCURACY = "accuracy.json"
-THESIS = thesis.FOLDER
 _MADE = frozenset(
     {BASELINE, ADAPTIVE, DECISIONS, REPORT, ACCURACY, RULES, WITHIN, PREDICTED, MARKER, *LOGS, THESIS}
 )
@@ -59,37 +58,10 @@ _EXPLANATION = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DemoRequest:
-    """How long a mission, with which noise, and into which folder.
-
-    ``full_images`` asks for whole camera frames, about 0.2 GB each second, instead of small ones. With a
-    ``robot``, the node that records, the mission takes place in real time on a real ROS graph, with
-    ``physics`` by a robot that has masses and forces. ``mission`` is the file of a tour; without one the
-    robot drives the patrol of the thesis. ``with_thesis`` asks for the tables and figures of the thesis, too.
-    """
-
-    out: Path
-    seconds: float
-    seed: int
-    full_images: bool
-    when_slow: WhenSlow
-    progress: Progress
-    robot: Robot | None = None
-    mission: Path | None = None
-    physics: bool = False
-    with_thesis: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DemoOutcome:
-    """Both runs compared, what the operator lost, the number of decisions, and what was odd, a line each.
+    """The report on both runs, the number of decisions, and what was odd, a line each."""
 
-    ``accuracy`` has the same drive at fixed rates and under rules with bounds.
-    """
-
-    comparison: Comparison
-    loss: LossReport | None
-    accuracy: AccuracyComparison | None
+    report: RunReport
     decisions: int
     notices: tuple[str, ...]
 
@@ -115,7 +87,8 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         if request.robot is None:
             decisions, notices = _in_virtual_time(request, folder, rules, route)
         else:
-            notices = _in_real_time(request, folder, request.robot)
+            with request.progress("Driving the patrol") as report_share:
+                notices = record_live(request, folder, request.robot, report_share)
             decisions = _recorded_decisions(folder)
         compared = _compared(request, folder, rules, bounding)
         report = _write_report(request, folder, rules, decisions, compared)
@@ -123,20 +96,9 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
             also_write(report, folder / THESIS)
         (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
     return DemoOutcome(
-        comparison=report.comparison,
-        loss=report.loss,
-        accuracy=report.accuracy,
+        report=report,
         decisions=len(decisions),
-        notices=(*_rule_notices(request, (rules, *bounding)), *notices),
-    )
-
-
-def _rule_notices(request: DemoRequest, rules: Sequence[DemoRules]) -> tuple[str, ...]:
-    """Where rules are not the demo's own, that they are not."""
-    return tuple(
-        f"{request.out / one.name} was edited: kept and used; without it the demo takes its own rules"
-        for one in rules
-        if one.are_edited
+        notices=(*(one.notice for one in (rules, *bounding) if one.notice), *notices),
     )
 
 
@@ -153,46 +115,6 @@ def _in_virtual_time(
             full_images=request.full_images,
             report=report,
         )
-    outcome, decisions = _replay(request, folder, rules)
-    return decisions, outcome.notices
-
-
-def _in_real_time(request: DemoRequest, folder: Path, robot: Robot) -> tuple[str, ...]:
-    """Record the mission while it is driven under the runtime; what was left out."""
-    with request.progress("Driving the patrol") as report:
-        return record_live(
-            LiveDemoRequest(
-                baseline=folder / BASELINE,
-                adaptive=folder / ADAPTIVE,
-                rules=folder / RULES,
-                decisions=folder / DECISIONS,
-                logs=folder,
-                seconds=request.seconds,
-                seed=request.seed,
-                full_images=request.full_images,
-                when_slow=request.when_slow,
-                mission=request.mission,
-                physics=request.physics,
-            ),
-            robot,
-            report,
-        )
-
-
-def _recorded_decisions(folder: Path) -> Sequence[Decision]:
-    """The decisions of a runtime, timed from the start of what was recorded."""
-    with open_recording(folder / BASELINE) as recording:
-        start_ns = recording.start_ns
-    return [_since(start_ns, decision) for decision in read_decisions(folder / DECISIONS)]
-
-
-def _since(start_ns: int, decision: Decision) -> Decision:
-    """The decision timed from the recording's start; what the runtime planned before held then already."""
-    return replace(decision, t_s=max(decision.stamp_ns - start_ns, 0) / NS_PER_S)
-
-
-def _replay(request: DemoRequest, folder: Path, rules: DemoRules) -> tuple[ReplayOutcome, Sequence[Decision]]:
-    """The baseline under the rules."""
     decisions: list[Decision] = []
     with (
         request.progress("Replaying it under the rules") as report,
@@ -214,7 +136,20 @@ def _replay(request: DemoRequest, folder: Path, rules: DemoRules) -> tuple[Repla
                 report=report,
             )
         )
-    return outcome, decisions
+    return decisions, outcome.notices
+
+
+def _recorded_decisions(folder: Path) -> Sequence[Decision]:
+    """The decisions of a runtime, timed from the start of what was recorded.
+
+    What the runtime planned before that held then already.
+    """
+    with open_recording(folder / BASELINE) as recording:
+        start_ns = recording.start_ns
+    return [
+        replace(decision, t_s=max(decision.stamp_ns - start_ns, 0) / NS_PER_S)
+        for decision in read_decisions(folder / DECISIONS)
+    ]
 
 
 def _compared(
@@ -257,7 +192,7 @@ def _write_report(
             decisions=decisions,
             # The zones that the report shows are those of the rules.
             floor_plan=replace(warehouse(), zones=()),
-            provenance=tuple(_provenance(request)),
+            provenance=_provenance(request),
             progress=request.progress,
             called=lambda path: str(request.out / path.name),
             compared=compared,
@@ -269,17 +204,18 @@ def _write_report(
     return report
 
 
-def _provenance(request: DemoRequest) -> list[Fact]:
-    return [
-        Fact(label="SmartTestudo", value=__version__),
-        Fact(label="Source recording", value=BASELINE),
-        Fact(label="SmartTestudo recording", value=ADAPTIVE),
-        Fact(label="Length", value=f"{request.seconds:g} s"),
-        Fact(label="Time", value=_time(request)),
-        Fact(label="Seed", value=str(request.seed)),
-        Fact(label="Camera frames", value="whole" if request.full_images else "small, with declared sizes"),
-        Fact(label="Where a target is above its source", value=request.when_slow.value),
-    ]
+def _provenance(request: DemoRequest) -> tuple[Fact, ...]:
+    facts = {
+        "SmartTestudo": __version__,
+        "Source recording": BASELINE,
+        "SmartTestudo recording": ADAPTIVE,
+        "Length": f"{request.seconds:g} s",
+        "Time": _time(request),
+        "Seed": str(request.seed),
+        "Camera frames": "whole" if request.full_images else "small, with declared sizes",
+        "Where a target is above its source": request.when_slow.value,
+    }
+    return tuple(Fact(label=label, value=value) for label, value in facts.items())
 
 
 def _time(request: DemoRequest) -> str:

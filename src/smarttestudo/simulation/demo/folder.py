@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The folder that a demo leaves: whole or not there, and in place of nothing but what a former demo made."""
+"""What a demo is asked for, its rules, and the folder that it leaves.
+
+The folder is whole or not there, and comes in place of nothing but what a former demo made.
+"""
 
 from __future__ import annotations
 
@@ -17,26 +20,59 @@ from pathlib import Path
 from smarttestudo.bags.metadata import read_metadata
 from smarttestudo.bags.metadata_text import METADATA_NAME
 from smarttestudo.domain.errors import RecordingError, RuleFileError, TestudoError
+from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import grouped
 from smarttestudo.files.removal import remove, temporary_folder
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX
 from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.report.bag_report import Progress
 from smarttestudo.rules.rule_files import read_rule_text
 from smarttestudo.rules.rule_sets import check_texts
 
+BASELINE = "baseline"
+ADAPTIVE = "adaptive"
+DECISIONS = "decisions.jsonl"
+REPORT = "report.html"
+ACCURACY = "accuracy.json"
+THESIS = "thesis"
+LOGS = ("runtime.log", "robot.log")
+MARKER = "demo.json"
 RULES = "warehouse.adirf"
 WITHIN = "warehouse_within.adirf"
 PREDICTED = "warehouse_predicted.adirf"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DemoRequest:
+    """How long a mission, with which noise, and into which folder.
+
+    ``full_images`` asks for whole camera frames, about 0.2 GB each second, instead of small ones. With a
+    ``robot``, the node that records, the mission takes place in real time on a real ROS graph, with
+    ``physics`` by a robot that has masses and forces. ``mission`` is the file of a tour; without one the
+    robot drives the patrol of the thesis. ``with_thesis`` asks for the tables and figures of the thesis, too.
+    """
+
+    out: Path
+    seconds: float
+    seed: int
+    full_images: bool
+    when_slow: WhenSlow
+    progress: Progress
+    robot: Robot | None = None
+    mission: Path | None = None
+    physics: bool = False
+    with_thesis: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class DemoRules:
-    """Rules of the demo, called ``name``; ``are_edited`` where they are not the demo's own."""
+    """Rules of the demo, called ``name``; ``notice`` says so where they are not the demo's own."""
 
     name: str
     text: str
     rule_set: RuleSet
-    are_edited: bool
+    notice: str | None
 
 
 def put_rules(folder: Path, former: Path, name: str = RULES) -> DemoRules:
@@ -58,10 +94,8 @@ def put_rules(folder: Path, former: Path, name: str = RULES) -> DemoRules:
         place = f"{kept}:{error.span.line}:{error.span.column}"
         remedy = "fix it, or move the file away to use the demo's own rules"
         raise RuleFileError(error.message, place=place, remedy=remedy)
-    return DemoRules(name=name, text=text, rule_set=loaded.rule_set, are_edited=are_edited)
-
-
-MARKER = "demo.json"
+    notice = f"{kept} was edited: kept and used; without it the demo takes its own rules"
+    return DemoRules(name=name, text=text, rule_set=loaded.rule_set, notice=notice if are_edited else None)
 
 
 class DemoFolderError(TestudoError):

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from smarttestudo.bags.writer import create_recording
@@ -18,8 +19,8 @@ from smarttestudo.domain.names import DECISIONS_TOPIC, output_name
 from smarttestudo.domain.recording import Channel, RecordingWriter
 from smarttestudo.domain.robot import Payload, Qos, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_S, grouped, ns_from_s
-from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.robot.output_topics import DEFAULT_OUTPUT_TOPIC
+from smarttestudo.simulation.demo.folder import ADAPTIVE, BASELINE, DECISIONS, LOGS, RULES, DemoRequest
 from smarttestudo.simulation.messages import CAMERA_TOPICS, RobotMessages, Topic
 from smarttestudo.simulation.mission import DECLARED_BYTES
 
@@ -70,48 +71,35 @@ def _heard(robot: Robot, channel: Channel, topic: str, recording: RecordingWrite
     return robot.data_path.subscribe(topic, channel.type_name, qos, receive)
 
 
-LOGS = ("runtime.log", "robot.log")
 _LOST_TIME = "s of real time so far, in which the robot stood still"
 _POLL_S = 0.1
 _START_TIMEOUT_S = 40.0
 _END_TIMEOUT_S = 10.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LiveDemoRequest:
-    """How long a mission, with which noise, under which rules, and where everything goes.
-
-    Without ``full_images`` the robot has no raw camera. ``physics`` gives it masses and a world of forces.
-    """
-
-    baseline: Path
-    adaptive: Path
-    rules: Path
-    decisions: Path
-    logs: Path
-    seconds: float
-    seed: int
-    full_images: bool
-    when_slow: WhenSlow
-    mission: Path | None = None
-    physics: bool = False
-
-
-def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float], None]) -> tuple[str, ...]:
-    """Let the robot drive under the runtime, and record both. What was left out, a line for each topic.
+def record_live(
+    request: DemoRequest, folder: Path, robot: Robot, report: Callable[[float], None]
+) -> tuple[str, ...]:
+    """Let the robot drive under the runtime, and record both in ``folder``; what was left out, a line each.
 
     Raises:
         TestudoError: one of the processes failed.
         RecordingError: a recording cannot be written.
     """
-    blind = _camera_problem() if request.physics else None
+    blind = None
+    if request.physics:
+        # This needs the extra physics.
+        from smarttestudo.simulation.physics.drive import camera_problem  # noqa: PLC0415
+
+        blind = camera_problem()
     channels, left_out = _robot_channels(robot, full_images=request.full_images, camera_problem=blind)
     declared_bytes = {} if request.full_images else DECLARED_BYTES
-    runtime_log, robot_log = (request.logs / name for name in LOGS)
+    relayed = partial(output_name, pattern=DEFAULT_OUTPUT_TOPIC)
+    runtime_log, robot_log = (folder / name for name in LOGS)
     with (
-        recorded(robot, request.baseline, channels, declared_bytes) as baseline,
-        recorded(robot, request.adaptive, channels, declared_bytes, _relayed_name) as adaptive,
-        _testudo("runtime", _run_arguments(request), runtime_log) as runtime,
+        recorded(robot, folder / BASELINE, channels, declared_bytes) as baseline,
+        recorded(robot, folder / ADAPTIVE, channels, declared_bytes, relayed) as adaptive,
+        _testudo("runtime", _run_arguments(request, folder), runtime_log) as runtime,
     ):
         _await_publisher(robot, DECISIONS_TOPIC, runtime)
         with _testudo("simulated robot", _simulate_arguments(request), robot_log) as driver:
@@ -122,7 +110,7 @@ def record_live(request: LiveDemoRequest, robot: Robot, report: Callable[[float]
                 report(1 - left_ns / NS_PER_S / request.seconds)
             # It ends before the robot does, which would be a change of plans of its own.
             runtime.end()
-        lost = [*lost_lines(request.baseline, baseline), *lost_lines(request.adaptive, adaptive)]
+        lost = [*lost_lines(folder / BASELINE, baseline), *lost_lines(folder / ADAPTIVE, adaptive)]
     return (*left_out, *lost, *_lost_time(robot_log))
 
 
@@ -132,14 +120,6 @@ def _lost_time(log: Path) -> list[str]:
     return [
         f"the robot: {line.partition(_LOST_TIME)[0].rpartition(': ')[2]}{_LOST_TIME}" for line in said[-1:]
     ]
-
-
-def _camera_problem() -> str | None:
-    """Why a robot with physics would have no camera, if so."""
-    # This needs the extra physics.
-    from smarttestudo.simulation.physics.drive import camera_problem  # noqa: PLC0415
-
-    return camera_problem()
 
 
 def _robot_channels(
@@ -167,54 +147,45 @@ def _await_publisher(robot: Robot, topic: str, process: _Process) -> None:
         robot.wait(None, _POLL_S)
 
 
-def _relayed_name(topic: str) -> str:
-    """The topic on which the runtime relays ``topic``."""
-    return output_name(topic, DEFAULT_OUTPUT_TOPIC)
+def _run_arguments(request: DemoRequest, folder: Path) -> list[str]:
+    files = ("--rules", str(folder / RULES), "--decisions", str(folder / DECISIONS))
+    return ["run", *files, "--when-slow", request.when_slow.value]
 
 
-def _run_arguments(request: LiveDemoRequest) -> list[str]:
+def _simulate_arguments(request: DemoRequest) -> list[str]:
     return [
-        "run",
-        *("--rules", str(request.rules)),
-        *("--decisions", str(request.decisions)),
-        *("--when-slow", request.when_slow.value),
+        *("simulate", "--seed", str(request.seed)),
+        *(("--physics",) if request.physics else ()),
+        *(("--mission", str(request.mission)) if request.mission is not None else ()),
+        *(("--full-images",) if request.full_images else ()),
     ]
 
 
-def _simulate_arguments(request: LiveDemoRequest) -> list[str]:
-    arguments = ["simulate", "--seed", str(request.seed)]
-    if request.physics:
-        arguments.append("--physics")
-    if request.mission is not None:
-        arguments += ["--mission", str(request.mission)]
-    return [*arguments, "--full-images"] if request.full_images else arguments
-
-
+@dataclass(frozen=True, slots=True)
 class _Process:
     """A running process, whose output goes to the file ``log``."""
 
-    def __init__(self, name: str, process: subprocess.Popen[bytes], log: Path) -> None:
-        self._name = name
-        self._process = process
-        self._log = log
+    name: str
+    process: subprocess.Popen[bytes]
+    log: Path
 
     def is_running(self) -> bool:
         """Whether it still runs. Raises ``TestudoError`` with the last line of its log where it failed."""
-        code = self._process.poll()
+        code = self.process.poll()
         if code in (None, 0):
             return code is None
-        lines = self._log.read_text("utf-8", "replace").splitlines()
+        lines = self.log.read_text("utf-8", "replace").splitlines()
         said = lines[-1] if lines else f"exit code {code}"
-        raise TestudoError(f"the {self._name} failed: {said}")
+        raise TestudoError(f"the {self.name} failed: {said}")
 
     def end(self) -> None:
         """Ask it to end as by Ctrl-C, and make it if it does not."""
-        self._process.send_signal(signal.SIGINT)
+        self.process.send_signal(signal.SIGINT)
         try:
-            self._process.wait(_END_TIMEOUT_S)
+            self.process.wait(_END_TIMEOUT_S)
         except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+            self.process.kill()
+            self.process.wait()
 
 
 @contextmanager

@@ -16,7 +16,6 @@ from smarttestudo.report.table_files import csv_table, markdown_table
 from smarttestudo.report.thesis_tables import bandwidth_as_in_thesis, frequency_as_in_thesis
 from smarttestudo.simulation.messages import Topic
 
-FOLDER = "thesis"
 FREQUENCY_TABLE = "table-7.1-frequency"
 BANDWIDTH_TABLE = "table-7.2-bandwidth"
 ZONES_FIGURE = "zones.png"
