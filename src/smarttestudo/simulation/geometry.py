@@ -30,6 +30,11 @@ class Pose:
         )
 
 
+def bearing_rad(start: Point, end: Point) -> float:
+    """The direction from ``start`` to ``end``, anticlockwise from the x axis."""
+    return math.atan2(end.y_m - start.y_m, end.x_m - start.x_m)
+
+
 def clamped(value: float, limit: float) -> float:
     """The nearest number that is at most ``limit`` away from 0."""
     return min(max(value, -limit), limit)

@@ -15,7 +15,7 @@ from smarttestudo.domain.errors import MissionError, ProfileError
 from smarttestudo.domain.floor_plan import FloorPlan, Point
 from smarttestudo.files.input_file import read_input
 from smarttestudo.files.toml_text import parse_toml
-from smarttestudo.simulation.geometry import Pose
+from smarttestudo.simulation.geometry import Pose, bearing_rad
 from smarttestudo.simulation.robot import DriveModel
 
 SPACING_M = 0.05
@@ -60,7 +60,7 @@ class Route:
     def start(self) -> Pose:
         """The first place, heading along the route."""
         first, second = self.points[:2]
-        return Pose(first.x_m, first.y_m, math.atan2(second.y_m - first.y_m, second.x_m - first.x_m))
+        return Pose(first.x_m, first.y_m, bearing_rad(first, second))
 
     def at(self, travelled_m: float) -> Point:
         """The place after ``travelled_m`` metres."""
@@ -82,16 +82,23 @@ def _between(start: Point, end: Point, share: float) -> Point:
 
 def _arc(before: Point, corner: Point, after: Point, radius_m: float) -> Iterator[Point]:
     """Points on the arc that touches both lines of a corner."""
-    heading_in = math.atan2(corner.y_m - before.y_m, corner.x_m - before.x_m)
-    heading_out = math.atan2(after.y_m - corner.y_m, after.x_m - corner.x_m)
-    turn = math.remainder(heading_out - heading_in, math.tau)
+    heading_in, turn = bearing_rad(before, corner), _turn_rad(before, corner, after)
     side = math.copysign(1.0, turn)
-    start = Pose(corner.x_m, corner.y_m, heading_in).ahead(-radius_m * abs(math.tan(turn / 2)))
+    start = Pose(corner.x_m, corner.y_m, heading_in).ahead(-_arc_m(turn, radius_m))
     centre = Pose(start.x_m, start.y_m, heading_in + side * math.pi / 2).ahead(radius_m)
     count = max(2, math.ceil(abs(turn) * radius_m / SPACING_M))
     for step in range(count + 1):
         bearing = heading_in - side * math.pi / 2 + turn * step / count
         yield Pose(centre.x_m, centre.y_m, bearing).ahead(radius_m)
+
+
+def _turn_rad(before: Point, corner: Point, after: Point) -> float:
+    return math.remainder(bearing_rad(corner, after) - bearing_rad(before, corner), math.tau)
+
+
+def _arc_m(turn_rad: float, radius_m: float) -> float:
+    """How far before and after a corner its arc begins and ends."""
+    return radius_m * abs(math.tan(turn_rad / 2))
 
 
 CRUISE_M_PER_S = 0.25
@@ -239,9 +246,11 @@ def _number(value: object, key: str, least: float, most: float, place: str) -> f
 
 def _require_room(waypoints: Sequence[Waypoint], path: Path) -> None:
     """Refuse legs that are shorter than the arcs at their ends."""
+    places = [waypoint.place for waypoint in waypoints]
+    corners = zip(places[-1:] + places, places, places[1:] + places[:1], strict=False)
     arcs_m = [
-        0.0 if waypoint.pause_s or index == 0 else _arc_m(index, waypoints)
-        for index, waypoint in enumerate(waypoints)
+        0.0 if waypoint.pause_s or index == 0 else _arc_m(_turn_rad(*corner), CORNER_RADIUS_M)
+        for index, (waypoint, corner) in enumerate(zip(waypoints, corners, strict=True))
     ]
     for index, start in enumerate(waypoints):
         after = (index + 1) % len(waypoints)
@@ -253,16 +262,6 @@ def _require_room(waypoints: Sequence[Waypoint], path: Path) -> None:
                 remedy=f"where the robot does not pause it takes corners in arcs of {CORNER_RADIUS_M:g} m; "
                 "move them apart, or let it pause",
             )
-
-
-def _arc_m(index: int, waypoints: Sequence[Waypoint]) -> float:
-    """How far before and after the corner at a waypoint its arc begins and ends."""
-    before, after = waypoints[index - 1].place, waypoints[(index + 1) % len(waypoints)].place
-    here = waypoints[index].place
-    turn = math.atan2(after.y_m - here.y_m, after.x_m - here.x_m) - math.atan2(
-        here.y_m - before.y_m, here.x_m - before.x_m
-    )
-    return CORNER_RADIUS_M * abs(math.tan(math.remainder(turn, math.tau) / 2))
 
 
 def _require_clear(tour: Tour, plan: FloorPlan, path: Path) -> None:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
@@ -58,10 +57,11 @@ class DeviceSchedule(Generic[BodyT]):
         self._clocks = _clocks(devices, body.now_ns, seed, together)
         self._due = [(clock.next_ns, order) for order, clock in enumerate(self._clocks)]
         heapq.heapify(self._due)
+        self._lost_ns = 0
         latched = transforms(body.now_ns, fixed_frames)
-        found_ns = body.now_ns + _DISCOVERY_NS
-        static = TimedMessage(time_ns=found_ns, topic=Topic.TF_STATIC, message=latched)
-        self._under_way: list[tuple[int, int, TimedMessage]] = [(found_ns, 0, static)]
+        self._under_way: list[tuple[int, int, Topic, object]] = [
+            (body.now_ns + _DISCOVERY_NS, 0, Topic.TF_STATIC, latched)
+        ]
         self._serial = 0
 
     def __iter__(self) -> Iterator[TimedMessage]:
@@ -70,25 +70,20 @@ class DeviceSchedule(Generic[BodyT]):
     def __next__(self) -> TimedMessage:
         while not (self._under_way and self._under_way[0][0] <= self._due[0][0]):
             self._sample()
-        return heapq.heappop(self._under_way)[2]
+        arrival_ns, _, topic, message = heapq.heappop(self._under_way)
+        return TimedMessage(time_ns=arrival_ns + self._lost_ns, topic=topic, message=message)
 
     def skip(self, lost_ns: int) -> None:
-        """Let ``lost_ns`` pass in which the body stands still."""
+        """Let ``lost_ns`` pass in which the body stands still: all that is to come happens later."""
         self._body.skip(lost_ns)
-        for clock in self._clocks:
-            clock.skip(lost_ns)
-        self._due = [(next_ns + lost_ns, order) for next_ns, order in self._due]
-        self._under_way = [
-            (time_ns + lost_ns, serial, replace(timed, time_ns=time_ns + lost_ns))
-            for time_ns, serial, timed in self._under_way
-        ]
+        self._lost_ns += lost_ns
 
     def _sample(self) -> None:
         now_ns, order = self._due[0]
-        self._body.advance_to(now_ns)
-        for timed in self._clocks[order].publish(self._body):
+        self._body.advance_to(now_ns + self._lost_ns)
+        for arrival_ns, topic, message in self._clocks[order].publish(self._body):
             self._serial += 1
-            heapq.heappush(self._under_way, (timed.time_ns, self._serial, timed))
+            heapq.heappush(self._under_way, (arrival_ns, self._serial, topic, message))
         heapq.heapreplace(self._due, (self._clocks[order].next_ns, order))
 
 
@@ -111,20 +106,14 @@ class _DeviceClock(Generic[BodyT]):
         self._count = 0
         self.next_ns = self._first_ns
 
-    def publish(self, body: BodyT) -> Iterator[TimedMessage]:
+    def publish(self, body: BodyT) -> Iterator[tuple[int, Topic, object]]:
         """Sample the device, and set the time of the next sample."""
         now_ns = self.next_ns
         self._count += 1
         self.next_ns = self._first_ns + round(self._count * self._period_ns)
         for topic, message in self._device.sample(body):
             share = min(abs(next(self._noise)) * _JITTER, _MAX_JITTER)
-            arrival_ns = now_ns + _TRANSPORT_NS + round(share * self._period_ns)
-            yield TimedMessage(time_ns=arrival_ns, topic=topic, message=message)
-
-    def skip(self, lost_ns: int) -> None:
-        """Take all samples that are to come later."""
-        self._first_ns += lost_ns
-        self.next_ns += lost_ns
+            yield now_ns + _TRANSPORT_NS + round(share * self._period_ns), topic, message
 
 
 def _normal(noise: np.random.Generator) -> Iterator[float]:

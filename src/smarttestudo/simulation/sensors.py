@@ -15,18 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarttestudo.domain.floor_plan import FloorPlan, Point
+from smarttestudo.simulation import messages
 from smarttestudo.simulation.geometry import FrameTransform, Quaternion, Vector
-from smarttestudo.simulation.messages import (
-    Published,
-    Topic,
-    estimated_pose,
-    estimated_twist,
-    imu,
-    joint_states,
-    odometry,
-    scan,
-    transforms,
-)
+from smarttestudo.simulation.messages import Published, Topic
 from smarttestudo.simulation.robot import BASE_FRAME, ODOM_FRAME, BodyT, DifferentialDrive, wheel_frames
 
 GRAVITY_M_PER_S2 = 9.80665
@@ -45,9 +36,11 @@ class Odometer:
         true = drive.velocity
         linear = true.linear_m_per_s + self.twist_deviations[0] * linear_noise
         angular = true.angular_rad_per_s + self.twist_deviations[5] * angular_noise
-        twist = estimated_twist(Vector(linear, 0.0, 0.0), Vector(0.0, 0.0, angular), self.twist_deviations)
-        pose = estimated_pose(*_floor_pose(drive), (0.0,) * 6)
-        return [(Topic.ODOM, odometry(drive.now_ns, BASE_FRAME, pose, twist))]
+        twist = messages.estimated_twist(
+            Vector(linear, 0.0, 0.0), Vector(0.0, 0.0, angular), self.twist_deviations
+        )
+        pose = messages.estimated_pose(*_floor_pose(drive), (0.0,) * 6)
+        return [(Topic.ODOM, messages.odometry(drive.now_ns, BASE_FRAME, pose, twist))]
 
 
 @dataclass(frozen=True)
@@ -75,7 +68,7 @@ class InertialUnit:
             GRAVITY_M_PER_S2 + force * noise[6],
         )
         deviations = ((0.0, 0.0, self.yaw_noise_rad), turning, force)
-        return [(Topic.IMU, imu(drive.now_ns, orientation, angular, linear, deviations))]
+        return [(Topic.IMU, messages.imu(drive.now_ns, orientation, angular, linear, deviations))]
 
 
 class WheelEncoders:
@@ -85,7 +78,7 @@ class WheelEncoders:
 
     def sample(self, drive: DifferentialDrive) -> Published:
         speeds = [rim / drive.model.wheel_radius_m for rim in drive.rim_m_per_s]
-        return [(Topic.JOINT_STATES, joint_states(drive.now_ns, drive.angles_rad, speeds))]
+        return [(Topic.JOINT_STATES, messages.joint_states(drive.now_ns, drive.angles_rad, speeds))]
 
 
 class OdometryFrame:
@@ -95,7 +88,7 @@ class OdometryFrame:
 
     def sample(self, drive: DifferentialDrive) -> Published:
         base = FrameTransform(ODOM_FRAME, BASE_FRAME, *_floor_pose(drive))
-        return [(Topic.TF, transforms(drive.now_ns, [base]))]
+        return [(Topic.TF, messages.transforms(drive.now_ns, [base]))]
 
 
 class WheelFrames:
@@ -104,7 +97,7 @@ class WheelFrames:
     rate_hz = WheelEncoders.rate_hz
 
     def sample(self, drive: DifferentialDrive) -> Published:
-        return [(Topic.TF, transforms(drive.now_ns, wheel_frames(drive.model, drive.angles_rad)))]
+        return [(Topic.TF, messages.transforms(drive.now_ns, wheel_frames(drive.model, drive.angles_rad)))]
 
 
 def _floor_pose(drive: DifferentialDrive) -> tuple[Vector, Quaternion]:
@@ -193,7 +186,7 @@ class Lidar(Generic[BodyT]):
         ranges_m = distances_m + self.noise.normal(0.0, self.noise_m, len(distances_m))
         ranges_m[ranges_m > self.range_max_m] = np.inf
         ranges_m[ranges_m < self.range_min_m] = -np.inf
-        message = scan(
+        message = messages.scan(
             body.now_ns,
             ranges_m.astype(np.float32),
             least_m=self.range_min_m,

@@ -14,7 +14,7 @@ from typing import Generic
 
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
-from smarttestudo.simulation.geometry import BodyVelocity, Pose, clamped
+from smarttestudo.simulation.geometry import BodyVelocity, Pose, bearing_rad, clamped
 from smarttestudo.simulation.messages import Published, Topic, command
 from smarttestudo.simulation.robot import Body, BodyT, DriveModel
 from smarttestudo.simulation.route import CRUISE_M_PER_S, SPACING_M, Goal, Route, Tour
@@ -45,7 +45,7 @@ class PurePursuit:
 
 def towards(goal: Point, pose: Pose, model: DriveModel, *, cruise_m_per_s: float) -> BodyVelocity:
     """The arc from ``pose`` to ``goal``, at ``cruise_m_per_s`` where it is not tight."""
-    bearing = math.atan2(goal.y_m - pose.y_m, goal.x_m - pose.x_m) - pose.yaw_rad
+    bearing = bearing_rad(pose.place, goal) - pose.yaw_rad
     curvature_per_m = 2 * math.sin(bearing) / pose.place.distance_m(goal)
     share = min(1.0, max(_SLOWEST_SHARE, 1 / max(abs(curvature_per_m) * _SLOW_BELOW_RADIUS_M, 1e-9)))
     linear = min(cruise_m_per_s * share, model.max_linear_m_per_s)
@@ -149,19 +149,17 @@ class WaypointFollower:
             return route.at(self.travelled_m + LOOKAHEAD_M)
         end_m = self.travelled_m + left_m
         before, end = route.at(end_m - SPACING_M), route.at(end_m - 1e-9)
-        heading_rad = math.atan2(end.y_m - before.y_m, end.x_m - before.x_m)
-        return Pose(end.x_m, end.y_m, heading_rad).ahead(LOOKAHEAD_M - left_m)
+        return Pose(end.x_m, end.y_m, bearing_rad(before, end)).ahead(LOOKAHEAD_M - left_m)
 
     def _turn(self, carrot: Point, pose: Pose) -> BodyVelocity | None:
         """The turn on the spot, while the way on is too far aside."""
-        bearing_rad = math.atan2(carrot.y_m - pose.y_m, carrot.x_m - pose.x_m) - pose.yaw_rad
-        bearing_rad = math.remainder(bearing_rad, math.tau)
-        self._is_turning = abs(bearing_rad) > (_TURNED_RAD if self._is_turning else _TURN_FROM_RAD)
+        aside_rad = math.remainder(bearing_rad(pose.place, carrot) - pose.yaw_rad, math.tau)
+        self._is_turning = abs(aside_rad) > (_TURNED_RAD if self._is_turning else _TURN_FROM_RAD)
         if not self._is_turning:
             return None
         # As fast as it can still be stopped in time, with one period of delay.
-        fastest = math.sqrt(2 * _ANGULAR_RAD_PER_S2 * abs(bearing_rad)) / 2
-        return BodyVelocity(0.0, math.copysign(min(_TURN_RAD_PER_S, fastest), bearing_rad))
+        fastest = math.sqrt(2 * _ANGULAR_RAD_PER_S2 * abs(aside_rad)) / 2
+        return BodyVelocity(0.0, math.copysign(min(_TURN_RAD_PER_S, fastest), aside_rad))
 
 
 def _within(wanted: float, last: float, change: float) -> float:

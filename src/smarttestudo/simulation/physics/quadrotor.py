@@ -14,6 +14,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from smarttestudo.simulation import messages
 from smarttestudo.simulation.geometry import (
     BodyVelocity,
     FrameTransform,
@@ -23,15 +24,7 @@ from smarttestudo.simulation.geometry import (
     Vector,
     clamped,
 )
-from smarttestudo.simulation.messages import (
-    Published,
-    Topic,
-    estimated_pose,
-    estimated_twist,
-    odometry,
-    range_of,
-    transforms,
-)
+from smarttestudo.simulation.messages import Published, Topic
 from smarttestudo.simulation.physics.body import BatteryType, Machine, PhysicalBody
 from smarttestudo.simulation.physics.engine import Engine
 from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
@@ -103,12 +96,12 @@ class VisualOdometer:
         angular = Vector(
             turning.x + turn * noise[3], turning.y + turn * noise[4], turning.z + turn * noise[5]
         )
-        twist = estimated_twist(linear, angular, (slow, slow, slow, turn, turn, turn))
-        pose = estimated_pose(place, turned, _POSE_DEVIATIONS)
+        twist = messages.estimated_twist(linear, angular, (slow, slow, slow, turn, turn, turn))
+        pose = messages.estimated_pose(place, turned, _POSE_DEVIATIONS)
         frame = FrameTransform(ODOM_FRAME, BASE_LINK, place, turned)
         return [
-            (Topic.ODOM, odometry(body.now_ns, BASE_LINK, pose, twist)),
-            (Topic.TF, transforms(body.now_ns, [frame])),
+            (Topic.ODOM, messages.odometry(body.now_ns, BASE_LINK, pose, twist)),
+            (Topic.TF, messages.transforms(body.now_ns, [frame])),
         ]
 
 
@@ -134,7 +127,7 @@ class RangeFinder:
         measured_m = true_m + self.noise_m * float(self.noise.standard_normal())
         if measured_m < self.range_min_m:
             measured_m = -np.inf
-        message = range_of(
+        message = messages.range_of(
             body.now_ns,
             measured_m if measured_m <= self.range_max_m else np.inf,
             least_m=self.range_min_m,

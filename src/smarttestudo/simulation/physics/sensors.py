@@ -12,18 +12,10 @@ from typing import Protocol
 import numpy as np
 
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.simulation import messages
 from smarttestudo.simulation.camera import grained
 from smarttestudo.simulation.geometry import FrameTransform, Pose, Quaternion, Vector
-from smarttestudo.simulation.messages import (
-    Pixels,
-    Published,
-    Topic,
-    battery_state,
-    estimated_pose,
-    imu,
-    localization,
-    transforms,
-)
+from smarttestudo.simulation.messages import Pixels, Published, Topic
 from smarttestudo.simulation.physics.body import PhysicalBody
 from smarttestudo.simulation.robot import MAP_FRAME, ODOM_FRAME
 from smarttestudo.simulation.sensors import InertialUnit
@@ -43,7 +35,7 @@ class InertialSensor:
         turned = InertialUnit.yaw_noise_rad
         roll, pitch, yaw = (turned * one for one in noise[:3])
         turning_noise, force_noise = InertialUnit.angular_noise_rad_per_s, InertialUnit.linear_noise_m_per_s2
-        message = imu(
+        message = messages.imu(
             body.now_ns,
             body.engine.orientation.then(Quaternion.from_roll_pitch_yaw(roll, pitch, yaw)),
             _noisy(angular, turning_noise, noise[3:6]),
@@ -60,7 +52,7 @@ class BatteryGauge:
 
     def sample(self, body: PhysicalBody) -> Published:
         battery = body.battery
-        message = battery_state(
+        message = messages.battery_state(
             body.now_ns,
             voltage_v=battery.voltage_v,
             current_a=battery.current_a,
@@ -103,11 +95,13 @@ class Localizer:
             0.0,
         )
         noise = (self.position_noise_m, self.position_noise_m, 0.0, 0.0, 0.0, self.yaw_noise_rad)
-        pose = estimated_pose(Vector(found.x_m, found.y_m, 0.0), Quaternion.from_yaw(found.yaw_rad), noise)
+        pose = messages.estimated_pose(
+            Vector(found.x_m, found.y_m, 0.0), Quaternion.from_yaw(found.yaw_rad), noise
+        )
         frame = FrameTransform(MAP_FRAME, ODOM_FRAME, shift, Quaternion.from_yaw(turn_rad))
         return [
-            (Topic.AMCL_POSE, localization(body.now_ns, pose)),
-            (Topic.TF, transforms(body.now_ns, [frame])),
+            (Topic.AMCL_POSE, messages.localization(body.now_ns, pose)),
+            (Topic.TF, messages.transforms(body.now_ns, [frame])),
         ]
 
 

@@ -11,6 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from smarttestudo.simulation import messages
 from smarttestudo.simulation.geometry import (
     BodyVelocity,
     FrameTransform,
@@ -20,15 +21,7 @@ from smarttestudo.simulation.geometry import (
     Vector,
     clamped,
 )
-from smarttestudo.simulation.messages import (
-    Published,
-    Topic,
-    estimated_pose,
-    estimated_twist,
-    joint_states,
-    odometry,
-    transforms,
-)
+from smarttestudo.simulation.messages import Published, Topic
 from smarttestudo.simulation.physics.body import BatteryType, Machine, PhysicalBody
 from smarttestudo.simulation.physics.engine import HIDDEN_GROUP, LIDAR_COVER, Engine
 from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
@@ -79,16 +72,16 @@ class WheelOdometer:
         right_m = (right - before[1]) / TICKS_PER_TURN * math.tau * self._right_m
         self.pose = rolled(self.pose, left_m, right_m, self._separation_m)
         place, heading = Vector(self.pose.x_m, self.pose.y_m, 0.0), Quaternion.from_yaw(self.pose.yaw_rad)
-        twist = estimated_twist(
+        twist = messages.estimated_twist(
             Vector((left_m + right_m) / 2 / dt_s, 0.0, 0.0),
             Vector(0.0, 0.0, (right_m - left_m) / self._separation_m / dt_s),
             Odometer.twist_deviations,
         )
-        estimate = estimated_pose(place, heading, _POSE_DEVIATIONS)
+        estimate = messages.estimated_pose(place, heading, _POSE_DEVIATIONS)
         frame = FrameTransform(ODOM_FRAME, BASE_FRAME, place, heading)
         return [
-            (Topic.ODOM, odometry(body.now_ns, BASE_FRAME, estimate, twist)),
-            (Topic.TF, transforms(body.now_ns, [frame])),
+            (Topic.ODOM, messages.odometry(body.now_ns, BASE_FRAME, estimate, twist)),
+            (Topic.TF, messages.transforms(body.now_ns, [frame])),
         ]
 
 
@@ -102,8 +95,8 @@ class WheelSensors:
     def sample(self, body: PhysicalBody) -> Published:
         left, right = body.engine.joint_angles
         return [
-            (Topic.JOINT_STATES, joint_states(body.now_ns, (left, right), body.engine.joint_speeds)),
-            (Topic.TF, transforms(body.now_ns, wheel_frames(self.model, (left, right)))),
+            (Topic.JOINT_STATES, messages.joint_states(body.now_ns, (left, right), body.engine.joint_speeds)),
+            (Topic.TF, messages.transforms(body.now_ns, wheel_frames(self.model, (left, right)))),
         ]
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 from smarttestudo.domain.floor_plan import FloorPlan, ObstacleKind, Point, Rectangle
-from smarttestudo.simulation.geometry import Pose
+from smarttestudo.simulation.geometry import Pose, bearing_rad
 from smarttestudo.simulation.physics.engine import FLOOR
 
 _STOP_M = 1.0
@@ -34,7 +34,7 @@ class WalkingPerson:
         lap_m = self.travelled_m % (2 * length_m)
         share = 1 - abs(lap_m / length_m - 1)
         way_x_m, way_y_m = self.end.x_m - self.start.x_m, self.end.y_m - self.start.y_m
-        heading = math.atan2(way_y_m, way_x_m)
+        heading = bearing_rad(self.start, self.end)
         return Pose(
             self.start.x_m + share * way_x_m,
             self.start.y_m + share * way_y_m,
