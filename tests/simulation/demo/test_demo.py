@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
+"""The demo: what it records, replays, says and leaves."""
+
 from __future__ import annotations
 
 import json
@@ -15,8 +17,11 @@ import pytest
 
 from made_demos import Ran
 from report.golden_files import assert_reads_as
+from robot.status.virtual_robot import Source, VirtualRobot
 from simulation.demo.demo_runs import GOLDEN, Messages, binned_hz, messages_of, run_testudo, without_replay
 from smarttestudo.bags.reader import open_recording
+from smarttestudo.domain.recording import Channel
+from smarttestudo.simulation.demo.live import lost_lines, recorded
 
 THESIS_CHANGE_PERCENT = {
     "/camera/image_raw": -89.6,
@@ -259,3 +264,13 @@ def test_wrong_numbers_are_wrong_usage(arguments: tuple[str, str], tmp_path: Pat
     assert ran.code == 2
     assert repr(arguments[1]) in ran.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_messages_that_a_recording_lost_are_counted_topic_by_topic(tmp_path: Path) -> None:
+    robot = VirtualRobot(sources={"/image": Source(hz=15, one_of=3), "/scan": Source(hz=10)})
+    channels = [Channel(topic=topic, type_name="sensor_msgs/msg/Imu") for topic in robot.sources]
+    folder = tmp_path / "baseline"
+    with recorded(robot, folder, channels, {}) as heard:
+        robot.wait(None, 200)
+        said = lost_lines(folder, heard)
+    assert said == ["baseline: 2 000 of 3 000 messages of /image were lost on their way"]

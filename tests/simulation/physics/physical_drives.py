@@ -10,13 +10,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
+from simulation.missions import START_NS
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import Vector
 from smarttestudo.simulation.messages import TimedMessage, Topic
 from smarttestudo.simulation.physics.drive import PhysicalRobot, RobotKind, physical_robot
 from smarttestudo.simulation.warehouse import patrol
-
-START_NS = 1_750_000_000 * NS_PER_S
 
 
 @contextmanager

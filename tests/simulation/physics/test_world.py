@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import pytest
 
-from simulation.missions import of_topic
-from simulation.physics.physical_drives import START_NS, robot_of, until
+from simulation.missions import START_NS, of_topic
+from simulation.physics.physical_drives import robot_of, until
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.simulation.geometry import BodyVelocity
 from smarttestudo.simulation.messages import Topic

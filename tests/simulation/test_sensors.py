@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
+
 from __future__ import annotations
 
 import math
@@ -8,9 +9,12 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 
 from simulation.missions import driven, of_topic, poses, stamp_ns
-from smarttestudo.simulation.camera import FrameSize
+from smarttestudo.domain.floor_plan import FloorPlan, Obstacle, ObstacleKind, Point, Rectangle
+from smarttestudo.simulation.camera import FrameSize, raspberry_pi_lens, render
 from smarttestudo.simulation.geometry import Pose, Quaternion
 from smarttestudo.simulation.messages import TimedMessage, Topic
 from smarttestudo.simulation.robot import OPTICAL_FRAME, DifferentialDrive, DriveModel, fixed_frames
@@ -139,3 +143,92 @@ def test_full_images_change_nothing_but_the_images() -> None:
     )
     image = of_topic(full, Topic.IMAGE)[0]
     assert (image.height, image.width, len(image.data)) == (1080, 1920, 6_220_800)
+
+
+FREE_PLACES = st.builds(Point, st.floats(-12.9, 13.9), st.floats(-7.9, 25.4)).filter(
+    lambda place: warehouse().clearance_m(place) > 0.01
+)
+
+
+def _slab_distance_m(plan: FloorPlan, origin: Point, bearing_rad: float) -> float:
+    """The naive second opinion: one ray, one box at a time, by clipping against its slabs."""
+    direction = (math.cos(bearing_rad), math.sin(bearing_rad))
+    best = math.inf
+    for obstacle in plan.obstacles:
+        box = obstacle.footprint
+        enter, leave = 0.0, math.inf
+        for start, step, low, high in (
+            (origin.x_m, direction[0], box.min_x_m, box.max_x_m),
+            (origin.y_m, direction[1], box.min_y_m, box.max_y_m),
+        ):
+            if step == 0:
+                if not low <= start <= high:
+                    leave = -1.0
+                continue
+            first, second = sorted(((low - start) / step, (high - start) / step))
+            enter, leave = max(enter, first), min(leave, second)
+        if enter <= leave:
+            best = min(best, enter)
+    return best
+
+
+@settings(max_examples=30, deadline=None)
+@example(place=Point(0.0, 0.0), turn_rad=5e-324)
+@given(place=FREE_PLACES, turn_rad=st.floats(0, math.tau))
+def test_casting_agrees_with_clipping_each_ray_against_each_box(place: Point, turn_rad: float) -> None:
+    plan = warehouse()
+    bearings_rad = turn_rad + np.linspace(0, math.tau, 90, endpoint=False)
+
+    hits = RayCaster(plan).cast(place, bearings_rad, range_m=100.0)
+
+    expected_m = [_slab_distance_m(plan, place, bearing_rad) for bearing_rad in bearings_rad.tolist()]
+    # A ray that grazes a corner may meet or miss it by rounding: nothing else may differ.
+    differing = np.flatnonzero(~np.isclose(hits.distances_m, expected_m, atol=1e-6))
+    for ray in differing.tolist():
+        nudged = [_slab_distance_m(plan, place, bearings_rad[ray] + nudge) for nudge in (-1e-7, 1e-7)]
+        assert any(hits.distances_m[ray] == pytest.approx(distance_m, abs=1e-4) for distance_m in nudged)
+
+
+def test_a_ray_names_the_obstacle_it_meets_and_none_beyond_its_range() -> None:
+    boxes = [
+        Rectangle(min_x_m=2, max_x_m=3, min_y_m=-1, max_y_m=1),
+        Rectangle(min_x_m=-5, max_x_m=-4, min_y_m=-1, max_y_m=1),
+    ]
+    obstacles = tuple(Obstacle(kind=ObstacleKind.RACK, footprint=box, height_m=1.0) for box in boxes)
+    plan = FloorPlan(obstacles=obstacles)
+
+    hits = RayCaster(plan).cast(Point(0.0, 0.0), np.array([0.0, math.pi / 2, math.pi]), range_m=3.5)
+
+    assert hits.distances_m.tolist() == [2.0, math.inf, math.inf]
+    assert hits.obstacles.tolist() == [0, -1, -1]
+
+
+def _view(distance_m: float) -> np.ndarray:
+    rack = Rectangle(min_x_m=distance_m, max_x_m=distance_m + 1, min_y_m=-9, max_y_m=0.0)
+    plan = FloorPlan(
+        obstacles=(Obstacle(kind=ObstacleKind.RACK, footprint=rack, height_m=0.5),),
+    )
+    lens = raspberry_pi_lens(FrameSize.FULL)
+    return render(RayCaster(plan), Pose(0.0, 0.0, 0.0), 0.1, lens, np.random.default_rng(0))
+
+
+def _is_blue(pixels: np.ndarray) -> np.ndarray:
+    blue: np.ndarray = pixels[..., 2].astype(int) - pixels[..., 0] > 40
+    return blue
+
+
+def test_what_stands_to_the_right_is_on_the_right_of_the_image() -> None:
+    blue = _is_blue(_view(2.0))
+
+    assert not blue[:, :950].any()
+    assert blue[:, 970:].any(axis=0).all()
+
+
+@pytest.mark.parametrize("distance_m", [1.0, 2.0, 4.0])
+def test_an_obstacle_covers_focal_length_times_height_over_distance(distance_m: float) -> None:
+    focal_px = raspberry_pi_lens(FrameSize.FULL).focal_px
+
+    rows = np.flatnonzero(_is_blue(_view(distance_m))[:, 965])
+
+    assert rows.min() == pytest.approx(max(0, 540 - focal_px * 0.4 / distance_m), abs=0.5)
+    assert rows.max() + 1 == pytest.approx(540 + focal_px * 0.1 / distance_m, abs=0.5)
