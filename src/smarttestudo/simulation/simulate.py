@@ -43,7 +43,7 @@ class SimulateRequest:
 
     @property
     def way(self) -> str:
-        """What it drives, in words."""
+        """The way that it drives, in words."""
         return "the patrol" if self.mission is None else "the mission"
 
 

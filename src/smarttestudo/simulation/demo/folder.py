@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a demo is asked for, its rules, and the folder that it leaves.
+"""Request for a demo, its rules, and the folder that it leaves.
 
 The folder is whole or not there, and comes in place of nothing but what a former demo made.
 """
