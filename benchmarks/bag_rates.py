@@ -18,14 +18,9 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
-from smarttestudo.bags.writer import create_recording
-from smarttestudo.domain.recording import Channel, Storage
+from live.large_recording import write_recording
+from smarttestudo.domain.recording import Storage
 
-IMAGES_PER_S = 29
-SMALL_PER_IMAGE = 8
-NS_PER_S = 1_000_000_000
-IMAGE = Channel(topic="/camera/image_raw", type_name="sensor_msgs/msg/Image")
-IMU = Channel(topic="/imu", type_name="sensor_msgs/msg/Imu")
 MEMORY = """
 import pathlib, re
 status = pathlib.Path("/proc/self/status").read_text()
@@ -45,18 +40,6 @@ class Run(NamedTuple):
 
     wall_s: float
     peak_mb: float
-
-
-def write_recording(path: Path, storage: Storage, size_bytes: int, image_bytes: int) -> None:
-    """Images, and small messages between them, up to ``size_bytes``."""
-    period_ns = NS_PER_S // IMAGES_PER_S
-    frame = bytearray(b"\x00\x01\x00\x00" + os.urandom(image_bytes - 4))
-    with create_recording(path, storage=storage) as writer:
-        for number in range(size_bytes // image_bytes):
-            frame[4:8] = number.to_bytes(4, "little")
-            writer.write(IMAGE, number * period_ns, bytes(frame))
-            for step in range(SMALL_PER_IMAGE):
-                writer.write(IMU, number * period_ns + step * period_ns // SMALL_PER_IMAGE, bytes(320))
 
 
 def forget(bag: Path) -> None:

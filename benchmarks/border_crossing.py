@@ -12,13 +12,10 @@ import argparse
 import statistics
 import time
 from collections.abc import Callable, Iterator
-from types import SimpleNamespace
 
-from smarttestudo.domain.observation import Arrival
-from smarttestudo.domain.profile import Profile, TopicProfile
-from smarttestudo.language.parser import parse
-from smarttestudo.language.rule_set import compile_rules
-from smarttestudo.loop import Knowledge, step
+from live.zone_rules import in_zone, knowledge_of, odometry_at
+from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.loop import step
 
 CROSSINGS = 2000
 STEP_NS = 50_000_000
@@ -28,9 +25,7 @@ AIM = 2.0
 def column_of_zones(x: int, rows: int, *, with_else: bool) -> str:
     """A rule file with a block for each square metre of one column of a grid."""
     blocks = [
-        f"If (CheckValue /odom pose_x > {x} AND CheckValue /odom pose_x < {x + 1} AND "
-        f"CheckValue /odom pose_y > {y} AND CheckValue /odom pose_y < {y + 1}) "
-        f"Then SetFrequency /scan {1 + (7 * x + 3 * y) % 20} "
+        f"If {in_zone(x, y)} Then SetFrequency /scan {1 + (7 * x + 3 * y) % 20} "
         + ("Else SetFrequency /imu 5 " if with_else else "")
         + "EndIf"
         for y in range(rows)
@@ -52,18 +47,14 @@ def walk(columns: int, rows: int) -> Iterator[tuple[float, float]]:
 
 def stepper(columns: int, rows: int, *, with_else: bool) -> Callable[[], float]:
     """A function that crosses ``CROSSINGS`` borders and returns the microseconds of one step."""
-    files = [
-        parse(column_of_zones(x, rows, with_else=with_else), f"column_{x}.adirf").file for x in range(columns)
-    ]
-    rule_set = compile_rules(files, lambda name: name)
-    odometry = TopicProfile(type_name="nav_msgs/msg/Odometry")
-    knowledge = Knowledge(rule_set, Profile(settle_s=0.0, topics={"/odom": odometry}), start_ns=0)
+    texts = (column_of_zones(x, rows, with_else=with_else) for x in range(columns))
+    knowledge = knowledge_of(texts, TopicProfile(type_name="nav_msgs/msg/Odometry"))
     positions = walk(columns, rows)
     now_ns = 0
 
     def run() -> float:
         nonlocal now_ns
-        arrivals = [_odometry(*next(positions)) for _ in range(CROSSINGS)]
+        arrivals = [odometry_at(*next(positions)) for _ in range(CROSSINGS)]
         start = time.perf_counter()
         decisions = 0
         for arrival in arrivals:
@@ -75,12 +66,6 @@ def stepper(columns: int, rows: int, *, with_else: bool) -> Callable[[], float]:
         return took / CROSSINGS * 1e6
 
     return run
-
-
-def _odometry(x: float, y: float) -> Arrival:
-    position = SimpleNamespace(x=x, y=y, z=0.0)
-    message = SimpleNamespace(pose=SimpleNamespace(pose=SimpleNamespace(position=position)))
-    return Arrival(topic="/odom", size_bytes=720, message=message)
 
 
 def compare(side: int, turns: int, *, with_else: bool) -> None:

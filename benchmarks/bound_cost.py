@@ -11,8 +11,6 @@ window, by message of the source, makes the ratio; whatever else the machine doe
 from __future__ import annotations
 
 import argparse
-import importlib
-import json
 import math
 import statistics
 import sys
@@ -25,8 +23,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import rclpy
+
 from live.contenders import TESTUDO
-from live.processes import Process, environment, processes
+from live.processes import Process, cpu_us_a_message, environment, processes
+from live.roles import answers, message_class
 
 DOMAIN = 72
 SETTLE_S = 4.0
@@ -90,33 +91,15 @@ def write(message: Any, elapsed_s: float) -> None:
 @contextmanager
 def asked_node(name: str, answer: Any) -> Iterator[tuple[Any, threading.Event]]:
     """A node of a process that answers every line on stdin; the event is set when stdin ends."""
-    import rclpy  # noqa: PLC0415 - only where the source and the operator run
-
     rclpy.init()
-    node = rclpy.create_node(name)
-    ended = threading.Event()
-
-    def listen() -> None:
-        for _ in sys.stdin:
-            sys.stdout.write(f"{json.dumps(answer())}\n")
-            sys.stdout.flush()
-        ended.set()
-
-    threading.Thread(target=listen, daemon=True).start()
-    yield node, ended
-
-
-def message_class(type_name: str) -> Any:
-    """The class of a message type."""
-    package, _, name = type_name.split("/")
-    return getattr(importlib.import_module(f"{package}.msg"), name)
+    yield rclpy.create_node(name), answers(lambda _: answer())
 
 
 def source(topic: str, type_name: str, hz: float) -> None:
     """Publish a moving robot; answers how many messages were sent."""
     sent = 0
     with asked_node("source", lambda: sent) as (node, ended):
-        message = message_class(type_name)()
+        message = message_class({"type": type_name})()
         publisher = node.create_publisher(type(message), topic, 10)
         start_s = time.monotonic()
         while not ended.wait(max(start_s + sent / hz - time.monotonic(), 0)):
@@ -127,8 +110,6 @@ def source(topic: str, type_name: str, hz: float) -> None:
 
 def operator(topic: str, type_name: str) -> None:
     """Hear what both runtimes relay; answers how many messages came of each."""
-    import rclpy  # noqa: PLC0415 - only where the source and the operator run
-
     heard = {"bound": 0, "check": 0}
 
     def note(name: str) -> None:
@@ -137,7 +118,11 @@ def operator(topic: str, type_name: str) -> None:
     with asked_node("operator", lambda: heard) as (node, ended):
         kept = [
             node.create_subscription(
-                message_class(type_name), f"/{name}{topic}", lambda _, name=name: note(name), 10, raw=True
+                message_class({"type": type_name}),
+                f"/{name}{topic}",
+                lambda _, name=name: note(name),
+                10,
+                raw=True,
             )
             for name in heard
         ]
@@ -169,7 +154,9 @@ def measure(case: Case, arguments: argparse.Namespace) -> None:
             sender, hearer, *runtimes = started
             wait_until_heard(hearer)
             time.sleep(SETTLE_S)
-            costs_us = [window(sender, runtimes, arguments.seconds) for _ in range(arguments.windows)]
+            costs_us = [
+                cpu_us_a_message(sender, runtimes, arguments.seconds) for _ in range(arguments.windows)
+            ]
             heard = hearer.ask("heard")
     bound_us, check_us = (statistics.median(costs) for costs in zip(*costs_us, strict=True))
     ratios = [f"{bound / check:.2f}" for bound, check in costs_us]
@@ -185,15 +172,6 @@ def wait_until_heard(hearer: Process) -> None:
         if time.monotonic() > end_s:
             raise SystemExit("nothing is relayed")
         time.sleep(0.2)
-
-
-def window(sender: Process, runtimes: list[Process], seconds: float) -> list[float]:
-    """The CPU of each runtime in µs by message of the source."""
-    sent, cpu_s = sender.ask("sent"), [one.cpu_s for one in runtimes]
-    time.sleep(seconds)
-    used_s = [one.cpu_s - before for one, before in zip(runtimes, cpu_s, strict=True)]
-    messages = max(sender.ask("sent") - sent, 1)
-    return [used * 1e6 / messages for used in used_s]
 
 
 def main() -> None:

@@ -25,7 +25,7 @@ from pathlib import Path
 
 from live.cases import IMU_BYTES, IMU_TYPE, Topic
 from live.contenders import TESTUDO, role
-from live.processes import Process, environment, processes
+from live.processes import Process, environment, p99, processes
 from live_cost import hears
 
 DOMAIN = 73
@@ -141,12 +141,12 @@ def measure(
                 found.append(incident_s(around.alarm, folder))
                 next_s += every_s
         used_s, span_s = process.cpu_s - cpu_s, time.monotonic() - start_s
-        ages_us = sorted(around.operator.ask("ages")) or [0.0]
+        ages_us = around.operator.ask("ages")
     last = max(folder.glob("[!.]*")) if found and folder is not None else None
     return Run(
         cpu_percent=100 * used_s / span_s,
         resident_mb=resident_mb,
-        p99_ms=ages_us[len(ages_us) * 99 // 100] / 1000,
+        p99_ms=p99(ages_us) / 1000,
         incident_s=found,
         incident_mb=0.0 if last is None else sum(file.stat().st_size for file in last.iterdir()) / MB,
     )

@@ -13,21 +13,17 @@ import argparse
 import importlib.util
 import json
 import math
-import os
 import signal
-import subprocess
 import sys
 import tempfile
 import threading
 import time
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-PROFILE = (
-    Path(__file__).resolve().parent.parent
-    / "src" / "smarttestudo" / "robot" / "ros" / "fastdds_large_messages.xml"
-)  # fmt: skip
+from live.contenders import TESTUDO
+from live.processes import Process, environment
+
 THINNED_HZ = 3.0
 # How many times the span of a run an operator waits for it.
 PATIENCE = 6
@@ -35,7 +31,6 @@ CHANNELS = 3
 TOPIC = "/camera/image_raw"
 # In CDR, the seconds of the stamp follow the four bytes of the encapsulation: here an image's number.
 NUMBER_AT = slice(4, 8)
-TESTUDO = "import sys; from smarttestudo.cli.main import main; sys.exit(main())"
 
 
 class Outcome(NamedTuple):
@@ -105,28 +100,27 @@ def be_operator(*, reliable: bool, seconds: float) -> None:
 
 
 def measure(
-    rate: str,
-    environment: Mapping[str, str],
-    of_camera: Mapping[str, str],
-    options: list[str],
-    seconds: float,
+    rate: str, of_others: dict[str, str], of_camera: dict[str, str], options: list[str], seconds: float
 ) -> Outcome:
-    """One run of all three processes, of which the camera has further variables."""
+    """One run of all three processes, of which the camera has variables of its own."""
     with tempfile.TemporaryDirectory() as folder:
         rules = Path(folder) / "rules.adirf"
         rules.write_text(f"begin SetFrequency {TOPIC} {rate} end", encoding="utf-8")
-        runtime = start(environment, "-c", TESTUDO, "run", "--rules", str(rules))
-        operator = start(environment, __file__, "--be", "operator", *options)
-        camera = start({**environment, **of_camera}, __file__, "--be", "camera", *options)
-        assert operator.stdout is not None
-        operator.stdout.readline()
-        cpu_s = cpu_of(runtime)
-        arrivals = json.loads(operator.stdout.readline())
-        cpu_s = cpu_of(runtime) - cpu_s
+        commands = (
+            [sys.executable, "-c", TESTUDO, "run", "--rules", str(rules)],
+            [sys.executable, __file__, "--be", "operator", *options],
+            [sys.executable, __file__, "--be", "camera", *options],
+        )
+        variables = (of_others, of_others, of_camera)
+        runtime, operator, camera = map(Process, commands, variables)
+        operator.line()
+        cpu_s = runtime.cpu_s
+        arrivals = json.loads(operator.line())
+        cpu_s = runtime.cpu_s - cpu_s
         # Killed ones would leave their shared memory behind.
-        for process in (runtime, operator, camera):
-            process.terminate()
-        sent, _, _ = (int(process.communicate()[0] or 0) for process in (camera, operator, runtime))
+        sent = int(camera.end() or 0)
+        operator.end()
+        runtime.end()
     return outcome(arrivals, sent, cpu_s, seconds)
 
 
@@ -143,20 +137,6 @@ def outcome(arrivals: list[tuple[int, float]], sent: int, cpu_s: float, seconds:
         sent=sent,
         cpu_ms=1000 * cpu_s / sent,
     )
-
-
-def start(environment: Mapping[str, str], *arguments: str) -> subprocess.Popen[str]:
-    """A process of this environment."""
-    return subprocess.Popen(
-        [sys.executable, *arguments],
-        env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-    )  # fmt: skip
-
-
-def cpu_of(process: subprocess.Popen[str]) -> float:
-    """The seconds of CPU that a process has used so far."""
-    fields = Path(f"/proc/{process.pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def main() -> None:
@@ -185,17 +165,12 @@ def compare(arguments: argparse.Namespace) -> None:
     """A camera with the shared memory of the default and with more, all images and few."""
     options = ["--seconds", str(arguments.seconds), "--pixels", arguments.pixels, "--hz", str(arguments.hz)]
     options += ["--reliable"] if arguments.reliable else []
-    base = {
-        **os.environ,
-        "ROS_DOMAIN_ID": str(arguments.domain),
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-    }
-    profile = {"FASTDDS_DEFAULT_PROFILES_FILE": str(PROFILE), "FASTRTPS_DEFAULT_PROFILES_FILE": str(PROFILE)}
+    plain, large = (environment(arguments.domain, large_messages=is_large) for is_large in (False, True))
     print("| camera | rate asked | received, Hz | received of sent | CPU per image sent |")
     print("| --- | ---: | ---: | ---: | ---: |")
-    for name, extra in {"default": {}, "with the profile": profile}.items():
+    for name, of_camera in {"default": plain, "with the profile": large}.items():
         for rate in ("Full", f"{THINNED_HZ:g}"):
-            one = measure(rate, base, extra, options, arguments.seconds)
+            one = measure(rate, plain, of_camera, options, arguments.seconds)
             received = f"{one.received} of {one.sent}"
             cpu = f"{one.cpu_ms:.1f} ms" if one.received else "–"
             print(f"| {name} | {rate} | {one.received_hz:.2f} | {received} | {cpu} |", flush=True)

@@ -22,6 +22,7 @@ from statistics import median
 
 from live.processes import Process, processes
 from thin_link.roles import Topic, be_operator, be_robot
+from thin_link.tables import spread
 
 CONTENDERS = {"testudo": "SmartTestudo", "zenoh": "plain Zenoh"}
 GRACE_S = 0.5
@@ -128,14 +129,14 @@ def compare(names: Sequence[str], seconds: float, rounds: int) -> None:
         cells = [CASES[name][0]]
         cells += [_shares([turn[one] for turn in turns]) for one in CONTENDERS]
         cells += [_cost([turn[one] for turn in turns]) for one in CONTENDERS]
-        print(f"| {' | '.join(cells)} | {_spread(ratios, '.2f')} |", flush=True)
+        print(f"| {' | '.join(cells)} | {spread(ratios, '.2f')} |", flush=True)
     print(
         f"\nTargets: {LEAST_ARRIVED:.0%} arrive; at 10 MB/s at most {MOST_CPU} times the CPU of plain Zenoh."
     )
 
 
 def _shares(runs: Sequence[Brought]) -> str:
-    arrived = _spread([one.share * 100 for one in runs], ".1f") + " %"
+    arrived = spread([one.share * 100 for one in runs], ".1f") + " %"
     published = median(one.published for one in runs)
     return arrived if published >= KEPT_UP else f"{arrived} of the {published:.0%} that the source published"
 
@@ -145,12 +146,6 @@ def _cost(runs: Sequence[Brought]) -> str:
         median(getattr(one, end) for one in runs) for end in ("robot_ms_per_mb", "operator_ms_per_mb")
     )
     return f"{robot_ms:.2f} + {operator_ms:.2f}"
-
-
-def _spread(values: Sequence[float], form: str) -> str:
-    if len(values) == 1:
-        return f"{values[0]:{form}}"
-    return f"{median(values):{form}} ({min(values):{form}} to {max(values):{form}})"
 
 
 def main() -> None:

@@ -24,7 +24,7 @@ from pathlib import Path
 
 from live.cases import CASES, Topic
 from live.contenders import CONTENDERS, Contender, role
-from live.processes import Process, environment, processes
+from live.processes import Process, cpu_us_a_message, environment, p99, processes
 
 DOMAIN = 71
 SETTLE_S = 4.0
@@ -83,19 +83,12 @@ def measure(contender: Contender, topics: Sequence[Topic], seconds: float, domai
             return None
         station = Station(source=started[0], operator=started[1], direct=started[2])
         time.sleep(SETTLE_S)
-        alone_us = source_cost_us(station.source, seconds)
+        (alone_us,) = cpu_us_a_message(station.source, [station.source], seconds)
         with processes(commands, settings) as relays:
             if not hears(station.operator, topics):
                 return None
             time.sleep(SETTLE_S)
             return cost(station, relays, contender, seconds, alone_us)
-
-
-def source_cost_us(source: Process, seconds: float) -> float:
-    """What one message costs the sources, in µs of CPU, over some seconds."""
-    sent, cpu_s = source.ask("sent"), source.cpu_s
-    time.sleep(seconds)
-    return float((source.cpu_s - cpu_s) * 1e6 / max(source.ask("sent") - sent, 1))
 
 
 def hears(operator: Process, topics: Sequence[Topic]) -> bool:
@@ -115,19 +108,13 @@ def cost(
     """What the relay costs in a window of ``seconds``; a message alone costs the sources ``alone_us``."""
     station.operator.ask("forget")
     station.direct.ask("forget")
-    sent, cpu_s = station.source.ask("sent"), sum(relay.cpu_s for relay in relays)
-    with_relay_us = source_cost_us(station.source, seconds)
-    used_s = sum(relay.cpu_s for relay in relays) - cpu_s
-    received = max(station.source.ask("sent") - sent, 1)
-    ages_us = sorted(station.operator.ask("ages"))
+    with_relay_us, *relays_us = cpu_us_a_message(station.source, [station.source, *relays], seconds)
+    ages_us = station.operator.ask("ages")
     direct_us = statistics.median(station.direct.ask("ages"))
     readers, writers = station.operator.ask(f"endpoints {contender.node}")
     return Cost(
-        cpu_us=used_s * 1e6 / received,
-        added_us=(
-            statistics.median(ages_us) - direct_us,
-            ages_us[len(ages_us) * 99 // 100] - direct_us,
-        ),
+        cpu_us=sum(relays_us),
+        added_us=(statistics.median(ages_us) - direct_us, p99(ages_us) - direct_us),
         resident_mb=sum(relay.resident_mb for relay in relays),
         endpoints=(readers * len(relays), writers * len(relays)),
         source_cpu_us=with_relay_us - alone_us,

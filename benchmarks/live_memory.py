@@ -10,7 +10,6 @@ every ten seconds; its growth is the slope of a straight line through the readin
 from __future__ import annotations
 
 import argparse
-import statistics
 import sys
 import tempfile
 import time
@@ -19,7 +18,7 @@ from pathlib import Path
 
 from live.cases import TURTLEBOT3
 from live.contenders import role
-from live.processes import Process, environment, processes
+from live.processes import Process, environment, growth_mb_an_hour, processes
 
 DOMAIN = 72
 SAMPLE_S = 10.0
@@ -67,8 +66,7 @@ def main() -> None:
         print(f"{elapsed_s / 60:5.1f} min  {resident_mb:6.1f} MB")
     warm = [reading for reading in read if reading[0] >= WARM_S]
     if len(warm) > 1:
-        slope, _ = statistics.linear_regression(*zip(*warm, strict=True))
-        print(f"growth after {WARM_S / 60:.0f} min: {slope * 3600:+.2f} MB an hour")
+        print(f"growth after {WARM_S / 60:.0f} min: {growth_mb_an_hour(warm):+.2f} MB an hour")
 
 
 if __name__ == "__main__":

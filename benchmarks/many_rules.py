@@ -18,12 +18,13 @@ import sys
 import tempfile
 import time
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from live.cases import IMU_BYTES, IMU_TYPE, Topic
 from live.contenders import TESTUDO, role
-from live.processes import Process, environment, processes
+from live.processes import Process, cpu_us_a_message, environment, p99, processes
+from live.zone_rules import in_zone
 
 DOMAIN = 87
 START_TIMEOUT_S = 120.0
@@ -39,9 +40,7 @@ def zones(count: int, turn: int) -> str:
     """A rule file with ``count`` zones of a square metre each; another ``turn`` asks for other rates."""
     side = max(int(count**0.5), 1)
     blocks = [
-        f"If (CheckValue /odom pose_x > {x} AND CheckValue /odom pose_x < {x + 1} AND "
-        f"CheckValue /odom pose_y > {y} AND CheckValue /odom pose_y < {y + 1}) "
-        f"Then SetFrequency /scan {1 + (7 * x + 3 * y + turn) % 20} EndIf"
+        f"If {in_zone(x, y)} Then SetFrequency /scan {1 + (7 * x + 3 * y + turn) % 20} EndIf"
         for x, y in (divmod(number, side) for number in range(count))
     ]
     return "\n".join(["begin", "SetFrequency /odom Full", "SetFrequency /imu Full", *blocks, "end", ""])
@@ -81,7 +80,7 @@ def start(count: int, folder: Path, settings: dict[str, str], opened: ExitStack,
     arguments = ["run", "--rules", str(rules), "--output-topic", f"/{name}{{topic}}"]
     node = ["--ros-args", "-r", f"__node:={name}", "-r", f"/testudo/status:=/{name}/status"]
     command = shlex.join([sys.executable, "-c", TESTUDO, *arguments, *node])
-    heard = [[topic_of(topic, name)] for topic in (ODOM, IMU)]
+    heard = [[replace(topic, name=f"/{name}{topic.name}")] for topic in (ODOM, IMU)]
     operators = opened.enter_context(processes([role("hearer", topics) for topics in heard], settings))
     if watched:
         status = Topic(name=f"/{name}/status", type="std_msgs/msg/String", hz=1, target_hz=1, size_bytes=0)
@@ -98,32 +97,18 @@ def start(count: int, folder: Path, settings: dict[str, str], opened: ExitStack,
     return Relay(count=count, rules=rules, log=log, process=process, odom=operators[0], imu=operators[1])
 
 
-def topic_of(topic: Topic, name: str) -> Topic:
-    """What the runtime of that name relays of ``topic``."""
-    return Topic(
-        name=f"/{name}{topic.name}",
-        type=topic.type,
-        hz=topic.hz,
-        target_hz=topic.target_hz,
-        size_bytes=topic.size_bytes,
-    )
-
-
 def window(relays: list[Relay], source: Process, seconds: float) -> list[dict[str, float]]:
     """What each relay cost a message in the same window of the same source."""
     for relay in relays:
         relay.odom.ask("forget")
-    sent, cpu_s = source.ask("sent"), [relay.process.cpu_s for relay in relays]
-    time.sleep(seconds)
-    used_s = [relay.process.cpu_s - before for relay, before in zip(relays, cpu_s, strict=True)]
-    messages = max(source.ask("sent") - sent, 1)
+    costs_us = cpu_us_a_message(source, [relay.process for relay in relays], seconds)
     readings = []
-    for relay, used in zip(relays, used_s, strict=True):
-        ages_us = sorted(relay.odom.ask("ages"))
+    for relay, cost_us in zip(relays, costs_us, strict=True):
+        ages_us = relay.odom.ask("ages")
         readings.append(
             {
-                "CPU a message": used * 1e6 / messages,
-                "p99": ages_us[len(ages_us) * 99 // 100],
+                "CPU a message": cost_us,
+                "p99": p99(ages_us),
                 "memory": relay.process.resident_mb,
                 "Hz": len(ages_us) / seconds,
             }
@@ -158,7 +143,7 @@ def count_losses(relays: list[Relay], source: Process, reloads: int) -> None:
         ages_us = sorted(relay.imu.ask("ages"))
         print(
             f"{relay.count:6} rules: {sent - len(ages_us)} of {sent} messages lost, p99 "
-            f"{ages_us[len(ages_us) * 99 // 100] / 1000:.1f} ms, the oldest {ages_us[-1] / 1000:.1f} ms, "
+            f"{p99(ages_us) / 1000:.1f} ms, the oldest {ages_us[-1] / 1000:.1f} ms, "
             f"{relay.process.resident_mb:.0f} MB afterwards",
             flush=True,
         )

@@ -23,9 +23,9 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from live.cases import IMU_BYTES, IMU_TYPE, TURTLEBOT3, Topic, imu
+from live.cases import TURTLEBOT3, Topic, imu, imus
 from live.contenders import ROLES, smarttestudo
-from live.processes import Process, environment, processes
+from live.processes import cpu_us_a_message, environment, p99, processes
 
 DOMAIN = 72
 SETTLE_S = 6.0
@@ -35,23 +35,15 @@ PATHS = ("fast", "librcl")
 C_RELAY = "c_relay"
 
 
-def several(count: int, hz: float, target_hz: float) -> list[Topic]:
-    """Topics of the same kind."""
-    return [
-        Topic(name=f"/imu{number}", type=IMU_TYPE, hz=hz, target_hz=target_hz, size_bytes=IMU_BYTES)
-        for number in range(count)
-    ]
-
-
 CASES = {
     "Imu 200 → Full": imu(200, math.inf),
     "Imu 200 → 50 Hz": imu(200, 50),
     "Imu 1000 → 100 Hz": imu(1000, 100),
     "eight topics": [topic for topic in TURTLEBOT3 if topic.size_bytes < 1_000_000],
-    "50 topics, 20 → 10 Hz": several(50, 20, 10),
-    "50 topics, 20 Hz → Full": several(50, 20, math.inf),
-    "200 topics, 5 → 2 Hz": several(200, 5, 2),
-    "200 topics, 5 Hz → Full": several(200, 5, math.inf),
+    "50 topics, 20 → 10 Hz": imus(50, 20, 10),
+    "50 topics, 20 Hz → Full": imus(50, 20, math.inf),
+    "200 topics, 5 → 2 Hz": imus(200, 5, 2),
+    "200 topics, 5 Hz → Full": imus(200, 5, math.inf),
 }
 
 
@@ -88,7 +80,7 @@ def measure(topics: Sequence[Topic], seconds: float, windows: int, domain: int, 
             operator.ask("forget")
         sent, first_threads_s = source.ask("sent"), [relay.main_thread_cpu_s for relay in started]
         for _ in range(windows):
-            for name, cost_us in zip(relays, costs(source, started, seconds), strict=True):
+            for name, cost_us in zip(relays, cpu_us_a_message(source, started, seconds), strict=True):
                 costs_us[name].append(cost_us)
         sent = source.ask("sent") - sent
         for name, operator, process, since_s in zip(relays, operators, started, first_threads_s, strict=True):
@@ -102,18 +94,10 @@ def measure(topics: Sequence[Topic], seconds: float, windows: int, domain: int, 
                 f"{ratio:.2f}",
                 f"{100 * len(ages_us) / sent:.1f}",
                 f"{ages_us[len(ages_us) // 2]:.0f}",
-                f"{ages_us[len(ages_us) * 99 // 100]:.0f}",
+                f"{p99(ages_us):.0f}",
                 f"{process.resident_mb:.0f}",
             ]
             print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
-
-
-def costs(source: Process, relays: Sequence[Process], seconds: float) -> list[float]:
-    """What a message of the source cost each relay in a window, in µs of CPU."""
-    sent, before_s = source.ask("sent"), [relay.cpu_s for relay in relays]
-    time.sleep(seconds)
-    messages = max(source.ask("sent") - sent, 1)
-    return [(relay.cpu_s - since_s) * 1e6 / messages for relay, since_s in zip(relays, before_s, strict=True)]
 
 
 def main() -> None:

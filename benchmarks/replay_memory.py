@@ -16,36 +16,18 @@ import tempfile
 import time
 from pathlib import Path
 
-from smarttestudo.bags.writer import create_recording
-from smarttestudo.domain.recording import Channel, Storage
+from live.contenders import TESTUDO
+from live.large_recording import write_recording
+from smarttestudo.domain.recording import Storage
 
 IMAGE_BYTES = 6_220_800
-IMAGES_PER_S = 29
-SMALL_PER_IMAGE = 8
-NS_PER_S = 1_000_000_000
 AIM_MB = 300
-IMAGE = Channel(topic="/camera/image_raw", type_name="sensor_msgs/msg/Image")
-IMU = Channel(topic="/imu", type_name="sensor_msgs/msg/Imu")
 RULES = "begin\nSetFrequency /camera/image_raw {image_hz}\nSetFrequency /imu 10\nend\n"
-
-
-def write_recording(path: Path, storage: Storage, size_bytes: int) -> int:
-    """Images, and small messages between them, up to ``size_bytes``; how many images there are."""
-    images = size_bytes // IMAGE_BYTES
-    period_ns = NS_PER_S // IMAGES_PER_S
-    frame = bytearray(b"\x00\x01\x00\x00" + bytes(range(256)) * (IMAGE_BYTES // 256))
-    with create_recording(path, storage=storage) as writer:
-        for number in range(images):
-            frame[4:8] = number.to_bytes(4, "little")
-            writer.write(IMAGE, number * period_ns, bytes(frame))
-            for step in range(SMALL_PER_IMAGE):
-                writer.write(IMU, number * period_ns + step * period_ns // SMALL_PER_IMAGE, bytes(320))
-    return images
 
 
 def peak_mb_of_replay(bag: Path, rules: Path, output: Path, storage: Storage) -> float:
     """The peak resident memory, in MB of 10⁶ bytes, of ``testudo replay`` in a process of its own."""
-    command = [sys.executable, "-c", "from smarttestudo.cli.main import main; raise SystemExit(main())"]
+    command = [sys.executable, "-c", TESTUDO]
     options = ["--rules", str(rules), "--output", str(output), "--storage", storage.value]
     subprocess.run([*command, "replay", str(bag), *options], check=True)
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024 / 1e6
@@ -62,7 +44,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="testudo-benchmark-", dir=arguments.folder) as folder:
         bag, rules = Path(folder, "large"), Path(folder, "rules.adirf")
         rules.write_text(RULES.format(image_hz=arguments.image_hz))
-        images = write_recording(bag, arguments.storage, round(arguments.gigabytes * 1e9))
+        images = write_recording(bag, arguments.storage, round(arguments.gigabytes * 1e9), IMAGE_BYTES)
         size_gb = sum(path.stat().st_size for path in bag.iterdir()) / 1e9
         print(f"{size_gb:.2f} GB of {arguments.storage.value}, {images:,} images of 6.2 MB", flush=True)
         started_s = time.perf_counter()

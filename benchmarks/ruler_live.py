@@ -11,7 +11,6 @@ straight line through the readings after the first minute.
 from __future__ import annotations
 
 import argparse
-import statistics
 import sys
 import tempfile
 import threading
@@ -24,9 +23,9 @@ from pathlib import Path
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin
 
-from live.cases import IMU_BYTES, IMU_TYPE, Topic
+from live.cases import imus
 from live.contenders import TESTUDO, role
-from live.processes import Process, environment, processes
+from live.processes import Process, environment, growth_mb_an_hour, processes
 
 DOMAIN = 74
 TOPICS = 50
@@ -103,10 +102,6 @@ def rules_text() -> str:
 
 def measure(minutes: float, domain: int) -> list[tuple[float, float]]:
     """Readings of the server's resident memory: seconds since the start, MB."""
-    topics = [
-        Topic(name=f"/imu{number}", type=IMU_TYPE, hz=SOURCE_HZ, target_hz=5, size_bytes=IMU_BYTES)
-        for number in range(TOPICS)
-    ]
     with tempfile.TemporaryDirectory() as folder:
         rules = Path(folder) / "rules.adirf"
         rules.write_text(rules_text(), "utf-8")
@@ -114,7 +109,7 @@ def measure(minutes: float, domain: int) -> list[tuple[float, float]]:
         commands = [
             [*testudo, "ruler", folder, "--port", "0", "--no-browser"],
             [*testudo, "run", "--rules", str(rules)],
-            role("source", topics),
+            role("source", imus(TOPICS, SOURCE_HZ, 5)),
         ]
         with processes(commands, environment(domain, large_messages=False)) as (ruler, runtime, _):
             origin = ruler.line().partition(": ")[2].partition("/ ")[0]
@@ -157,8 +152,7 @@ def main() -> None:
     print(f"at the end {read[-1][1]:.1f} MB")
     warm = [reading for reading in read if reading[0] >= WARM_S]
     if len(warm) > 1:
-        slope, _ = statistics.linear_regression(*zip(*warm, strict=True))
-        print(f"growth after {WARM_S:.0f} s: {slope * 3600:+.2f} MB an hour")
+        print(f"growth after {WARM_S:.0f} s: {growth_mb_an_hour(warm):+.2f} MB an hour")
 
 
 if __name__ == "__main__":

@@ -11,26 +11,22 @@ the slope of a straight line through the smallest reading of each minute after t
 from __future__ import annotations
 
 import argparse
-import statistics
 import sys
 import tempfile
 from pathlib import Path
 
 from playwright.sync_api import CDPSession, Page, sync_playwright
 
-from live.cases import IMU_BYTES, IMU_TYPE, Topic
+from live.cases import imus
 from live.contenders import role
-from live.processes import environment, processes
+from live.processes import environment, growth_mb_an_hour, processes
 from live.ruler_server import chromium_path, served
 
 DOMAIN = 75
 TOPIC_COUNT = 50
 SAMPLE_S = 10.0
 MINUTE_S = 60.0
-TOPICS = [
-    Topic(name=f"/imu{number}", type=IMU_TYPE, hz=20, target_hz=5, size_bytes=IMU_BYTES)
-    for number in range(TOPIC_COUNT)
-]
+TOPICS = imus(TOPIC_COUNT, 20, 5)
 RULE = 'Rule "Fast" If (CheckValue /imu0 rate > 10) Then SetFrequency /imu1 7 EndIf'
 Reading = tuple[float, float, int]
 
@@ -101,8 +97,8 @@ def main() -> None:
     warm = {minute: used_mb for minute, used_mb in lowest.items() if minute > 0}
     print("smallest of each minute:", ", ".join(f"{used_mb:.1f} MB" for used_mb in lowest.values()))
     if len(warm) > 1:
-        slope, _ = statistics.linear_regression(list(warm), list(warm.values()))
-        print(f"growth after the first: {slope * 60:+.2f} MB an hour")
+        growth = growth_mb_an_hour([(MINUTE_S * minute, used_mb) for minute, used_mb in warm.items()])
+        print(f"growth after the first: {growth:+.2f} MB an hour")
 
 
 if __name__ == "__main__":

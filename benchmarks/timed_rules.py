@@ -13,13 +13,10 @@ import argparse
 import statistics
 import time
 from collections.abc import Callable
-from types import SimpleNamespace
 
-from smarttestudo.domain.observation import Arrival
-from smarttestudo.domain.profile import Profile, TopicProfile
-from smarttestudo.language.parser import parse
-from smarttestudo.language.rule_set import compile_rules
-from smarttestudo.loop import Knowledge, step
+from live.zone_rules import in_zone, knowledge_of, odometry_at
+from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.loop import step
 
 CROSSINGS = 1000
 PERIOD_NS = 500_000_000
@@ -29,9 +26,7 @@ AIM = 2.0
 def row_of_zones(y: int, columns: int) -> str:
     """A rule file with a block for each square metre of one row of a grid."""
     blocks = [
-        f"If (CheckValue /odom pose_x > {x} AND CheckValue /odom pose_x < {x + 1} AND "
-        f"CheckValue /odom pose_y > {y} AND CheckValue /odom pose_y < {y + 1}) "
-        f"{'For 200 ms' if x % 2 else 'Within 300 ms'} "
+        f"If {in_zone(x, y)} {'For 200 ms' if x % 2 else 'Within 300 ms'} "
         f"Then SetFrequency /scan {1 + (7 * x + 3 * y) % 20} EndIf"
         for x in range(columns)
     ]
@@ -40,10 +35,8 @@ def row_of_zones(y: int, columns: int) -> str:
 
 def stepper(columns: int, rows: int) -> Callable[[], tuple[float, int]]:
     """A function that crosses ``CROSSINGS`` borders; returns the microseconds and the number of its steps."""
-    files = [parse(row_of_zones(y, columns), f"row_{y}.adirf").file for y in range(rows)]
-    rule_set = compile_rules(files, lambda name: name)
     odometry = TopicProfile(type_name="nav_msgs/msg/Odometry", stale_after_s=3600.0)
-    knowledge = Knowledge(rule_set, Profile(settle_s=0.0, topics={"/odom": odometry}), start_ns=0)
+    knowledge = knowledge_of((row_of_zones(y, columns) for y in range(rows)), odometry)
     place = now_ns = 0
 
     def run() -> tuple[float, int]:
@@ -52,7 +45,7 @@ def stepper(columns: int, rows: int) -> Callable[[], tuple[float, int]]:
         for _ in range(CROSSINGS):
             place += 1
             there = place % (2 * columns - 2)
-            arrivals.append(_odometry(min(there, 2 * columns - 2 - there) + 0.5))
+            arrivals.append(odometry_at(min(there, 2 * columns - 2 - there) + 0.5, 0.5))
         steps = decisions = 0
         start = time.perf_counter()
         for arrival in arrivals:
@@ -69,12 +62,6 @@ def stepper(columns: int, rows: int) -> Callable[[], tuple[float, int]]:
         return took / steps * 1e6, steps
 
     return run
-
-
-def _odometry(x: float) -> Arrival:
-    position = SimpleNamespace(x=x, y=0.5, z=0.0)
-    message = SimpleNamespace(pose=SimpleNamespace(pose=SimpleNamespace(position=position)))
-    return Arrival(topic="/odom", size_bytes=720, message=message)
 
 
 def main() -> None:

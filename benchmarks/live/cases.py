@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 
@@ -50,6 +50,11 @@ TURTLEBOT3 = [
 def imu(hz: float, target_hz: float) -> list[Topic]:
     """One small topic."""
     return [Topic(name="/imu", type=IMU_TYPE, hz=hz, target_hz=target_hz, size_bytes=IMU_BYTES)]
+
+
+def imus(count: int, hz: float, target_hz: float) -> list[Topic]:
+    """Small topics of the same kind."""
+    return [replace(one, name=f"/imu{number}") for number in range(count) for one in imu(hz, target_hz)]
 
 
 def image(target_hz: float) -> list[Topic]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import os
+import statistics
 import subprocess
 import time
 from collections.abc import Iterator, Sequence
@@ -84,10 +85,10 @@ class Process:
         """Send it a signal."""
         self._process.send_signal(number)
 
-    def end(self) -> None:
-        """End it."""
+    def end(self) -> str:
+        """End it; what it said at last."""
         self._process.terminate()
-        self._process.communicate()
+        return str(self._process.communicate()[0])
 
 
 @contextmanager
@@ -99,3 +100,23 @@ def processes(commands: Sequence[Sequence[str]], environment: dict[str, str]) ->
     finally:
         for process in started:
             process.end()
+
+
+def cpu_us_a_message(source: Process, relays: Sequence[Process], seconds: float) -> list[float]:
+    """The CPU of each relay for a message of the source in a window, in µs."""
+    sent, before_s = source.ask("sent"), [relay.cpu_s for relay in relays]
+    time.sleep(seconds)
+    used_s = [relay.cpu_s - since_s for relay, since_s in zip(relays, before_s, strict=True)]
+    messages = max(source.ask("sent") - sent, 1)
+    return [used * 1e6 / messages for used in used_s]
+
+
+def p99(ages: Sequence[float]) -> float:
+    """The 99th percentile; 0 of none."""
+    return sorted(ages)[len(ages) * 99 // 100] if ages else 0.0
+
+
+def growth_mb_an_hour(readings: Sequence[tuple[float, float]]) -> float:
+    """The slope of a straight line through readings of memory: seconds, MB."""
+    slope, _ = statistics.linear_regression(*zip(*readings, strict=True))
+    return slope * 3600

@@ -246,4 +246,5 @@ def main() -> None:
     roles[sys.argv[1]](node, json.loads(sys.argv[2]))
 
 
-main()
+if __name__ == "__main__":
+    main()

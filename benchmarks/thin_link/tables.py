@@ -25,9 +25,9 @@ def print_rates(seen: Mapping[Case, Runs], names: Mapping[str, str]) -> None:
     print("| --- | --- |" + " ---: |" * (1 + len(names)))
     for case, runs in seen.items():
         for number, topic in enumerate(case.topics):
-            rates = (_spread([one.rate_hz(topic) for one in runs.get(each, ())], ".2f") for each in names)
+            rates = (spread([one.rate_hz(topic) for one in runs.get(each, ())], ".2f") for each in names)
             print(_row([case.title if not number else "", f"`{topic.name}`", f"{topic.hz:.3g}", *rates]))
-        used = (_spread([one.used for one in runs.get(each, ())], ".0%") for each in names)
+        used = (spread([one.used for one in runs.get(each, ())], ".0%") for each in names)
         print(_row(["", "share of the link used", "", *used]))
 
 
@@ -48,7 +48,7 @@ def _ages(runs: Sequence[Seen], topic: Topic) -> str:
     ages_s = [ages for one in runs if (ages := one.ages_s([topic]))]
     if not ages_s:
         return "–"
-    return ", ".join(_spread([quantile(ages, share) for ages in ages_s], ".3f") for share in _SHARES)
+    return ", ".join(spread([quantile(ages, share) for ages in ages_s], ".3f") for share in _SHARES)
 
 
 def print_targets(seen: Mapping[Case, Runs], names: Mapping[str, str]) -> None:
@@ -63,7 +63,7 @@ def print_targets(seen: Mapping[Case, Runs], names: Mapping[str, str]) -> None:
             first = next(each[0] for each in found.values() if each)
             cells = [case.title if not number else "", first.wanted]
             print(_row([*cells, *(_judged(each) for each in found.values())]))
-        costs = (_spread([one.cpu_s_per_mb for one in runs.get(each, ())], ".3f") for each in names)
+        costs = (spread([one.cpu_s_per_mb for one in runs.get(each, ())], ".3f") for each in names)
         print(_row(["", "s of CPU for a MB sent", *costs]))
 
 
@@ -79,10 +79,11 @@ def _judged(targets: Sequence[Target]) -> str:
     if not targets:
         return "–"
     missed = "" if all(one.is_met for one in targets) else ", **missed**"
-    return _spread([one.value for one in targets], ".3g") + missed
+    return spread([one.value for one in targets], ".3g") + missed
 
 
-def _spread(values: Sequence[float], form: str) -> str:
+def spread(values: Sequence[float], form: str) -> str:
+    """The median, and of several the least and the greatest."""
     if not values:
         return "–"
     middle, least, most = (_shown(value, form) for value in (median(values), min(values), max(values)))
