@@ -7,7 +7,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from xml.etree.ElementTree import Element
 
 import numpy as np
 
@@ -82,11 +81,11 @@ class Machine(ABC):
         """``steer``, which knows the floor only, for this robot."""
 
     @abstractmethod
-    def body(self, lens: Lens) -> Element:
+    def body(self, lens: Lens) -> str:
         """The robot at its start as MJCF."""
 
     @abstractmethod
-    def actuators(self) -> Element:
+    def actuators(self) -> str:
         """Its motors as MJCF."""
 
     @abstractmethod

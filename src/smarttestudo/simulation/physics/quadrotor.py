@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
@@ -28,8 +27,7 @@ from smarttestudo.simulation.messages import Published, Topic
 from smarttestudo.simulation.physics.body import BatteryType, Machine, PhysicalBody
 from smarttestudo.simulation.physics.engine import Engine
 from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
-from smarttestudo.simulation.physics.waffle import add_camera
-from smarttestudo.simulation.physics.world import add_geom, numbers
+from smarttestudo.simulation.physics.world import camera, heading, numbers
 from smarttestudo.simulation.robot import (
     BASE_LINK,
     CAMERA_FRAME,
@@ -179,38 +177,36 @@ class Quadrotor(Machine):
         self._start = start
         self._velocity = BodyVelocity(0.0, 0.0)
 
-    def body(self, lens: Lens) -> Element:
+    def body(self, lens: Lens) -> str:
         """The robot on the ground; its origin is its middle."""
         start = self._start
-        half_rad = start.yaw_rad / 2
-        body = Element(
-            "body", name="robot", pos=numbers(start.x_m, start.y_m, LANDED_HEIGHT_M),
-            quat=numbers(math.cos(half_rad), 0, 0, math.sin(half_rad)),
-        )  # fmt: skip
-        SubElement(body, "freejoint", name="robot")
-        SubElement(body, "inertial", pos="0 0 0", mass=str(MASS_KG), diaginertia=numbers(*_INERTIA_KG_M2))
-        add_geom(body, "trunk", type="box", size="0.09 0.06 0.03", rgba=_DARK)
-        for number, (ahead, left, _) in enumerate(_ROTORS):
-            place = numbers(ahead * _ARM_M, left * _ARM_M, 0.02)
-            add_geom(body, f"rotor_{number}", type="cylinder", pos=place, size="0.07 0.006", rgba=_DARK)
-            foot = numbers(ahead * 0.09, left * 0.09, -0.05)
-            add_geom(body, f"foot_{number}", type="sphere", pos=foot, size="0.01", rgba=_DARK)
-            SubElement(body, "site", name=f"rotor_{number}", pos=place)
-        SubElement(body, "site", name="imu", pos="0 0 0")
-        add_camera(body, _CAMERA_X_M, 0.0, lens)
-        return body
+        rotors = "".join(
+            f"""
+          <geom name="rotor_{number}" type="cylinder" pos="{numbers(ahead * _ARM_M, left * _ARM_M, 0.02)}"
+                size="0.07 0.006" rgba="{_DARK}"/>
+          <geom name="foot_{number}" type="sphere" pos="{numbers(ahead * 0.09, left * 0.09, -0.05)}"
+                size="0.01" rgba="{_DARK}"/>
+          <site name="rotor_{number}" pos="{numbers(ahead * _ARM_M, left * _ARM_M, 0.02)}"/>"""
+            for number, (ahead, left, _) in enumerate(_ROTORS)
+        )
+        return f"""
+        <body name="robot" pos="{numbers(start.x_m, start.y_m, LANDED_HEIGHT_M)}" quat="{heading(start)}">
+          <freejoint name="robot"/>
+          <inertial pos="0 0 0" mass="{MASS_KG}" diaginertia="{numbers(*_INERTIA_KG_M2)}"/>
+          <geom name="trunk" type="box" size="0.09 0.06 0.03" rgba="{_DARK}"/>{rotors}
+          <site name="imu" pos="0 0 0"/>
+          {camera(_CAMERA_X_M, 0.0, lens)}
+        </body>"""
 
-    def actuators(self) -> Element:
-        """The rotors as MJCF: thrust in N, after a lag, with the drag that turns the body."""
-        found = Element("actuator")
-        for number, (_, _, turn) in enumerate(_ROTORS):
-            SubElement(
-                found, "general", site=f"rotor_{number}",
-                gear=numbers(0, 0, 1, 0, 0, turn * _TORQUE_PER_THRUST_M),
-                ctrlrange=numbers(0, _MOST_THRUST_N), ctrllimited="true", dyntype="filter",
-                dynprm=str(_ROTOR_S), gainprm="1",
-            )  # fmt: skip
-        return found
+    def actuators(self) -> str:
+        """The rotors: thrust in N, after a lag, with the drag that turns the body."""
+        return "".join(
+            f"""
+        <general site="rotor_{number}" gear="{numbers(0, 0, 1, 0, 0, turn * _TORQUE_PER_THRUST_M)}"
+                 ctrlrange="0 {_MOST_THRUST_N}" ctrllimited="true" dyntype="filter" dynprm="{_ROTOR_S}"
+                 gainprm="1"/>"""
+            for number, (_, _, turn) in enumerate(_ROTORS)
+        )
 
     def devices(self, noises: Sequence[np.random.Generator]) -> list[Device[PhysicalBody]]:
         odometer = VisualOdometer(noises[0], noises[1])

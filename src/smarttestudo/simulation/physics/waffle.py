@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from smarttestudo.simulation.messages import Published, Topic
 from smarttestudo.simulation.physics.body import BatteryType, Machine, PhysicalBody
 from smarttestudo.simulation.physics.engine import HIDDEN_GROUP, LIDAR_COVER, Engine
 from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
-from smarttestudo.simulation.physics.world import STEP_S, add_geom, numbers
+from smarttestudo.simulation.physics.world import STEP_S, camera, heading, numbers
 from smarttestudo.simulation.robot import (
     BASE_FRAME,
     ODOM_FRAME,
@@ -143,47 +142,42 @@ class Waffle(Machine):
         self._target_m_per_s = (0.0, 0.0)
         self._rim_m_per_s = (0.0, 0.0)
 
-    def body(self, lens: Lens) -> Element:
+    def body(self, lens: Lens) -> str:
         """The robot; its origin is on the floor between the wheels."""
         model, start = self.model, self._start
-        body = Element(
-            "body", name="robot", pos=numbers(start.x_m, start.y_m, 0.001),
-            quat=numbers(math.cos(start.yaw_rad / 2), 0, 0, math.sin(start.yaw_rad / 2)),
-        )  # fmt: skip
-        SubElement(body, "freejoint", name="robot")
-        add_geom(
-            body, "trunk", type="box", pos="-0.064 0 0.063", size="0.133 0.133 0.047", rgba=_DARK,
-            mass=str(_TRUNK_KG),
-        )  # fmt: skip
-        add_geom(
-            body, "lidar", type="cylinder", pos=numbers(model.scan_x_m, 0, SCAN_HEIGHT_M - 0.004),
-            size="0.055 0.016", rgba=_DARK, mass=str(_LIDAR_KG),
-        )  # fmt: skip
-        for side, name in ((1, "left"), (-1, "right")):
-            add_geom(
-                body, f"{name}_ball", type="sphere", pos=numbers(-0.177, side * 0.064, 0.005), size="0.005",
-                mass="0.005", friction="0.02 0 0", priority="1",
-            )  # fmt: skip
-        SubElement(body, "site", name="imu", pos="0 0 0.078")
-        add_camera(body, model.camera_x_m, model.camera_height_m, lens)
-        cover = SubElement(body, "body", name=LIDAR_COVER, pos=numbers(model.scan_x_m, 0, SCAN_HEIGHT_M))
-        add_geom(
-            cover, LIDAR_COVER, type="cylinder", size="0.08 0.04", group=str(HIDDEN_GROUP), contype="0",
-            conaffinity="0", mass="0.001", rgba="0.6 0.45 0.3 1",
-        )  # fmt: skip
-        for side, name in ((1, "left"), (-1, "right")):
-            self._add_wheel(body, name, side * model.wheel_separation_m / 2)
-        return body
+        left, right = (self._wheel(name, side) for name, side in (("left", 1), ("right", -1)))
+        ball = 'type="sphere" size="0.005" mass="0.005" friction="0.02 0 0" priority="1"'
+        return f"""
+        <body name="robot" pos="{numbers(start.x_m, start.y_m, 0.001)}" quat="{heading(start)}">
+          <freejoint name="robot"/>
+          <geom name="trunk" type="box" pos="-0.064 0 0.063" size="0.133 0.133 0.047" rgba="{_DARK}"
+                mass="{_TRUNK_KG}"/>
+          <geom name="lidar" type="cylinder" pos="{numbers(model.scan_x_m, 0, SCAN_HEIGHT_M - 0.004)}"
+                size="0.055 0.016" rgba="{_DARK}" mass="{_LIDAR_KG}"/>
+          <geom name="left_ball" pos="-0.177 0.064 0.005" {ball}/>
+          <geom name="right_ball" pos="-0.177 -0.064 0.005" {ball}/>
+          <site name="imu" pos="0 0 0.078"/>
+          {camera(model.camera_x_m, model.camera_height_m, lens)}
+          <body name="{LIDAR_COVER}" pos="{numbers(model.scan_x_m, 0, SCAN_HEIGHT_M)}">
+            <geom name="{LIDAR_COVER}" type="cylinder" size="0.08 0.04" group="{HIDDEN_GROUP}" contype="0"
+                  conaffinity="0" mass="0.001" rgba="0.6 0.45 0.3 1"/>
+          </body>
+          {left}{right}
+        </body>"""
 
-    def actuators(self) -> Element:
-        """The motors as MJCF, left first; each holds a speed in rad/s."""
-        found = Element("actuator")
-        for name in ("left", "right"):
-            SubElement(
-                found, "velocity", joint=name, kv=str(_MOTOR_GAIN),
-                forcerange=numbers(-_MOTOR_TORQUE_N_M, _MOTOR_TORQUE_N_M),
-            )  # fmt: skip
-        return found
+    def _wheel(self, name: str, side: int) -> str:
+        radius_m, y_m = self.model.wheel_radius_m, side * self.model.wheel_separation_m / 2
+        return f"""
+          <body name="{name}_wheel" pos="{numbers(0, y_m, radius_m)}">
+            <joint name="{name}" type="hinge" axis="0 1 0" damping="0.002" armature="0.001"/>
+            <geom name="{name}_wheel" type="cylinder" size="{numbers(radius_m, _WHEEL_WIDTH_M / 2)}"
+                  euler="90 0 0" mass="{_WHEEL_KG}" rgba="{_DARK}"/>
+          </body>"""
+
+    def actuators(self) -> str:
+        """The motors, left first; each holds a speed in rad/s."""
+        motor = f'kv="{_MOTOR_GAIN}" forcerange="-{_MOTOR_TORQUE_N_M} {_MOTOR_TORQUE_N_M}"'
+        return f'<velocity joint="left" {motor}/><velocity joint="right" {motor}/>'
 
     def devices(self, noises: Sequence[np.random.Generator]) -> list[Device[PhysicalBody]]:
         odometer = WheelOdometer(self.model, self._start, noises[0])
@@ -220,21 +214,3 @@ class Waffle(Machine):
         """Power that computer, LiDAR and motors take now."""
         worked = zip(engine.actuator_forces, engine.joint_speeds, strict=True)
         return _IDLE_W + sum(abs(torque * speed) for torque, speed in worked) / _EFFICIENCY
-
-    def _add_wheel(self, parent: Element, name: str, y_m: float) -> None:
-        radius_m = self.model.wheel_radius_m
-        wheel = SubElement(parent, "body", name=f"{name}_wheel", pos=numbers(0, y_m, radius_m))
-        SubElement(wheel, "joint", name=name, type="hinge", axis="0 1 0", damping="0.002", armature="0.001")
-        add_geom(
-            wheel, f"{name}_wheel", type="cylinder", size=numbers(radius_m, _WHEEL_WIDTH_M / 2),
-            euler="90 0 0", mass=str(_WHEEL_KG), rgba=_DARK,
-        )  # fmt: skip
-
-
-def add_camera(body: Element, forward_m: float, height_m: float, lens: Lens) -> None:
-    """A level camera that looks forward, with the field of view of ``lens``."""
-    fovy = math.degrees(2 * math.atan(lens.height / 2 / lens.focal_px))
-    SubElement(
-        body, "camera", name="camera", pos=numbers(forward_m, 0, height_m), xyaxes="0 -1 0 0 0 1",
-        fovy=numbers(fovy),
-    )  # fmt: skip

@@ -7,10 +7,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from xml.etree.ElementTree import Element, SubElement, tostring
 
-from smarttestudo.domain.floor_plan import FloorPlan, ObstacleKind, Point, Rectangle
-from smarttestudo.simulation.geometry import Pose, bearing_rad
+from smarttestudo.domain.floor_plan import FloorPlan, Obstacle, ObstacleKind, Point
+from smarttestudo.simulation.geometry import Lens, Pose, bearing_rad
 from smarttestudo.simulation.physics.engine import FLOOR
 
 _STOP_M = 1.0
@@ -78,43 +77,36 @@ _PERSON_HEIGHT_M = 1.7
 
 
 def world_model(
-    plan: FloorPlan, robot: Element, actuators: Element, people: Sequence[Pose], image: tuple[int, int]
+    plan: FloorPlan, robot: str, actuators: str, people: Sequence[Pose], image: tuple[int, int]
 ) -> str:
-    """The MJCF of ``plan`` with ``robot`` on it and a person at each of ``people``.
+    """The MJCF of ``plan`` with ``robot`` and its ``actuators`` on it, and a person at each of ``people``.
 
     ``image`` is the width and height in pixels that the camera may have at most.
     """
-    root = Element("mujoco", model="warehouse")
+    boxes = "".join(_box(number, obstacle) for number, obstacle in enumerate(plan.obstacles, start=1))
+    persons = "".join(_person(number, pose) for number, pose in enumerate(people, start=1))
     # The elliptic cone and its ratio keep a wheel that stands from creeping sideways.
-    SubElement(
-        root, "option", timestep=str(STEP_S), integrator="implicitfast", cone="elliptic", impratio="10",
-        density="1.2", viscosity="0.000018",
-    )  # fmt: skip
-    visual = SubElement(root, "visual")
-    SubElement(visual, "global", offwidth=str(image[0]), offheight=str(image[1]))
-    SubElement(visual, "map", znear="0.001", zfar="2")
-    SubElement(visual, "headlight", ambient="0.35 0.35 0.35", diffuse="0.3 0.3 0.3", specular="0 0 0")
-    SubElement(
-        SubElement(root, "asset"), "texture", type="skybox", builtin="flat", rgb1=_CEILING_COLOUR, width="16",
-        height="16",
-    )  # fmt: skip
-    world = SubElement(root, "worldbody")
-    SubElement(world, "light", directional="true", pos="0 0 8", dir="-0.3 0.2 -1", castshadow="false")
-    add_geom(
-        world, FLOOR, type="plane", size=numbers(_FLOOR_HALF_M, _FLOOR_HALF_M, 1), rgba=_FLOOR_COLOUR,
-        friction="0.9 0.005 0.0001",
-    )  # fmt: skip
-    for number, obstacle in enumerate(plan.obstacles, start=1):
-        name = f"{obstacle.kind.value}_{number}"
-        _add_box(world, name, obstacle.footprint, obstacle.height_m, _COLOURS[obstacle.kind])
-    for number, pose in enumerate(people, start=1):
-        _add_person(world, f"person_{number}", pose)
-    world.append(robot)
-    root.append(actuators)
-    sensors = SubElement(root, "sensor")
-    SubElement(sensors, "gyro", site="imu")
-    SubElement(sensors, "accelerometer", site="imu")
-    return tostring(root, encoding="unicode")
+    return f"""
+    <mujoco model="warehouse">
+      <option timestep="{STEP_S}" integrator="implicitfast" cone="elliptic" impratio="10"
+              density="1.2" viscosity="0.000018"/>
+      <visual>
+        <global offwidth="{image[0]}" offheight="{image[1]}"/>
+        <map znear="0.001" zfar="2"/>
+        <headlight ambient="0.35 0.35 0.35" diffuse="0.3 0.3 0.3" specular="0 0 0"/>
+      </visual>
+      <asset>
+        <texture type="skybox" builtin="flat" rgb1="{_CEILING_COLOUR}" width="16" height="16"/>
+      </asset>
+      <worldbody>
+        <light directional="true" pos="0 0 8" dir="-0.3 0.2 -1" castshadow="false"/>
+        <geom name="{FLOOR}" type="plane" size="{_FLOOR_HALF_M:g} {_FLOOR_HALF_M:g} 1"
+              rgba="{_FLOOR_COLOUR}" friction="0.9 0.005 0.0001"/>
+        {boxes}{persons}{robot}
+      </worldbody>
+      <actuator>{actuators}</actuator>
+      <sensor><gyro site="imu"/><accelerometer site="imu"/></sensor>
+    </mujoco>"""
 
 
 def numbers(*values: float) -> str:
@@ -122,24 +114,33 @@ def numbers(*values: float) -> str:
     return " ".join(f"{value:.9g}" for value in values)
 
 
-def add_geom(parent: Element, name: str, **attributes: str) -> Element:
-    """A piece of geometry."""
-    return SubElement(parent, "geom", {"name": name, **attributes})
+def heading(pose: Pose) -> str:
+    """The rotation of a body at ``pose`` as an attribute."""
+    return numbers(math.cos(pose.yaw_rad / 2), 0, 0, math.sin(pose.yaw_rad / 2))
 
 
-def _add_box(world: Element, name: str, footprint: Rectangle, height_m: float, colour: str) -> None:
-    low, high = footprint.corners[0], footprint.corners[2]
-    add_geom(
-        world, name, type="box",
-        pos=numbers((low.x_m + high.x_m) / 2, (low.y_m + high.y_m) / 2, height_m / 2),
-        size=numbers((high.x_m - low.x_m) / 2, (high.y_m - low.y_m) / 2, height_m / 2), rgba=colour,
-    )  # fmt: skip
+def camera(forward_m: float, height_m: float, lens: Lens) -> str:
+    """A level camera of a robot that looks forward, with the field of view of ``lens``."""
+    fovy = numbers(math.degrees(2 * math.atan(lens.height / 2 / lens.focal_px)))
+    place = numbers(forward_m, 0, height_m)
+    return f'<camera name="camera" pos="{place}" xyaxes="0 -1 0 0 0 1" fovy="{fovy}"/>'
 
 
-def _add_person(world: Element, name: str, pose: Pose) -> None:
+def _box(number: int, obstacle: Obstacle) -> str:
+    low, high = obstacle.footprint.corners[0], obstacle.footprint.corners[2]
+    half_height_m = obstacle.height_m / 2
+    middle = numbers((low.x_m + high.x_m) / 2, (low.y_m + high.y_m) / 2, half_height_m)
+    size = numbers((high.x_m - low.x_m) / 2, (high.y_m - low.y_m) / 2, half_height_m)
+    return f"""
+        <geom name="{obstacle.kind.value}_{number}" type="box" pos="{middle}" size="{size}"
+              rgba="{_COLOURS[obstacle.kind]}"/>"""
+
+
+def _person(number: int, pose: Pose) -> str:
     """An upright capsule."""
-    body = SubElement(world, "body", name=name, mocap="true", pos=numbers(pose.x_m, pose.y_m, 0))
-    add_geom(
-        body, name, type="capsule", pos=numbers(0, 0, _PERSON_HEIGHT_M / 2),
-        size=numbers(PERSON_RADIUS_M, _PERSON_HEIGHT_M / 2 - PERSON_RADIUS_M), rgba=_PERSON_COLOUR,
-    )  # fmt: skip
+    size = numbers(PERSON_RADIUS_M, _PERSON_HEIGHT_M / 2 - PERSON_RADIUS_M)
+    return f"""
+        <body name="person_{number}" mocap="true" pos="{numbers(pose.x_m, pose.y_m, 0)}">
+          <geom name="person_{number}" type="capsule" pos="0 0 {_PERSON_HEIGHT_M / 2:.9g}" size="{size}"
+                rgba="{_PERSON_COLOUR}"/>
+        </body>"""
