@@ -109,7 +109,6 @@ class Camera(Generic[BodyT]):
     rate_hz = 29.0
 
     def __init__(self, look: Callable[[BodyT], Pixels], frames: FrameSize) -> None:
-        """``look`` draws what the robot sees."""
         self._look = look
         self._lens = raspberry_pi_lens(frames)
         self._most_jpeg_bytes = frames.jpeg_bytes
@@ -118,7 +117,6 @@ class Camera(Generic[BodyT]):
         self._jpeg: Pixels = np.zeros(0, np.uint8)
 
     def sample(self, body: BodyT) -> Published:
-        """One frame."""
         if self._frame % _FRAMES_PER_VIEW == 0:
             self._view = self._look(body)
             self._jpeg = messages.jpeg_of(self._view, self._most_jpeg_bytes)

@@ -20,7 +20,6 @@ class Pose:
 
     @property
     def place(self) -> Point:
-        """The place alone."""
         return Point(self.x_m, self.y_m)
 
     def ahead(self, forward_m: float) -> Point:

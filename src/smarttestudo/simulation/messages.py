@@ -112,7 +112,6 @@ class RobotMessages:
         self.channels: Mapping[Topic, Channel] = {topic: self._channel(topic) for topic in topics}
 
     def payload(self, topic: Topic, message: object) -> bytes:
-        """The CDR of ``message``."""
         return bytes(self._types_of(topic).serialize_cdr(message, _TYPE_NAMES[topic]))
 
     def velocity(self, payload: Payload) -> BodyVelocity:
@@ -143,7 +142,6 @@ class RobotMessages:
 
 
 def header(stamp_ns: int, frame_id: str) -> ros.std_msgs__msg__Header:
-    """A header with the time of measurement."""
     sec, nanosec = divmod(stamp_ns, NS_PER_S)
     stamp = ros.builtin_interfaces__msg__Time(sec=sec, nanosec=nanosec)
     return ros.std_msgs__msg__Header(stamp=stamp, frame_id=frame_id)
@@ -229,7 +227,6 @@ def joint_states(
 
 
 def transforms(stamp_ns: int, frames: Iterable[FrameTransform]) -> ros.tf2_msgs__msg__TFMessage:
-    """Frames at one time."""
     return ros.tf2_msgs__msg__TFMessage(
         transforms=[
             ros.geometry_msgs__msg__TransformStamped(

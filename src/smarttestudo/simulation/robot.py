@@ -121,13 +121,11 @@ class DifferentialDrive:
 
     @property
     def velocity(self) -> BodyVelocity:
-        """How the robot moves now."""
         left, right = self.rim_m_per_s
         return BodyVelocity((left + right) / 2, (right - left) / self.model.wheel_separation_m)
 
     @property
     def forward_m_per_s2(self) -> float:
-        """The acceleration along the robot's heading."""
         return sum(self.rim_m_per_s2) / 2
 
     def command(self, velocity: BodyVelocity) -> None:

@@ -63,7 +63,6 @@ class Route:
         return Pose(first.x_m, first.y_m, bearing_rad(first, second))
 
     def at(self, travelled_m: float) -> Point:
-        """The place after ``travelled_m`` metres."""
         rest_m = travelled_m % self.length_m
         index = min(bisect_right(self._starts_m, rest_m), len(self.points) - 1)
         start_m, end_m = self._starts_m[index - 1 : index + 1]

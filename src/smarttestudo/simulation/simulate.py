@@ -9,7 +9,7 @@ from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.robot import Publisher, Robot
@@ -18,8 +18,10 @@ from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.geometry import BodyVelocity
 from smarttestudo.simulation.messages import RobotMessages, TimedMessage, Topic, qos_of
 from smarttestudo.simulation.mission import drive_mission, route_of
-from smarttestudo.simulation.physics.drive import RobotKind, Teleop, physical_robot
 from smarttestudo.simulation.schedule import DeviceSchedule
+
+if TYPE_CHECKING:
+    from smarttestudo.simulation.physics.drive import RobotKind, Teleop
 
 _LONGEST_WAIT_S = 0.05
 _REMEMBERED = 50
@@ -90,6 +92,9 @@ def simulate_physics(request: SimulatePhysicsRequest, robot: Robot, stopped: Cal
         PhysicsError: it does not load.
         MissionError: the mission cannot be read or driven.
     """
+    # This needs the extra physics.
+    from smarttestudo.simulation.physics.drive import physical_robot  # noqa: PLC0415
+
     driven = physical_robot(
         request.kind,
         route_of(request.mission),

@@ -72,7 +72,6 @@ class Navigator(Generic[BodyT]):
         body.command(velocity)
 
     def sample(self, body: BodyT) -> Published:
-        """Command the robot anew."""
         if body.now_ns < self._others_until_ns:
             return []
         velocity = self._steer(body)

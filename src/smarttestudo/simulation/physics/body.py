@@ -43,17 +43,14 @@ class BatteryCharge:
 
     @property
     def voltage_v(self) -> float:
-        """Between the poles now."""
         sagging = _FULL_V_SHARE - _EMPTY_V_SHARE
         return self.type.nominal_v * (_EMPTY_V_SHARE + sagging * self.share)
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing is left."""
         return self.share <= 0.0
 
     def draw(self, power_w: float, dt_s: float) -> None:
-        """Take ``power_w`` for ``dt_s``."""
         self.current_a = 0.0 if self.is_empty else power_w / self.voltage_v
         self.share = max(0.0, self.share - self.current_a * dt_s / 3600 / self.type.capacity_ah)
 

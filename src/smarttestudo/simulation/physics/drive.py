@@ -72,13 +72,11 @@ class Teleop:
 
     @property
     def description(self) -> str:
-        """The velocity in words."""
         now = self.velocity
         climb = f", {now.climb_m_per_s:+.2f} m/s up" if self._can_fly else ""
         return f"{now.linear_m_per_s:+.2f} m/s, {now.angular_rad_per_s:+.2f} rad/s{climb}"
 
     def command(self, _body: PhysicalBody) -> BodyVelocity:
-        """The velocity to make for now."""
         return self.velocity
 
 
@@ -186,7 +184,6 @@ def camera_problem() -> str | None:
 
 
 def _open_camera(engine: Engine, lens: Lens) -> str | None:
-    """Why it has no camera, if so."""
     try:
         engine.open_camera(*lens.image_size)
     except PhysicsError as error:

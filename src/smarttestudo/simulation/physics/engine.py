@@ -89,7 +89,6 @@ class Engine:
 
     @property
     def time_ns(self) -> int:
-        """Simulated time since the start."""
         return self._steps * self.step_ns
 
     def step(self, controls: Sequence[float]) -> None:

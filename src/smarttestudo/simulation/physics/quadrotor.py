@@ -75,7 +75,6 @@ class VisualOdometer:
         self.pose = Pose(0.0, 0.0, 0.0)
 
     def sample(self, body: PhysicalBody) -> Published:
-        """Where the robot takes itself to be."""
         dt_s = elapsed_s(self._sampled_ns, body.now_ns, self.rate_hz)
         self._sampled_ns = body.now_ns
         self._offset += self._drift.standard_normal(4) * _WALK_PER_S * math.sqrt(dt_s)

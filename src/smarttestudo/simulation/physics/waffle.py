@@ -62,7 +62,6 @@ class WheelOdometer:
         self.pose = start
 
     def sample(self, body: PhysicalBody) -> Published:
-        """Where the robot takes itself to be."""
         dt_s = elapsed_s(self._sampled_ns, body.now_ns, self.rate_hz)
         self._sampled_ns = body.now_ns
         left, right = (math.floor(angle / math.tau * TICKS_PER_TURN) for angle in body.engine.joint_angles)
@@ -200,7 +199,6 @@ class Waffle(Machine):
         self._target_m_per_s = (linear - half_turn, linear + half_turn)
 
     def rest(self) -> None:
-        """Do no more: the battery is empty."""
         self._target_m_per_s = (0.0, 0.0)
 
     def controls(self, _engine: Engine) -> Sequence[float]:
