@@ -22,9 +22,8 @@ from rosbags.typesys.stores import ros2_humble as ros
 from rosbags.typesys.stores import ros2_jazzy
 
 from smarttestudo.bags.qos import stored_qos
-from smarttestudo.domain.payload import Payload
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.robot import Qos
+from smarttestudo.domain.robot import Payload, Qos
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Quaternion, Vector
 from smarttestudo.simulation.robot import (

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Publisher, Robot
+from smarttestudo.domain.robot import Payload, Publisher, Robot
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.geometry import BodyVelocity

@@ -15,7 +15,6 @@ from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRule
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.record import to_json
-from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.loop.decision_log import decision_log, read_decisions
 from smarttestudo.pacing.sample import WhenSlow
