@@ -11,7 +11,7 @@ import pytest
 
 from smarttestudo.domain.units import grouped
 from smarttestudo.optimizer.wording import kb_text
-from smarttestudo.report.table import format_cell, format_number, percent_cell
+from smarttestudo.report.table import format_number, percent_number
 
 TABLE = json.loads((Path(__file__).parents[1] / "golden" / "numbers.json").read_text("utf-8"))
 
@@ -31,4 +31,4 @@ def test_a_number_in_a_table_has_its_decimals_and_thousands_apart(
 
 @pytest.mark.parametrize(("value", "decimals", "text"), TABLE["percent"])
 def test_percent_read_as_0_or_100_only_where_they_are_that(value: float, decimals: int, text: str) -> None:
-    assert format_cell(percent_cell(value, decimals=decimals)) == text
+    assert percent_number(value, decimals=decimals) == text

@@ -8,6 +8,7 @@ import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import datetime, timezone
 from pathlib import Path
+from typing import Any
 
 from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.many.row_tables import RowTable
@@ -27,7 +28,7 @@ from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_S, counted, grouped
 from smarttestudo.report import bag_tables
 from smarttestudo.report.table import Table
 
-_TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table]]] = {
+_TABLES: Mapping[str, tuple[str, Callable[[BagSummary], Table[Any]]]] = {
     "info": ("when a recording was made, and its topics with type, size and QoS", bag_tables.info_table),
     "rates": ("the rate and the jitter of each topic", bag_tables.rates_table),
     "bandwidth": ("the bandwidth of each topic, and the sum", bag_tables.bandwidth_table),
@@ -85,7 +86,7 @@ class _Summaries(RecordingCommand[BagSummary]):
     is_named_by_text = True
 
     def __init__(
-        self, table: Callable[[BagSummary], Table], patterns: Sequence[str], *, is_only: bool
+        self, table: Callable[[BagSummary], Table[Any]], patterns: Sequence[str], *, is_only: bool
     ) -> None:
         self._table = table
         self._patterns = patterns

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from smarttestudo.bags.bag_comparison import BagComparison, compare_bags
 from smarttestudo.bags.incident_mark import incident_subtitles
@@ -80,7 +81,7 @@ class _Comparisons(RecordingCommand[BagComparison]):
             )
 
 
-def _compare_tables(compared: BagComparison) -> list[Table]:
+def _compare_tables(compared: BagComparison) -> list[Table[Any]]:
     names = comparison_tables.RunNames(before="A", after="B")
     tables = (comparison_tables.frequency_table, comparison_tables.bandwidth_table)
     return [build(compared.comparison, names) for build in tables]

@@ -8,7 +8,7 @@ import argparse
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from smarttestudo.accuracy.bounds import bounded_topics, needs_decisions
 from smarttestudo.bags.many.row_tables import RowTable
@@ -204,7 +204,7 @@ class _Curves(RecordingCommand["LossCurves"]):
         print_tables(_curve_tables(result))
 
 
-def _curve_tables(curves: LossCurves) -> Iterator[Table]:
+def _curve_tables(curves: LossCurves) -> Iterator[Table[Any]]:
     """Of each topic first its rates, then its accuracies."""
     by_topic = {curve.topic: curve for curve in curves.curves}
     for topic in sorted({*by_topic, *(curve.topic for curve in curves.accuracies)}):

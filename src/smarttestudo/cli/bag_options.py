@@ -9,7 +9,7 @@ import csv
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from smarttestudo.bags.incident_mark import incident_text
 from smarttestudo.bags.incident_record import record_beside
@@ -121,7 +121,7 @@ def print_incident(recording: Path) -> None:
         write_lines([f"incident {incident_text(record)}", ""])
 
 
-def print_tables(tables: Iterable[Table]) -> None:
+def print_tables(tables: Iterable[Table[Any]]) -> None:
     """Tables below each other, an empty line between."""
     for number, table in enumerate(tables):
         if number:

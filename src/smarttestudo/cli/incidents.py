@@ -19,10 +19,13 @@ from smarttestudo.cli.robots import add_robot
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import RecordingError, UsageError, missing_package
 from smarttestudo.domain.incident import incident_to_json
+from smarttestudo.domain.errors import RecordingError, UsageError
+from smarttestudo.domain.incident import IncidentTopic
+from smarttestudo.domain.incident_json import incident_to_json
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, counted, utc_time
 from smarttestudo.incidents.store import IncidentStore, StoredIncident
-from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.report.table import WHOLE, Column, Table, decimals
 
 if TYPE_CHECKING:
     from smarttestudo.cli.command_parser import Subcommands
@@ -185,24 +188,14 @@ def _json(stored: StoredIncident) -> dict[str, object]:
     }
 
 
-def _topic_table(stored: StoredIncident) -> Table:
+def _topic_table(stored: StoredIncident) -> Table[tuple[str, IncidentTopic]]:
     return Table(
         title="Topics",
         columns=(
-            Column(heading="Topic", align=Align.LEFT),
-            Column(heading="Type", align=Align.LEFT),
-            Column(heading="Messages"),
-            Column(heading="Size", unit="KB"),
+            Column("Topic", "", lambda row: row[0], is_text=True),
+            Column("Type", "", lambda row: row[1].type_name, is_text=True),
+            Column("Messages", "", lambda row: row[1].messages, WHOLE),
+            Column("Size", "KB", lambda row: row[1].size_bytes / BYTES_PER_KB, decimals(1)),
         ),
-        rows=tuple(
-            Row(
-                cells=(
-                    Text(name),
-                    Text(topic.type_name),
-                    Number(topic.messages, decimals=0),
-                    Number(topic.size_bytes / BYTES_PER_KB, decimals=1),
-                )
-            )
-            for name, topic in stored.record.topics.items()
-        ),
+        rows=[*stored.record.topics.items()],
     )

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TextIO
 
 from smarttestudo.cli.budget import budget_kb_per_s
@@ -18,11 +18,11 @@ from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.language.formatter import number_text
-from smarttestudo.optimizer.explanation import SubproblemExplanation
+from smarttestudo.optimizer.explanation import SubproblemExplanation, TopicRow
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.rule_rates import SolvedSubproblem
 from smarttestudo.optimizer.wording import kb_text, wanted_text
-from smarttestudo.report.table import Align, Cell, Column, Number, Row, Table, Text
+from smarttestudo.report.table import Column, Table, decimals
 from smarttestudo.rules.optimize import (
     OptimizeCommand,
     OptimizeOutcome,
@@ -111,50 +111,35 @@ def _print_explanations(outcome: OptimizeOutcome, stream: TextIO) -> None:
         write_line(stream=stream)
 
 
-def _table(solved: SolvedSubproblem, explanation: SubproblemExplanation, budget_kb_per_s: float) -> Table:
-    has_bounds = any(row.bound is not None for row in explanation.rows)
-    rows = [
-        Row(
-            cells=(
-                Text(row.topic),
-                Text(wanted_text(row.wanted)),
-                Text(row.level.value if row.level else ""),
-                *([] if not has_bounds else [Text("" if row.bound is None else number_text(row.bound))]),
-                Number(row.rate_hz, 3),
-                Number(row.kb_per_s),
-                Number(100 * row.share, 1),
-                Text(row.binding.value),
-            )
-        )
-        for row in explanation.rows
-    ]
-    used = solved.used_kb_per_s
-    if solved.subproblem.label is not None:
-        rows.append(_sum_row("other topics", solved.others_kb_per_s, budget_kb_per_s, blanks=3 + has_bounds))
-    rows.append(_sum_row("all topics", used, budget_kb_per_s, blanks=3 + has_bounds))
+def _table(
+    solved: SolvedSubproblem, explanation: SubproblemExplanation, budget_kb_per_s: float
+) -> Table[TopicRow]:
     title = (
         "Defaults"
         if solved.subproblem.label is None
         else f'"{solved.subproblem.label}" ({solved.subproblem.place})'
     )
     return Table(
-        title=f"{title}: {kb_text(used)} of {kb_text(budget_kb_per_s)} KB/s",
-        columns=(
-            Column(heading="Topic", align=Align.LEFT),
-            Column(heading="Asked for", align=Align.LEFT),
-            Column(heading="Level", align=Align.LEFT),
-            *([Column(heading="Within")] if has_bounds else []),
-            Column(heading="Rate", unit="Hz"),
-            Column(heading="Load", unit="KB/s"),
-            Column(heading="Share", unit="%"),
-            Column(heading="Held by", align=Align.LEFT),
-        ),
-        rows=tuple(rows),
+        title=f"{title}: {kb_text(solved.used_kb_per_s)} of {kb_text(budget_kb_per_s)} KB/s",
+        columns=tuple(_columns(solved, explanation, budget_kb_per_s)),
+        rows=explanation.rows,
     )
 
 
-def _sum_row(name: str, kb_per_s: float, budget_kb_per_s: float, *, blanks: int) -> Row:
-    share = 100 * kb_per_s / budget_kb_per_s if budget_kb_per_s else None
-    empty: list[Cell] = [Text("")] * blanks
-    cells = (Text(name), *empty, Number(kb_per_s), Number(share, 1), Text(""))
-    return Row(cells=cells, is_total=True)
+def _columns(
+    solved: SolvedSubproblem, explanation: SubproblemExplanation, budget_kb_per_s: float
+) -> Iterator[Column[TopicRow]]:
+    sums_kb_per_s = {"all topics": solved.used_kb_per_s}
+    if solved.subproblem.label is not None:
+        sums_kb_per_s = {"other topics": solved.others_kb_per_s, **sums_kb_per_s}
+    loads = tuple(sums_kb_per_s.values())
+    shares = tuple(100 * load / budget_kb_per_s if budget_kb_per_s else None for load in loads)
+    yield Column("Topic", "", lambda row: row.topic, is_text=True, sums=tuple(sums_kb_per_s))
+    yield Column("Asked for", "", lambda row: wanted_text(row.wanted), is_text=True)
+    yield Column("Level", "", lambda row: row.level.value if row.level else "", is_text=True)
+    if any(row.bound is not None for row in explanation.rows):
+        yield Column("Within", "", lambda row: "" if row.bound is None else number_text(row.bound))
+    yield Column("Rate", "Hz", lambda row: row.rate_hz, decimals(3))
+    yield Column("Load", "KB/s", lambda row: row.kb_per_s, sums=loads)
+    yield Column("Share", "%", lambda row: 100 * row.share, decimals(1), sums=shares)
+    yield Column("Held by", "", lambda row: row.binding.value, is_text=True)

@@ -4,42 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 from smarttestudo.cli.top_table import Line, Style
 from smarttestudo.link.receive.reception import ReceivedRobot, ReceivedTopic, Reception
 from smarttestudo.link.receive.sending import CommandRoute
-from smarttestudo.report.table import (
-    Align,
-    Column,
-    Number,
-    Row,
-    Table,
-    Text,
-    plain_table,
-)
-
-_COLUMNS = (
-    Column(heading="Topic", align=Align.LEFT),
-    Column(heading="Rate", unit="Hz"),
-    Column(heading="In", unit="KB/s"),
-    Column(heading="Age", unit="ms"),
-    Column(heading="Messages"),
-    Column(heading="Type", align=Align.LEFT),
-)
-_PREDICTED = Column(heading="Predicted")
-_STATE = Column(heading="State", align=Align.LEFT)
-
-_SENT_COLUMNS = (
-    Column(heading="Sent topic", align=Align.LEFT),
-    Column(heading="Robot", align=Align.LEFT),
-    Column(heading="Sent"),
-    Column(heading="Dropped"),
-    Column(heading="Delivered"),
-    Column(heading="Too old"),
-    Column(heading="Age", unit="ms"),
-    Column(heading="State", align=Align.LEFT),
-)
+from smarttestudo.report.table import WHOLE, Column, Table, decimals, plain_table
 
 
 def reception_lines(
@@ -66,30 +37,28 @@ def _heading(name: str, robot: ReceivedRobot) -> Line:
 
 
 def _topics(robot: ReceivedRobot, width: int | None) -> list[Line]:
-    topics = sorted(robot.topics.items())
-    predicts = any(topic.predicted for _, topic in topics)
-    has_state = any(topic.problem for _, topic in topics)
-    rows = tuple(
-        Row(
-            cells=(
-                Text(name),
-                Number(topic.meter.rate_hz),
-                Number(topic.meter.kb_per_s, decimals=1),
-                Number(topic.age_ms, decimals=0),
-                Number(topic.flow.messages, decimals=0),
-                *([Number(topic.predicted, decimals=0)] * predicts),
-                Text(topic.type_name),
-                *([Text(topic.problem or "")] * has_state),
-            )
-        )
-        for name, topic in topics
-    )
-    columns = (*_COLUMNS[:-1], *([_PREDICTED] * predicts), _COLUMNS[-1], *([_STATE] * has_state))
-    lines = plain_table(Table(title="", columns=columns, rows=rows), width=width).split("\n")
-    heading_lines = len(lines) - len(topics)
-    styles = [Style.HEADING] * heading_lines
-    styles += [_topic_style(topic) for _, topic in topics]
-    return [Line(text, style) for text, style in zip(lines, styles, strict=True)]
+    table = Table(columns=tuple(_topic_columns(robot)), rows=sorted(robot.topics.items()))
+    return _lines(table, width, [_topic_style(topic) for _, topic in table.rows])
+
+
+def _topic_columns(robot: ReceivedRobot) -> Iterator[Column[tuple[str, ReceivedTopic]]]:
+    yield Column("Topic", "", lambda row: row[0], is_text=True)
+    yield Column("Rate", "Hz", lambda row: row[1].meter.rate_hz)
+    yield Column("In", "KB/s", lambda row: row[1].meter.kb_per_s, decimals(1))
+    yield Column("Age", "ms", lambda row: row[1].age_ms, WHOLE)
+    yield Column("Messages", "", lambda row: row[1].flow.messages, WHOLE)
+    if any(topic.predicted for topic in robot.topics.values()):
+        yield Column("Predicted", "", lambda row: row[1].predicted, WHOLE)
+    yield Column("Type", "", lambda row: row[1].type_name, is_text=True)
+    if any(topic.problem for topic in robot.topics.values()):
+        yield Column("State", "", lambda row: row[1].problem or "", is_text=True)
+
+
+def _lines(table: Table[Any], width: int | None, styles: Sequence[Style]) -> list[Line]:
+    """The lines of ``table``, the headings and then each row in its style."""
+    lines = plain_table(table, width=width).split("\n")
+    headings = [Style.HEADING] * (len(lines) - len(styles))
+    return [Line(text, style) for text, style in zip(lines, [*headings, *styles], strict=True)]
 
 
 def _topic_style(topic: ReceivedTopic) -> Style:
@@ -99,25 +68,20 @@ def _topic_style(topic: ReceivedTopic) -> Style:
 
 
 def _sent(routes: Sequence[CommandRoute], width: int | None) -> list[Line]:
-    rows = tuple(
-        Row(
-            cells=(
-                Text(route.source),
-                Text(route.boot.robot),
-                Number(route.counts.sent, decimals=0),
-                Number(_dropped(route), decimals=0),
-                Number(route.told.delivered, decimals=0),
-                Number(route.told.too_old, decimals=0),
-                Number(route.told.age_ms, decimals=0),
-                Text(route.problem or ""),
-            )
-        )
-        for route in routes
+    table: Table[CommandRoute] = Table(
+        columns=(
+            Column("Sent topic", "", lambda route: route.source, is_text=True),
+            Column("Robot", "", lambda route: route.boot.robot, is_text=True),
+            Column("Sent", "", lambda route: route.counts.sent, WHOLE),
+            Column("Dropped", "", _dropped, WHOLE),
+            Column("Delivered", "", lambda route: route.told.delivered, WHOLE),
+            Column("Too old", "", lambda route: route.told.too_old, WHOLE),
+            Column("Age", "ms", lambda route: route.told.age_ms, WHOLE),
+            Column("State", "", lambda route: route.problem or "", is_text=True),
+        ),
+        rows=routes,
     )
-    lines = plain_table(Table(title="", columns=_SENT_COLUMNS, rows=rows), width=width).split("\n")
-    styles = [Style.HEADING] * (len(lines) - len(routes))
-    styles += [_style(route) for route in routes]
-    return [Line(text, style) for text, style in zip(lines, styles, strict=True)]
+    return _lines(table, width, list(map(_style, routes)))
 
 
 def _dropped(route: CommandRoute) -> int:

@@ -23,7 +23,7 @@ from smarttestudo.domain.incident import FetchProgress, OnProgress, RemoteIncide
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.units import BYTES_PER_KB, BYTES_PER_MB
 from smarttestudo.link.zenoh import open_link_incidents
-from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.report.table import WHOLE, Column, Table
 
 _EXIT_STOPPED = 1
 _EXIT_SILENT = 1
@@ -184,32 +184,17 @@ def _json(one: RemoteIncident) -> dict[str, object]:
     return {**same_as_in_a_folder, **asdict(one), "missing": list(one.missing)}
 
 
-def incident_table(incidents: Sequence[RemoteIncident]) -> Table:
+def incident_table(incidents: Sequence[RemoteIncident]) -> Table[RemoteIncident]:
     """A row each, which says on which robot it is, unless none is named."""
-    has_robots = any(one.robot for one in incidents)
-    return Table(
-        title="Incidents",
-        columns=(
-            *([Column(heading="Robot", align=Align.LEFT)] if has_robots else []),
-            Column(heading="Incident", align=Align.LEFT),
-            Column(heading="Rule", align=Align.LEFT),
-            Column(heading="Messages"),
-            Column(heading="Size", unit="MB"),
-            Column(heading="Read", align=Align.LEFT),
-            Column(heading="Missing", align=Align.LEFT),
-        ),
-        rows=tuple(
-            Row(
-                cells=(
-                    *([Text(one.robot)] if has_robots else []),
-                    Text(one.name),
-                    Text(one.rule),
-                    Number(one.messages, decimals=0),
-                    Number(one.size_bytes / BYTES_PER_MB),
-                    Text("yes" if one.is_read else "no"),
-                    Text(", ".join(one.missing)),
-                )
-            )
-            for one in incidents
-        ),
-    )
+    return Table(title="Incidents", columns=tuple(_incident_columns(incidents)), rows=incidents)
+
+
+def _incident_columns(incidents: Sequence[RemoteIncident]) -> Iterator[Column[RemoteIncident]]:
+    if any(one.robot for one in incidents):
+        yield Column("Robot", "", lambda one: one.robot, is_text=True)
+    yield Column("Incident", "", lambda one: one.name, is_text=True)
+    yield Column("Rule", "", lambda one: one.rule, is_text=True)
+    yield Column("Messages", "", lambda one: one.messages, WHOLE)
+    yield Column("Size", "MB", lambda one: one.size_bytes / BYTES_PER_MB)
+    yield Column("Read", "", lambda one: "yes" if one.is_read else "no", is_text=True)
+    yield Column("Missing", "", lambda one: ", ".join(one.missing), is_text=True)

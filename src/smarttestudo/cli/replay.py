@@ -179,12 +179,13 @@ class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
             inputs = f"{counted(result.decisions, 'decision')} from {counted(result.inputs, 'input')}"
             write_line(f"{inputs} of {result.duration_s:.1f} s")
             return
-        tables = [rates_table(result), volume_table(result)]
+        print_table(rates_table(result))
+        write_line()
         if any(topic.bounds for topic in result.topics.values()):
-            tables.insert(1, bounds_table(result))
-        for table in tables:
-            print_table(table)
+            print_table(bounds_table(result))
             write_line()
+        print_table(volume_table(result))
+        write_line()
         write_line(f"{counted(result.decisions, 'decision')} in {result.wall_seconds:.1f} s")
         for name in result.incidents:
             write_line(f"incident {name}")

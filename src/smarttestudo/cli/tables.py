@@ -6,18 +6,20 @@ from __future__ import annotations
 
 import shutil
 import sys
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from smarttestudo.cli.output import write_line, write_lines
 from smarttestudo.cli.terminal import is_unicode
 from smarttestudo.domain.texts import visible
 from smarttestudo.report.table import Align, Table, format_cell, plain_table, table_parts
+from smarttestudo.domain.visible_text import visible
+from smarttestudo.report.table import Table, plain_table, table_parts
 
 if TYPE_CHECKING:
     from rich.table import Table as RichTable
 
 
-def print_table(table: Table, stream: TextIO | None = None) -> None:
+def print_table(table: Table[Any], stream: TextIO | None = None) -> None:
     """Write ``table`` to ``stream`` (default: standard output), no wider than a terminal, whole in a pipe."""
     stream = stream or sys.stdout
     if not stream.isatty():
@@ -31,7 +33,7 @@ def print_table(table: Table, stream: TextIO | None = None) -> None:
             write_lines(plain_table(part, width=width).split("\n"), stream)
 
 
-def _print_rich(table: Table, stream: TextIO) -> bool:
+def _print_rich(table: Table[Any], stream: TextIO) -> bool:
     """Write ``table`` with rich; false where rich is not installed."""
     try:
         from rich.console import Console  # noqa: PLC0415  a robot has no rich
@@ -47,7 +49,7 @@ def _print_rich(table: Table, stream: TextIO) -> bool:
     return True
 
 
-def _rich_table(table: Table) -> RichTable:
+def _rich_table(table: Table[Any]) -> RichTable:
     from rich import box  # noqa: PLC0415
     from rich.table import Table as RichTable  # noqa: PLC0415
     from rich.text import Text as RichText  # noqa: PLC0415
@@ -61,13 +63,13 @@ def _rich_table(table: Table) -> RichTable:
     has_units = any(column.unit for column in table.columns)
     for column in table.columns:
         heading = RichText.assemble(visible(column.heading), ("\n" + column.unit if has_units else "", "dim"))
-        if column.align is Align.LEFT:
+        if column.is_text:
             shown.add_column(heading, justify="left", overflow="fold")
         else:
             shown.add_column(heading, justify="right", no_wrap=True)
-    for row in table.rows:
-        if row.is_total:
+    for number, cells in enumerate(table.texts()):
+        is_sum = number >= len(table.rows)
+        if is_sum:
             shown.add_section()
-        cells = [RichText(format_cell(cell)) for cell in row.cells]
-        shown.add_row(*cells, style="bold" if row.is_total else None)
+        shown.add_row(*map(RichText, cells), style="bold" if is_sum else None)
     return shown

@@ -34,6 +34,8 @@ from smarttestudo.report.table import (
     format_number,
     plain_table,
 )
+from smarttestudo.domain.visible_text import visible
+from smarttestudo.report.table import WHOLE, Column, Table, Value, decimals, format_number, plain_table
 from smarttestudo.robot.diagnostics import (
     LOST_BEFORE_RELAY,
     accepted_text,
@@ -120,14 +122,7 @@ def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) 
     """
     is_wide = width is None or width >= WIDE
     topics = _sorted(status, sort)
-    has_link = status.link is not None
-    table = Table(
-        title="",
-        columns=_columns(is_wide=is_wide, has_link=has_link),
-        rows=tuple(
-            Row(cells=_cells(source, topic, is_wide=is_wide, has_link=has_link)) for source, topic in topics
-        ),
-    )
+    table = Table(columns=tuple(_columns(status, is_wide=is_wide)), rows=topics)
     lines = plain_table(table, width=width).split("\n")
     heading_lines = len(lines) - len(topics)
     return [
@@ -214,48 +209,48 @@ def _or_least(number: float | None) -> float:
     return -math.inf if number is None else number
 
 
-def _columns(*, is_wide: bool, has_link: bool) -> tuple[Column, ...]:
-    return (
-        Column(heading="Topic", align=Align.LEFT),
-        Column(heading="Source", unit="Hz"),
-        Column(heading="Target", unit="Hz"),
-        Column(heading="Actual", unit="Hz"),
-        Column(heading="Error", unit="%"),
-        *((Column(heading="In", unit="KB/s"),) if is_wide else ()),
-        Column(heading="Out", unit="KB/s"),
-        *((Column(heading="Age", unit="ms"),) if has_link else ()),
-        *((Column(heading="Rule", align=Align.LEFT),) if is_wide else ()),
-        Column(heading="State" if is_wide else "Rule, or state", align=Align.LEFT),
-    )
+def _columns(status: RuntimeStatus, *, is_wide: bool) -> Iterator[Column[tuple[str, TopicStatus]]]:
+    yield Column("Topic", "", _name, is_text=True)
+    yield Column("Source", "Hz", lambda row: row[1].source_hz)
+    yield Column("Target", "Hz", lambda row: _target(row[1].target_hz))
+    yield Column("Actual", "Hz", lambda row: row[1].actual_hz)
+    yield Column("Error", "%", lambda row: row[1].error_percent, decimals(2, signed=True))
+    if is_wide:
+        yield Column("In", "KB/s", lambda row: row[1].in_kb_per_s, decimals(1))
+    yield Column("Out", "KB/s", lambda row: row[1].out_kb_per_s, decimals(1))
+    if status.link is not None:
+        yield Column("Age", "ms", lambda row: row[1].on_link.age_ms if row[1].on_link else None, WHOLE)
+    if is_wide:
+        yield Column("Rule", "", lambda row: _rule(row[1]), is_text=True)
+        yield Column("State", "", lambda row: _state(row[1]), is_text=True)
+    else:
+        yield Column("Rule, or state", "", lambda row: _problem(row[1]) or _rule(row[1]), is_text=True)
 
 
-def _cells(source: str, topic: TopicStatus, *, is_wide: bool, has_link: bool) -> tuple[Cell, ...]:
-    health, rule = topic_health(topic), _rule(topic)
-    is_well = topic.silence is None and health.level is DiagnosticLevel.OK
-    summary = "" if is_well else health.summary
-    state = health.message
-    if topic.loss is not None and summary == LOST_BEFORE_RELAY:
-        # What to do about it takes a line of its own.
-        state = f"{summary}: {topic.loss.percent:.0f} %"
-    why = (Text(rule), Text(summary and state)) if is_wide else (Text(summary or rule),)
-    name = source if topic.frames is None or topic.frames == 1 else f"{source} ({topic.frames} streams)"
-    return (
-        Text(name),
-        Number(topic.source_hz),
-        _target(topic.target_hz),
-        Number(topic.actual_hz),
-        Number(topic.error_percent, signed=True),
-        *((Number(topic.in_kb_per_s, decimals=1),) if is_wide else ()),
-        Number(topic.out_kb_per_s, decimals=1),
-        *((Number(None if topic.on_link is None else topic.on_link.age_ms, decimals=0),) if has_link else ()),
-        *why,
-    )
+def _name(row: tuple[str, TopicStatus]) -> str:
+    source, topic = row
+    return source if topic.frames is None or topic.frames == 1 else f"{source} ({topic.frames} streams)"
 
 
-def _target(target_hz: float) -> Cell:
+def _target(target_hz: float) -> Value:
     if math.isinf(target_hz):
-        return Text("Full")
-    return Number(target_hz) if target_hz else Text("Off")
+        return "Full"
+    return target_hz or "Off"
+
+
+def _problem(topic: TopicStatus) -> str:
+    """What is wrong in a word or two; nothing of a topic that is well."""
+    health = topic_health(topic)
+    is_well = topic.silence is None and health.level is DiagnosticLevel.OK
+    return "" if is_well else health.summary
+
+
+def _state(topic: TopicStatus) -> str:
+    problem = _problem(topic)
+    if topic.loss is not None and problem == LOST_BEFORE_RELAY:
+        # What to do about it takes a line of its own.
+        return f"{problem}: {topic.loss.percent:.0f} %"
+    return problem and topic_health(topic).message
 
 
 def _rule(topic: TopicStatus) -> str:

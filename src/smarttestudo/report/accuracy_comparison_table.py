@@ -4,22 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from smarttestudo.accuracy.comparison import AccuracyComparison, ArmAccuracy, PropertyAccuracy, View
 from smarttestudo.domain.units import BYTES_PER_KB
-from smarttestudo.report.table import (
-    MISSING,
-    Align,
-    Cell,
-    Column,
-    Number,
-    Row,
-    Table,
-    Text,
-    percent_cell,
-    percent_text,
-)
+from smarttestudo.report.table import MISSING, WHOLE, Column, Table, change, decimals, percent_text
 
 _SHOWN_UNITS = {"m": (100.0, "cm"), "rad": (1.0, "rad"), "°": (1.0, "°")}
 _NOTES = (
@@ -28,19 +17,18 @@ _NOTES = (
 )
 
 
-def accuracy_tables(comparison: AccuracyComparison) -> tuple[Table, ...]:
+def accuracy_tables(comparison: AccuracyComparison) -> tuple[Table[ArmAccuracy], ...]:
     """A table for each topic, with a row for each way of choosing what passes."""
-    fixed = comparison.arms[0]
     left_out = f"All: without images ({', '.join(comparison.left_out)})."
     notes = (*_NOTES, left_out) if comparison.left_out else _NOTES
     return tuple(
         Table(
             title=f"How far the picture of {topic} is off",
-            columns=tuple(_columns(measured.properties)),
-            rows=tuple(Row(cells=tuple(_cells(arm, fixed, topic))) for arm in comparison.arms),
+            columns=tuple(_columns(comparison.arms[0], topic)),
+            rows=comparison.arms,
             footnotes=notes,
         )
-        for topic, measured in fixed.topics.items()
+        for topic in comparison.arms[0].topics
     )
 
 
@@ -68,40 +56,43 @@ def accuracy_sentences(comparison: AccuracyComparison) -> Iterator[str]:
         )
 
 
-def _columns(properties: Mapping[str, PropertyAccuracy]) -> Iterator[Column]:
-    yield Column(heading="Rules", align=Align.LEFT)
-    yield Column(heading="Shown", align=Align.LEFT)
-    yield Column(heading="Messages", heads_group=True)
-    yield Column(heading="Bytes", unit="KB")
-    yield Column(heading="All", unit="KB")
-    for name, one in properties.items():
-        unit = _shown(one.unit)[1]
-        yield Column(heading=f"{name.capitalize()} RMSE", unit=unit, heads_group=True)
-        yield Column(heading="Change", unit="%")
-        yield Column(heading="Worst", unit=unit)
-        yield Column(heading="Bound", unit=unit)
-        yield Column(heading="Broken")
+def _columns(fixed: ArmAccuracy, topic: str) -> Iterator[Column[ArmAccuracy]]:
+    yield Column("Rules", "", lambda arm: arm.name, is_text=True)
+    yield Column("Shown", "", lambda arm: arm.view.value, is_text=True)
+    yield Column("Messages", "", lambda arm: arm.topics[topic].messages, WHOLE, heads_group=True)
+    yield Column("Bytes", "KB", lambda arm: arm.topics[topic].size_bytes / BYTES_PER_KB, decimals(1))
+    yield Column("All", "KB", lambda arm: arm.size_bytes / BYTES_PER_KB, decimals(1))
+    for name in fixed.topics[topic].properties:
+        yield from _property_columns(fixed, topic, name)
 
 
-def _cells(arm: ArmAccuracy, fixed: ArmAccuracy, topic: str) -> Iterator[Cell]:
-    passed = arm.topics[topic]
-    yield Text(arm.name)
-    yield Text(arm.view.value)
-    yield Number(passed.messages, decimals=0)
-    yield Number(passed.size_bytes / BYTES_PER_KB, decimals=1)
-    yield Number(arm.size_bytes / BYTES_PER_KB, decimals=1)
-    for name, one in passed.properties.items():
-        factor, _ = _shown(one.unit)
-        before = fixed.topics[topic].properties[name].error
-        error = one.error
-        change = None
-        if arm is not fixed and error is not None and before is not None and before.rmse:
-            change = 100 * (error.rmse / before.rmse - 1)
-        yield Number(factor * error.rmse if error else None, decimals=3)
-        yield percent_cell(change, signed=True)
-        yield Number(factor * error.worst if error else None, decimals=3)
-        yield Text(_span(one, factor))
-        yield Number(one.broken if one.bounds else None, decimals=0)
+def _property_columns(fixed: ArmAccuracy, topic: str, name: str) -> Iterator[Column[ArmAccuracy]]:
+    of_fixed = fixed.topics[topic].properties[name]
+    before = of_fixed.error
+    factor, unit = _SHOWN_UNITS.get(of_fixed.unit, (1.0, of_fixed.unit))
+
+    def of(arm: ArmAccuracy) -> PropertyAccuracy:
+        return arm.topics[topic].properties[name]
+
+    def change_percent(arm: ArmAccuracy) -> float | None:
+        error = of(arm).error
+        if arm is fixed or error is None or before is None or not before.rmse:
+            return None
+        return 100 * (error.rmse / before.rmse - 1)
+
+    def rmse(arm: ArmAccuracy) -> float | None:
+        error = of(arm).error
+        return None if error is None else factor * error.rmse
+
+    def worst(arm: ArmAccuracy) -> float | None:
+        error = of(arm).error
+        return None if error is None else factor * error.worst
+
+    yield Column(f"{name.capitalize()} RMSE", unit, rmse, decimals(3), heads_group=True)
+    yield Column("Change", "%", change_percent, change)
+    yield Column("Worst", unit, worst, decimals(3))
+    yield Column("Bound", unit, lambda arm: _span(of(arm), factor))
+    yield Column("Broken", "", lambda arm: of(arm).broken if of(arm).bounds else None, WHOLE)
 
 
 def _span(one: PropertyAccuracy, factor: float) -> str:
@@ -110,7 +101,3 @@ def _span(one: PropertyAccuracy, factor: float) -> str:
         return MISSING
     ends = dict.fromkeys((one.bounds[0], one.bounds[-1]))
     return " … ".join(f"{factor * bound:g}" for bound in ends)
-
-
-def _shown(unit: str) -> tuple[float, str]:
-    return _SHOWN_UNITS.get(unit, (1.0, unit))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from smarttestudo.accuracy.accuracy_curve import (
     AccuracyCurve,
@@ -213,7 +213,7 @@ def _floor_plan(request: ReportRequest) -> FloorPlan:
     return replace(request.floor_plan, zones=(*request.floor_plan.zones, *zones))
 
 
-def _tables_of_one(runs: PairedRuns) -> tuple[Table, ...]:
+def _tables_of_one(runs: PairedRuns) -> tuple[Table[Any], ...]:
     """The tables of the actions ``rates`` and ``bandwidth``."""
     summary = runs.a.summary.only({pair.topic for pair in runs.pairs})
     # Its heading says already which recording it is.

@@ -4,25 +4,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from smarttestudo.bags.bag_summary import BagSummary, BagTopic
 from smarttestudo.bags.incident_mark import incident_subtitles
 from smarttestudo.bags.statistics import LONGEST_LATENCY_S
 from smarttestudo.domain.recording import readable_until
 from smarttestudo.domain.units import BYTES_PER_KB, counted, grouped, utc_time
 from smarttestudo.report.comparison_tables import BANDWIDTH_NOTE, DECLARED, DECLARED_NOTE
-from smarttestudo.report.table import Align, Cell, Column, Number, Row, Table, Text
+from smarttestudo.report.table import WHOLE, Column, Table, decimals
 
 _MS_PER_S = 1000
-_TOPIC = Column(heading="Topic", align=Align.LEFT)
-_SIZES = Column(heading="Sizes", align=Align.LEFT)
+_TOPIC: Column[BagTopic] = Column("Topic", "", lambda topic: topic.name, is_text=True)
+_MESSAGES: Column[BagTopic] = Column("Messages", "", lambda topic: topic.statistics.messages, WHOLE)
 _RATES_NOTE = (
     "Mean: (n − 1) / (last − first). Binned: mean count of the 1 s bins from first to last message. "
     "Longest gap: between two messages. Jitter: standard deviation of the intervals."
-)
-_LATENCY = (
-    Column(heading="Latency", unit="ms"),
-    Column(heading="p95", unit="ms"),
-    Column(heading="max", unit="ms"),
 )
 _LATENCY_NOTE = (
     " Latency: receive time − header.stamp, mean, not exceeded by 95 %, and largest, "
@@ -31,22 +28,8 @@ _LATENCY_NOTE = (
 )
 
 
-def info_table(bag: BagSummary) -> Table:
+def info_table(bag: BagSummary) -> Table[BagTopic]:
     """When and how the bag was recorded, and each topic with its type and quality of service."""
-    has_declared = _has_declared(bag)
-    rows = tuple(
-        Row(
-            cells=(
-                Text(topic.name),
-                Text(topic.type_name),
-                Number(topic.statistics.messages, decimals=0),
-                Number(_message_kb(topic)),
-                *_sizes(topic, has_declared=has_declared),
-                Text(topic.qos),
-            )
-        )
-        for topic in bag.topics
-    )
     span = bag.span
     return Table(
         title=f"{bag.name}: {bag.storage.value}, {grouped(span.duration_s, 3)} s, "
@@ -56,94 +39,72 @@ def info_table(bag: BagSummary) -> Table:
             *incident_subtitles(bag.incident),
             *_damage(bag),
         ),
-        columns=(
-            _TOPIC,
-            Column(heading="Type", align=Align.LEFT),
-            Column(heading="Messages"),
-            Column(heading="Mean size", unit="KB"),
-            *_sizes_column(bag),
-            Column(heading="QoS", align=Align.LEFT),
-        ),
-        rows=rows,
+        columns=tuple(_info_columns(bag)),
+        rows=bag.topics,
         footnotes=_notes(bag),
     )
 
 
-def rates_table(bag: BagSummary) -> Table:
+def _info_columns(bag: BagSummary) -> Iterator[Column[BagTopic]]:
+    yield _TOPIC
+    yield Column("Type", "", lambda topic: topic.type_name, is_text=True)
+    yield _MESSAGES
+    yield Column("Mean size", "KB", _message_kb)
+    if _has_declared(bag):
+        yield Column("Sizes", "", _sizes, is_text=True)
+    yield Column("QoS", "", lambda topic: topic.qos, is_text=True)
+
+
+def rates_table(bag: BagSummary) -> Table[BagTopic]:
     """How fast and how evenly each topic came, and how late where that was measured."""
     has_latency = any(topic.latency is not None for topic in bag.topics)
     return Table(
         title=f"{bag.name}: rates",
         subtitles=incident_subtitles(bag.incident),
-        columns=(
-            _TOPIC,
-            Column(heading="Messages"),
-            Column(heading="Mean", unit="Hz"),
-            Column(heading="Binned", unit="Hz"),
-            Column(heading="Longest gap", unit="s"),
-            Column(heading="Jitter", unit="ms"),
-            *(_LATENCY if has_latency else ()),
-        ),
-        rows=tuple(Row(cells=_rate_cells(topic)) for topic in bag.topics),
+        columns=tuple(_rate_columns(has_latency=has_latency)),
+        rows=bag.topics,
         footnotes=(_RATES_NOTE + _LATENCY_NOTE if has_latency else _RATES_NOTE,),
     )
 
 
-def _rate_cells(topic: BagTopic) -> tuple[Cell, ...]:
-    latency = topic.latency
-    latencies_s = () if latency is None else (latency.mean_s, latency.p95_s, latency.max_s)
-    return (
-        Text(topic.name),
-        Number(topic.statistics.messages, decimals=0),
-        Number(topic.statistics.mean_hz),
-        Number(topic.statistics.binned_hz),
-        Number(topic.longest_gap_s, decimals=3),
-        *(_milliseconds(seconds) for seconds in (topic.jitter_s, *latencies_s)),
-    )
+def _rate_columns(*, has_latency: bool) -> Iterator[Column[BagTopic]]:
+    yield _TOPIC
+    yield _MESSAGES
+    yield Column("Mean", "Hz", lambda topic: topic.statistics.mean_hz)
+    yield Column("Binned", "Hz", lambda topic: topic.statistics.binned_hz)
+    yield Column("Longest gap", "s", lambda topic: topic.longest_gap_s, decimals(3))
+    yield Column("Jitter", "ms", lambda topic: _ms(topic.jitter_s))
+    if has_latency:
+        yield Column("Latency", "ms", lambda topic: _ms(topic.latency.mean_s if topic.latency else None))
+        yield Column("p95", "ms", lambda topic: _ms(topic.latency.p95_s if topic.latency else None))
+        yield Column("max", "ms", lambda topic: _ms(topic.latency.max_s if topic.latency else None))
 
 
-def _milliseconds(seconds: float | None) -> Number:
-    return Number(None if seconds is None else seconds * _MS_PER_S)
+def _ms(seconds: float | None) -> float | None:
+    return None if seconds is None else seconds * _MS_PER_S
 
 
-def bandwidth_table(bag: BagSummary) -> Table:
+def bandwidth_table(bag: BagSummary) -> Table[BagTopic]:
     """How much each topic carried, and the sum; declared sizes are labelled."""
-    total = bag.total
-    sum_row = Row(
-        cells=(
-            Text("All topics"),
-            Number(total.size_bytes / BYTES_PER_KB),
-            Number(total.kb_per_s),
-            Number(total.kbit_per_s),
-            *((Text(_total_label(bag)),) if _has_declared(bag) else ()),
-        ),
-        is_total=True,
-    )
-    rows = tuple(
-        Row(
-            cells=(
-                Text(topic.name),
-                Number(topic.statistics.size_bytes / BYTES_PER_KB),
-                Number(topic.statistics.kb_per_s),
-                Number(topic.statistics.kbit_per_s),
-                *_sizes(topic, has_declared=_has_declared(bag)),
-            )
-        )
-        for topic in bag.topics
-    )
     return Table(
         title=f"{bag.name}: bandwidth",
         subtitles=incident_subtitles(bag.incident),
-        columns=(
-            _TOPIC,
-            Column(heading="Volume", unit="KB"),
-            Column(heading="Mean", unit="KB/s"),
-            Column(heading="Mean", unit="kbit/s"),
-            *_sizes_column(bag),
-        ),
-        rows=(*rows, sum_row),
+        columns=tuple(_bandwidth_columns(bag)),
+        rows=bag.topics,
         footnotes=(BANDWIDTH_NOTE, *_notes(bag)),
     )
+
+
+def _bandwidth_columns(bag: BagSummary) -> Iterator[Column[BagTopic]]:
+    total = bag.total
+    volume_kb = total.size_bytes / BYTES_PER_KB
+    yield Column("Topic", "", lambda topic: topic.name, is_text=True, sums=("All topics",))
+    yield Column("Volume", "KB", lambda topic: topic.statistics.size_bytes / BYTES_PER_KB, sums=(volume_kb,))
+    yield Column("Mean", "KB/s", lambda topic: topic.statistics.kb_per_s, sums=(total.kb_per_s,))
+    yield Column("Mean", "kbit/s", lambda topic: topic.statistics.kbit_per_s, sums=(total.kbit_per_s,))
+    if _has_declared(bag):
+        all_declared = all(topic.statistics.declared for topic in bag.topics)
+        yield Column("Sizes", "", _sizes, is_text=True, sums=(DECLARED if all_declared else "mixed",))
 
 
 def _damage(bag: BagSummary) -> tuple[str, ...]:
@@ -162,17 +123,8 @@ def _has_declared(bag: BagSummary) -> bool:
     return any(topic.statistics.declared for topic in bag.topics)
 
 
-def _total_label(bag: BagSummary) -> str:
-    return DECLARED if all(topic.statistics.declared for topic in bag.topics) else "mixed"
-
-
-def _sizes_column(bag: BagSummary) -> tuple[Column, ...]:
-    return (_SIZES,) if _has_declared(bag) else ()
-
-
-def _sizes(topic: BagTopic, *, has_declared: bool) -> tuple[Cell, ...]:
-    label = DECLARED if topic.statistics.declared else "recorded"
-    return (Text(label),) if has_declared else ()
+def _sizes(topic: BagTopic) -> str:
+    return DECLARED if topic.statistics.declared else "recorded"
 
 
 def _notes(bag: BagSummary) -> tuple[str, ...]:

@@ -1,21 +1,23 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The frequency and the bandwidth table of a comparison."""
+"""The frequency and the bandwidth table of a comparison, and the two as in the thesis (Riccardi 2025)."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from smarttestudo.report.table import Align, Column, Number, Row, Table, Text, percent_cell
+from smarttestudo.report.table import Column, Table, change, decimals
 
 if TYPE_CHECKING:
     from smarttestudo.bags.comparison import Comparison, TopicComparison
     from smarttestudo.bags.statistics import TopicStatistics
 
 DECLARED = "declared"
-_TOPIC = Column(heading="Topic", align=Align.LEFT)
-_CHANGE = Column(heading="Change", unit="%")
+_TOPIC: Column[TopicComparison] = Column("Topic", "", lambda pair: pair.topic, is_text=True)
+_CHANGE: Column[TopicComparison] = Column("Change", "%", lambda pair: pair.change_percent, change)
 _RATE_NOTE = "Hz: mean count of the 1 s bins from first to last message."
 _TARGET_NOTE = (
     " Target: planned rate, weighted by time. Mean: (n − 1) / (last − first) of {}. "
@@ -34,101 +36,135 @@ class RunNames:
     after: str = "SmartTestudo"
 
 
-def frequency_table(comparison: Comparison, names: RunNames | None = None) -> Table:
+def frequency_table(comparison: Comparison, names: RunNames | None = None) -> Table[TopicComparison]:
     """The rate of each topic in both runs, its change, and how near it came to its target if there is any."""
     names = names or RunNames()
     targets = [pair.target for pair in comparison.topics if pair.target is not None]
-    has_targets = bool(targets)
-    frames_note = _FRAMES_NOTE if any(one.attainable_hz is None for one in targets) else ""
-    target_columns = (
-        Column(heading="Target", unit="Hz"),
-        Column(heading="Mean", unit="Hz"),
-        Column(heading="Error", unit="%"),
-    )
-    target_note = _TARGET_NOTE.format(names.after) + frames_note
+    note = _RATE_NOTE
+    if targets:
+        note += _TARGET_NOTE.format(names.after)
+    if any(target.attainable_hz is None for target in targets):
+        note += _FRAMES_NOTE
     return Table(
         title="Frequency",
-        columns=(
-            _TOPIC,
-            Column(heading=names.before, unit="Hz"),
-            Column(heading=names.after, unit="Hz"),
-            _CHANGE,
-            *(target_columns if has_targets else ()),
-        ),
-        rows=tuple(_frequency_row(pair, has_targets=has_targets) for pair in comparison.topics),
-        footnotes=(_RATE_NOTE + target_note if has_targets else _RATE_NOTE,),
+        columns=tuple(_frequency_columns(names, has_targets=bool(targets))),
+        rows=comparison.topics,
+        footnotes=(note,),
     )
 
 
-def bandwidth_table(comparison: Comparison, names: RunNames | None = None) -> Table:
+def _frequency_columns(names: RunNames, *, has_targets: bool) -> Iterator[Column[TopicComparison]]:
+    yield _TOPIC
+    yield Column(names.before, "Hz", lambda pair: _binned_hz(pair.before))
+    yield Column(names.after, "Hz", lambda pair: _binned_hz(pair.after))
+    yield _CHANGE
+    if has_targets:
+        yield Column("Target", "Hz", lambda pair: pair.target.planned_hz if pair.target else None)
+        yield Column("Mean", "Hz", lambda pair: pair.after.mean_hz if pair.target and pair.after else None)
+        yield Column("Error", "%", lambda pair: pair.error_percent, decimals(2, signed=True))
+
+
+def bandwidth_table(comparison: Comparison, names: RunNames | None = None) -> Table[TopicComparison]:
     """The bandwidth of each topic in both runs with its change, and the sum; declared sizes are labelled."""
-    names = names or RunNames()
-    declared = any(_is_declared(pair) for pair in comparison.topics)
-    columns = (
-        _TOPIC,
-        Column(heading=names.before, unit="KB/s"),
-        Column(heading=names.after, unit="KB/s"),
-        _CHANGE,
-        Column(heading="Sizes", align=Align.LEFT),
-    )
-    rows = (*(_bandwidth_row(pair) for pair in comparison.topics), _total_row(comparison, declared=declared))
+    declared = any(map(_is_declared, comparison.topics))
     return Table(
         title="Bandwidth",
-        columns=columns,
-        rows=rows,
+        columns=tuple(_bandwidth_columns(comparison, names or RunNames(), declared=declared)),
+        rows=comparison.topics,
         footnotes=(BANDWIDTH_NOTE, DECLARED_NOTE) if declared else (BANDWIDTH_NOTE,),
     )
 
 
-def _frequency_row(pair: TopicComparison, *, has_targets: bool) -> Row:
-    target = (
-        Number(None if pair.target is None else pair.target.planned_hz),
-        Number(None if pair.target is None or pair.after is None else pair.after.mean_hz),
-        Number(pair.error_percent, signed=True),
-    )
-    return Row(
-        cells=(
-            Text(pair.topic),
-            _frequency(pair.before),
-            _frequency(pair.after),
-            percent_cell(pair.change_percent, signed=True),
-            *(target if has_targets else ()),
-        )
-    )
+def _bandwidth_columns(
+    comparison: Comparison, names: RunNames, *, declared: bool
+) -> Iterator[Column[TopicComparison]]:
+    before, after = comparison.before_kb_per_s, comparison.after_kb_per_s
+    changed = comparison.bandwidth_change_percent
+    sizes = "mixed" if declared else "recorded"
+    yield Column("Topic", "", lambda pair: pair.topic, is_text=True, sums=("All topics",))
+    yield Column(names.before, "KB/s", lambda pair: _kb_per_s(pair.before), sums=(before,))
+    yield Column(names.after, "KB/s", lambda pair: _kb_per_s(pair.after), sums=(after,))
+    yield Column("Change", "%", lambda pair: pair.bandwidth_change_percent, change, sums=(changed,))
+    yield Column("Sizes", "", _sizes, is_text=True, sums=(sizes,))
 
 
-def _bandwidth_row(pair: TopicComparison) -> Row:
-    return Row(
-        cells=(
-            Text(pair.topic),
-            _bandwidth(pair.before),
-            _bandwidth(pair.after),
-            percent_cell(pair.bandwidth_change_percent, signed=True),
-            Text(DECLARED if _is_declared(pair) else "recorded"),
-        )
-    )
-
-
-def _total_row(comparison: Comparison, *, declared: bool) -> Row:
-    return Row(
-        cells=(
-            Text("All topics"),
-            Number(comparison.before_kb_per_s),
-            Number(comparison.after_kb_per_s),
-            percent_cell(comparison.bandwidth_change_percent, signed=True),
-            Text("mixed" if declared else "recorded"),
-        ),
-        is_total=True,
-    )
+def _sizes(pair: TopicComparison) -> str:
+    return DECLARED if _is_declared(pair) else "recorded"
 
 
 def _is_declared(pair: TopicComparison) -> bool:
     return any(side is not None and side.declared for side in (pair.before, pair.after))
 
 
-def _frequency(side: TopicStatistics | None) -> Number:
-    return Number(None if side is None else side.binned_hz)
+def _binned_hz(side: TopicStatistics | None) -> float | None:
+    return None if side is None else side.binned_hz
 
 
-def _bandwidth(side: TopicStatistics | None) -> Number:
-    return Number(None if side is None else side.kb_per_s)
+def _kb_per_s(side: TopicStatistics | None) -> float | None:
+    return None if side is None else side.kb_per_s
+
+
+THESIS_CHANGE_PERCENT: Mapping[str, float] = MappingProxyType(
+    {
+        "/camera/camera_info": -89.5,
+        "/camera/image_raw": -89.6,
+        "/imu": -94.7,
+        "/joint_states": -38.9,
+        "/scan": 18.0,
+        "/tf": -66.4,
+    }
+)
+"""The changes of frequencies that the thesis reports, as far as they are known here."""
+
+_KBIT_PER_KB = 8
+_DEFAULT, _ADAPTIVE = "Default", "Adaptive"
+_THESIS_RATE_NOTE = (
+    "Frequency: mean count of the 1 s bins from the first to the last message, as in the thesis."
+)
+_THESIS_NOTE = "Thesis: the change that the thesis reports, where that is known here."
+_KBIT_NOTES = (
+    "1 kbit is 1000 bits.",
+    "The thesis counts by 1024 in places: its absolute numbers differ by that, its changes do not.",
+)
+_FREQUENCY_AS_IN_THESIS: tuple[Column[TopicComparison], ...] = (
+    _TOPIC,
+    Column(_DEFAULT, "Hz", lambda pair: _binned_hz(pair.before)),
+    Column(_ADAPTIVE, "Hz", lambda pair: _binned_hz(pair.after)),
+    _CHANGE,
+    Column("Thesis", "%", lambda pair: THESIS_CHANGE_PERCENT.get(pair.topic), change),
+)
+_BANDWIDTH_AS_IN_THESIS: tuple[Column[TopicComparison], ...] = (
+    _TOPIC,
+    Column(_DEFAULT, "kbit/s", lambda pair: _kbit_per_s(pair.before)),
+    Column(_ADAPTIVE, "kbit/s", lambda pair: _kbit_per_s(pair.after)),
+    Column("Change", "%", lambda pair: pair.bandwidth_change_percent, change),
+)
+
+
+def frequency_as_in_thesis(comparison: Comparison) -> Table[TopicComparison]:
+    """Table 7.1: the frequency of each topic that both runs have, and its change beside the thesis's."""
+    return Table(
+        title="Table 7.1: frequency of each topic",
+        columns=_FREQUENCY_AS_IN_THESIS,
+        rows=_in_both(comparison),
+        footnotes=(_THESIS_RATE_NOTE, _THESIS_NOTE),
+    )
+
+
+def bandwidth_as_in_thesis(comparison: Comparison) -> Table[TopicComparison]:
+    """Table 7.2: the bandwidth of each topic that both runs have, in kbit/s, and its change."""
+    return Table(
+        title="Table 7.2: bandwidth of each topic",
+        columns=_BANDWIDTH_AS_IN_THESIS,
+        rows=_in_both(comparison),
+        footnotes=_KBIT_NOTES,
+    )
+
+
+def _in_both(comparison: Comparison) -> Sequence[TopicComparison]:
+    return [pair for pair in comparison.topics if pair.before is not None and pair.after is not None]
+
+
+def _kbit_per_s(side: TopicStatistics | None) -> float | None:
+    kb_per_s = _kb_per_s(side)
+    return None if kb_per_s is None else _KBIT_PER_KB * kb_per_s

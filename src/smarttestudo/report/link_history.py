@@ -18,7 +18,7 @@ from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.status import RuntimeStatus, status_from_text
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.report.series import Series, SeriesPoint, coarser
-from smarttestudo.report.table import Align, Column, Number, Row, Table, Text
+from smarttestudo.report.table import WHOLE, Column, Table
 
 MAX_TOPICS = 100
 _MAX_VALUES = 20_000
@@ -28,7 +28,6 @@ _MOST_VALUE = 1e12
 _MOST_COUNT = 10**15
 _LATE_PERIODS = 3.5
 _LEAST_STATUS_HZ = 0.01
-_SHARES = (0.5, 0.95, 1.0)
 _TEXT_TYPE = "std_msgs/msg/String"
 _MESSAGES_PER_REPORT = 4096
 
@@ -202,20 +201,20 @@ def _bounded(count: int) -> int:
     return max(0, min(count, _MOST_COUNT))
 
 
-def link_table(history: LinkHistory) -> Table:
+def link_table(history: LinkHistory) -> Table[TopicOverLink]:
     """The ages of each topic as they were told, and what became of its messages at the robot's end."""
     return Table(
         title="Topics over the link",
         columns=(
-            Column(heading="Topic", align=Align.LEFT),
-            Column(heading="Age p50", unit="ms"),
-            Column(heading="p95", unit="ms"),
-            Column(heading="Maximum", unit="ms"),
-            Column(heading="Sent"),
-            Column(heading="Replaced"),
-            Column(heading="Overflowed"),
+            Column("Topic", "", lambda topic: topic.topic, is_text=True),
+            Column("Age p50", "ms", lambda topic: _quantile(topic.sorted_ages_ms, 0.5), WHOLE),
+            Column("p95", "ms", lambda topic: _quantile(topic.sorted_ages_ms, 0.95), WHOLE),
+            Column("Maximum", "ms", lambda topic: _quantile(topic.sorted_ages_ms, 1.0), WHOLE),
+            Column("Sent", "", lambda topic: topic.counts.sent, WHOLE),
+            Column("Replaced", "", lambda topic: topic.counts.replaced, WHOLE),
+            Column("Overflowed", "", lambda topic: topic.counts.overflowed, WHOLE),
         ),
-        rows=tuple(_row(topic) for topic in history.topics),
+        rows=history.topics,
         footnotes=(
             "Age: of the last message before each status. Replaced: gave way to a newer message. "
             "Overflowed: dropped because the topic's queue was full. Counts begin at the first status.",
@@ -223,11 +222,9 @@ def link_table(history: LinkHistory) -> Table:
     )
 
 
-def _row(topic: TopicOverLink) -> Row:
-    ages_ms = topic.sorted_ages_ms
-    ages = (Number(_quantile(ages_ms, share) if ages_ms else None, decimals=0) for share in _SHARES)
-    counts = (topic.counts.sent, topic.counts.replaced, topic.counts.overflowed)
-    return Row(cells=(Text(topic.topic), *ages, *(Number(count, decimals=0) for count in counts)))
+def _quantile(ordered: Sequence[float], share: float) -> float | None:
+    """The value that ``share`` of the values do not exceed."""
+    return ordered[min(len(ordered) - 1, int(len(ordered) * share))] if ordered else None
 
 
 def has_statuses(channels: Iterable[Channel]) -> bool:
@@ -266,8 +263,3 @@ def link_history(
 
 def _is_status(channel: Channel) -> bool:
     return channel.topic == STATUS_TOPIC and channel.type_name == _TEXT_TYPE
-
-
-def _quantile(ordered: Sequence[float], share: float) -> float:
-    """The value that ``share`` of the values do not exceed. Raises ``IndexError`` where there is none."""
-    return ordered[min(len(ordered) - 1, int(len(ordered) * share))]

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
 from smarttestudo.accuracy.bounds import BoundLoss, BrokenStretch
 from smarttestudo.accuracy.curve import CurvePoint, LossCurve
@@ -13,26 +13,16 @@ from smarttestudo.accuracy.loss_report import (
     Age,
     CrossingLoss,
     ErrorSize,
+    FieldError,
     FieldLoss,
     ImageLoss,
     LossReport,
-    Sightings,
+    TopicArm,
     TopicLoss,
 )
 from smarttestudo.domain.units import BYTES_PER_KB, counted, grouped
-from smarttestudo.report.table import (
-    Align,
-    Cell,
-    Column,
-    Number,
-    Row,
-    Table,
-    Text,
-    format_cell,
-)
+from smarttestudo.report.table import WHOLE, Column, Table, decimals, measured
 
-_SMALL = 0.01
-_NOISE = 1e-9
 _PERCENT = 100.0
 _ERROR_NOTE = (
     "Error over time against A, in the field's unit: when the last value received is held, and when values "
@@ -64,7 +54,7 @@ def arms_lines(report: LossReport) -> list[str]:
     ]
 
 
-def loss_tables(report: LossReport) -> Iterator[Table]:
+def loss_tables(report: LossReport) -> Iterator[Table[Any]]:
     """Errors, bounds, ages, crossings and images, each where there are any."""
     if report.fields:
         yield error_table(report)
@@ -77,143 +67,74 @@ def loss_tables(report: LossReport) -> Iterator[Table]:
         yield image_table(report)
 
 
-def error_table(report: LossReport) -> Table:
+def error_table(report: LossReport) -> Table[FieldLoss]:
     """The errors of each field, B's beside those of fixed rates."""
     return Table(
         title="Error of the fields",
         columns=(
-            Column(heading="Field", align=Align.LEFT),
-            Column(heading="Unit", align=Align.LEFT),
-            Column(heading="Range", heads_group=True),
-            Column(heading="Hold", unit="RMSE"),
-            Column(heading="Hold", unit="max"),
-            Column(heading="Hold", unit="%"),
-            Column(heading="Interp.", unit="RMSE"),
-            Column(heading="Fixed", unit="hold", heads_group=True),
-            Column(heading="Fixed", unit="hold %"),
-            Column(heading="Fixed", unit="interp."),
+            Column("Field", "", lambda loss: f"{loss.topic} {loss.field}", is_text=True),
+            Column("Unit", "", lambda loss: loss.unit, is_text=True),
+            Column("Range", "", lambda loss: loss.value_range, measured, heads_group=True),
+            Column("Hold", "RMSE", lambda loss: _rmse(_held(loss.received)), measured),
+            Column("Hold", "max", lambda loss: _maximum(_held(loss.received)), measured),
+            Column("Hold", "%", lambda loss: _rmse_percent(_held(loss.received))),
+            Column("Interp.", "RMSE", lambda loss: _rmse(_interpolated(loss.received)), measured),
+            Column("Fixed", "hold", lambda loss: _rmse(_held(loss.fixed)), measured, heads_group=True),
+            Column("Fixed", "hold %", lambda loss: _rmse_percent(_held(loss.fixed))),
+            Column("Fixed", "interp.", lambda loss: _rmse(_interpolated(loss.fixed)), measured),
         ),
-        rows=tuple(_error_row(loss) for loss in report.fields),
+        rows=report.fields,
         footnotes=(_ERROR_NOTE, *_excluded_note(report)),
     )
 
 
-def bound_table(report: LossReport) -> Table:
+def _held(error: FieldError | None) -> ErrorSize | None:
+    return error.hold if error else None
+
+
+def _interpolated(error: FieldError | None) -> ErrorSize | None:
+    return error.interpolated if error else None
+
+
+def _rmse(size: ErrorSize | None) -> float | None:
+    return size.rmse if size else None
+
+
+def _maximum(size: ErrorSize | None) -> float | None:
+    return size.maximum if size else None
+
+
+def _rmse_percent(size: ErrorSize | None) -> float | None:
+    share = size.relative_rmse if size else None
+    return None if share is None else _PERCENT * share
+
+
+def _excluded_note(report: LossReport) -> tuple[str, ...]:
+    parts = [
+        f"{loss.topic} {loss.field} {loss.excluded_sent} in A, {loss.excluded_received} in B"
+        for loss in report.fields
+        if loss.excluded_sent or loss.excluded_received
+    ]
+    return (f"Left out, because not a finite number: {'; '.join(parts)}.",) if parts else ()
+
+
+def bound_table(report: LossReport) -> Table[BoundLoss]:
     """How each bound of the rules was kept."""
     return Table(
         title="Bounds of the rules",
         columns=(
-            Column(heading="Picture", align=Align.LEFT),
-            Column(heading="Unit", align=Align.LEFT),
-            Column(heading="Bound", heads_group=True),
-            Column(heading="Worst"),
-            Column(heading="In force", unit="s"),
-            Column(heading="Messages"),
-            Column(heading="Broken"),
-            Column(heading="Broken", unit="s"),
-            Column(heading="Kept", align=Align.LEFT),
+            Column("Picture", "", bound_name, is_text=True),
+            Column("Unit", "", lambda loss: loss.unit, is_text=True),
+            Column("Bound", "", lambda loss: loss.bound, measured, heads_group=True),
+            Column("Worst", "", lambda loss: loss.worst, measured),
+            Column("In force", "s", lambda loss: loss.in_force_s, decimals(1)),
+            Column("Messages", "", lambda loss: loss.messages, WHOLE),
+            Column("Broken", "", lambda loss: loss.broken, WHOLE),
+            Column("Broken", "s", lambda loss: loss.broken_s, decimals(1)),
+            Column("Kept", "", _kept, is_text=True),
         ),
-        rows=tuple(_bound_row(loss) for loss in report.bounds),
+        rows=report.bounds,
         footnotes=(*_stretch_notes(report.bounds), *_unreadable_note(report.bounds), _BOUND_NOTE),
-    )
-
-
-def age_table(report: LossReport) -> Table:
-    """How old each topic was, B's beside fixed rates."""
-    return Table(
-        title="Age of information",
-        columns=(
-            Column(heading="Topic", align=Align.LEFT),
-            Column(heading="B", unit="Hz", heads_group=True),
-            Column(heading="Mean", unit="s"),
-            Column(heading="p95", unit="s"),
-            Column(heading="Max", unit="s"),
-            Column(heading="Fixed", unit="Hz", heads_group=True),
-            Column(heading="Mean", unit="s"),
-            Column(heading="p95", unit="s"),
-            Column(heading="Max", unit="s"),
-        ),
-        rows=tuple(_age_row(loss, report.duration_s) for loss in report.topics),
-        footnotes=(_AGE_NOTE, *_after_end_note(report)),
-    )
-
-
-def _after_end_note(report: LossReport) -> Iterator[str]:
-    if report.after_end:
-        listed = ", ".join(f"{grouped(count)} of {topic}" for topic, count in report.after_end.items())
-        yield f"Of B, {listed} came after the end of A, which no figure holds."
-
-
-def crossing_table(report: LossReport) -> Table:
-    """How the thresholds of checks were seen, B's beside fixed rates."""
-    crossed = [loss for loss in report.crossings if loss.crossings]
-    never = len(report.crossings) - len(crossed)
-    note = (f"{never} of {len(report.crossings)} checks were never crossed.",) if never else ()
-    return Table(
-        title="Threshold crossings",
-        columns=(
-            Column(heading="Check", align=Align.LEFT),
-            Column(heading="Crossed", heads_group=True),
-            Column(heading="In time"),
-            Column(heading="Missed"),
-            Column(heading="Late"),
-            Column(heading="mean", unit="s"),
-            Column(heading="max", unit="s"),
-            Column(heading="In time", unit="fixed", heads_group=True),
-            Column(heading="Missed", unit="fixed"),
-            Column(heading="Late", unit="fixed"),
-            Column(heading="max", unit="s"),
-        ),
-        rows=tuple(_crossing_row(loss) for loss in crossed),
-        footnotes=(_CROSSING_NOTE, *note),
-    )
-
-
-def image_table(report: LossReport) -> Table:
-    """Frames of each topic of images, and the longest time without one."""
-    return Table(
-        title="Images",
-        columns=(
-            Column(heading="Topic", align=Align.LEFT),
-            Column(heading="Sent", unit="frames", heads_group=True),
-            Column(heading="Blind", unit="s"),
-            Column(heading="Received", unit="frames", heads_group=True),
-            Column(heading="Blind", unit="s"),
-            Column(heading="Fixed", unit="frames", heads_group=True),
-            Column(heading="Blind", unit="s"),
-        ),
-        rows=tuple(_image_row(loss) for loss in report.images),
-        footnotes=(_IMAGE_NOTE,),
-    )
-
-
-def measured(value: float | None) -> Number:
-    """``value`` in three significant digits, in two below 0.01; nothing of one that is not finite."""
-    if value is None or not math.isfinite(value):
-        return Number(None, decimals=0)
-    if abs(value) < _NOISE:
-        return Number(0.0, decimals=0)
-    digits = 3 if abs(value) >= _SMALL else 2
-    decimals = digits - 1 - math.floor(math.log10(abs(value)))
-    return Number(value, decimals=max(decimals, 0))
-
-
-def _error_row(loss: FieldLoss) -> Row:
-    received, fixed = loss.received, loss.fixed
-    held, held_fixed = (error.hold if error else None for error in (received, fixed))
-    return Row(
-        cells=(
-            Text(f"{loss.topic} {loss.field}"),
-            Text(loss.unit),
-            measured(loss.value_range),
-            _rmse(held),
-            measured(held.maximum if held else None),
-            _share(held),
-            _rmse(received.interpolated if received else None),
-            _rmse(held_fixed),
-            _share(held_fixed),
-            _rmse(fixed.interpolated if fixed else None),
-        )
     )
 
 
@@ -222,21 +143,10 @@ def bound_name(loss: BoundLoss) -> str:
     return f"{loss.topic} {loss.property_name}{', reckoned' if loss.reckons else ''}"
 
 
-def _bound_row(loss: BoundLoss) -> Row:
-    kept = "held" if loss.is_held else "broken"
-    return Row(
-        cells=(
-            Text(bound_name(loss)),
-            Text(loss.unit),
-            measured(loss.bound),
-            measured(loss.worst),
-            Number(loss.in_force_s, decimals=1),
-            _count(loss.messages),
-            _count(loss.broken),
-            Number(loss.broken_s, decimals=1),
-            Text(kept if loss.messages else "not in force" if not loss.in_force_s else "no message"),
-        )
-    )
+def _kept(loss: BoundLoss) -> str:
+    if loss.messages:
+        return "held" if loss.is_held else "broken"
+    return "no message" if loss.in_force_s else "not in force"
 
 
 def _stretch_notes(losses: Iterable[BoundLoss]) -> Iterator[str]:
@@ -267,76 +177,93 @@ def _unreadable_note(losses: Iterable[BoundLoss]) -> Iterator[str]:
 def _by(stretch: BrokenStretch, unit: str) -> str:
     if stretch.worst is None:
         return " (nothing shown)"
-    return f" ({format_cell(measured(stretch.worst))}{f' {unit}' if unit else ''})"
+    return f" ({measured(stretch.worst)}{f' {unit}' if unit else ''})"
 
 
-def _age_row(loss: TopicLoss, duration_s: float) -> Row:
-    cells: list[Cell] = [Text(loss.topic)]
-    for arm in (loss.received, loss.fixed):
-        cells += [Number(arm.messages / duration_s if duration_s else None), *_age_cells(arm.age)]
-    return Row(cells=tuple(cells))
-
-
-def _age_cells(age: Age | None) -> tuple[Number, ...]:
-    seconds = (age.mean_s, age.p95_s, age.max_s) if age else (None, None, None)
-    return tuple(Number(value, decimals=3) for value in seconds)
-
-
-def _crossing_row(loss: CrossingLoss) -> Row:
-    received, fixed = loss.received, loss.fixed
-    return Row(
-        cells=(
-            Text(loss.check),
-            _count(loss.crossings),
-            *_counts(received),
-            Number(received.late_mean_s, decimals=3),
-            Number(received.late_max_s, decimals=3),
-            *_counts(fixed),
-            Number(fixed.late_max_s, decimals=3),
-        )
+def age_table(report: LossReport) -> Table[TopicLoss]:
+    """How old each topic was, B's beside fixed rates."""
+    return Table(
+        title="Age of information",
+        columns=(
+            Column("Topic", "", lambda loss: loss.topic, is_text=True),
+            *_arm_columns("B", lambda loss: loss.received, report.duration_s),
+            *_arm_columns("Fixed", lambda loss: loss.fixed, report.duration_s),
+        ),
+        rows=report.topics,
+        footnotes=(_AGE_NOTE, *_after_end_note(report)),
     )
 
 
-def _counts(seen: Sightings) -> tuple[Number, ...]:
-    return _count(seen.in_time), _count(seen.missed), _count(seen.late)
+def _arm_columns(
+    heading: str, arm: Callable[[TopicLoss], TopicArm], duration_s: float
+) -> Iterator[Column[TopicLoss]]:
+    def rate_hz(loss: TopicLoss) -> float | None:
+        return arm(loss).messages / duration_s if duration_s else None
+
+    def seconds(of: Callable[[Age], float]) -> Callable[[TopicLoss], float | None]:
+        return lambda loss: None if (age := arm(loss).age) is None else of(age)
+
+    yield Column(heading, "Hz", rate_hz, heads_group=True)
+    yield Column("Mean", "s", seconds(lambda age: age.mean_s), decimals(3))
+    yield Column("p95", "s", seconds(lambda age: age.p95_s), decimals(3))
+    yield Column("Max", "s", seconds(lambda age: age.max_s), decimals(3))
 
 
-def _image_row(loss: ImageLoss) -> Row:
-    cells: list[Cell] = [Text(loss.topic)]
-    for frames in (loss.sent, loss.received, loss.fixed):
-        cells += [_count(frames.frames), Number(frames.longest_blind_s, decimals=3)]
-    return Row(cells=tuple(cells))
+def _after_end_note(report: LossReport) -> Iterator[str]:
+    if report.after_end:
+        listed = ", ".join(f"{grouped(count)} of {topic}" for topic, count in report.after_end.items())
+        yield f"Of B, {listed} came after the end of A, which no figure holds."
 
 
-def _count(count: int) -> Number:
-    return Number(count, decimals=0)
+def crossing_table(report: LossReport) -> Table[CrossingLoss]:
+    """How the thresholds of checks were seen, B's beside fixed rates."""
+    crossed = [loss for loss in report.crossings if loss.crossings]
+    never = len(report.crossings) - len(crossed)
+    note = (f"{never} of {len(report.crossings)} checks were never crossed.",) if never else ()
+    return Table(
+        title="Threshold crossings",
+        columns=(
+            Column("Check", "", lambda loss: loss.check, is_text=True),
+            Column("Crossed", "", lambda loss: loss.crossings, WHOLE, heads_group=True),
+            Column("In time", "", lambda loss: loss.received.in_time, WHOLE),
+            Column("Missed", "", lambda loss: loss.received.missed, WHOLE),
+            Column("Late", "", lambda loss: loss.received.late, WHOLE),
+            Column("mean", "s", lambda loss: loss.received.late_mean_s, decimals(3)),
+            Column("max", "s", lambda loss: loss.received.late_max_s, decimals(3)),
+            Column("In time", "fixed", lambda loss: loss.fixed.in_time, WHOLE, heads_group=True),
+            Column("Missed", "fixed", lambda loss: loss.fixed.missed, WHOLE),
+            Column("Late", "fixed", lambda loss: loss.fixed.late, WHOLE),
+            Column("max", "s", lambda loss: loss.fixed.late_max_s, decimals(3)),
+        ),
+        rows=crossed,
+        footnotes=(_CROSSING_NOTE, *note),
+    )
 
 
-def _rmse(size: ErrorSize | None) -> Number:
-    return measured(size.rmse if size else None)
-
-
-def _share(size: ErrorSize | None) -> Number:
-    share = size.relative_rmse if size else None
-    return Number(None if share is None else _PERCENT * share)
-
-
-def _excluded_note(report: LossReport) -> tuple[str, ...]:
-    parts = [
-        f"{loss.topic} {loss.field} {loss.excluded_sent} in A, {loss.excluded_received} in B"
-        for loss in report.fields
-        if loss.excluded_sent or loss.excluded_received
-    ]
-    return (f"Left out, as no value is known: {'; '.join(parts)}.",) if parts else ()
+def image_table(report: LossReport) -> Table[ImageLoss]:
+    """Frames of each topic of images, and the longest time without one."""
+    return Table(
+        title="Images",
+        columns=(
+            Column("Topic", "", lambda loss: loss.topic, is_text=True),
+            Column("Sent", "frames", lambda loss: loss.sent.frames, WHOLE, heads_group=True),
+            Column("Blind", "s", lambda loss: loss.sent.longest_blind_s, decimals(3)),
+            Column("Received", "frames", lambda loss: loss.received.frames, WHOLE, heads_group=True),
+            Column("Blind", "s", lambda loss: loss.received.longest_blind_s, decimals(3)),
+            Column("Fixed", "frames", lambda loss: loss.fixed.frames, WHOLE, heads_group=True),
+            Column("Blind", "s", lambda loss: loss.fixed.longest_blind_s, decimals(3)),
+        ),
+        rows=report.images,
+        footnotes=(_IMAGE_NOTE,),
+    )
 
 
 _MOST_FIELDS = 7
 
 
-def curve_table(curve: LossCurve) -> Table:
+def curve_table(curve: LossCurve) -> Table[CurvePoint]:
     """The error of each field at rising rates; of many fields the first, all are in ``--json``."""
-    shown = curve.fields[:_MOST_FIELDS]
-    hidden = len(curve.fields) - len(shown)
+    hidden = max(len(curve.fields) - _MOST_FIELDS, 0)
     proposal: tuple[str, ...] = ()
     if curve.breakpoints:
         tiers = ", ".join(f"{rate_hz:g}" for rate_hz in curve.breakpoints.tiers_hz)
@@ -344,23 +271,18 @@ def curve_table(curve: LossCurve) -> Table:
     return Table(
         title=f"{curve.topic}: RMSE over time when the last value received is held, by rate",
         subtitles=proposal,
-        columns=(
-            Column(heading="Rate", unit="Hz"),
-            Column(heading="Volume", unit="KB/s"),
-            Column(heading="Age", unit="s"),
-            *(Column(heading=field.name, unit=field.unit) for field in shown),
-        ),
-        rows=tuple(_row(point, len(shown)) for point in curve.points),
+        columns=tuple(_curve_columns(curve)),
+        rows=curve.points,
         footnotes=(f"{hidden} more fields are in --json.",) if hidden else (),
     )
 
 
-def _row(point: CurvePoint, fields: int) -> Row:
-    return Row(
-        cells=(
-            measured(point.rate_hz),
-            measured(point.kb_per_s),
-            Number(point.age.mean_s if point.age else None, decimals=3),
-            *(measured(error.hold.rmse if error else None) for error in point.errors[:fields]),
-        )
-    )
+def _curve_columns(curve: LossCurve) -> Iterator[Column[CurvePoint]]:
+    def rmse(number: int) -> Callable[[CurvePoint], float | None]:
+        return lambda point: _rmse(_held(point.errors[number]))
+
+    yield Column("Rate", "Hz", lambda point: point.rate_hz, measured)
+    yield Column("Volume", "KB/s", lambda point: point.kb_per_s, measured)
+    yield Column("Age", "s", lambda point: point.age.mean_s if point.age else None, decimals(3))
+    for number, field in enumerate(curve.fields[:_MOST_FIELDS]):
+        yield Column(field.name, field.unit, rmse(number), measured)

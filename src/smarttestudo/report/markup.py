@@ -4,14 +4,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import zip_longest
+from typing import Any
 
 from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import grouped
 from smarttestudo.report.table import Column, Row, Table, Text, format_cell
+from smarttestudo.domain.visible_text import visible
+from smarttestudo.report.table import Column, Table, Value
 
 _WITHOUT_CONTENT = frozenset({"meta", "wbr", "rect", "line", "path", "circle", "polyline", "polygon"})
 _KEPT_CONTROLS = "\n\t"
@@ -74,41 +77,48 @@ def _text(text: str) -> str:
 MAX_ROWS = 300
 
 
-def html_table(table: Table, names: Sequence[Markup] = ()) -> Markup:
+def html_table(table: Table[Any], names: Sequence[Markup] = ()) -> Markup:
     """``table`` as a figure with its footnotes; the report gives it a visible heading.
 
     Scripts make its columns sortable. A very long table ends after ``MAX_ROWS`` rows and its sums. ``names``
     take the place of what is in the first column.
     """
     head = tag("tr", *(_heading(column) for column in table.columns))
-    rows = [row for row in table.rows if not row.is_total]
-    sums = [row for row in table.rows if row.is_total]
-    left_out = len(rows) - MAX_ROWS
-    more = (f"… and {grouped(left_out)} more rows; `testudo bag` prints them all.",) if left_out > 0 else ()
+    count = len(table.rows)
+    values = table.values()
+    more = (
+        (f"… and {grouped(count - MAX_ROWS)} more rows; `testudo bag` prints them all.",)
+        if count > MAX_ROWS
+        else ()
+    )
     notes = [tag("p", note, class_="note") for note in (*more, *table.footnotes)]
-    shown = zip_longest((*rows[:MAX_ROWS], *sums), names[:MAX_ROWS])
-    body = tag("tbody", *(_row(row, table.columns, name) for row, name in shown))
+    body = tag(
+        "tbody",
+        *(
+            tag("tr", *_cells(row, table.columns, name))
+            for row, name in zip_longest(values[: min(count, MAX_ROWS)], names[:MAX_ROWS])
+        ),
+        *(tag("tr", *_cells(sums, table.columns), class_="total") for sums in values[count:]),
+    )
     caption = tag("caption", "\n".join(table.heading), class_="unseen")
     return tag(
         "figure", tag("table", caption, tag("thead", head), body, data_sortable="yes"), *notes, class_="wide"
     )
 
 
-def _heading(column: Column) -> Markup:
+def _heading(column: Column[Any]) -> Markup:
     unit = [tag("span", column.unit, class_="unit")] if column.unit else []
-    return tag("th", column.heading, *unit, class_=column.align.value, scope="col")
+    return tag("th", column.heading, *unit, class_=_side(column), scope="col")
 
 
-def _row(row: Row, columns: tuple[Column, ...], name: Markup | None) -> Markup:
-    texts: list[Child] = [format_cell(cell) for cell in row.cells]
-    if name is not None:
-        texts[0] = name
-    cells = (
-        tag(
-            "td",
-            text,
-            class_=f"{column.align.value}{' words' if isinstance(cell, Text) else ''}",
-        )
-        for text, cell, column in zip(texts, row.cells, columns, strict=True)
-    )
-    return tag("tr", *cells, class_="total") if row.is_total else tag("tr", *cells)
+def _cells(
+    values: Sequence[Value], columns: Sequence[Column[Any]], name: Markup | None = None
+) -> Iterator[Markup]:
+    for index, (value, column) in enumerate(zip(values, columns, strict=True)):
+        words = " words" if isinstance(value, str) else ""
+        content = column.text(value) if index or name is None else name
+        yield tag("td", content, class_=f"{_side(column)}{words}")
+
+
+def _side(column: Column[Any]) -> str:
+    return "left" if column.is_text else "right"

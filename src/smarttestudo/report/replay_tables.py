@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
-from smarttestudo.bags.comparison import change_percent
-from smarttestudo.replays.outcome import ReplayOutcome, TopicOutcome
-from smarttestudo.report.comparison_tables import DECLARED
-from smarttestudo.report.table import Align, Column, Number, Row, Table, Text, percent_cell
+from collections.abc import Iterator
 
-_TOPIC = Column(heading="Topic", align=Align.LEFT)
+from smarttestudo.bags.comparison import change_percent
+from smarttestudo.pacing.bound import BoundRecord
+from smarttestudo.replays.outcome import ReplayOutcome, TopicOutcome
+from smarttestudo.report.comparison_tables import DECLARED, DECLARED_NOTE
+from smarttestudo.report.table import WHOLE, Column, Table, change, decimals
+
 _RATES_NOTE = (
     "Hz: (n − 1) / (last − first). Error: the mean against the target, or the source's mean where that is "
     "less. Target and error are weighted by time. Where the source's own rate varies, error says little."
@@ -22,108 +24,74 @@ _BOUNDS_NOTE = (
 _FRAMES_NOTE = (
     "Transforms and other named streams have the rate for each, and so the means over them stand here."
 )
-_DECLARED_NOTE = "declared: the size that the recording declares for its messages, not the one it holds."
 
 
-def rates_table(outcome: ReplayOutcome) -> Table:
+def rates_table(outcome: ReplayOutcome) -> Table[tuple[str, TopicOutcome]]:
     """Table of each relayed topic's messages in and out, and how near its rate came to its target."""
-    repeats = any(topic.repeated for topic in outcome.topics.values())
     frames = any((topic.frames or 0) > 1 for topic in outcome.topics.values())
     return Table(
         title="Rates",
-        columns=(
-            _TOPIC,
-            Column(heading="In"),
-            Column(heading="Out"),
-            *((Column(heading="Repeated"),) if repeats else ()),
-            Column(heading="Source", unit="Hz"),
-            Column(heading="Target", unit="Hz"),
-            Column(heading="Mean", unit="Hz"),
-            Column(heading="Error", unit="%"),
-        ),
-        rows=tuple(_rates(name, topic, repeats=repeats) for name, topic in outcome.topics.items()),
+        columns=tuple(_rate_columns(repeats=any(topic.repeated for topic in outcome.topics.values()))),
+        rows=[*outcome.topics.items()],
         footnotes=(_RATES_NOTE, _FRAMES_NOTE) if frames else (_RATES_NOTE,),
     )
 
 
-def bounds_table(outcome: ReplayOutcome) -> Table:
+def _rate_columns(*, repeats: bool) -> Iterator[Column[tuple[str, TopicOutcome]]]:
+    yield Column("Topic", "", lambda row: row[0], is_text=True)
+    yield Column("In", "", lambda row: row[1].messages_in, WHOLE)
+    yield Column("Out", "", lambda row: row[1].messages_out, WHOLE)
+    if repeats:
+        yield Column("Repeated", "", lambda row: row[1].repeated, WHOLE)
+    yield Column("Source", "Hz", lambda row: row[1].source_hz)
+    yield Column("Target", "Hz", lambda row: row[1].target_hz)
+    yield Column("Mean", "Hz", lambda row: row[1].mean_hz)
+    yield Column("Error", "%", lambda row: row[1].error_percent, decimals(2, signed=True))
+
+
+def bounds_table(outcome: ReplayOutcome) -> Table[tuple[str, str, BoundRecord]]:
     """How each bound of the receiver's picture was kept."""
-    rows = tuple(
-        Row(
-            cells=(
-                Text(name),
-                Text(prop),
-                Number(one.bound, decimals=3),
-                Number(one.worst, decimals=3),
-                Number(one.broken, decimals=0),
-            )
-        )
-        for name, topic in outcome.topics.items()
-        for prop, records in topic.bounds.items()
-        for one in records
-    )
     return Table(
         title="Bounds",
         columns=(
-            _TOPIC,
-            Column(heading="Property", align=Align.LEFT),
-            Column(heading="Bound"),
-            Column(heading="Worst"),
-            Column(heading="Broken"),
+            Column("Topic", "", lambda row: row[0], is_text=True),
+            Column("Property", "", lambda row: row[1], is_text=True),
+            Column("Bound", "", lambda row: row[2].bound, decimals(3)),
+            Column("Worst", "", lambda row: row[2].worst, decimals(3)),
+            Column("Broken", "", lambda row: row[2].broken, WHOLE),
         ),
-        rows=rows,
+        rows=[
+            (name, prop, record)
+            for name, topic in outcome.topics.items()
+            for prop, records in topic.bounds.items()
+            for record in records
+        ],
         footnotes=(_BOUNDS_NOTE,),
     )
 
 
-def volume_table(outcome: ReplayOutcome) -> Table:
+def volume_table(outcome: ReplayOutcome) -> Table[tuple[str, TopicOutcome]]:
     """How much each relayed topic carried in and out, and the sum; declared sizes are labelled."""
-    topics = outcome.topics
-    declared = any(topic.declared for topic in topics.values())
-    total = Row(
-        cells=(
-            Text("All"),
-            *_volumes(
-                sum(topic.in_kb for topic in topics.values()), sum(topic.out_kb for topic in topics.values())
-            ),
-            *((Text(""),) if declared else ()),
-        ),
-        is_total=True,
-    )
+    declared = any(topic.declared for topic in outcome.topics.values())
     return Table(
         title="Volume",
-        columns=(
-            _TOPIC,
-            Column(heading="In", unit="KB"),
-            Column(heading="Out", unit="KB"),
-            Column(heading="Change", unit="%"),
-            *((Column(heading="Sizes", align=Align.LEFT),) if declared else ()),
-        ),
-        rows=(*(_volume(name, topic, declared=declared) for name, topic in topics.items()), total),
-        footnotes=(_DECLARED_NOTE,) if declared else (),
+        columns=tuple(_volume_columns(outcome, declared=declared)),
+        rows=[*outcome.topics.items()],
+        footnotes=(DECLARED_NOTE,) if declared else (),
     )
 
 
-def _rates(name: str, topic: TopicOutcome, *, repeats: bool) -> Row:
-    return Row(
-        cells=(
-            Text(name),
-            Number(topic.messages_in, decimals=0),
-            Number(topic.messages_out, decimals=0),
-            *((Number(topic.repeated, decimals=0),) if repeats else ()),
-            Number(topic.source_hz),
-            Number(topic.target_hz),
-            Number(topic.mean_hz),
-            Number(topic.error_percent, signed=True),
-        )
-    )
+def _volume_columns(outcome: ReplayOutcome, *, declared: bool) -> Iterator[Column[tuple[str, TopicOutcome]]]:
+    in_kb = sum(topic.in_kb for topic in outcome.topics.values())
+    out_kb = sum(topic.out_kb for topic in outcome.topics.values())
+    changed = change_percent(in_kb, out_kb)
+    yield Column("Topic", "", lambda row: row[0], is_text=True, sums=("All",))
+    yield Column("In", "KB", lambda row: row[1].in_kb, decimals(1), sums=(in_kb,))
+    yield Column("Out", "KB", lambda row: row[1].out_kb, decimals(1), sums=(out_kb,))
+    yield Column("Change", "%", _change_percent, change, sums=(changed,))
+    if declared:
+        yield Column("Sizes", "", lambda row: DECLARED if row[1].declared else "", is_text=True)
 
 
-def _volume(name: str, topic: TopicOutcome, *, declared: bool) -> Row:
-    label = (Text(DECLARED if topic.declared else ""),) if declared else ()
-    return Row(cells=(Text(name), *_volumes(topic.in_kb, topic.out_kb), *label))
-
-
-def _volumes(in_kb: float, out_kb: float) -> tuple[Number, Number, Number]:
-    change = percent_cell(change_percent(in_kb, out_kb), signed=True)
-    return Number(in_kb, decimals=1), Number(out_kb, decimals=1), change
+def _change_percent(row: tuple[str, TopicOutcome]) -> float | None:
+    return change_percent(row[1].in_kb, row[1].out_kb)

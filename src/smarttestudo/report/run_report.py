@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from smarttestudo.accuracy.accuracy_curve import AccuracyCurve
 from smarttestudo.accuracy.comparison import AccuracyComparison
@@ -88,7 +89,7 @@ class RunReport:
     explanation: str = ""
     total: TopicSeries = field(default_factory=lambda: TopicSeries(topic="All topics"))
     names: RunNames = field(default_factory=RunNames)
-    tables: tuple[Table, ...] = ()
+    tables: tuple[Table[Any], ...] = ()
     budget_kb_per_s: float | None = None
     loss: LossReport | None = None
     accuracy: AccuracyComparison | None = None
@@ -107,7 +108,7 @@ class RunReport:
         return any(pair.after is not None for pair in self.comparison.topics)
 
     @property
-    def shown_tables(self) -> tuple[Table, ...]:
+    def shown_tables(self) -> tuple[Table[Any], ...]:
         """``tables``, or those of the comparison."""
         usual = (frequency_table, bandwidth_table)
         return self.tables or tuple(table(self.comparison, self.names) for table in usual)

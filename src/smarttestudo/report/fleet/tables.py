@@ -4,29 +4,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from smarttestudo.domain.units import counted, utc_time
-from smarttestudo.report.fleet.sums import Sums, Volume, of_recording, percent
+from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
+from smarttestudo.report.fleet.sums import BoundSums, RuleSums, Sums, Volume, of_recording, percent
 from smarttestudo.report.fleet.totals import MOST_ROWS, FleetTotals
-from smarttestudo.report.loss_tables import measured
 from smarttestudo.report.summary import volume_unit
 from smarttestudo.report.table import (
-    Align,
-    Cell,
+    WHOLE,
     Column,
-    Number,
-    Row,
     Table,
-    Text,
-    percent_cell,
+    decimals,
+    measured,
+    percent_number,
     percent_text,
 )
 
 DEFAULTS = "Defaults"
 _S_PER_H = 3600
-_LOST = (Column(heading="Lost", heads_group=True), Column(heading="Lost", unit="%"))
 _LOST_NOTE = (
     "Lost: messages of the robot that the operator did not get, also those that rules held back; %: of the "
     "messages of topics that both have. Age: the longest time without a newer message. Share: of all bytes "
@@ -46,154 +43,91 @@ _BOUND_NOTE = (
 _Summed = TypeVar("_Summed", bound=Volume)
 
 
-def recording_table(totals: FleetTotals) -> Table:
+def recording_table(totals: FleetTotals) -> Table[tuple[RecordingNumbers, Sums]]:
     """The worst recordings."""
     shown = [(one, of_recording(one)) for one in totals.worst]
-    unit = _unit([sums for _, sums in shown])
     return Table(
         title="Recordings",
         columns=(
-            Column(heading="Recording", align=Align.LEFT),
+            Column("Recording", "", lambda row: row[0].a, is_text=True),
             *_loss_columns(totals),
-            *_volume_columns(totals, unit),
-            Column(heading="Duration", unit="s", heads_group=True),
-            Column(heading="Recorded", unit="UTC", align=Align.LEFT),
+            *_volume_columns(totals, [sums for _, sums in shown]),
+            Column("Duration", "s", lambda row: row[0].duration_s, decimals(1), heads_group=True),
+            Column("Recorded", "UTC", lambda row: "" if row[0].is_empty else utc_time(row[0].start_ns)[:16], is_text=True),
         ),
-        rows=tuple(
-            Row(
-                cells=(
-                    Text(one.a),
-                    *_loss_cells(totals, sums),
-                    *_volume_cells(totals, sums, unit),
-                    Number(one.duration_s, decimals=1),
-                    Text("" if one.is_empty else utc_time(one.start_ns)[:16]),
-                )
-            )
-            for one, sums in shown
-        ),
+        rows=shown,
         footnotes=_more(totals.all.recordings - len(shown), "recording"),
     )
 
 
-def robot_table(totals: FleetTotals) -> Table:
+def robot_table(totals: FleetTotals) -> Table[tuple[str, Sums]]:
     """The robots."""
     shown, more = worst(totals, totals.robots)
-    unit = _unit([sums for _, sums in shown])
     return Table(
         title="Robots",
         columns=(
-            Column(heading="Robot", align=Align.LEFT),
+            Column("Robot", "", lambda row: row[0], is_text=True),
             *_loss_columns(totals),
-            *_volume_columns(totals, unit),
-            Column(heading="Recordings", heads_group=True),
-            Column(heading="Recorded", unit="h"),
+            *_volume_columns(totals, [sums for _, sums in shown]),
+            Column("Recordings", "", lambda row: row[1].recordings, WHOLE, heads_group=True),
+            Column("Recorded", "h", lambda row: row[1].duration_s / _S_PER_H),
         ),
-        rows=tuple(
-            Row(
-                cells=(
-                    Text(name),
-                    *_loss_cells(totals, sums),
-                    *_volume_cells(totals, sums, unit),
-                    Number(sums.recordings, decimals=0),
-                    Number(sums.duration_s / _S_PER_H),
-                )
-            )
-            for name, sums in shown
-        ),
+        rows=shown,
         footnotes=_more(more, "robot"),
     )
 
 
-def topic_table(totals: FleetTotals) -> Table:
+def topic_table(totals: FleetTotals) -> Table[tuple[str, Sums]]:
     """The topics, each with its share of all bytes."""
     shown, more = worst(totals, totals.topics)
-    unit = _unit([sums for _, sums in shown])
     return Table(
         title="Topics",
         columns=(
-            Column(heading="Topic", align=Align.LEFT),
+            Column("Topic", "", lambda row: row[0], is_text=True),
             *_loss_columns(totals),
-            Column(heading="Share", unit="%", heads_group=True),
-            *_volume_columns(totals, unit),
-            Column(heading="Recordings", heads_group=True),
+            Column("Share", "%", lambda row: cost_percent(totals, row[1]), percent_number, heads_group=True),
+            *_volume_columns(totals, [sums for _, sums in shown]),
+            Column("Recordings", "", lambda row: row[1].recordings, WHOLE, heads_group=True),
         ),
-        rows=tuple(
-            Row(
-                cells=(
-                    Text(name),
-                    *_loss_cells(totals, sums),
-                    percent_cell(cost_percent(totals, sums)),
-                    *_volume_cells(totals, sums, unit),
-                    Number(sums.recordings, decimals=0),
-                )
-            )
-            for name, sums in shown
-        ),
+        rows=shown,
         footnotes=(*_more(more, "topic"), *_notes(totals)),
     )
 
 
-def rule_table(totals: FleetTotals) -> Table:
+def rule_table(totals: FleetTotals) -> Table[tuple[str, RuleSums]]:
     """The rules that decided, and the defaults."""
     shown, more = worst(totals, totals.rules)
-    unit = _unit([sums for _, sums in shown])
     return Table(
         title="Rules",
         columns=(
-            Column(heading="Rule", align=Align.LEFT),
-            *(_LOST if totals.are_pairs else ()),
-            *_volume_columns(totals, unit),
-            Column(heading="Decided", unit="h", heads_group=True),
-            Column(heading="Decisions"),
-            Column(heading="Recordings"),
+            Column("Rule", "", lambda row: row[0] or DEFAULTS, is_text=True),
+            *_lost_columns(totals),
+            *_volume_columns(totals, [sums for _, sums in shown]),
+            Column("Decided", "h", lambda row: row[1].decided_s / _S_PER_H, heads_group=True),
+            Column("Decisions", "", lambda row: row[1].decisions, WHOLE),
+            Column("Recordings", "", lambda row: row[1].recordings, WHOLE),
         ),
-        rows=tuple(
-            Row(
-                cells=(
-                    Text(name or DEFAULTS),
-                    *(_lost_cells(sums) if totals.are_pairs else ()),
-                    *_volume_cells(totals, sums, unit),
-                    Number(sums.decided_s / _S_PER_H),
-                    Number(sums.decisions, decimals=0),
-                    Number(sums.recordings, decimals=0),
-                )
-            )
-            for name, sums in shown
-        ),
+        rows=shown,
         footnotes=(*_more(more, "rule"), _RULE_NOTE),
     )
 
 
-def bound_table(totals: FleetTotals) -> Table:
+def bound_table(totals: FleetTotals) -> Table[tuple[tuple[str, float, str], BoundSums]]:
     """The bounds of the rules, those that were broken most often first."""
     ranked = sorted(totals.bounds.items(), key=lambda one: (-one[1].broken, one[0]))
     return Table(
         title="Bounds of the rules",
         columns=(
-            Column(heading="Picture", align=Align.LEFT),
-            Column(heading="Broken", heads_group=True),
-            Column(heading="Broken", unit="%"),
-            Column(heading="Worst"),
-            Column(heading="Bound"),
-            Column(heading="Unit", align=Align.LEFT),
-            Column(heading="Messages", heads_group=True),
-            Column(heading="Recordings"),
+            Column("Picture", "", lambda row: row[0][0], is_text=True),
+            Column("Broken", "", lambda row: row[1].broken, WHOLE, heads_group=True),
+            Column("Broken", "%", lambda row: percent(row[1].broken, row[1].messages), percent_number),
+            Column("Worst", "", lambda row: row[1].worst, measured),
+            Column("Bound", "", lambda row: row[0][1], measured),
+            Column("Unit", "", lambda row: row[0][2], is_text=True),
+            Column("Messages", "", lambda row: row[1].messages, WHOLE, heads_group=True),
+            Column("Recordings", "", lambda row: row[1].recordings, WHOLE),
         ),
-        rows=tuple(
-            Row(
-                cells=(
-                    Text(picture),
-                    Number(sums.broken, decimals=0),
-                    percent_cell(percent(sums.broken, sums.messages)),
-                    measured(sums.worst),
-                    measured(bound),
-                    Text(unit),
-                    Number(sums.messages, decimals=0),
-                    Number(sums.recordings, decimals=0),
-                )
-            )
-            for (picture, bound, unit), sums in ranked[:MOST_ROWS]
-        ),
+        rows=ranked[:MOST_ROWS],
         footnotes=(*_more(max(len(ranked) - MOST_ROWS, 0), "bound"), _BOUND_NOTE),
     )
 
@@ -216,45 +150,31 @@ def cost_percent(totals: FleetTotals, sums: Sums) -> float | None:
     return percent(sums.size_bytes, totals.all.size_bytes)
 
 
-_Unit = tuple[int, str]
+def _volume_columns(totals: FleetTotals, shown: Sequence[Volume]) -> Iterator[Column[tuple[object, Volume]]]:
+    """In a unit of bytes in which the largest has three digits or more."""
+    size, unit = volume_unit(max((sums.size_bytes for sums in shown), default=0) / 100)
+    if totals.are_pairs:
+        yield Column("Received", unit, lambda row: row[1].received_bytes / size, heads_group=True)
+    yield Column("Volume", unit, lambda row: row[1].size_bytes / size, heads_group=not totals.are_pairs)
+    yield Column("Messages", "", lambda row: row[1].messages, WHOLE)
 
 
-def _unit(shown: Sequence[Volume]) -> _Unit:
-    """A unit of bytes in which the largest has three digits or more."""
-    return volume_unit(max((sums.size_bytes for sums in shown), default=0) / 100)
+def _loss_columns(totals: FleetTotals) -> Iterator[Column[tuple[object, Sums]]]:
+    yield from _lost_columns(totals)
+    if totals.are_pairs:
+        yield Column("Age", "s", lambda row: row[1].age_max_s, decimals(1))
+        if totals.all.position_m is not None:
+            yield Column("Off", "m", lambda row: row[1].position_m, measured)
 
 
-def _volume_columns(totals: FleetTotals, unit: _Unit) -> tuple[Column, ...]:
-    received = (Column(heading="Received", unit=unit[1], heads_group=True),) if totals.are_pairs else ()
-    return (
-        *received,
-        Column(heading="Volume", unit=unit[1], heads_group=not received),
-        Column(heading="Messages"),
-    )
+def _lost_columns(totals: FleetTotals) -> Iterator[Column[tuple[object, Volume]]]:
+    if totals.are_pairs:
+        yield Column("Lost", "", _lost, WHOLE, heads_group=True)
+        yield Column("Lost", "%", lambda row: row[1].lost_percent, percent_number)
 
 
-def _volume_cells(totals: FleetTotals, sums: Volume, unit: _Unit) -> tuple[Cell, ...]:
-    received = (Number(sums.received_bytes / unit[0]),) if totals.are_pairs else ()
-    return (*received, Number(sums.size_bytes / unit[0]), Number(sums.messages, decimals=0))
-
-
-def _loss_columns(totals: FleetTotals) -> tuple[Column, ...]:
-    if not totals.are_pairs:
-        return ()
-    off = (Column(heading="Off", unit="m"),) if totals.all.position_m is not None else ()
-    return (*_LOST, Column(heading="Age", unit="s"), *off)
-
-
-def _loss_cells(totals: FleetTotals, sums: Sums) -> tuple[Cell, ...]:
-    if not totals.are_pairs:
-        return ()
-    off = (measured(sums.position_m),) if totals.all.position_m is not None else ()
-    return (*_lost_cells(sums), Number(sums.age_max_s, decimals=1), *off)
-
-
-def _lost_cells(sums: Volume) -> tuple[Cell, ...]:
-    lost = Number(sums.lost if sums.shared_messages else None, decimals=0)
-    return lost, percent_cell(sums.lost_percent)
+def _lost(row: tuple[object, Volume]) -> int | None:
+    return row[1].lost if row[1].shared_messages else None
 
 
 def _more(count: int, noun: str) -> tuple[str, ...]:

@@ -7,14 +7,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from smarttestudo.files.whole_file import whole_file
-from smarttestudo.report.comparison_tables import RunNames
+from smarttestudo.report.comparison_tables import RunNames, bandwidth_as_in_thesis, frequency_as_in_thesis
 from smarttestudo.report.run_report import RunReport
 from smarttestudo.report.table import Table
 from smarttestudo.report.table_files import csv_table, markdown_table
 from smarttestudo.report.thesis_tables import bandwidth_as_in_thesis, frequency_as_in_thesis
 from smarttestudo.simulation.messages import Topic
+from smarttestudo.report.table import Table, csv_table, markdown_table
+from smarttestudo.simulation.readings import Topic
 
 FREQUENCY_TABLE = "table-7.1-frequency"
 BANDWIDTH_TABLE = "table-7.2-bandwidth"
@@ -59,7 +62,7 @@ def thesis_writer() -> Callable[[RunReport, Path], None]:
     return write
 
 
-def _write(table: Table, folder: Path, name: str) -> None:
+def _write(table: Table[Any], folder: Path, name: str) -> None:
     for form, text in (("md", markdown_table(table)), ("csv", csv_table(table))):
         with whole_file(folder / f"{name}.{form}", "the table") as write:
             write(text)
