@@ -18,14 +18,13 @@ from smarttestudo.bags.floor import PathPoint
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Rectangle
 from smarttestudo.domain.rate import Rate
+from smarttestudo.report.axes import Scale, multiples, number, round_step
 from smarttestudo.report.floor_map import draw_floor_map, floor_map, path_pieces, thinned
-from smarttestudo.report.rule_styles import RuleStyles
-from smarttestudo.report.rule_timeline import DecidingBlock, RuleSpan, block_at
+from smarttestudo.report.rule_timeline import DecidingBlock, RuleSpan, RuleStyles, block_at
 from smarttestudo.report.run_report import RunReport, TopicHistory, TopicSeries
-from smarttestudo.report.scale import Scale, multiples, round_step
 from smarttestudo.report.series import SeriesPoint
 from smarttestudo.report.time_chart import Run, rate_charts, stacked_chart
-from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart, number
+from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart
 
 BLOCK = DecidingBlock(rule="Hall", line=3)
 SPANS = (RuleSpan(start_s=0.0, end_s=5.0, block=None), RuleSpan(start_s=5.0, end_s=9.0, block=BLOCK))

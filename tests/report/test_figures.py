@@ -24,7 +24,7 @@ from smarttestudo.report.figures.draw import draw_figures
 from smarttestudo.report.figures.kinds import FigureKind
 from smarttestudo.report.figures.over_time import rates_figure, total_figure
 from smarttestudo.report.figures.styles import HATCHES, rule_line
-from smarttestudo.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS, RuleStyle
+from smarttestudo.report.rule_timeline import DEFAULTS, OTHERS, STYLED_BLOCKS, RuleStyle
 from smarttestudo.report.run_report import RunReport, TopicHistory, TopicSeries
 from smarttestudo.report.series import SeriesPoint
 from smarttestudo.report.time_chart import MOST_LAYERS, rate_charts

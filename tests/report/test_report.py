@@ -32,7 +32,7 @@ from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.report.document import render_report
 from smarttestudo.report.markup import tag
-from smarttestudo.report.rule_styles import DEFAULTS, OTHERS, STYLED_BLOCKS
+from smarttestudo.report.rule_timeline import DEFAULTS, OTHERS, STYLED_BLOCKS
 from smarttestudo.report.run_report import Fact, RuleText, RunReport, TopicHistory, TopicSeries
 from smarttestudo.report.scripts import style
 from smarttestudo.report.series import SeriesPoint, bandwidth_series, rate_series

@@ -12,14 +12,15 @@ from hypothesis import strategies as st
 
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
-from smarttestudo.report.legends import rule_legend
-from smarttestudo.report.rule_styles import RuleStyle, styles_of
+from smarttestudo.report.headline import rule_legend
 from smarttestudo.report.rule_timeline import (
     DecidingBlock,
     RuleSpan,
+    RuleStyle,
     block_at,
     deciding_spans,
     most_topics,
+    styles_of,
 )
 
 CORRIDOR = DecidingBlock(rule="Corridor", line=14)

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -12,13 +11,10 @@ from enum import Enum
 
 from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost
 from smarttestudo.accuracy.arms import PacedPicture
-from smarttestudo.report.scale import multiples, round_step
+from smarttestudo.report.axes import LogScale, log_scale
 
-_MARGIN = 1.15
 _LEAST = 1e-300
 """An error that is smaller counts as none: there is no room for a margin among the numbers."""
-_STEPS = ((1, 2, 3, 5), (1, 2, 5), (1,))
-_LEAST_TICKS, _MOST_TICKS = 3, 7
 
 
 class Sent(Enum):
@@ -47,26 +43,13 @@ class AccuracyLine:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LogAxis:
-    """A logarithmic axis from ``low`` to ``high``, labelled at ``ticks``."""
-
-    low: float
-    high: float
-    ticks: tuple[float, ...]
-
-    def share(self, value: float) -> float:
-        """Where ``value`` lies, 0 at ``low`` and 1 at ``high``."""
-        return math.log(value / self.low) / math.log(self.high / self.low)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class AccuracyChart:
     """Messages to the right, the worst error upwards, in ``unit``."""
 
     name: str
     unit: str
-    messages: LogAxis
-    errors: LogAxis
+    messages: LogScale
+    errors: LogScale
     lines: tuple[AccuracyLine, ...]
 
     @property
@@ -92,8 +75,8 @@ def accuracy_chart(curve: AccuracyCurve) -> AccuracyChart | None:
     return AccuracyChart(
         name=f"{curve.topic} {curve.property_name}",
         unit=curve.unit,
-        messages=_axis([messages for messages, _ in points]),
-        errors=_axis([error for _, error in points]),
+        messages=log_scale([messages for messages, _ in points]),
+        errors=log_scale([error for _, error in points]),
         lines=shown,
     )
 
@@ -107,24 +90,6 @@ def _points(
     errors = (error(one) for one in costs if one is not None)
     known = {(one.messages, one.worst) for one in errors if _LEAST < one.worst < math.inf}
     return tuple(sorted(known, key=lambda point: (point[0], -point[1])))
-
-
-def _axis(values: Iterable[float]) -> LogAxis:
-    """A little wider than ``values``, which are above 0, with at most ``_MOST_TICKS`` round ones."""
-    known = sorted(values)
-    low, high = known[0] / _MARGIN, known[-1] * _MARGIN
-    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    for steps in _STEPS:
-        ticks = [step * 10.0**power for power, step in itertools.product(powers, steps)]
-        shown = tuple(tick for tick in ticks if low <= tick <= high)
-        if len(shown) <= _MOST_TICKS:
-            break
-    else:
-        shown = shown[:: -(-len(shown) // _MOST_TICKS)]
-    if len(shown) < _LEAST_TICKS:
-        # Within less than a decade they are as far apart as on any other axis.
-        shown = tuple(multiples(round_step((high - low) / _MOST_TICKS), low, high)[:_MOST_TICKS])
-    return LogAxis(low=low, high=high, ticks=shown)
 
 
 def _hold(point: AccuracyPoint) -> BoundCost:

@@ -10,11 +10,18 @@ from dataclasses import dataclass, replace
 from smarttestudo.bags.incident_mark import IncidentMark
 from smarttestudo.bags.targets import target_spans
 from smarttestudo.domain.decision import Decision
+from smarttestudo.report.axes import number, percent_place, plot
 from smarttestudo.report.markup import Markup, tag
-from smarttestudo.report.rule_styles import RuleStyles
-from smarttestudo.report.rule_timeline import RuleSpan, block_at, by_topic, deciding_spans
-from smarttestudo.report.scale import StyleSpan, bounded
-from smarttestudo.report.time_drawing import Frame, incident_line, number, plot, share, time_svg
+from smarttestudo.report.rule_timeline import (
+    RuleSpan,
+    RuleStyles,
+    StyleSpan,
+    block_at,
+    bounded,
+    by_topic,
+    deciding_spans,
+)
+from smarttestudo.report.time_drawing import Frame, incident_line, time_svg
 
 MAX_LANES = 24
 MOST_DECIDED = "Leading rule"
@@ -134,5 +141,5 @@ def _bar_names(row: Lane, duration_s: float) -> Iterator[Markup]:
         needed = _CHARACTER_WIDTH * len(span.text) + 8
         hidden = {} if needed < part * _USUAL_WIDTH else {"display": "none"}
         style = "bar-name short" if needed < part * _NARROW_WIDTH else "bar-name"
-        place = share(span.start_s, duration_s)
+        place = percent_place(span.start_s, duration_s)
         yield tag("text", span.text, class_=style, x=place, dx=6.0, y=_BASELINE, **hidden)

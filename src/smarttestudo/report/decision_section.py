@@ -8,12 +8,11 @@ from collections.abc import Iterator, Sequence
 
 from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.units import grouped
+from smarttestudo.report.axes import label
 from smarttestudo.report.decision_chart import Lane, decision_chart
 from smarttestudo.report.markup import Markup, name_parts, tag
-from smarttestudo.report.rule_styles import DEFAULTS, RuleStyles
-from smarttestudo.report.rule_timeline import deciding_block
+from smarttestudo.report.rule_timeline import DEFAULTS, RuleStyles, deciding_block
 from smarttestudo.report.run_report import RuleText, RunReport
-from smarttestudo.report.scale import label
 from smarttestudo.report.sections import section
 from smarttestudo.report.table import format_number
 

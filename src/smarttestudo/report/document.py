@@ -14,8 +14,7 @@ from smarttestudo.report.floor_map import FloorMap, floor_map
 from smarttestudo.report.headline import opening
 from smarttestudo.report.link_section import link_section
 from smarttestudo.report.markup import Markup, html_table, tag
-from smarttestudo.report.rule_styles import RuleStyles, styles_of
-from smarttestudo.report.rule_timeline import RuleSpan, deciding_spans
+from smarttestudo.report.rule_timeline import RuleSpan, RuleStyles, deciding_spans, styles_of
 from smarttestudo.report.run_report import RunReport
 from smarttestudo.report.scripts import content_policy, run_script, script_elements, style
 from smarttestudo.report.sections import (

@@ -21,8 +21,7 @@ from smarttestudo.report.map_frame import (
     zone_names,
 )
 from smarttestudo.report.markup import Markup, coordinate, tag
-from smarttestudo.report.rule_styles import RuleStyle, RuleStyles
-from smarttestudo.report.rule_timeline import DecidingBlock, RuleSpan, block_at
+from smarttestudo.report.rule_timeline import DecidingBlock, RuleSpan, RuleStyle, RuleStyles, block_at
 
 MAX_POINTS = 1000
 _FARTHEST_M = 1e7

@@ -8,15 +8,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.decision import Decision
-from smarttestudo.domain.units import counted
+from smarttestudo.domain.units import counted, grouped
+from smarttestudo.report.axes import legend, line_entry
 from smarttestudo.report.floor_map import FloorMap, draw_floor_map
-from smarttestudo.report.legends import rule_legend
 from smarttestudo.report.markup import Markup, tag
-from smarttestudo.report.rule_styles import RuleStyles
-from smarttestudo.report.rule_timeline import RuleSpan, by_topic, most_topics
+from smarttestudo.report.rule_timeline import RuleSpan, RuleStyle, RuleStyles, by_topic, most_topics
 from smarttestudo.report.run_report import RunReport
 from smarttestudo.report.summary import bandwidth_text, summary_sentence
-from smarttestudo.report.table import format_number
+from smarttestudo.report.table import format_number, percent_text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,4 +100,22 @@ def _bars(report: RunReport) -> Markup:
             for name, value, style in values
             if value is not None
         ]
+    )
+
+
+def rule_legend(spans: Sequence[RuleSpan], styles: RuleStyles) -> Markup:
+    """The style and name of each deciding block, with how long it decided most topics."""
+    seconds: dict[RuleStyle, float] = {}
+    for span in spans:
+        style = styles.of(span.block)
+        seconds[style] = seconds.get(style, 0.0) + span.end_s - span.start_s
+    total_s = sum(seconds.values())
+
+    def share(style: RuleStyle) -> str:
+        percent = f" · {percent_text(100 * seconds[style] / total_s, decimals=0)}" if total_s > 0 else ""
+        return f"{grouped(seconds[style])} s{percent}"
+
+    shown = (style for style in styles.all if style in seconds)
+    return legend(
+        *(line_entry(f"path {style.css_class}", style.name, share(style)) for style in shown), kind="rules"
     )

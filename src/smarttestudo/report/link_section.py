@@ -7,12 +7,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from smarttestudo.domain.units import grouped
-from smarttestudo.report.legends import chart_legend
+from smarttestudo.report.axes import legend, line_entry
 from smarttestudo.report.link_history import LinkHistory, TopicOverLink, link_table
 from smarttestudo.report.markup import Markup, html_table, name_parts, tag
-from smarttestudo.report.rule_styles import RuleStyle
+from smarttestudo.report.rule_timeline import RuleStyle, StyleSpan, bounded
 from smarttestudo.report.run_report import MAX_CHARTS
-from smarttestudo.report.scale import StyleSpan, bounded
 from smarttestudo.report.sections import figure, section
 from smarttestudo.report.series import Series
 from smarttestudo.report.table import format_number
@@ -34,16 +33,17 @@ def link_section(history: LinkHistory, received: Series, duration_s: float) -> M
     """The link over time, its outages, and the ages of each topic."""
     silences = _silences(history, duration_s)
     link, ages = link_chart(history, received, duration_s), age_charts(history, duration_s)
-    budget = [("budget", "Budget")] if history.budget else []
-    legend = chart_legend(
-        [("before", "Capacity"), ("after", "Received"), *budget], [_OUTAGE] if silences else []
-    )
+    lines = [line_entry("before", "Capacity"), line_entry("after", "Received")]
+    if history.budget:
+        lines.append(line_entry("budget", "Budget"))
+    if silences:
+        lines.append(line_entry(f"strip {_OUTAGE.css_class}", _OUTAGE.name))
     points = max(_POINTS_OF_ALL_CHARTS // max(len(ages), 1), 40)
     left_out = sum(bool(topic.ages) for topic in history.topics) - len(ages)
     more = [tag("p", f"{grouped(left_out)} more topics are in the table.", class_="note")] if left_out else []
     return section(
         "What the link did",
-        legend,
+        legend(*lines),
         figure("rate", [tag("span", link.name, class_="name")], draw_chart(link, WIDE, _WIDE_POINTS)),
         tag("p", _outages(history), class_="note"),
         tag(

@@ -11,8 +11,8 @@ from itertools import chain
 
 from smarttestudo.bags.floor import PathPoint
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, OccupancyMap, Rectangle
+from smarttestudo.report.axes import Scale, foot_axis, label, multiples, round_step, value_axis
 from smarttestudo.report.markup import Markup, coordinate, tag
-from smarttestudo.report.scale import Scale, label, linear, multiples, round_step
 
 _WIDTH = 600.0
 _TALLEST = 690.0
@@ -69,8 +69,8 @@ def map_frame(plan: FloorPlan, places: Sequence[PathPoint]) -> MapFrame | None:
     )
     right, bottom = _LEFT + per_m * (max_x_m - min_x_m), _TOP + per_m * (max_y_m - min_y_m)
     return MapFrame(
-        x=linear((min_x_m, max_x_m), (_LEFT, right)),
-        y=linear((min_y_m, max_y_m), (bottom, _TOP)),
+        x=Scale(values=(min_x_m, max_x_m), places=(_LEFT, right)),
+        y=Scale(values=(min_y_m, max_y_m), places=(bottom, _TOP)),
         width=right + _RIGHT,
         height=bottom + _BOTTOM,
     )
@@ -81,14 +81,12 @@ def axes(frame: MapFrame) -> Iterator[Markup]:
     (left, right), (bottom, top) = frame.x.places, frame.y.places
     (min_x_m, max_x_m), (min_y_m, max_y_m) = frame.x.values, frame.y.values
     step_m = round_step(max(max_x_m - min_x_m, max_y_m - min_y_m) / _GRID_LINES)
-    for x_m in multiples(step_m, min_x_m, max_x_m):
-        at = frame.x(x_m)
-        yield tag("line", class_="grid", x1=at, x2=at, y1=top, y2=bottom)
-        yield tag("text", label(x_m), class_="tick", x=at, y=bottom + 18, text_anchor="middle")
-    for y_m in multiples(step_m, min_y_m, max_y_m):
-        at = frame.y(y_m)
-        yield tag("line", class_="grid", x1=left, x2=right, y1=at, y2=at)
-        yield tag("text", label(y_m), class_="tick", x=left - 6, y=at + 3.5, text_anchor="end")
+    yield from foot_axis(
+        ((label(x_m), frame.x(x_m)) for x_m in multiples(step_m, min_x_m, max_x_m)), top=top, foot=bottom
+    )
+    yield from value_axis(
+        ((label(y_m), frame.y(y_m)) for y_m in multiples(step_m, min_y_m, max_y_m)), left=left, right=right
+    )
     yield tag("text", "x in m", class_="axis", x=right, y=bottom + 40, text_anchor="end")
     turned = f"translate(12 {coordinate(top)}) rotate(-90)"
     yield tag("text", "y in m", class_="axis", transform=turned, text_anchor="end")

@@ -1,14 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which block decided when, from the decisions of a run."""
+"""Which block decided when, and the style of each block: colour, dash and name, the same everywhere."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
+from smarttestudo.bags.targets import TargetSpan
 from smarttestudo.domain.decision import Decision, Reason
 
 
@@ -115,3 +117,107 @@ def _start(span: RuleSpan) -> float:
 
 def _time(decision: Decision) -> float:
     return decision.t_s
+
+
+STYLED_BLOCKS = 6
+"""How many blocks have a style of their own, as there are colours for."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleStyle:
+    """The class that the style sheet knows a block by, and what a legend calls it."""
+
+    css_class: str
+    name: str
+
+    @property
+    def colour(self) -> str:
+        """The name of its colour and dash in ``styles``."""
+        return self.css_class.removeprefix("by-")
+
+
+DEFAULTS = RuleStyle(css_class="by-default", name="Defaults")
+OTHERS = RuleStyle(css_class="by-other", name="Other rules")
+
+
+class RuleStyles:
+    """The styles of a run's blocks: the longest deciding ones have their own, the rest share one.
+
+    Blocks in doubt look alike, but not as one that decided.
+    """
+
+    __slots__ = ("_blocks", "_doubts", "_styles")
+
+    def __init__(self, spans: Iterable[RuleSpan]) -> None:
+        """Styles for the blocks of ``spans``, numbered in the order of their lines."""
+        self._doubts: dict[DecidingBlock, RuleStyle] = {}
+        seconds: dict[DecidingBlock, float] = {}
+        for span in spans:
+            if span.block is not None and span.block.is_in_doubt:
+                self._doubts[span.block] = RuleStyle(css_class="by-doubt", name=span.block.name)
+            elif span.block is not None:
+                seconds[span.block] = seconds.get(span.block, 0.0) + span.end_s - span.start_s
+        self._blocks = len(seconds)
+        longest = sorted(seconds, key=lambda block: -seconds[block])[:STYLED_BLOCKS]
+        shown = sorted(longest, key=lambda block: (block.line or 0, block.rule))
+        names = Counter(block.rule for block in shown)
+        self._styles: Mapping[DecidingBlock, RuleStyle] = {
+            block: RuleStyle(css_class=f"by-rule-{index}", name=_name(block, unique=names[block.rule] == 1))
+            for index, block in enumerate(shown, start=1)
+        }
+
+    def of(self, block: DecidingBlock | None) -> RuleStyle:
+        """The style of ``block``, or of the defaults."""
+        if block is None:
+            return DEFAULTS
+        return self._doubts.get(block) or self._styles.get(block, OTHERS)
+
+    @property
+    def all(self) -> tuple[RuleStyle, ...]:
+        """Every style, as a legend lists them."""
+        others = (OTHERS,) if self._blocks > len(self._styles) else ()
+        return (*self._styles.values(), *others, *dict.fromkeys(self._doubts.values()), DEFAULTS)
+
+    def of_zone(self, name: str) -> RuleStyle:
+        """The style of the block that is named as a zone is, else that of the defaults."""
+        return next((style for block, style in self._styles.items() if block.rule == name), DEFAULTS)
+
+
+def styles_of(decisions: Sequence[Decision], duration_s: float) -> RuleStyles:
+    """The styles of a run's blocks, by how long each decided a topic."""
+    own = by_topic(decisions).values()
+    return RuleStyles(span for group in own for span in deciding_spans(group, duration_s))
+
+
+def _name(block: DecidingBlock, *, unique: bool) -> str:
+    return block.rule if unique or block.line is None else f"{block.rule} (line {block.line})"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StyleSpan:
+    """From ``start_s`` to ``end_s``: the style of what is drawn, and what is written on it."""
+
+    start_s: float
+    end_s: float
+    style: RuleStyle
+    text: str = ""
+
+
+_Span = TypeVar("_Span", TargetSpan, StyleSpan)
+
+
+def long_enough(spans: Iterable[_Span], shortest_s: float) -> Iterator[_Span]:
+    """``spans`` without those shorter than ``shortest_s``, each of which becomes part of the next."""
+    start_s: float | None = None
+    for span in spans:
+        start_s = span.start_s if start_s is None else start_s
+        if span.end_s - start_s >= shortest_s:
+            yield span if start_s == span.start_s else replace(span, start_s=start_s)
+            start_s = None
+
+
+def bounded(spans: Sequence[_Span], most: int) -> Sequence[_Span]:
+    """``spans`` in at most about ``most``."""
+    if len(spans) <= most:
+        return spans
+    return tuple(long_enough(spans, (spans[-1].end_s - spans[0].start_s) / most))

@@ -11,17 +11,17 @@ from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.bags.comparison import TopicComparison
 from smarttestudo.domain.units import grouped
 from smarttestudo.report.accuracy_comparison_table import accuracy_sentences, accuracy_tables
+from smarttestudo.report.axes import legend, line_entry
 from smarttestudo.report.comparison_tables import RunNames
 from smarttestudo.report.headline import Bar, bars
-from smarttestudo.report.legends import layer_legend, rate_legend, run_legend
 from smarttestudo.report.loss_tables import loss_tables
 from smarttestudo.report.markup import Markup, html_table, name_parts, tag
-from smarttestudo.report.rule_styles import RuleStyles
+from smarttestudo.report.rule_timeline import RuleStyles
 from smarttestudo.report.run_report import Fact, RunReport
 from smarttestudo.report.summary import bandwidth_text, fixed_price, length_text, position_error
 from smarttestudo.report.table import percent_text
 from smarttestudo.report.time_chart import Run, TimeChart, stacked_chart, total_chart
-from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart
+from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart, layer_legend
 
 _POINTS_OF_ALL_CHARTS = 2000
 _FEWEST_POINTS, _MOST_POINTS = 80, 1000
@@ -40,10 +40,12 @@ def rates_section(report: RunReport, charts: Sequence[TimeChart], styles: RuleSt
     note = (
         [tag("p", f"{grouped(left_out)} more topics are in the tables.", class_="note")] if left_out else []
     )
+    target = [line_entry("target", "Target")] if report.decisions else []
+    tints = [line_entry(f"strip {style.css_class}", style.name) for style in styles.all if report.decisions]
     shading = ", shaded by the rule that decided the topic" if report.decisions else ""
     return section(
         "Rate of each topic",
-        rate_legend(report, styles),
+        legend(*_runs(report), *target, *_incident(report), *tints),
         tag("div", *_rate_figures(report, charts), class_="charts"),
         *note,
         explanation=f"Messages in each second{shading}.{_stretches(report)}",
@@ -53,15 +55,27 @@ def rates_section(report: RunReport, charts: Sequence[TimeChart], styles: RuleSt
 def bandwidth_section(report: RunReport) -> Markup:
     """All topics together over time, and what they consist of."""
     total, stack = total_chart(report), stacked_chart(report, Run.AFTER if report.is_pair else Run.BEFORE)
+    budget = [] if report.budget_kb_per_s is None else [line_entry("budget", "Budget")]
     by_topic = f"{stack.name}, by topic" if report.is_pair else "By topic"
     return section(
         "Bandwidth",
-        run_legend(report),
+        legend(*_runs(report), *budget, *_incident(report)),
         figure("total", [tag("span", total.name, class_="name")], draw_chart(total, WIDE, _WIDE_POINTS)),
         layer_legend(stack.layers, lambda layer: bandwidth_text(layer.mean_kb_per_s)),
         figure("stack", [tag("span", by_topic, class_="name")], draw_chart(stack, WIDE, _WIDE_POINTS)),
         explanation="What the topics shown here carry together in each second.",
     )
+
+
+def _runs(report: RunReport) -> Iterator[Markup]:
+    yield line_entry("before", report.names.before)
+    if report.is_pair:
+        yield line_entry("after", report.names.after)
+
+
+def _incident(report: RunReport) -> Iterator[Markup]:
+    if report.incident is not None:
+        yield line_entry("incident", report.incident.name)
 
 
 def notices_section(notices: Sequence[str]) -> Markup:

@@ -13,10 +13,16 @@ from statistics import fmean, median
 from smarttestudo.bags.incident_mark import IncidentMark
 from smarttestudo.bags.targets import TargetSpan, target_spans
 from smarttestudo.domain.decision import Decision
-from smarttestudo.report.rule_styles import RuleStyles, styles_of
-from smarttestudo.report.rule_timeline import by_topic, deciding_spans
+from smarttestudo.report.axes import Scale, multiples, round_step
+from smarttestudo.report.rule_timeline import (
+    RuleStyles,
+    StyleSpan,
+    bounded,
+    by_topic,
+    deciding_spans,
+    styles_of,
+)
 from smarttestudo.report.run_report import RunReport, TopicHistory, TopicSeries, charted_series
-from smarttestudo.report.scale import Scale, StyleSpan, bounded, linear, multiples, round_step
 from smarttestudo.report.series import Series, SeriesPoint
 
 MOST_LAYERS = 6
@@ -280,7 +286,7 @@ def _usual_hz(series: TopicSeries, heights: Scale) -> float:
 
 
 def _from_foot(top: float) -> Scale:
-    return linear((0.0, top), (0.0, top))
+    return Scale(values=(0.0, top), places=(0.0, top))
 
 
 def value_heights(highest: float, budget: float | None) -> Scale:

@@ -5,20 +5,30 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.bags.incident_mark import IncidentMark
 from smarttestudo.domain.texts import visible
+from smarttestudo.domain.visible_text import visible
+from smarttestudo.report.axes import (
+    DIGITS,
+    area_entry,
+    legend,
+    number,
+    percent_place,
+    plot,
+    tick_label,
+    time_axis,
+    value_axis,
+)
 from smarttestudo.report.markup import Markup, tag
-from smarttestudo.report.scale import label, multiples, round_step, tick_label
 from smarttestudo.report.series import coarser
-from smarttestudo.report.time_chart import ChartLine, TimeChart, stacked_tops
+from smarttestudo.report.time_chart import ChartLine, Layer, TimeChart, stacked_tops
 
 _BOTTOM = 30.0
-_TIME_TOLERANCE = 1.005
-# Layers are read as differences of heights, times in hundredths of a second.
-_DIGITS, _LINE_DIGITS, _TIME_DIGITS, _MOST_DECIMALS = 7, 5, 9, 6
+# Times are read in hundredths of a second.
+_LINE_DIGITS, _TIME_DIGITS = 5, 9
 # What a stroke on the edge of the plot, and the strip under it, take beyond it.
 _ABOVE, _BELOW = 4.0, 8.0
 
@@ -104,7 +114,7 @@ def time_svg(
         *content,
         tag(
             "g",
-            *(_times(duration_s, frame.times) if times is None else times),
+            *(time_axis(duration_s, frame.times) if times is None else times),
             class_="times",
             transform=f"translate(0 {frame.foot + 22:g})",
         ),
@@ -116,47 +126,11 @@ def time_svg(
     )
 
 
-def plot(*content: Markup, view: tuple[float, float, float, float], y: float, height: float) -> Markup:
-    """``content`` in its own units, ``view`` of which are as wide as the chart; the rest is cut off."""
-    return tag(
-        "svg",
-        *content,
-        class_="plot",
-        viewBox=" ".join(map(number, view)),
-        preserveAspectRatio="none",
-        y=y,
-        width="100%",
-        height=height,
-    )
-
-
-def number(value: float, digits: int = _DIGITS) -> str:
-    """``value`` in ``digits`` significant digits, at most six of them decimals, and no exponent."""
-    if value == 0:
-        return "0"
-    whole = len(str(int(abs(value)))) if abs(value) >= 1 else 0
-    text = f"{value:.{min(max(digits - whole, 0), _MOST_DECIMALS)}f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text
-
-
-def share(part: float, whole: float) -> str:
-    """``part`` in percent of ``whole``, which is a place at any width."""
-    return f"{number(round(100 * part / whole, 2))}%"
-
-
-def _times(duration_s: float, most: int) -> Iterator[Markup]:
-    """Labels at round times; the last one has the unit."""
-    times_s = multiples(round_step(duration_s / most), 0.0, duration_s * _TIME_TOLERANCE)
-    for time_s in times_s:
-        unit = " s" if time_s == times_s[-1] else ""
-        yield tag("text", label(time_s) + unit, x=share(time_s, duration_s), text_anchor="middle")
-
-
 def _stretch_labels(chart: TimeChart, most: int) -> Iterator[Markup]:
     """Labels in the middle of at most ``most`` stretches; a narrow screen leaves out every second one."""
     every = -(-len(chart.stretches) // most)
     for number_, stretch in enumerate(chart.stretches[::every]):
-        middle = share(number_ * every + 0.5, len(chart.stretches))
+        middle = percent_place(number_ * every + 0.5, len(chart.stretches))
         classes = {"class_": "between"} if number_ % 2 else {}
         yield tag("text", stretch.label, x=middle, text_anchor="middle", **classes)
 
@@ -171,12 +145,10 @@ def _stretches(chart: TimeChart) -> Iterator[Markup]:
 
 
 def _value_axis(chart: TimeChart, frame: Frame) -> Iterator[Markup]:
-    """Lines at round values, labelled to their left, the unit on top, and the marks of a gap."""
-    for value in chart.ticks:
-        at = _place(chart, frame, value)
-        yield tag("line", class_="grid", x1=0.0, x2="100%", y1=at, y2=at)
-        yield tag("text", tick_label(value), class_="tick", x=-6.0, y=at + 3.5, text_anchor="end")
-    yield tag("text", chart.unit, class_="tick", x=-6.0, y=10.0, text_anchor="end")
+    """The axis of values, and the marks of a gap."""
+    yield from value_axis(
+        ((tick_label(value), _place(chart, frame, value)) for value in chart.ticks), chart.unit
+    )
     if chart.gap is not None:
         middle = frame.foot - chart.gap / chart.top * frame.height
         for at in (middle - 2, middle + 2):
@@ -241,7 +213,7 @@ def _layers(chart: TimeChart, max_points: int) -> Iterator[Markup]:
     yield from reversed(areas)
 
 
-def _point(t_s: float, height: float, digits: int = _DIGITS) -> str:
+def _point(t_s: float, height: float, digits: int = DIGITS) -> str:
     return f"{number(round(t_s, 2), _TIME_DIGITS)},{number(height, digits)}"
 
 
@@ -253,3 +225,12 @@ def _budget(chart: TimeChart, frame: Frame) -> Iterator[Markup]:
     text = f"budget {tick_label(chart.budget)} KB/s{above}"
     yield tag("line", class_="budget", x1=0.0, x2="100%", y1=at, y2=at)
     yield tag("text", text, class_="axis", x="100%", y=at - 5, text_anchor="end")
+
+
+def layer_legend(stack: Sequence[Layer], amount: Callable[[Layer], str]) -> Markup:
+    """The layers of a stacked chart from top to bottom, each with its ``amount`` in words."""
+    entries = [
+        area_entry(f"layer share-{index}", layer.name, amount(layer))
+        for index, layer in enumerate(stack, start=1)
+    ]
+    return legend(*reversed(entries))

@@ -8,7 +8,8 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from smarttestudo.report.accuracy_chart import LogAxis, Sent, accuracy_chart
+from smarttestudo.report.accuracy_chart import Sent, accuracy_chart
+from smarttestudo.report.axes import LogScale
 from smarttestudo.report.figures.styles import AFTER, BEFORE, plain
 from smarttestudo.report.run_report import RunReport
 
@@ -50,7 +51,7 @@ def accuracy_figure(report: RunReport) -> Figure | None:
     return figure
 
 
-def _scale(axis: Axis, scale: LogAxis) -> None:
+def _scale(axis: Axis, scale: LogScale) -> None:
     axis.set_major_locator(FixedLocator(scale.ticks))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_locator(NullLocator())

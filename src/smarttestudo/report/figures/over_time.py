@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from smarttestudo.bags.incident_mark import IncidentMark
+from smarttestudo.report.axes import tick_label
 from smarttestudo.report.figures.styles import (
     AFTER,
     BEFORE,
@@ -26,9 +27,8 @@ from smarttestudo.report.figures.styles import (
     plain,
     rule_line,
 )
-from smarttestudo.report.rule_styles import DEFAULTS, styles_of
+from smarttestudo.report.rule_timeline import DEFAULTS, styles_of
 from smarttestudo.report.run_report import RunReport
-from smarttestudo.report.scale import tick_label
 from smarttestudo.report.styles import ON_PAPER
 from smarttestudo.report.summary import bandwidth_text
 from smarttestudo.report.time_chart import (

@@ -15,8 +15,7 @@ from matplotlib.transforms import Affine2D
 from smarttestudo.domain.floor_plan import FloorZone, ObstacleKind, OccupancyMap, Rectangle
 from smarttestudo.report.figures.styles import FAINT, INK, handle, plain, rule_line
 from smarttestudo.report.floor_map import FloorMap, floor_map
-from smarttestudo.report.rule_styles import RuleStyle, styles_of
-from smarttestudo.report.rule_timeline import deciding_spans
+from smarttestudo.report.rule_timeline import RuleStyle, deciding_spans, styles_of
 from smarttestudo.report.run_report import RunReport
 from smarttestudo.report.styles import ON_PAPER
 

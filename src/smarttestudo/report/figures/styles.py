@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from matplotlib.lines import Line2D
 
-from smarttestudo.report.rule_styles import DEFAULTS, RuleStyle
+from smarttestudo.report.rule_timeline import DEFAULTS, RuleStyle
 from smarttestudo.report.styles import BUDGET_DASH, DASHES, DEFAULTS_WIDTH, ON_PAPER, PATH_WIDTH
 
 INK, QUIET, FAINT = ON_PAPER["ink"], ON_PAPER["quiet"], ON_PAPER["faint"]

@@ -13,13 +13,12 @@ from smarttestudo.report.fleet.sums import Sums
 from smarttestudo.report.fleet.tables import share_text, worst
 from smarttestudo.report.fleet.totals import FleetTotals
 from smarttestudo.report.fleet.trend import Step, TrendColumn
-from smarttestudo.report.legends import layer_legend
 from smarttestudo.report.markup import Markup, name_parts, tag
 from smarttestudo.report.sections import section
 from smarttestudo.report.series import Series, SeriesPoint
 from smarttestudo.report.summary import volume_text, volume_unit
 from smarttestudo.report.time_chart import MOST_LAYERS, ChartStretch, Layer, TimeChart, value_heights
-from smarttestudo.report.time_drawing import SMALL, WIDE, Frame, draw_chart
+from smarttestudo.report.time_drawing import SMALL, WIDE, Frame, draw_chart, layer_legend
 
 _MOST_SMALL = 6
 _SIDES = (0.08, 0.92)
