@@ -16,7 +16,7 @@ from smarttestudo.bags.statistics import LatencyAccumulator, RecordingSpan, topi
 from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.report.series import MAX_POINTS, bandwidth_series, coarser, rate_series
+from smarttestudo.report.run_report import MAX_POINTS, bandwidth_series, coarser, rate_series
 
 Message = tuple[int, int]
 

@@ -38,8 +38,15 @@ from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Obstacle, Obsta
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.report.rule_timeline import by_topic
-from smarttestudo.report.run_report import Fact, RuleText, RunReport, TopicHistory, TopicSeries
-from smarttestudo.report.series import bandwidth_series, rate_series
+from smarttestudo.report.run_report import (
+    Fact,
+    RuleText,
+    RunReport,
+    TopicHistory,
+    TopicSeries,
+    bandwidth_series,
+    rate_series,
+)
 
 START_NS = 1_795_230_365_474_043_000
 SECONDS = 200.0

@@ -8,13 +8,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.report.fleet.page import FleetReport, OwnReport
-from smarttestudo.report.fleet.recording_numbers import (
+from smarttestudo.report.fleet.numbers import (
     Received,
     RecordingNumbers,
     RuleNumbers,
     TopicNumbers,
 )
+from smarttestudo.report.fleet.page import FleetReport, OwnReport
 from smarttestudo.report.fleet.totals import FleetTotals
 from smarttestudo.report.run_report import Fact
 from smarttestudo.report.summary import PositionError

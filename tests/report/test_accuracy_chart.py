@@ -24,8 +24,7 @@ from smarttestudo.accuracy.accuracy_curve import (
     Motion,
 )
 from smarttestudo.accuracy.arms import PacedPicture
-from smarttestudo.report.accuracy_chart import accuracy_chart
-from smarttestudo.report.accuracy_curve_section import draw_accuracy
+from smarttestudo.report.accuracy_curve import accuracy_chart, draw_accuracy
 from smarttestudo.report.document import render_report
 
 NUMBERS: dict[str, Any] = {

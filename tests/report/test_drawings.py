@@ -21,8 +21,7 @@ from smarttestudo.domain.rate import Rate
 from smarttestudo.report.axes import Scale, multiples, number, round_step
 from smarttestudo.report.floor_map import draw_floor_map, floor_map, path_pieces, thinned
 from smarttestudo.report.rule_timeline import DecidingBlock, RuleSpan, RuleStyles, block_at
-from smarttestudo.report.run_report import RunReport, TopicHistory, TopicSeries
-from smarttestudo.report.series import SeriesPoint
+from smarttestudo.report.run_report import RunReport, SeriesPoint, TopicHistory, TopicSeries
 from smarttestudo.report.time_chart import Run, rate_charts, stacked_chart
 from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart
 

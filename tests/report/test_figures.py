@@ -20,13 +20,11 @@ from smarttestudo.bags.comparison import Comparison
 from smarttestudo.bags.statistics import IntervalHistogram
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.files.whole_file import OutputFileError
+from smarttestudo.report.figures.charts import rates_figure, total_figure
 from smarttestudo.report.figures.draw import draw_figures
-from smarttestudo.report.figures.kinds import FigureKind
-from smarttestudo.report.figures.over_time import rates_figure, total_figure
 from smarttestudo.report.figures.styles import HATCHES, rule_line
 from smarttestudo.report.rule_timeline import DEFAULTS, OTHERS, STYLED_BLOCKS, RuleStyle
-from smarttestudo.report.run_report import RunReport, TopicHistory, TopicSeries
-from smarttestudo.report.series import SeriesPoint
+from smarttestudo.report.run_report import FigureKind, RunReport, SeriesPoint, TopicHistory, TopicSeries
 from smarttestudo.report.time_chart import MOST_LAYERS, rate_charts
 from smarttestudo.report.time_drawing import SMALL, draw_chart
 

@@ -23,10 +23,9 @@ from report.fleet_totals_factory import DAY_S, MONDAY_S, fleet_report, recording
 from report.golden_files import assert_reads_as, page_lines
 from report.test_report_in_browser import assert_readable
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.report.fleet.numbers import RecordingNumbers
 from smarttestudo.report.fleet.page import render_fleet_report
-from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
-from smarttestudo.report.fleet.totals import MOST_ROWS, FleetTotals
-from smarttestudo.report.fleet.trend import MOST_COLUMNS, Step, Trend
+from smarttestudo.report.fleet.totals import MOST_COLUMNS, MOST_ROWS, FleetTotals, Step, Trend
 
 GOLDEN = Path(__file__).parent / "golden"
 made = st.builds(

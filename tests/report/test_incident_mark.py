@@ -16,7 +16,7 @@ from report.golden_files import assert_reads_as, page_lines
 from smarttestudo.cli.main import main
 from smarttestudo.cli.progress import progress
 from smarttestudo.report.bag_report import ReportRequest, series_over_time
-from smarttestudo.report.figures.over_time import bandwidth_figure, rates_figure, total_figure
+from smarttestudo.report.figures.charts import bandwidth_figure, rates_figure, total_figure
 
 GOLDEN = Path(__file__).parent / "golden"
 RULES = """\

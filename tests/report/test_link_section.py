@@ -27,15 +27,16 @@ from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.report.document import render_report
-from smarttestudo.report.link_history import (
+from smarttestudo.report.link import (
     MAX_TOPICS,
-    LinkHistory,
     LinkHistoryBuilder,
+    age_charts,
     has_statuses,
+    link_chart,
     link_history,
     link_table,
 )
-from smarttestudo.report.link_section import age_charts, link_chart
+from smarttestudo.report.run_report import LinkHistory
 from smarttestudo.report.table import plain_table
 from smarttestudo.report.time_chart import Run
 

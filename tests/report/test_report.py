@@ -32,10 +32,18 @@ from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.report.document import render_report
 from smarttestudo.report.markup import tag
+from smarttestudo.report.page import style
 from smarttestudo.report.rule_timeline import DEFAULTS, OTHERS, STYLED_BLOCKS
-from smarttestudo.report.run_report import Fact, RuleText, RunReport, TopicHistory, TopicSeries
-from smarttestudo.report.scripts import style
-from smarttestudo.report.series import SeriesPoint, bandwidth_series, rate_series
+from smarttestudo.report.run_report import (
+    Fact,
+    RuleText,
+    RunReport,
+    SeriesPoint,
+    TopicHistory,
+    TopicSeries,
+    bandwidth_series,
+    rate_series,
+)
 from smarttestudo.report.time_chart import MOST_LAYERS
 
 GOLDEN = Path(__file__).parent / "golden"

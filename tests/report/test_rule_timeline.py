@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
-from smarttestudo.report.headline import rule_legend
+from smarttestudo.report.document import rule_legend
 from smarttestudo.report.rule_timeline import (
     DecidingBlock,
     RuleSpan,

@@ -30,7 +30,7 @@ from smarttestudo.cli.recordings import (
 )
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
-from smarttestudo.report.accuracy_comparison_table import accuracy_sentences, accuracy_tables
+from smarttestudo.report.accuracy_tables import accuracy_sentences, accuracy_tables
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_sets import load_rules
 

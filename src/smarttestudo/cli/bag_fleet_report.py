@@ -30,8 +30,8 @@ from smarttestudo.rules.rule_files import rule_files_named, sha256_of
 if TYPE_CHECKING:
     from smarttestudo.cli.progress import Progress
     from smarttestudo.domain.profile import Profile
+    from smarttestudo.report.fleet.numbers import RecordingNumbers
     from smarttestudo.report.fleet.page import FleetReport, OwnReport
-    from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
     from smarttestudo.rules.rule_sets import LoadedRules
 
 _OF_ONE = ("decisions", "budget", "nav2_map", "figures")

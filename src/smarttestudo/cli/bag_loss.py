@@ -38,7 +38,7 @@ from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.language.properties import ARRIVAL_PROPERTIES, is_field_path
 from smarttestudo.loop.decision_log import read_decisions
-from smarttestudo.report.accuracy_curve_table import accuracy_table
+from smarttestudo.report.accuracy_tables import accuracy_table
 from smarttestudo.report.loss_tables import arms_lines, curve_table, loss_tables
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_sets import LoadedRules, load_rules

@@ -184,7 +184,7 @@ def _print_loss(loss: LossReport | None) -> None:
 
 
 def _print_accuracy(accuracy: AccuracyComparison | None) -> None:
-    from smarttestudo.report.accuracy_comparison_table import accuracy_sentences, accuracy_tables  # noqa: PLC0415  see run
+    from smarttestudo.report.accuracy_tables import accuracy_sentences, accuracy_tables  # noqa: PLC0415  see run
 
     if accuracy is None:
         return

@@ -11,6 +11,7 @@ from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
 
+from smarttestudo import __version__
 from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
@@ -52,6 +53,10 @@ if TYPE_CHECKING:
     from smarttestudo.replays.inputs import InputsOutcome
 
 EXIT_ERROR = 1
+_EXPLANATION = (
+    "Source is the recording. SmartTestudo is what an operator would have received of the relayed topics, "
+    "each at the rate that the rules gave it."
+)
 _OUTPUTS = {"output": "", "decisions": ".jsonl", "report": ".html", "incidents": ""}
 """Options that name what is written, and the suffix of its name where each recording has its own."""
 
@@ -315,19 +320,32 @@ def _report(
     rules: LoadedRules,
     progress: Progress,
 ) -> str:
+    """The page on the relayed topics of which there were messages; reads both recordings once more."""
+    from smarttestudo.report.bag_report import ReportRequest, bag_report  # noqa: PLC0415  see measure
     from smarttestudo.report.document import render_report  # noqa: PLC0415
-    from smarttestudo.report.replay_report import replay_report  # noqa: PLC0415  see measure
+    from smarttestudo.report.run_report import Fact  # noqa: PLC0415
 
-    return render_report(
-        replay_report(
-            bag=arguments.bag,
-            output=arguments.output,
-            outcome=outcome,
-            decisions=decisions,
-            predict=arguments.predict,
-            profile=profile,
-            budget_kb_per_s=arguments.budget,
-            rules=rules,
-            progress=progress,
-        )
+    output_topics = {
+        topic: relayed.output_topic for topic, relayed in outcome.topics.items() if relayed.messages_in
+    }
+    request = ReportRequest(
+        a=arguments.bag,
+        b=arguments.output,
+        title=f"Replay of {arguments.bag.resolve().name}",
+        explanation=_EXPLANATION,
+        mapping=output_topics,
+        topics=tuple(output_topics or outcome.topics),
+        rule_set=rules.rule_set,
+        rule_texts=rules.texts,
+        decisions=decisions,
+        predict=arguments.predict,
+        profile=profile,
+        budget_kb_per_s=arguments.budget,
+        provenance=(
+            Fact(label="SmartTestudo", value=__version__),
+            Fact(label="Recording", value=str(arguments.bag)),
+            Fact(label="Output recording", value=str(arguments.output)),
+        ),
+        progress=progress,
     )
+    return render_report(bag_report(request))

@@ -239,7 +239,7 @@ def _target(target_hz: float) -> Value:
 
 
 def _problem(topic: TopicStatus) -> str:
-    """What is wrong in a word or two; nothing of a topic that is well."""
+    """The state in a word or two; nothing for a topic that is well."""
     health = topic_health(topic)
     is_well = topic.silence is None and health.level is DiagnosticLevel.OK
     return "" if is_well else health.summary

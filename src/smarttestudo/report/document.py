@@ -1,32 +1,57 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The report as one HTML document."""
+"""The report of a run as one HTML document."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.report.accuracy_curve_section import accuracy_curve_section
-from smarttestudo.report.decision_chart import Lane, lanes
-from smarttestudo.report.decision_section import decision_section
-from smarttestudo.report.floor_map import FloorMap, floor_map
-from smarttestudo.report.headline import opening
-from smarttestudo.report.link_section import link_section
-from smarttestudo.report.markup import Markup, html_table, tag
-from smarttestudo.report.rule_timeline import RuleSpan, RuleStyles, deciding_spans, styles_of
-from smarttestudo.report.run_report import RunReport
-from smarttestudo.report.scripts import content_policy, run_script, script_elements, style
-from smarttestudo.report.sections import (
-    accuracy_section,
-    bandwidth_section,
-    loss_section,
-    notices_section,
+from smarttestudo.accuracy.comparison import AccuracyComparison
+from smarttestudo.accuracy.loss_report import LossReport
+from smarttestudo.bags.comparison import TopicComparison
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.units import counted, grouped
+from smarttestudo.report.accuracy_curve import accuracy_curve_section
+from smarttestudo.report.accuracy_tables import accuracy_sentences, accuracy_tables
+from smarttestudo.report.axes import legend, line_entry
+from smarttestudo.report.comparison_tables import RunNames
+from smarttestudo.report.decisions import Lane, decision_section, lanes
+from smarttestudo.report.floor_map import FloorMap, draw_floor_map, floor_map
+from smarttestudo.report.link import link_section
+from smarttestudo.report.loss_tables import loss_tables
+from smarttestudo.report.markup import Markup, html_table, name_parts, tag
+from smarttestudo.report.page import (
+    RUN_SCRIPTS,
+    Bar,
+    bars,
+    figure,
+    html_document,
+    kept_together,
     provenance_section,
-    rates_section,
+    run_data,
     section,
 )
-from smarttestudo.report.time_chart import TimeChart, rate_charts
+from smarttestudo.report.rule_timeline import (
+    RuleSpan,
+    RuleStyle,
+    RuleStyles,
+    by_topic,
+    deciding_spans,
+    most_topics,
+    styles_of,
+)
+from smarttestudo.report.run_report import RunReport
+from smarttestudo.report.summary import (
+    bandwidth_text,
+    fixed_price,
+    length_text,
+    position_error,
+    summary_sentence,
+)
+from smarttestudo.report.table import format_number, percent_text
+from smarttestudo.report.time_chart import Run, TimeChart, rate_charts, stacked_chart, total_chart
+from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart, layer_legend
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,14 +72,8 @@ def render_report(report: RunReport) -> str:
     through all of them. Its size is bounded, whatever the length of the run and the number of topics.
     """
     drawn = _draw(report)
-    scripts = script_elements(report.duration_s, drawn.plan.places if drawn.plan else ())
-    return html_document(report.title, tag("main", *_parts(report, drawn)), *scripts, script=run_script())
-
-
-def html_document(title: str, *content: Markup, script: str) -> str:
-    """``content`` as a document that runs ``script`` alone, which is part of it, and loads nothing."""
-    body = tag("body", *content)
-    return "<!DOCTYPE html>\n" + tag("html", _head(title, script), body, lang="en").html + "\n"
+    data = run_data(report.duration_s, drawn.plan.places if drawn.plan else ())
+    return html_document(report.title, tag("main", *_parts(report, drawn)), data, scripts=RUN_SCRIPTS)
 
 
 def _draw(report: RunReport) -> _Drawn:
@@ -66,18 +85,6 @@ def _draw(report: RunReport) -> _Drawn:
         styles=styles,
         rows=lanes(report.decisions, report.duration_s, styles) if report.decisions else (),
         plan=floor_map(report.floor_plan, report.path, spans, styles, incident=report.incident),
-    )
-
-
-def _head(title: str, script: str) -> Markup:
-    return tag(
-        "head",
-        tag("meta", charset="utf-8"),
-        tag("meta", http_equiv="Content-Security-Policy", content=content_policy(script)),
-        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        tag("meta", name="color-scheme", content="light dark"),
-        tag("title", title),
-        tag("style", Markup(style())),
     )
 
 
@@ -103,3 +110,198 @@ def _parts(report: RunReport, drawn: _Drawn) -> Iterator[Markup]:
         yield notices_section(report.notices)
     if report.provenance:
         yield provenance_section(report.provenance)
+
+
+def opening(
+    report: RunReport, plan: FloorMap | None, spans: Sequence[RuleSpan], styles: RuleStyles
+) -> Markup:
+    """The report's head, beside the map where there is one."""
+    topics = len(report.comparison.topics)
+    extent = f"{counted(topics, 'topic')}, {format_number(report.duration_s, 0)} s"
+    sentence = summary_sentence(report.comparison, len(report.decisions), report.loss)
+    words = tag(
+        "div",
+        tag("h1", report.title, class_="words"),
+        tag("p", kept_together(sentence), class_="lead"),
+        *(tag("p", text, class_="explanation words") for text in _explanations(report)),
+        _bars(report),
+        tag("p", extent, class_="note"),
+        *(_path_legend(report.decisions, spans, styles) if plan and spans else []),
+    )
+    if plan is None:
+        return tag("header", words)
+    return tag("header", words, tag("figure", draw_floor_map(plan)), class_="with-map")
+
+
+def _explanations(report: RunReport) -> Iterator[str]:
+    if report.explanation:
+        yield report.explanation
+    if report.incident is not None:
+        yield f"Incident {report.incident.text}"
+
+
+def _path_legend(
+    decisions: Sequence[Decision], spans: Sequence[RuleSpan], styles: RuleStyles
+) -> list[Markup]:
+    topics = counted(len(by_topic(decisions)), "topic")
+    explanation = (
+        "The path has the colour of the rule that decided more topics than other rules at that time: "
+        f"at most {most_topics(decisions)} of {topics}."
+    )
+    if any(span.block is not None and span.block.is_in_doubt for span in spans):
+        explanation += " In doubt: what the rule reads was not known, so that topics had the higher rate."
+    return [tag("p", explanation, class_="path-note"), rule_legend(spans, styles)]
+
+
+def _bars(report: RunReport) -> Markup:
+    """The bandwidth of all topics in each recording, and the budget."""
+    values = (
+        (report.names.before, report.comparison.before_kb_per_s, "run-before"),
+        (report.names.after, report.comparison.after_kb_per_s, "run-after"),
+        ("Budget", report.budget_kb_per_s, "run-budget"),
+    )
+    return bars(
+        [
+            Bar(name=name, value=value, text=bandwidth_text(value), css_class=style)
+            for name, value, style in values
+            if value is not None
+        ]
+    )
+
+
+def rule_legend(spans: Sequence[RuleSpan], styles: RuleStyles) -> Markup:
+    """The style and name of each deciding block, with how long it decided most topics."""
+    seconds: dict[RuleStyle, float] = {}
+    for span in spans:
+        style = styles.of(span.block)
+        seconds[style] = seconds.get(style, 0.0) + span.end_s - span.start_s
+    total_s = sum(seconds.values())
+
+    def share(style: RuleStyle) -> str:
+        percent = f" · {percent_text(100 * seconds[style] / total_s, decimals=0)}" if total_s > 0 else ""
+        return f"{grouped(seconds[style])} s{percent}"
+
+    shown = (style for style in styles.all if style in seconds)
+    return legend(
+        *(line_entry(f"path {style.css_class}", style.name, share(style)) for style in shown), kind="rules"
+    )
+
+
+_POINTS_OF_ALL_CHARTS = 2000
+_FEWEST_POINTS, _MOST_POINTS = 80, 1000
+_WIDE_POINTS = 400
+
+
+def rates_section(report: RunReport, charts: Sequence[TimeChart], styles: RuleStyles) -> Markup:
+    """A small chart for each topic that has one."""
+    left_out = len(report.series) - len(charts)
+    note = (
+        [tag("p", f"{grouped(left_out)} more topics are in the tables.", class_="note")] if left_out else []
+    )
+    target = [line_entry("target", "Target")] if report.decisions else []
+    tints = [line_entry(f"strip {style.css_class}", style.name) for style in styles.all if report.decisions]
+    shading = ", shaded by the rule that decided the topic" if report.decisions else ""
+    return section(
+        "Rate of each topic",
+        legend(*_runs(report), *target, *_incident(report), *tints),
+        tag("div", *_rate_figures(report, charts), class_="charts"),
+        *note,
+        explanation=f"Messages in each second{shading}.{_stretches(report)}",
+    )
+
+
+def bandwidth_section(report: RunReport) -> Markup:
+    """All topics together over time, and what they consist of."""
+    total, stack = total_chart(report), stacked_chart(report, Run.AFTER if report.is_pair else Run.BEFORE)
+    budget = [] if report.budget_kb_per_s is None else [line_entry("budget", "Budget")]
+    by_topic = f"{stack.name}, by topic" if report.is_pair else "By topic"
+    return section(
+        "Bandwidth",
+        legend(*_runs(report), *budget, *_incident(report)),
+        figure("total", [tag("span", total.name, class_="name")], draw_chart(total, WIDE, _WIDE_POINTS)),
+        layer_legend(stack.layers, lambda layer: bandwidth_text(layer.mean_kb_per_s)),
+        figure("stack", [tag("span", by_topic, class_="name")], draw_chart(stack, WIDE, _WIDE_POINTS)),
+        explanation="What the topics shown here carry together in each second.",
+    )
+
+
+def _runs(report: RunReport) -> Iterator[Markup]:
+    yield line_entry("before", report.names.before)
+    if report.is_pair:
+        yield line_entry("after", report.names.after)
+
+
+def _incident(report: RunReport) -> Iterator[Markup]:
+    if report.incident is not None:
+        yield line_entry("incident", report.incident.name)
+
+
+def notices_section(notices: Sequence[str]) -> Markup:
+    """Notices of what was lost or odd."""
+    return section("Good to know", tag("ul", *(tag("li", notice, class_="words") for notice in notices)))
+
+
+def _rate_figures(report: RunReport, charts: Sequence[TimeChart]) -> Iterator[Markup]:
+    pairs = {pair.topic: pair for pair in report.comparison.topics}
+    max_points = min(max(_POINTS_OF_ALL_CHARTS // len(charts), _FEWEST_POINTS), _MOST_POINTS)
+    for chart in charts:
+        yield figure(
+            "rate", _caption(chart.name, pairs.get(chart.name)), draw_chart(chart, SMALL, max_points)
+        )
+
+
+def _caption(topic: str, pair: TopicComparison | None) -> list[Markup]:
+    change = None if pair is None else pair.change_percent
+    number = "" if change is None else percent_text(change, decimals=0, signed=True)
+    return [tag("span", *name_parts(topic), class_="words name"), tag("span", number, class_="quiet readout")]
+
+
+def _stretches(report: RunReport) -> str:
+    """Says so where a point of a chart stands for more than a second, or where there is none."""
+    if not any(one.before.rate_hz or one.after.rate_hz for one in report.series):
+        return " There is none to show: the recording holds no whole second."
+    points = next((one.before.rate_hz for one in report.series if len(one.before.rate_hz) > 1), ())
+    seconds = points[1].t_s - points[0].t_s if points else 1.0
+    if seconds < 2:
+        return ""
+    return f" Each point stands for {grouped(seconds)} s, from the least to the greatest rate among them."
+
+
+def loss_section(loss: LossReport, names: RunNames) -> Markup:
+    """The error of the position as bars, then fields, ages, crossings and images as tables."""
+    explanation = (
+        "The error of the operator's data when the last message received is held. Fixed: the baseline, which "
+        "is the best fixed rates for the same bytes, without rules."
+    )
+    tables = (part for table in loss_tables(loss) for part in (tag("h3", table.title), html_table(table)))
+    letters = f"In the tables, A is {names.before} and B is {names.after}."
+    note = [] if names == RunNames(before="A", after="B") else [tag("p", letters, class_="note")]
+    return section("What the operator lost", *_position(loss, names), *note, *tables, explanation=explanation)
+
+
+def accuracy_section(comparison: AccuracyComparison) -> Markup:
+    """How far the operator's picture was off at fixed rates and under rules."""
+    return section(
+        "Fixed rates, rates by rules, and bounds",
+        *(html_table(table) for table in accuracy_tables(comparison)),
+        explanation=" ".join(accuracy_sentences(comparison)),
+    )
+
+
+def _position(loss: LossReport, names: RunNames) -> Iterator[Markup]:
+    error = position_error(loss)
+    if error is None:
+        return
+    arms = ((names.after, error.received_m, "run-after"), ("Best fixed rates", error.fixed_m, "run-before"))
+    longest_m = max(error.received_m, error.fixed_m or 0.0)
+    yield tag("h3", f"Error of the position in {error.topic} (RMSE)", class_="words")
+    yield bars(
+        [
+            Bar(name=name, value=value, text=length_text(value, beside_m=longest_m), css_class=style)
+            for name, value, style in arms
+            if value is not None
+        ]
+    )
+    price = fixed_price(loss)
+    if price:
+        yield tag("p", price, class_="note words")

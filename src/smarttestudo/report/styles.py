@@ -81,6 +81,7 @@ DASHES: Mapping[str, tuple[int, ...]] = {
 """Lengths of strokes and gaps on a path, whose width is ``PATH_WIDTH`` and whose strokes have round ends."""
 PATH_WIDTH, DEFAULTS_WIDTH = 4.0, 2.5
 BUDGET_DASH = (8, 5)
+MAX_LANES = 24
 
 
 def colour_sheet() -> str:
@@ -104,3 +105,13 @@ def _variables(colours: Mapping[str, str]) -> str:
 
 def _dash(name: str) -> str:
     return f" --dash: {' '.join(map(str, DASHES[name]))};" if name in DASHES else ""
+
+
+def row_sheet() -> str:
+    """The style rules that number the lanes; the number of the drawing is that of its lanes."""
+    return "\n".join(f".{row_class(row)} {{ --row: {row}; }}" for row in range(MAX_LANES + 1))
+
+
+def row_class(row: int) -> str:
+    """The class of a lane by its number, and of a drawing by that of its lanes."""
+    return f"row-{row}"

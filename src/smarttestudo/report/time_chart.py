@@ -22,8 +22,14 @@ from smarttestudo.report.rule_timeline import (
     deciding_spans,
     styles_of,
 )
-from smarttestudo.report.run_report import RunReport, TopicHistory, TopicSeries, charted_series
-from smarttestudo.report.series import Series, SeriesPoint
+from smarttestudo.report.run_report import (
+    RunReport,
+    Series,
+    SeriesPoint,
+    TopicHistory,
+    TopicSeries,
+    charted_series,
+)
 
 MOST_LAYERS = 6
 """Topics that have a layer of their own; there is one style more, for all others."""

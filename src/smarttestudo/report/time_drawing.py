@@ -23,7 +23,7 @@ from smarttestudo.report.axes import (
     value_axis,
 )
 from smarttestudo.report.markup import Markup, tag
-from smarttestudo.report.series import coarser
+from smarttestudo.report.run_report import coarser
 from smarttestudo.report.time_chart import ChartLine, Layer, TimeChart, stacked_tops
 
 _BOTTOM = 30.0

@@ -14,18 +14,17 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from smarttestudo.files.whole_file import not_written, whole_binary_file
-from smarttestudo.report.figures.accuracy import accuracy_figure
-from smarttestudo.report.figures.intervals import intervals_figure
-from smarttestudo.report.figures.kinds import FigureKind
-from smarttestudo.report.figures.over_time import (
+from smarttestudo.report.figures.charts import (
+    accuracy_figure,
     bandwidth_figure,
+    intervals_figure,
     rates_figure,
     topic_rate_figures,
     total_figure,
 )
 from smarttestudo.report.figures.path import path_figure, zones_figure
 from smarttestudo.report.figures.styles import SETTINGS
-from smarttestudo.report.run_report import RunReport
+from smarttestudo.report.run_report import FigureKind, RunReport
 
 _DPI = 200
 # Neither format may hold a date or a version, which would make each run's bytes differ.

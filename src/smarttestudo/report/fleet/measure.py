@@ -27,7 +27,7 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.replays.decisions import decisions_over
 from smarttestudo.report.bag_report import known_or_why
-from smarttestudo.report.fleet.recording_numbers import (
+from smarttestudo.report.fleet.numbers import (
     BoundNumbers,
     Received,
     RecordingNumbers,

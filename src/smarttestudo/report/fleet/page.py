@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from calendar import month_abbr
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import date, timedelta
 
 from smarttestudo.domain.units import counted, grouped
-from smarttestudo.report.document import html_document
-from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
-from smarttestudo.report.fleet.sums import Sums, of_recording
+from smarttestudo.report.fleet.numbers import RecordingNumbers, Sums, of_recording
 from smarttestudo.report.fleet.tables import (
     bound_table,
     cost_percent,
@@ -21,15 +21,228 @@ from smarttestudo.report.fleet.tables import (
     topic_table,
     worst,
 )
-from smarttestudo.report.fleet.totals import FleetTotals, Lines
-from smarttestudo.report.fleet.trend_section import trend_section
-from smarttestudo.report.headline import Bar, bars, kept_together
+from smarttestudo.report.fleet.totals import FleetTotals, Lines, Step, TrendColumn
 from smarttestudo.report.markup import Child, Markup, html_table, name_parts, tag
-from smarttestudo.report.run_report import Fact
-from smarttestudo.report.scripts import many_script
-from smarttestudo.report.sections import provenance_section, section
-from smarttestudo.report.summary import time_text, volume_text
+from smarttestudo.report.page import (
+    MANY_SCRIPTS,
+    Bar,
+    bars,
+    html_document,
+    kept_together,
+    provenance_section,
+    section,
+)
+from smarttestudo.report.run_report import Fact, Series, SeriesPoint
+from smarttestudo.report.summary import time_text, volume_text, volume_unit
 from smarttestudo.report.table import percent_text
+from smarttestudo.report.time_chart import MOST_LAYERS, ChartStretch, Layer, TimeChart, value_heights
+from smarttestudo.report.time_drawing import SMALL, WIDE, Frame, draw_chart, layer_legend
+
+_MOST_SMALL = 6
+_SIDES = (0.08, 0.92)
+"""The sides of a column, of which each takes a stretch of 1."""
+_POINTS_OF_A_COLUMN = 4
+_EACH = {Step.RECORDING: "of each recording", Step.HOUR: "an hour", Step.DAY: "a day"}
+_YEAR = timedelta(days=300)
+_COUNTS = ((1_000_000, "million"), (10_000, "thousand"))
+
+SumsBy = Callable[[TrendColumn], Mapping[str, Sums]]
+"""Sums of a column by topic or by robot."""
+Amount = Callable[[Sums], float]
+
+
+def trend_section(totals: FleetTotals) -> Iterator[Markup]:
+    """Bytes, messages and losses over time; nothing where there is but one column."""
+    columns = totals.trend.columns()
+    if len(columns) < 2:
+        return
+    cost = "Received bytes" if totals.are_pairs else "Bytes"
+    each = _EACH[totals.trend.step]
+    yield section(
+        "Over time",
+        *_stacked(totals, columns, f"{cost} {each}, by topic", _by_topic, _cost_of(totals)),
+        *(
+            _stacked(totals, columns, f"{cost} {each}, by robot", _by_robot, _cost_of(totals))
+            if totals.robots
+            else ()
+        ),
+        *_stacked(totals, columns, f"Messages of the robots {each}, by topic", _by_topic, _messages),
+        explanation=_explanation(totals, columns),
+    )
+    if totals.all.lost:
+        yield section(
+            "Lost messages over time",
+            *_small(totals, columns, "of each topic", totals.topics, _by_topic),
+            *_small(totals, columns, "of each robot", totals.robots, _by_robot),
+            explanation="In percent of the messages of topics that both have, those with the most lost ones.",
+        )
+
+
+def _explanation(totals: FleetTotals, columns: Sequence[TrendColumn]) -> str:
+    step = totals.trend.step
+    if step is Step.DAY:
+        most = max(len(column.steps) for column in columns)
+        stands = f"the mean of at most {grouped(most)} days" if most > 1 else "a day"
+        return f"Each column is {stands} on which recordings began, in UTC. Days without one are left out."
+    if step is Step.HOUR:
+        return f"Each column is an hour of {totals.trend.day} in which recordings began, in UTC."
+    return f"Each column is a recording of {totals.trend.day}, by the time in UTC at which it began."
+
+
+def _by_topic(column: TrendColumn) -> Mapping[str, Sums]:
+    return column.topics
+
+
+def _by_robot(column: TrendColumn) -> Mapping[str, Sums]:
+    return column.robots
+
+
+def _messages(sums: Sums) -> float:
+    return sums.messages
+
+
+def _received_bytes(sums: Sums) -> float:
+    return sums.received_bytes
+
+
+def _size_bytes(sums: Sums) -> float:
+    return sums.size_bytes
+
+
+def _cost_of(totals: FleetTotals) -> Amount:
+    return _received_bytes if totals.are_pairs else _size_bytes
+
+
+def _stacked(
+    totals: FleetTotals, columns: Sequence[TrendColumn], name: str, sums_by: SumsBy, amount: Amount
+) -> Iterator[Markup]:
+    """The parts of the largest topics or robots in each column, and of all others together."""
+    whole: dict[str, float] = {}
+    of_columns: list[dict[str, float]] = []
+    for column in columns:
+        amounts = {key: amount(sums) for key, sums in sums_by(column).items()}
+        of_columns.append({key: value / len(column.steps) for key, value in amounts.items()})
+        for key, value in amounts.items():
+            whole[key] = whole.get(key, 0.0) + value
+    ranked = sorted((key for key in whole if whole[key]), key=lambda key: (-whole[key], key))
+    if not ranked:
+        return
+    most = MOST_LAYERS if len(ranked) > MOST_LAYERS + 1 else len(ranked)
+    own, rest = ranked[:most], ranked[most:]
+    parts = {key or "Robot not known": [one.get(key, 0.0) for one in of_columns] for key in own}
+    texts = {key or "Robot not known": whole[key] for key in own}
+    if rest:
+        others = f"{len(rest)} others"
+        parts[others] = [sum(one.get(key, 0.0) for key in rest) for one in of_columns]
+        texts[others] = sum(whole[key] for key in rest)
+    is_bytes = amount is not _messages
+    highest = max(map(sum, zip(*parts.values(), strict=True)))
+    unit_size, unit = volume_unit(highest) if is_bytes else _count_unit(highest)
+    layers = tuple(
+        Layer(name=key, points=_steps([value / unit_size for value in values]))
+        for key, values in parts.items()
+    )
+    chart = TimeChart(
+        name=name,
+        meaning=f"{name}, over time",
+        unit=unit,
+        duration_s=len(columns),
+        heights=value_heights(highest / unit_size, None),
+        layers=layers,
+        stretches=_stretches(totals, columns),
+    )
+    yield tag("h3", name)
+    yield layer_legend(layers, lambda layer: _amount_text(texts[layer.name], is_bytes=is_bytes))
+    yield _figure(chart, WIDE)
+
+
+def _count_unit(highest: float) -> tuple[int, str]:
+    return next((one for one in _COUNTS if highest >= one[0]), (1, ""))
+
+
+def _amount_text(value: float, *, is_bytes: bool) -> str:
+    return volume_text(value) if is_bytes else grouped(value)
+
+
+def _small(
+    totals: FleetTotals, columns: Sequence[TrendColumn], name: str, of: Mapping[str, Sums], sums_by: SumsBy
+) -> Iterator[Markup]:
+    """A small chart of the lost share of each topic or robot that lost most, on one scale."""
+    shown = [key for key, sums in worst(totals, of)[0] if sums.lost][:_MOST_SMALL]
+    shares = {key: [(sums_by(column).get(key) or Sums()).lost_percent for column in columns] for key in shown}
+    highest = max((share or 0.0 for values in shares.values() for share in values), default=0.0)
+    if not shown:
+        return
+    charts = []
+    for key, values in shares.items():
+        chart = TimeChart(
+            name=key,
+            meaning=f"Lost messages of {key} over time, in percent",
+            unit="%",
+            duration_s=len(columns),
+            heights=value_heights(highest, None),
+            layers=(Layer(name=key, points=_steps([share or 0.0 for share in values])),),
+            stretches=tuple(
+                ChartStretch(
+                    label=_label(totals, columns, number), meaning=f"{_when(column)}: {share_text(share)}"
+                )
+                for number, (column, share) in enumerate(zip(columns, values, strict=True))
+            ),
+        )
+        number = share_text(of[key].lost_percent)
+        caption = (tag("span", *name_parts(key), class_="words name"), tag("span", number, class_="quiet"))
+        charts.append(_figure(chart, SMALL, *caption))
+    yield tag("h3", name.capitalize())
+    yield tag("div", *charts, class_="charts")
+
+
+def _figure(chart: TimeChart, frame: Frame, *caption: Markup) -> Markup:
+    drawing = draw_chart(chart, frame, _POINTS_OF_A_COLUMN * len(chart.stretches))
+    return tag("figure", *((tag("figcaption", *caption),) if caption else ()), drawing, class_="chart")
+
+
+def _steps(values: Sequence[float]) -> Series:
+    """A column of each value, with gaps between them."""
+    points = []
+    for number, value in enumerate(values):
+        left, right = (number + side for side in _SIDES)
+        for t_s, height in ((left, 0.0), (left, value), (right, value), (right, 0.0)):
+            points.append(SeriesPoint(t_s=t_s, lowest=height, mean=height, highest=height))
+    return tuple(points)
+
+
+def _stretches(totals: FleetTotals, columns: Sequence[TrendColumn]) -> tuple[ChartStretch, ...]:
+    return tuple(
+        ChartStretch(label=_label(totals, columns, number), meaning=_told(totals, column))
+        for number, column in enumerate(columns)
+    )
+
+
+def _label(totals: FleetTotals, columns: Sequence[TrendColumn], number: int) -> str:
+    """The time of a column: of a day the month, too, and of more than a year of them the year."""
+    first = columns[number].first
+    if totals.trend.step is not Step.DAY:
+        return first
+    day, begin, end = (date.fromisoformat(one) for one in (first, columns[0].first, columns[-1].last))
+    month = month_abbr[day.month]
+    return f"{day.day} {month}" if end - begin < _YEAR else f"{month} {day.year}"
+
+
+def _when(column: TrendColumn) -> str:
+    return column.first if column.first == column.last else f"{column.first} to {column.last}"
+
+
+def _told(totals: FleetTotals, column: TrendColumn) -> str:
+    sums = column.total
+    parts = [
+        counted(sums.recordings, "recording"),
+        volume_text(_cost_of(totals)(sums)),
+        counted(sums.messages, "message"),
+    ]
+    if sums.lost_percent is not None:
+        parts.append(f"{share_text(sums.lost_percent)} lost")
+    return f"{_when(column)}: {', '.join(parts)}"
+
 
 _UNREADABLE = "unreadable"
 
@@ -58,9 +271,7 @@ class FleetReport:
 
 def render_fleet_report(report: FleetReport) -> str:
     """One HTML document that needs nothing else, and whose size is bounded; see ``render_report``."""
-    script = many_script()
-    main = tag("main", *_parts(report))
-    return html_document(report.title, main, tag("script", Markup(script)), script=script)
+    return html_document(report.title, tag("main", *_parts(report)), scripts=MANY_SCRIPTS)
 
 
 def sentence(totals: FleetTotals) -> str:

@@ -8,8 +8,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from smarttestudo.domain.units import counted, utc_time
-from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
-from smarttestudo.report.fleet.sums import BoundSums, RuleSums, Sums, Volume, of_recording, percent
+from smarttestudo.report.fleet.numbers import (
+    BoundSums,
+    RecordingNumbers,
+    RuleSums,
+    Sums,
+    Volume,
+    of_recording,
+    percent,
+)
 from smarttestudo.report.fleet.totals import MOST_ROWS, FleetTotals
 from smarttestudo.report.summary import volume_unit
 from smarttestudo.report.table import (

@@ -1,16 +1,161 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The numbers of many recordings added up, one recording after the other."""
+"""The numbers of many recordings added up: over all, and over days, hours or recordings."""
 
 from __future__ import annotations
 
 import heapq
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from datetime import datetime, timedelta, timezone
+from enum import Enum
 
-from smarttestudo.report.fleet.recording_numbers import RecordingNumbers
-from smarttestudo.report.fleet.sums import BoundSums, RuleSums, Sums, Volume, of_recording
-from smarttestudo.report.fleet.trend import Trend
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.report.fleet.numbers import (
+    BoundSums,
+    RecordingNumbers,
+    RuleSums,
+    Sums,
+    Volume,
+    of_recording,
+)
+
+MOST_COLUMNS = 60
+_MOST_DAYS = 1000
+_HOUR_NS = 3600 * NS_PER_S
+_DAY_NS = 24 * _HOUR_NS
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+
+
+class Step(Enum):
+    """The recordings that a column stands for."""
+
+    RECORDING = "recording"
+    HOUR = "hour"
+    DAY = "day"
+
+
+@dataclass(slots=True, kw_only=True)
+class TrendColumn:
+    """The sums of recordings of one time, from ``first`` to ``last``, over all and by topic and robot.
+
+    ``steps`` are the days on which there are some, by number; of a recording or an hour there is one.
+    """
+
+    first: str
+    last: str
+    steps: set[int] = field(default_factory=set)
+    total: Sums = field(default_factory=Sums)
+    topics: dict[str, Sums] = field(default_factory=lambda: defaultdict(Sums))
+    robots: dict[str, Sums] = field(default_factory=lambda: defaultdict(Sums))
+
+    def add(self, recording: RecordingNumbers) -> None:
+        """Add a recording."""
+        self.steps.add(recording.start_ns // _DAY_NS)
+        self.total.add(recording, recording.topics)
+        self.robots[recording.robot].add(recording, recording.topics)
+        for topic in recording.topics:
+            self.topics[topic.topic].add(recording, [topic])
+
+    def merge(self, later: TrendColumn) -> None:
+        """Add a column of a later time."""
+        self.last = later.last
+        self.steps |= later.steps
+        self.total.merge(later.total)
+        for own, others in ((self.topics, later.topics), (self.robots, later.robots)):
+            for name, sums in others.items():
+                own[name].merge(sums)
+
+
+class Trend:
+    """Columns of recordings; memory is bounded by days, hours and topics, whatever number of recordings."""
+
+    def __init__(self) -> None:
+        self._day: int | None = None
+        self._days: dict[int, TrendColumn] = {}
+        self._days_each = 1
+        self._hours: dict[int, TrendColumn] | None = {}
+        self._recordings: list[tuple[int, TrendColumn]] | None = []
+
+    def add(self, recording: RecordingNumbers) -> None:
+        """Add a recording."""
+        day = recording.start_ns // _DAY_NS
+        if self._day is None:
+            self._day = day
+        if day != self._day:
+            self._hours = self._recordings = None
+        self._add_day(day, recording)
+        if self._hours is not None:
+            hour = recording.start_ns // _HOUR_NS
+            text = _time(recording.start_ns // _HOUR_NS * _HOUR_NS, "%H:%M")
+            self._hours.setdefault(hour, TrendColumn(first=text, last=text)).add(recording)
+        if self._recordings is not None:
+            column = TrendColumn(first=_time(recording.start_ns, "%H:%M"), last=recording.a)
+            column.add(recording)
+            self._recordings.append((recording.start_ns, column))
+            if len(self._recordings) > MOST_COLUMNS:
+                self._recordings = None
+
+    @property
+    def day(self) -> str:
+        """The day of the first recording."""
+        return "" if self._day is None else _date(self._day)
+
+    @property
+    def step(self) -> Step:
+        """The meaning of a column that is not joined from several."""
+        if self._recordings is not None:
+            return Step.RECORDING
+        return Step.DAY if self._hours is None else Step.HOUR
+
+    def columns(self) -> Sequence[TrendColumn]:
+        """The columns in the order of time, at most ``MOST_COLUMNS``."""
+        if self._recordings is not None:
+            in_order = sorted(self._recordings, key=lambda one: one[0])
+            return [column for _, column in in_order]
+        found = self._days if self._hours is None else self._hours
+        columns = [found[key] for key in sorted(found)]
+        each = -(-len(columns) // MOST_COLUMNS) or 1
+        return [_joined(columns[start : start + each]) for start in range(0, len(columns), each)]
+
+    def _add_day(self, day: int, recording: RecordingNumbers) -> None:
+        key = day // self._days_each
+        text = _date(day)
+        column = self._days.setdefault(key, TrendColumn(first=text, last=text))
+        column.first, column.last = min(column.first, text), max(column.last, text)
+        column.add(recording)
+        if len(self._days) > _MOST_DAYS:
+            self._halve()
+
+    def _halve(self) -> None:
+        self._days_each *= 2
+        coarse: dict[int, TrendColumn] = {}
+        for key in sorted(self._days):
+            if key // 2 in coarse:
+                coarse[key // 2].merge(self._days[key])
+            else:
+                coarse[key // 2] = self._days[key]
+        self._days = coarse
+
+
+def _joined(columns: Sequence[TrendColumn]) -> TrendColumn:
+    first, *others = columns
+    if not others:
+        return first
+    joined = TrendColumn(first=first.first, last=first.last)
+    for column in columns:
+        joined.merge(column)
+    return joined
+
+
+def _date(day: int) -> str:
+    return _time(day * _DAY_NS, "%Y-%m-%d")
+
+
+def _time(stamp_ns: int, form: str) -> str:
+    return f"{_EPOCH + timedelta(microseconds=stamp_ns // 1000):{form}}"
+
 
 MOST_ROWS = 100
 """Recordings, failures and notices that are kept; the others are counted."""

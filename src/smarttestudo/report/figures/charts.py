@@ -1,18 +1,25 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rates and bandwidth over time: topic by topic, and all together against a budget."""
+"""Figures of topics: rates and bandwidth over time, times between messages, messages against accuracy."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import FixedLocator, LogLocator, NullLocator
 
 from smarttestudo.bags.incident_mark import IncidentMark
-from smarttestudo.report.axes import tick_label
+from smarttestudo.bags.statistics import IntervalBin
+from smarttestudo.report.accuracy_curve import Sent, accuracy_chart
+from smarttestudo.report.axes import LogScale, tick_label
 from smarttestudo.report.figures.styles import (
     AFTER,
     BEFORE,
@@ -28,7 +35,7 @@ from smarttestudo.report.figures.styles import (
     rule_line,
 )
 from smarttestudo.report.rule_timeline import DEFAULTS, styles_of
-from smarttestudo.report.run_report import RunReport
+from smarttestudo.report.run_report import RunReport, charted_series
 from smarttestudo.report.styles import ON_PAPER
 from smarttestudo.report.summary import bandwidth_text
 from smarttestudo.report.time_chart import (
@@ -238,3 +245,127 @@ def _run_handles(report: RunReport) -> Iterator[Artist]:
         yield handle(name, style)
     if report.incident is not None:
         yield handle(report.incident.name, INCIDENT)
+
+
+_MS_PER_S = 1000.0
+_HALF_A_DECADE = math.sqrt(10.0)
+_WIDE = 50.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _BarStyle:
+    face: str
+    edge: str
+    width: float
+    hatch: str
+
+
+_BEFORE_BARS = _BarStyle(face="#b9c0ca", edge="#b9c0ca", width=0.3, hatch="")
+_AFTER_BARS = _BarStyle(face="none", edge=INK, width=0.8, hatch="/////")
+
+
+def intervals_figure(report: RunReport) -> Figure | None:
+    """A histogram for each topic, over a logarithmic axis of the time between messages."""
+    shown = [one for one in charted_series(report) if one.before.intervals or one.after.intervals]
+    if not shown:
+        return None
+    rows = -(-len(shown) // _COLUMNS)
+    figure = Figure(figsize=(_WIDTH_IN, rows * _ROW_IN + _MARGIN_IN), layout="constrained")
+    grid = figure.subplots(rows, min(_COLUMNS, len(shown)), squeeze=False)
+    for axes, one in zip(grid.flat, shown, strict=False):
+        axes.set_title(plain(one.topic), fontsize=7)
+        _bars(axes, one.before.intervals, _BEFORE_BARS)
+        _bars(axes, one.after.intervals, _AFTER_BARS)
+        _scale_intervals(axes)
+    for axes in grid.flat[len(shown) :]:
+        axes.set_axis_off()
+    figure.supxlabel("Time between two messages in ms", fontsize=8)
+    figure.supylabel("Share of all in %", fontsize=8)
+    if report.is_pair:
+        handles = [
+            _bar_handle(report.names.before, _BEFORE_BARS),
+            _bar_handle(report.names.after, _AFTER_BARS),
+        ]
+        figure.legend(handles=handles, loc="outside upper right", ncols=2)
+    return figure
+
+
+def _bars(axes: Axes, bins: Sequence[IntervalBin], style: _BarStyle) -> None:
+    count = sum(one.count for one in bins)
+    axes.bar(
+        [one.from_s * _MS_PER_S for one in bins],
+        [100 * one.count / count for one in bins],
+        width=[(one.to_s - one.from_s) * _MS_PER_S for one in bins],
+        align="edge",
+        facecolor=style.face,
+        edgecolor=style.edge,
+        linewidth=style.width,
+        hatch=style.hatch,
+    )
+
+
+def _scale_intervals(axes: Axes) -> None:
+    """A logarithmic axis of at least a decade, with few labels."""
+    axes.set_xscale("log")
+    low, high = axes.get_xlim()
+    middle = math.sqrt(low * high)
+    low, high = min(low, middle / _HALF_A_DECADE), max(high, middle * _HALF_A_DECADE)
+    axes.set_xlim(low, high)
+    is_wide = high / low > _WIDE
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if is_wide else (1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_locator(NullLocator())
+
+
+def _bar_handle(name: str, style: _BarStyle) -> Patch:
+    return Patch(
+        facecolor=style.face,
+        edgecolor=style.edge,
+        linewidth=style.width,
+        hatch=style.hatch,
+        label=plain(name),
+    )
+
+
+_SIZE_IN = (7.2, 2.6)
+_RECKONED = (0, (3.0, 2.0))
+_MARK = 3.0
+_SAMPLE_LENGTH = 5.0
+
+
+def accuracy_figure(report: RunReport) -> Figure | None:
+    """The worst error of the robot's position over the messages that it takes, on logarithmic axes."""
+    chart = None if report.accuracy_curve is None else accuracy_chart(report.accuracy_curve)
+    if chart is None:
+        return None
+    figure = Figure(figsize=_SIZE_IN, layout="constrained")
+    axes = figure.subplots()
+    axes.set_title(plain(chart.name))
+    for line in chart.lines:
+        style = AFTER if line.sent is Sent.WITHIN else BEFORE
+        axes.plot(
+            [messages for messages, _ in line.points],
+            [error for _, error in line.points],
+            color=style.colour,
+            linewidth=style.width,
+            linestyle=_RECKONED if line.reckons else style.dash,
+            marker="o",
+            markersize=_MARK,
+            label=line.name,
+        )
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    _scale(axes.xaxis, chart.messages)
+    _scale(axes.yaxis, chart.errors)
+    axes.set_xlim(chart.messages.low, chart.messages.high)
+    axes.set_ylim(chart.errors.low, chart.errors.high)
+    axes.set_xlabel("Messages")
+    axes.set_ylabel(f"Worst error in {plain(chart.unit)}" if chart.unit else "Worst error")
+    axes.legend(fontsize=7, handlelength=_SAMPLE_LENGTH)
+    return figure
+
+
+def _scale(axis: Axis, scale: LogScale) -> None:
+    axis.set_major_locator(FixedLocator(scale.ticks))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_locator(NullLocator())
