@@ -11,6 +11,7 @@ from typing import Annotated
 
 from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.domain.record import JsonEntry, derived
+from smarttestudo.domain.record import JsonEntry, derived, to_columns
 
 
 class View(Enum):
@@ -85,17 +86,36 @@ class AccuracyComparison:
         for arm in self.arms:
             for topic, passed in arm.topics.items():
                 for name, one in passed.properties.items():
-                    yield {
-                        "name": arm.name,
-                        "shows": arm.view.value,
-                        "all_bytes": arm.size_bytes,
-                        "topic": topic,
-                        "messages": passed.messages,
-                        "bytes": passed.size_bytes,
-                        "property": name,
-                        "unit": one.unit,
-                        "rmse": one.rmse,
-                        "worst": one.worst,
-                        "bounds": list(one.bounds),
-                        "broken": one.broken,
-                    }
+                    row = AccuracyRow(
+                        name=arm.name,
+                        view=arm.view,
+                        all_bytes=arm.size_bytes,
+                        topic=topic,
+                        messages=passed.messages,
+                        size_bytes=passed.size_bytes,
+                        property_name=name,
+                        unit=one.unit,
+                        rmse=one.rmse,
+                        worst=one.worst,
+                        bounds=one.bounds,
+                        broken=one.broken,
+                    )
+                    yield to_columns(row)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AccuracyRow:
+    """A property of a topic by one way of choosing what passes, as a row."""
+
+    name: str
+    view: Annotated[View, JsonEntry(name="shows")]
+    all_bytes: int
+    topic: str
+    messages: int
+    size_bytes: Annotated[int, JsonEntry(name="bytes")]
+    property_name: Annotated[str, JsonEntry(name="property")]
+    unit: str
+    rmse: float | None
+    worst: float | None
+    bounds: tuple[float, ...]
+    broken: int

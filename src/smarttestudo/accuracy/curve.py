@@ -17,7 +17,7 @@ from smarttestudo.accuracy.accuracy_curve import (
     accuracy_wanted,
     geometry_of,
 )
-from smarttestudo.accuracy.loss_report import Age, FieldError, error_columns
+from smarttestudo.accuracy.loss_report import Age, ErrorSize, FieldError
 from smarttestudo.accuracy.measure import age_of
 from smarttestudo.accuracy.reconstruction import field_error
 from smarttestudo.accuracy.recorded_samples import (
@@ -33,6 +33,7 @@ from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import RATE_STEP_HZ
 from smarttestudo.domain.record import JsonEntry, derived
+from smarttestudo.domain.record import JsonEntry, to_columns
 from smarttestudo.domain.recording import types_of_topics
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.optimizer.profiling import TierProposal, rounded
@@ -166,9 +167,29 @@ class LossCurve:
         """One row for each rate and field, for ``--csv``."""
         for point in self.points:
             for field, error in zip(self.fields, point.errors, strict=True):
-                row: dict[str, object] = {"topic": self.topic, "field": field.name, "unit": field.unit}
-                row |= {"hz": point.rate_hz, "kb_per_s": point.kb_per_s}
-                yield row | error_columns(error)
+                row = CurveRow(
+                    topic=self.topic,
+                    field=field.name,
+                    unit=field.unit,
+                    rate_hz=point.rate_hz,
+                    kb_per_s=point.kb_per_s,
+                    hold=error.hold if error else None,
+                    interpolated=error.interpolated if error else None,
+                )
+                yield to_columns(row)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CurveRow:
+    """A field at one rate as a row."""
+
+    topic: str
+    field: str
+    unit: str
+    rate_hz: Annotated[float, JsonEntry(name="hz")]
+    kb_per_s: float
+    hold: ErrorSize | None
+    interpolated: ErrorSize | None
 
 
 def loss_curve(samples: TopicSamples, end_ns: int) -> LossCurve | None:

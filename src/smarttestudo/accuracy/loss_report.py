@@ -11,6 +11,7 @@ from typing import Annotated
 
 from smarttestudo.accuracy.bounds import BoundLoss
 from smarttestudo.domain.record import JsonEntry, to_json
+from smarttestudo.domain.record import JsonEntry, to_columns, to_json
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,18 +34,6 @@ class FieldError:
 
     hold: ErrorSize
     interpolated: ErrorSize
-
-
-def error_columns(error: FieldError | None) -> dict[str, object]:
-    """The columns of an error in ``--csv``, empty where there is none."""
-    return {
-        f"{way}_{key}": to_json(size)[key] if size else None
-        for way, size in (
-            ("hold", error.hold if error else None),
-            ("interpolated", error.interpolated if error else None),
-        )
-        for key in ("rmse", "max", "relative_rmse", "relative_max")
-    }
 
 
 _POSITION = ("pose_x", "pose_y", "pose_z")
@@ -196,11 +185,27 @@ class LossReport:
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each field, for ``--csv``."""
         for loss in self.fields:
-            row: dict[str, object] = {"topic": loss.topic, "field": loss.field, "unit": loss.unit}
-            row["range"] = loss.value_range
-            for arm, error in (("b", loss.received), ("fixed", loss.fixed)):
-                row |= {f"{arm}_{key}": value for key, value in error_columns(error).items()}
-            yield row
+            row = LossRow(
+                topic=loss.topic,
+                field=loss.field,
+                unit=loss.unit,
+                value_range=loss.value_range,
+                b=loss.received,
+                fixed=loss.fixed,
+            )
+            yield to_columns(row)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LossRow:
+    """A field as a row: the errors of B's data and at fixed rates."""
+
+    topic: str
+    field: str
+    unit: str
+    value_range: Annotated[float, JsonEntry(name="range")]
+    b: FieldError | None
+    fixed: FieldError | None
 
 
 def _distance_m(errors: Mapping[str, FieldError | None]) -> float | None:

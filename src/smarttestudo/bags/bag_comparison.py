@@ -12,6 +12,7 @@ from smarttestudo.bags.bag_summary import BagSummary, BagTotal
 from smarttestudo.bags.comparison import Comparison, compare
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.record import JsonEntry, derived
+from smarttestudo.domain.record import to_columns, to_json
 from smarttestudo.domain.units import grouped
 
 _MUCH_SHORTER = 0.9
@@ -83,16 +84,31 @@ class BagComparison:
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each pair, for ``--csv``."""
         for pair in self.comparison.topics:
-            yield {
-                "topic": pair.topic,
-                "b_topic": pair.after_topic,
-                "a_hz": pair.before.binned_hz if pair.before else None,
-                "b_hz": pair.after.binned_hz if pair.after else None,
-                "change_percent": pair.change_percent,
-                "a_kb_per_s": pair.before.kb_per_s if pair.before else None,
-                "b_kb_per_s": pair.after.kb_per_s if pair.after else None,
-                "bandwidth_change_percent": pair.bandwidth_change_percent,
-            }
+            row = ComparisonRow(
+                topic=pair.topic,
+                b_topic=pair.after_topic,
+                a_hz=pair.before.binned_hz if pair.before else None,
+                b_hz=pair.after.binned_hz if pair.after else None,
+                change_percent=pair.change_percent,
+                a_kb_per_s=pair.before.kb_per_s if pair.before else None,
+                b_kb_per_s=pair.after.kb_per_s if pair.after else None,
+                bandwidth_change_percent=pair.bandwidth_change_percent,
+            )
+            yield to_columns(row)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComparisonRow:
+    """A topic of two recordings as a row."""
+
+    topic: str
+    b_topic: str | None
+    a_hz: float | None
+    b_hz: float | None
+    change_percent: float | None
+    a_kb_per_s: float | None
+    b_kb_per_s: float | None
+    bandwidth_change_percent: float | None
 
 
 def compare_bags(a: BagSummary, b: BagSummary, mapping: Mapping[str, str]) -> BagComparison:

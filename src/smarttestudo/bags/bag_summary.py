@@ -10,7 +10,7 @@ from typing import Annotated
 
 from smarttestudo.bags.statistics import Latency, RecordingSpan, TopicStatistics
 from smarttestudo.domain.incident import IncidentRecord
-from smarttestudo.domain.record import JsonEntry, derived, to_json
+from smarttestudo.domain.record import JsonEntry, derived, to_columns, to_json
 from smarttestudo.domain.recording import Storage
 from smarttestudo.domain.units import utc_time
 
@@ -122,4 +122,30 @@ class BagSummary:
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each topic, for ``--csv``."""
         for topic in self.topics:
-            yield {"bag": self.name, "topic": topic.name, **to_json(topic)}
+            row = RecordedTopicRow(
+                bag=self.name,
+                topic=topic.name,
+                type_name=topic.type_name,
+                qos=topic.qos,
+                statistics=topic.statistics,
+                kbit_per_s=topic.statistics.kbit_per_s,
+                longest_gap_s=topic.longest_gap_s,
+                jitter_s=topic.jitter_s,
+                latency=topic.latency,
+            )
+            yield to_columns(row)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedTopicRow:
+    """A topic of a recording as a row; without ``latency`` where nobody asked for it."""
+
+    bag: str
+    topic: str
+    type_name: Annotated[str, JsonEntry(name="type")]
+    qos: str
+    statistics: Annotated[TopicStatistics, JsonEntry(is_merged=True)]
+    kbit_per_s: float | None
+    longest_gap_s: float | None
+    jitter_s: float | None
+    latency: Annotated[Latency | None, JsonEntry(is_merged=True)]

@@ -10,8 +10,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from smarttestudo.bags.bag_summary import BagSummary
-from smarttestudo.bags.many.row_tables import RowTable
+from smarttestudo.bags.bag_summary import BagSummary, RecordedTopicRow
 from smarttestudo.bags.topic_selection import is_selected, select_topics
 from smarttestudo.cli import bag_figures
 from smarttestudo.cli.bag_options import add_topics_and_form, print_tables
@@ -24,6 +23,7 @@ from smarttestudo.cli.recordings import (
     each_recording,
     recordings_asked,
 )
+from smarttestudo.domain.record import column_types
 from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_S, counted, grouped
 from smarttestudo.report import bag_tables
 from smarttestudo.report.table import Table
@@ -82,7 +82,7 @@ def _run_summary(arguments: argparse.Namespace) -> int:
 class _Summaries(RecordingCommand[BagSummary]):
     """``info``, ``rates`` and ``bandwidth`` of recordings, and the sum of all."""
 
-    table = RowTable.TOPICS
+    table = "topics"
     is_named_by_text = True
 
     def __init__(
@@ -113,6 +113,10 @@ class _Summaries(RecordingCommand[BagSummary]):
         self._size_bytes += result.total.size_bytes
         self._duration_s += result.span.duration_s
         return result
+
+    def columns(self) -> Mapping[str, Any]:
+        """The columns of a topic."""
+        return {"bag": str, "recorded_at": datetime, **column_types(RecordedTopicRow)}
 
     def print_text(self, result: BagSummary) -> None:
         """A table of the topics."""

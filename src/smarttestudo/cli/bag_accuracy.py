@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from smarttestudo.accuracy.comparison import View
-from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.cli.bag_options import (
     add_form,
     print_incident,
@@ -30,6 +29,7 @@ from smarttestudo.cli.recordings import (
 )
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.record import column_types
 from smarttestudo.report.accuracy_tables import accuracy_sentences, accuracy_tables
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_sets import load_rules
@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
 class _Accuracies(RecordingCommand["AccuracyComparison"]):
     """Errors of the operator's picture of recordings, under rules and at fixed rates."""
 
-    table = RowTable.ACCURACIES
+    table = "accuracies"
 
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> AccuracyComparison:
@@ -115,6 +115,12 @@ class _Accuracies(RecordingCommand["AccuracyComparison"]):
                 remedy="bound a property with KeepWithin, or relay odometry, poses, frames or joints",
             )
         return comparison
+
+    def columns(self) -> Mapping[str, Any]:
+        """The columns of a property."""
+        from smarttestudo.accuracy.comparison import AccuracyRow  # noqa: PLC0415  needs packages a robot lacks
+
+        return column_types(AccuracyRow)
 
     def print_text(self, result: AccuracyComparison) -> None:
         """A table of each topic, and what they say in sentences."""

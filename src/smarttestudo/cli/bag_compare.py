@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from typing import Any
 
-from smarttestudo.bags.bag_comparison import BagComparison, compare_bags
+from smarttestudo.bags.bag_comparison import BagComparison, ComparisonRow, compare_bags
 from smarttestudo.bags.incident_mark import incident_subtitles
-from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.cli import bag_figures
 from smarttestudo.cli.bag import measured
@@ -19,6 +19,7 @@ from smarttestudo.cli.output import write_line, write_lines
 from smarttestudo.cli.progress import Progress
 from smarttestudo.cli.recording_options import add_pair, add_several
 from smarttestudo.cli.recordings import RecordingCommand, each_recording, pairs_asked
+from smarttestudo.domain.record import column_types
 from smarttestudo.report import comparison_tables
 from smarttestudo.report.table import Table
 
@@ -49,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
 class _Comparisons(RecordingCommand[BagComparison]):
     """``compare`` of pairs of recordings."""
 
-    table = RowTable.COMPARISONS
+    table = "comparisons"
     is_named_by_text = True
 
     @staticmethod
@@ -64,6 +65,10 @@ class _Comparisons(RecordingCommand[BagComparison]):
             return compared
         place = f"{a.name}, {b.name}"
         return compared.only(select_topics(arguments.topics, compared.names, place=place))
+
+    def columns(self) -> Mapping[str, Any]:
+        """The columns of a topic."""
+        return column_types(ComparisonRow)
 
     def print_text(self, result: BagComparison) -> None:
         """The recordings' names, and a table of each quantity."""

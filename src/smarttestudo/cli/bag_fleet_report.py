@@ -9,12 +9,11 @@ import hashlib
 import os
 import re
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from smarttestudo import __version__
-from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, is_url
 from smarttestudo.cli.bag_figures import print_written
 from smarttestudo.cli.bag_options import topic_mapping
@@ -23,6 +22,7 @@ from smarttestudo.cli.recordings import Asked, RecordingCommand, each_recording,
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.record import to_json
+from smarttestudo.domain.record import column_types
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.files.whole_file import whole_file
 from smarttestudo.rules.rule_files import rule_files_named, sha256_of
@@ -77,7 +77,7 @@ def _refuse_options_of_one(arguments: argparse.Namespace) -> None:
 class _Recordings(RecordingCommand["RecordingNumbers"]):
     """The numbers of each recording, and all of them added up."""
 
-    table = RowTable.REPORTS
+    table = "reports"
     prints_each = False
 
     def __init__(self, arguments: argparse.Namespace) -> None:
@@ -111,6 +111,12 @@ class _Recordings(RecordingCommand["RecordingNumbers"]):
                     profile=arguments.loaded_profile,
                 )
             )
+
+    def columns(self) -> Mapping[str, Any]:
+        """The columns of a topic."""
+        from smarttestudo.report.fleet.numbers import ReportRow  # noqa: PLC0415  needs packages a robot lacks
+
+        return column_types(ReportRow)
 
     def print_text(self, result: RecordingNumbers) -> None:
         """Nothing: it is on the page."""

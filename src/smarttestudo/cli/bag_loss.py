@@ -7,11 +7,11 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from smarttestudo.accuracy.bounds import bounded_topics, needs_decisions
-from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.cli.bag_options import (
     add_map,
     add_predict,
@@ -36,6 +36,7 @@ from smarttestudo.cli.recordings import (
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.record import column_types
 from smarttestudo.language.properties import ARRIVAL_PROPERTIES, is_field_path
 from smarttestudo.loop.decision_log import read_decisions
 from smarttestudo.report.accuracy_tables import accuracy_table
@@ -124,7 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
 class _Losses(RecordingCommand["LossReport"]):
     """Losses between recordings as sent and as received."""
 
-    table = RowTable.LOSSES
+    table = "losses"
     is_named_by_text = True
 
     @staticmethod
@@ -145,6 +146,12 @@ class _Losses(RecordingCommand["LossReport"]):
                 profile=profile,
             )
             return measure_loss(arguments.a, arguments.b, question, report)
+
+    def columns(self) -> Mapping[str, Any]:
+        """The columns of a field."""
+        from smarttestudo.accuracy.loss_report import LossRow  # noqa: PLC0415  as above
+
+        return column_types(LossRow)
 
     def print_text(self, result: LossReport) -> None:
         """The recordings' names, and a table of each kind of loss."""
@@ -181,7 +188,7 @@ def _refuse_options_of_pairs(arguments: argparse.Namespace) -> None:
 class _Curves(RecordingCommand["LossCurves"]):
     """Losses of recordings at each rate."""
 
-    table = RowTable.CURVES
+    table = "curves"
 
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> LossCurves:
@@ -197,6 +204,12 @@ class _Curves(RecordingCommand["LossCurves"]):
                 with_accuracy=not arguments.csv,
                 report=report,
             )
+
+    def columns(self) -> Mapping[str, Any]:
+        """The columns of a field at a rate."""
+        from smarttestudo.accuracy.curve import CurveRow  # noqa: PLC0415  as above
+
+        return column_types(CurveRow)
 
     def print_text(self, result: LossCurves) -> None:
         """The tables of each topic."""

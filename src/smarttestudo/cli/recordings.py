@@ -12,9 +12,8 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Se
 from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, cast
 
-from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.bags.remote_path import RemotePath, is_remote
 from smarttestudo.cli.bag_options import CsvPrinter, print_json, print_notice, print_notices
 from smarttestudo.cli.output import write_line, write_lines
@@ -52,8 +51,8 @@ Result = TypeVar("Result", bound=Measured)
 class RecordingCommand(ABC, Generic[Result]):
     """A command over recordings, one after the other."""
 
-    table: RowTable
-    """The table that ``--parquet`` adds to."""
+    table: str
+    """The table that ``--parquet`` adds to, by the name of its folder."""
     is_named_by_text = False
     """Whether ``print_text`` says which recording it is about."""
     prints_each = True
@@ -79,6 +78,10 @@ class RecordingCommand(ABC, Generic[Result]):
     def rows(self, result: Result) -> Iterable[Mapping[str, object]]:
         """Rows that ``--parquet`` adds."""
         return result.rows()
+
+    @abstractmethod
+    def columns(self) -> Mapping[str, Any]:
+        """The types of the columns of ``rows``."""
 
     def finish(self, arguments: argparse.Namespace) -> None:
         """Do what follows once a recording was printed."""
@@ -316,7 +319,9 @@ class _Output(Generic[Result]):
         print_notices(self._noted(one, notice) for notice in self._command.notices(result))
         if self._parquet is not None:
             names = {name: str(path) for name, path in recordings_in(vars(one)).items()}
-            self._parquet.add(self._command.table, ({**names, **row} for row in self._command.rows(result)))
+            rows = ({**names, **row} for row in self._command.rows(result))
+            columns = {**dict.fromkeys(names, str), **self._command.columns()}
+            self._parquet.add(self._command.table, columns, rows)
         self._command.finish(one)
 
     def _noted(self, one: argparse.Namespace, notice: str) -> str:

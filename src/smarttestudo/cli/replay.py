@@ -6,13 +6,12 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from smarttestudo import __version__
-from smarttestudo.bags.many.row_tables import RowTable
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.loop_options import add_rules, given_value
@@ -33,6 +32,7 @@ from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.record import column_types
 from smarttestudo.domain.recording import RecordingReader, Storage, types_of_topics
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import make_folder, require_separate
@@ -42,7 +42,7 @@ from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.decision_log import decision_log
 from smarttestudo.loop.input_log import holds_inputs
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.replays.outcome import ReplayOutcome
+from smarttestudo.replays.outcome import ReplayOutcome, TopicOutcome
 from smarttestudo.report.replay_tables import bounds_table, rates_table, volume_table
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_files import rule_files_named
@@ -160,7 +160,7 @@ def _with_outputs(arguments: argparse.Namespace, asked: Sequence[AskedOne]) -> l
 class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
     """Replays of recordings, or of recorded inputs."""
 
-    table = RowTable.REPLAYS
+    table = "replays"
 
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> ReplayOutcome | InputsOutcome:
@@ -177,6 +177,10 @@ class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
             rules = load_rules(arguments.rules, profile=profile, bag_topics=bag_topics)
             rules.refuse_errors()
             return _replay(arguments, recording, profile or Profile(), rules, progress)
+
+    def columns(self) -> Mapping[str, Any]:
+        """The columns of a topic."""
+        return {"topic": str, **column_types(TopicOutcome)}
 
     def print_text(self, result: ReplayOutcome | InputsOutcome) -> None:
         """The rates, the bounds and the volume, or the decisions over inputs."""
@@ -334,7 +338,7 @@ def _report(
         title=f"Replay of {arguments.bag.resolve().name}",
         explanation=_EXPLANATION,
         mapping=output_topics,
-        topics=tuple(output_topics or outcome.topics),
+        topics=tuple(output_topics),
         rule_set=rules.rule_set,
         rule_texts=rules.texts,
         decisions=decisions,

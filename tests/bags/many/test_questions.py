@@ -21,8 +21,10 @@ import pytest
 from bags.many.commands import COMMANDS, Command
 from bags.many.fleet_factory import write_fleet
 from docs.code_blocks import blocks_of
-from smarttestudo.bags.many.row_tables import OF_EACH_TABLE, RowTable
+from smarttestudo.bags.many.parquet import OF_EACH_TABLE
 from smarttestudo.cli.main import main
+from smarttestudo.domain.record import column_types
+from smarttestudo.report.fleet.numbers import ReportRow
 
 pytestmark = pytest.mark.full
 
@@ -153,14 +155,20 @@ def test_runs_that_add_at_once_lose_nothing(answered: Path, tmp_path: Path) -> N
     assert {path.suffix for path in (tmp_path / "topics").iterdir()} == {".parquet"}
 
 
+def columns_on_the_page() -> dict[str, list[str]]:
+    page = (ROOT / PAGE).read_text(encoding="utf-8").partition("## The tables")[2]
+    rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| `")]
+    return {row[0].strip("| `"): [cell.strip("` |") for cell in row[2].split(", ")] for row in rows}
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_the_columns_of_csv_have_the_same_values(command: str, testudo: Command, fleet: Path) -> None:
     arguments = command.replace("{}", "a").split()
     testudo(*arguments, "--parquet", "numbers")
     (folder,) = (fleet / "numbers").iterdir()
-    columns = RowTable(folder.name).columns
     all_of_it = f"SELECT * FROM '{folder}/*.parquet'"
-    assert [name for name, *_ in ask(f"DESCRIBE {all_of_it}", fleet)] == list(columns)
+    columns = [name for name, *_ in ask(f"DESCRIBE {all_of_it}", fleet)]
+    assert columns == [*OF_EACH_TABLE, *columns_on_the_page()[folder.name]]
     if arguments[0] == "replay":
         return
     rows = testudo(*arguments, "--csv").csv
@@ -176,13 +184,8 @@ def test_the_columns_of_csv_have_the_same_values(command: str, testudo: Command,
     assert shown == rows
 
 
-def test_the_page_has_every_column(answered: Path) -> None:
-    page = (ROOT / PAGE).read_text(encoding="utf-8").partition("## The tables")[2]
-    rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| `")]
-    named = {row[0].strip("| `"): [cell.strip("` |") for cell in row[2].split(", ")] for row in rows}
-    assert named == {
-        table.value: [name for name in table.columns if name not in OF_EACH_TABLE] for table in RowTable
-    }
+def test_the_page_has_every_column_of_reports() -> None:
+    assert columns_on_the_page()["reports"] == list(column_types(ReportRow))
 
 
 def test_tables_are_not_put_into_a_recording(testudo: Command, fleet: Path) -> None:

@@ -8,23 +8,25 @@ import uuid
 from collections.abc import Iterable, Mapping
 from datetime import datetime, timezone
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from smarttestudo import __version__
-from smarttestudo.bags.many.row_tables import ColumnType, RowTable
 from smarttestudo.files.outputs import make_folder
 from smarttestudo.files.whole_file import whole_binary_file
 
-_TYPES: Mapping[ColumnType, pa.DataType] = {
-    ColumnType.TEXT: pa.string(),
-    ColumnType.WHOLE: pa.int64(),
-    ColumnType.NUMBER: pa.float64(),
-    ColumnType.NUMBERS: pa.list_(pa.float64()),
-    ColumnType.FLAG: pa.bool_(),
-    ColumnType.TIME: pa.timestamp("us", tz="UTC"),
+_TYPES: Mapping[Any, pa.DataType] = {
+    str: pa.string(),
+    int: pa.int64(),
+    float: pa.float64(),
+    tuple[float, ...]: pa.list_(pa.float64()),
+    bool: pa.bool_(),
+    datetime: pa.timestamp("us", tz="UTC"),
 }
+OF_EACH_TABLE: Mapping[str, Any] = {"run": str, "written_at": datetime, "version": str}
+"""The columns of every table: which command line wrote the row, when, and which SmartTestudo."""
 
 
 class ParquetFolder:
@@ -41,24 +43,26 @@ class ParquetFolder:
         self._run = uuid.uuid4().hex
         self._files = 0
 
-    def add(self, table: RowTable, rows: Iterable[Mapping[str, object]]) -> None:
-        """Add ``rows`` of one recording to ``table``. Raises ``TestudoError`` for what cannot be written."""
+    def add(self, table: str, columns: Mapping[str, Any], rows: Iterable[Mapping[str, object]]) -> None:
+        """Add ``rows`` of one recording to ``table``, with the types of their ``columns``.
+
+        Raises ``TestudoError`` for what cannot be written.
+        """
         common = {
             "run": self._run,
             "written_at": datetime.now(tz=timezone.utc),
             "version": __version__,
         }
-        columns = table.columns
-        schema = pa.schema([(name, _TYPES[of]) for name, of in columns.items()])
+        schema = pa.schema([(name, _TYPES[of]) for name, of in {**OF_EACH_TABLE, **columns}.items()])
         content = pa.Table.from_pylist([{**common, **_in_unicode(row)} for row in rows], schema=schema)
         if not content.num_rows:
             return
         sink = pa.BufferOutputStream()
         pq.write_table(content, sink, compression="zstd")
-        for folder in (self._folder, self._folder / table.value):
+        for folder in (self._folder, self._folder / table):
             make_folder(folder)
         self._files += 1
-        path = self._folder / table.value / f"{self._run}-{self._files:06}.parquet"
+        path = self._folder / table / f"{self._run}-{self._files:06}.parquet"
         with whole_binary_file(path, "the rows", must_be_new=True) as write:
             write(sink.getvalue().to_pybytes())
 

@@ -3,6 +3,8 @@
 """Records: dataclasses as JSON and back, as the types of their fields say."""
 
 from smarttestudo.domain.record.codec import entries_of, from_json, measured_names, to_json
+from smarttestudo.domain.record.codec import JsonObject, from_json, measured_names, to_json
+from smarttestudo.domain.record.columns import column_types, to_columns
 from smarttestudo.domain.record.entry import (
     AtMost,
     Count,
@@ -25,6 +27,7 @@ __all__ = [
     "Mark",
     "Measured",
     "Significant",
+    "column_types",
     "derived",
     "derived_entry",
     "entries_of",
@@ -32,5 +35,6 @@ __all__ = [
     "json_name",
     "marks",
     "measured_names",
+    "to_columns",
     "to_json",
 ]

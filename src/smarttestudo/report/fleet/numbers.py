@@ -10,6 +10,7 @@ from datetime import datetime, timezone
 from typing import Annotated
 
 from smarttestudo.domain.record import JsonEntry, derived
+from smarttestudo.domain.record import JsonEntry, to_columns, to_json
 from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.report.summary import PositionError
 
@@ -117,21 +118,41 @@ class RecordingNumbers:
         recorded_at = None if self.is_empty else began_at
         for one in self.topics:
             got = one.received
-            yield {
-                "a": self.a,
-                "b": self.b,
-                "robot": self.robot,
-                "recorded_at": recorded_at,
-                "duration_s": self.duration_s,
-                "topic": one.topic,
-                "messages": one.messages,
-                "bytes": one.size_bytes,
-                "received_messages": got.messages if got else None,
-                "received_bytes": got.size_bytes if got else None,
-                "lost_messages": one.lost if got else None,
-                "age_mean_s": got.age_mean_s if got else None,
-                "age_max_s": got.age_max_s if got else None,
-            }
+            row = ReportRow(
+                a=self.a,
+                b=self.b,
+                robot=self.robot,
+                recorded_at=recorded_at,
+                duration_s=self.duration_s,
+                topic=one.topic,
+                messages=one.messages,
+                size_bytes=one.size_bytes,
+                received_messages=got.messages if got else None,
+                received_bytes=got.size_bytes if got else None,
+                lost_messages=one.lost if got else None,
+                age_mean_s=got.age_mean_s if got else None,
+                age_max_s=got.age_max_s if got else None,
+            )
+            yield to_columns(row)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportRow:
+    """A topic of a recording or a pair as a row."""
+
+    a: str
+    b: str | None
+    robot: str
+    recorded_at: datetime
+    duration_s: float
+    topic: str
+    messages: int
+    size_bytes: Annotated[int, JsonEntry(name="bytes")]
+    received_messages: int | None
+    received_bytes: int | None
+    lost_messages: int | None
+    age_mean_s: float | None
+    age_max_s: float | None
 
 
 def percent(part: float, whole: float) -> float | None:
