@@ -17,6 +17,7 @@ from smarttestudo.accuracy.accuracy_curve import (
     FixedPicture,
     Motion,
 )
+from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost, Motion
 from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.accuracy.loss_report import (
     Age,
@@ -190,10 +191,7 @@ def small_report() -> RunReport:
 
     report = demo_like_report()
     return replace(
-        report,
-        series=tuple(map(series, report.series)),
-        total=series(report.total),
-        path=report.path[::51],
+        report, series=tuple(map(series, report.series)), total=series(report.total), path=report.path[::51]
     )
 
 

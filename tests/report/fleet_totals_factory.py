@@ -8,12 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.report.fleet.numbers import (
-    Received,
-    RecordingNumbers,
-    RuleNumbers,
-    TopicNumbers,
-)
+from smarttestudo.report.fleet.numbers import Received, RecordingNumbers, RuleNumbers, TopicNumbers
 from smarttestudo.report.fleet.page import FleetReport, OwnReport
 from smarttestudo.report.fleet.totals import FleetTotals
 from smarttestudo.report.run_report import Fact

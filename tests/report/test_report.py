@@ -310,12 +310,7 @@ pages = st.builds(
         max_size=6,
     ).map(tuple),
     series=st.lists(
-        st.builds(
-            TopicSeries,
-            topic=st.sampled_from(["/a", "/c"]),
-            before=histories,
-            after=histories,
-        ),
+        st.builds(TopicSeries, topic=st.sampled_from(["/a", "/c"]), before=histories, after=histories),
         max_size=2,
     ).map(tuple),
 )

@@ -10,12 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from smarttestudo.accuracy.accuracy_curve import (
-    AccuracyCurve,
-    accuracies,
-    position_wanted,
-    readings_for,
-)
+from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, accuracies, position_wanted, readings_for
 from smarttestudo.accuracy.comparison import AccuracyComparison
 from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, ComparisonMeasurement

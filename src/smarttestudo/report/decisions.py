@@ -231,10 +231,7 @@ def decision_section(report: RunReport, rows: Sequence[Lane], styles: RuleStyles
         columns.append(_scrolling("Rules", list(_rule_files(report.rules))))
     heading = "What the rules decided" if rows else "The rules"
     return section(
-        heading,
-        *chart,
-        tag("div", *columns, class_="columns"),
-        explanation=_EXPLANATION if rows else "",
+        heading, *chart, tag("div", *columns, class_="columns"), explanation=_EXPLANATION if rows else ""
     )
 
 

@@ -148,9 +148,7 @@ class LinkHistoryBuilder:
         for name, told in _on_link(status):
             if (known := self._topic(name)) is not None:
                 known.before = StreamCounts(
-                    sent=-told.counts.sent,
-                    replaced=-told.counts.replaced,
-                    overflowed=-told.counts.overflowed,
+                    sent=-told.counts.sent, replaced=-told.counts.replaced, overflowed=-told.counts.overflowed
                 )
 
     def _topic(self, name: str) -> _Topic | None:

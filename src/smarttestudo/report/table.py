@@ -200,10 +200,7 @@ def plain_table(table: Table[Any], *, width: int | None = None) -> str:
     Only words give way, an ellipsis in their middle; numbers are never cut.
     """
     rows = table.texts()
-    heads = [
-        [visible(column.heading) for column in table.columns],
-        [column.unit for column in table.columns],
-    ]
+    heads = [[visible(column.heading) for column in table.columns], [column.unit for column in table.columns]]
     widths = [max(map(len, cells)) for cells in zip(*heads, *rows, strict=True)]
     if width is not None:
         _narrow(widths, table.columns, width)

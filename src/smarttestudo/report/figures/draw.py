@@ -28,10 +28,7 @@ from smarttestudo.report.run_report import FigureKind, RunReport
 
 _DPI = 200
 # Neither format may hold a date or a version, which would make each run's bytes differ.
-_METADATA: Mapping[str, dict[str, None]] = {
-    "png": {"Software": None},
-    "svg": {"Date": None, "Creator": None},
-}
+_METADATA: Mapping[str, dict[str, None]] = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}
 
 
 _DRAWN: Mapping[FigureKind, Callable[[RunReport], Figure | None]] = {

@@ -125,9 +125,7 @@ def _measure(question: RecordingQuestion, path: Path) -> _Measured:
         return _Measured(path=path, summary=measure_bag(path, lambda _: None), traces={})
     run = measure_run(path, lambda _: None, with_places=False)
     return _Measured(
-        path=path,
-        summary=run.summary,
-        traces={name: counter.trace for name, counter in run.topics.items()},
+        path=path, summary=run.summary, traces={name: counter.trace for name, counter in run.topics.items()}
     )
 
 

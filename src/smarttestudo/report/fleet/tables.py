@@ -19,15 +19,7 @@ from smarttestudo.report.fleet.numbers import (
 )
 from smarttestudo.report.fleet.totals import MOST_ROWS, FleetTotals
 from smarttestudo.report.summary import volume_unit
-from smarttestudo.report.table import (
-    WHOLE,
-    Column,
-    Table,
-    decimals,
-    measured,
-    percent_number,
-    percent_text,
-)
+from smarttestudo.report.table import WHOLE, Column, Table, decimals, measured, percent_number, percent_text
 
 DEFAULTS = "Defaults"
 _S_PER_H = 3600
