@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 
-from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost
+from smarttestudo.accuracy.accuracy_curve import AccuracyCurve
 from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.domain.units import grouped
 from smarttestudo.report.accuracy_tables import accuracy_table
@@ -79,10 +79,15 @@ def accuracy_chart(curve: AccuracyCurve) -> AccuracyChart | None:
 
     Where every message passes there is none, which has no place on a logarithmic axis.
     """
+    held = [point.hold for point in curve.points]
+    reckoned = [point.reckoned for point in curve.points if point.reckoned is not None]
     lines = [
-        AccuracyLine(sent=sent, reckons=reckons, points=_points(curve.points, cost, error))
-        for reckons, cost in ((False, _hold), (True, _reckoned))
-        for sent, error in ((Sent.FIXED, _fixed), (Sent.WITHIN, _within))
+        AccuracyLine(sent=sent, reckons=reckons, points=_points(errors))
+        for reckons, costs in ((False, held), (True, reckoned))
+        for sent, errors in (
+            (Sent.FIXED, [cost.fixed for cost in costs]),
+            (Sent.WITHIN, [cost.within for cost in costs]),
+        )
     ]
     shown = tuple(line for line in lines if line.points)
     if not shown:
@@ -97,31 +102,9 @@ def accuracy_chart(curve: AccuracyCurve) -> AccuracyChart | None:
     )
 
 
-def _points(
-    points: Iterable[AccuracyPoint],
-    cost: Callable[[AccuracyPoint], BoundCost | None],
-    error: Callable[[BoundCost], PacedPicture],
-) -> tuple[tuple[int, float], ...]:
-    costs = (cost(point) for point in points)
-    errors = (error(one) for one in costs if one is not None)
+def _points(errors: Iterable[PacedPicture]) -> tuple[tuple[int, float], ...]:
     known = {(one.messages, one.worst) for one in errors if _LEAST < one.worst < math.inf}
     return tuple(sorted(known, key=lambda point: (point[0], -point[1])))
-
-
-def _hold(point: AccuracyPoint) -> BoundCost:
-    return point.hold
-
-
-def _reckoned(point: AccuracyPoint) -> BoundCost | None:
-    return point.reckoned
-
-
-def _fixed(cost: BoundCost) -> PacedPicture:
-    return cost.fixed
-
-
-def _within(cost: BoundCost) -> PacedPicture:
-    return cost.within
 
 
 _TOP, _HEIGHT, _BOTTOM = 22.0, 220.0, 44.0

@@ -16,7 +16,6 @@ from smarttestudo.report.markup import Markup, name_parts, tag
 from smarttestudo.report.page import section
 from smarttestudo.report.rule_timeline import (
     DEFAULTS,
-    RuleSpan,
     RuleStyles,
     StyleSpan,
     block_at,
@@ -24,6 +23,7 @@ from smarttestudo.report.rule_timeline import (
     by_topic,
     deciding_block,
     deciding_spans,
+    styled,
 )
 from smarttestudo.report.run_report import RuleText, RunReport
 from smarttestudo.report.styles import MAX_LANES, row_class
@@ -49,7 +49,7 @@ class Lane:
 
 def lanes(decisions: Sequence[Decision], duration_s: float, styles: RuleStyles) -> tuple[Lane, ...]:
     """The rule that decided most topics, then each topic's rates; the topics with most changes if many."""
-    leading = _named_lane(deciding_spans(decisions, duration_s), styles)
+    leading = Lane(name=MOST_DECIDED, spans=styled(deciding_spans(decisions, duration_s), styles))
     groups = by_topic(decisions)
     busiest = set(sorted(groups, key=lambda topic: -len(groups[topic]))[: MAX_LANES - 1])
     own = [_topic_lane(topic, groups[topic], duration_s, styles) for topic in groups if topic in busiest]
@@ -72,21 +72,6 @@ def decision_chart(rows: Sequence[Lane], duration_s: float, incident: IncidentMa
         ),
         duration_s=duration_s,
         meaning="Rate given to each topic over time, in the colour of the rule that decided it",
-    )
-
-
-def _named_lane(spans: Sequence[RuleSpan], styles: RuleStyles) -> Lane:
-    return Lane(
-        name=MOST_DECIDED,
-        spans=tuple(
-            StyleSpan(
-                start_s=span.start_s,
-                end_s=span.end_s,
-                style=styles.of(span.block),
-                text=styles.of(span.block).name,
-            )
-            for span in spans
-        ),
     )
 
 
@@ -220,19 +205,20 @@ MAX_RULE_CHARACTERS = 30_000
 _EXPLANATION = "A decision changes the rate of a topic, because a rule begins or ceases to hold."
 
 
-def decision_section(report: RunReport, rows: Sequence[Lane], styles: RuleStyles) -> Markup:
+def decision_section(report: RunReport, styles: RuleStyles) -> Markup:
     """The decisions over time, then each of them beside the rules, as far as there are any."""
     chart, columns = [], []
-    if rows:
+    if report.decisions:
+        rows = lanes(report.decisions, report.duration_s, styles)
         drawing = decision_chart(rows, report.duration_s, report.incident)
         chart = [tag("figure", drawing, class_="chart timeline", data_chart="lanes")]
         columns.append(_scrolling("Decisions", [decision_list(report.decisions, styles)]))
     if report.rules:
         columns.append(_scrolling("Rules", list(_rule_files(report.rules))))
-    heading = "What the rules decided" if rows else "The rules"
-    return section(
-        heading, *chart, tag("div", *columns, class_="columns"), explanation=_EXPLANATION if rows else ""
-    )
+    content = (*chart, tag("div", *columns, class_="columns"))
+    if report.decisions:
+        return section("What the rules decided", *content, explanation=_EXPLANATION)
+    return section("The rules", *content)
 
 
 def _scrolling(heading: str, content: Sequence[Markup]) -> Markup:

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from smarttestudo.accuracy.comparison import AccuracyComparison
 from smarttestudo.accuracy.loss_report import LossReport
@@ -16,7 +15,7 @@ from smarttestudo.report.accuracy_curve import accuracy_curve_section
 from smarttestudo.report.accuracy_tables import accuracy_sentences, accuracy_tables
 from smarttestudo.report.axes import legend, line_entry
 from smarttestudo.report.comparison_tables import RunNames
-from smarttestudo.report.decisions import Lane, decision_section, lanes
+from smarttestudo.report.decisions import decision_section
 from smarttestudo.report.floor_map import FloorMap, draw_floor_map, floor_map
 from smarttestudo.report.link import link_section
 from smarttestudo.report.loss_tables import loss_tables
@@ -54,46 +53,25 @@ from smarttestudo.report.time_chart import Run, TimeChart, rate_charts, stacked_
 from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart, layer_legend
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Drawn:
-    """The values that several parts of the report show."""
-
-    charts: Sequence[TimeChart]
-    spans: Sequence[RuleSpan]
-    styles: RuleStyles
-    rows: Sequence[Lane]
-    plan: FloorMap | None
-
-
 def render_report(report: RunReport) -> str:
     """One HTML document that needs nothing else: no network, no other file.
 
     Each drawing is there once, for the screen, for paper and without scripts; scripts add a cursor and a zoom
     through all of them. Its size is bounded, whatever the length of the run and the number of topics.
     """
-    drawn = _draw(report)
-    data = run_data(report.duration_s, drawn.plan.places if drawn.plan else ())
-    return html_document(report.title, tag("main", *_parts(report, drawn)), data, scripts=RUN_SCRIPTS)
-
-
-def _draw(report: RunReport) -> _Drawn:
     spans = deciding_spans(report.decisions, report.duration_s)
     styles = styles_of(report.decisions, report.duration_s)
-    return _Drawn(
-        charts=rate_charts(report),
-        spans=spans,
-        styles=styles,
-        rows=lanes(report.decisions, report.duration_s, styles) if report.decisions else (),
-        plan=floor_map(report.floor_plan, report.path, spans, styles, incident=report.incident),
-    )
+    plan = floor_map(report.floor_plan, report.path, spans, styles, incident=report.incident)
+    main = tag("main", opening(report, plan, spans, styles), *_sections(report, styles))
+    data = run_data(report.duration_s, plan.places if plan else ())
+    return html_document(report.title, main, data, scripts=RUN_SCRIPTS)
 
 
-def _parts(report: RunReport, drawn: _Drawn) -> Iterator[Markup]:
-    yield opening(report, drawn.plan, drawn.spans, drawn.styles)
-    if drawn.rows or report.rules:
-        yield decision_section(report, drawn.rows, drawn.styles)
-    if drawn.charts:
-        yield rates_section(report, drawn.charts, drawn.styles)
+def _sections(report: RunReport, styles: RuleStyles) -> Iterator[Markup]:
+    if report.decisions or report.rules:
+        yield decision_section(report, styles)
+    if report.series:
+        yield rates_section(report, styles)
         yield bandwidth_section(report)
     if report.link is not None:
         total = report.total.after if report.is_pair else report.total.before
@@ -192,8 +170,9 @@ _FEWEST_POINTS, _MOST_POINTS = 80, 1000
 _WIDE_POINTS = 400
 
 
-def rates_section(report: RunReport, charts: Sequence[TimeChart], styles: RuleStyles) -> Markup:
+def rates_section(report: RunReport, styles: RuleStyles) -> Markup:
     """A small chart for each topic that has one."""
+    charts = rate_charts(report)
     left_out = len(report.series) - len(charts)
     note = (
         [tag("p", f"{grouped(left_out)} more topics are in the tables.", class_="note")] if left_out else []

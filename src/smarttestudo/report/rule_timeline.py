@@ -55,7 +55,7 @@ def deciding_spans(decisions: Iterable[Decision], end_s: float) -> tuple[RuleSpa
     comes first in the file; those in doubt come after all others. Where no block decides any topic, it is
     the defaults. Decisions of one topic give the blocks of that topic.
     """
-    ordered = sorted(decisions, key=_time)
+    ordered = sorted(decisions, key=lambda decision: decision.t_s)
     blocks: dict[str, DecidingBlock | None] = {}
     spans: list[RuleSpan] = []
     for index, decision in enumerate(ordered):
@@ -81,7 +81,7 @@ def most_topics(decisions: Iterable[Decision]) -> int:
     blocks: dict[str, DecidingBlock | None] = {}
     counts: Counter[DecidingBlock] = Counter()
     most = 0
-    for decision in sorted(decisions, key=_time):
+    for decision in sorted(decisions, key=lambda decision: decision.t_s):
         before, now = blocks.get(decision.topic), deciding_block(decision)
         blocks[decision.topic] = now
         if before is not None:
@@ -94,7 +94,7 @@ def most_topics(decisions: Iterable[Decision]) -> int:
 
 def block_at(spans: Sequence[RuleSpan], t_s: float) -> DecidingBlock | None:
     """The block that decided at ``t_s``: that of the last span begun by then."""
-    index = bisect_right(spans, t_s, key=_start)
+    index = bisect_right(spans, t_s, key=lambda span: span.start_s)
     return spans[index - 1].block if index else None
 
 
@@ -109,14 +109,6 @@ def _extend(spans: list[RuleSpan], span: RuleSpan) -> None:
         spans[-1] = RuleSpan(start_s=spans[-1].start_s, end_s=span.end_s, block=span.block)
     else:
         spans.append(span)
-
-
-def _start(span: RuleSpan) -> float:
-    return span.start_s
-
-
-def _time(decision: Decision) -> float:
-    return decision.t_s
 
 
 STYLED_BLOCKS = 6
@@ -201,6 +193,15 @@ class StyleSpan:
     end_s: float
     style: RuleStyle
     text: str = ""
+
+
+def styled(spans: Iterable[RuleSpan], styles: RuleStyles) -> tuple[StyleSpan, ...]:
+    """``spans`` in the style and with the name of their blocks."""
+    return tuple(
+        StyleSpan(start_s=span.start_s, end_s=span.end_s, style=style, text=style.name)
+        for span in spans
+        for style in [styles.of(span.block)]
+    )
 
 
 _Span = TypeVar("_Span", TargetSpan, StyleSpan)

@@ -20,6 +20,7 @@ from smarttestudo.report.rule_timeline import (
     bounded,
     by_topic,
     deciding_spans,
+    styled,
     styles_of,
 )
 from smarttestudo.report.run_report import (
@@ -162,7 +163,7 @@ def rate_charts(report: RunReport) -> list[TimeChart]:
                 unit=RATE,
                 duration_s=_shown_s(report),
                 heights=heights,
-                lines=_lines(report, series, _rate),
+                lines=_lines(report, series, lambda history: history.rate_hz),
                 targets=tuple(bounded(targets, _MOST_SPANS)),
                 tints=_tints(own, report.duration_s, styles),
                 usual=_usual_hz(series, heights) if len(heights.values) > 2 else None,
@@ -173,11 +174,7 @@ def rate_charts(report: RunReport) -> list[TimeChart]:
 
 
 def _tints(decisions: Sequence[Decision], end_s: float, styles: RuleStyles) -> tuple[StyleSpan, ...]:
-    spans = (
-        StyleSpan(start_s=span.start_s, end_s=span.end_s, style=styles.of(span.block))
-        for span in deciding_spans(decisions, end_s)
-    )
-    return tuple(bounded(tuple(spans), _MOST_SPANS))
+    return tuple(bounded(styled(deciding_spans(decisions, end_s), styles), _MOST_SPANS))
 
 
 def rate_heights(series: TopicSeries, targets: Iterable[TargetSpan]) -> Scale:
@@ -251,7 +248,7 @@ def _bandwidth_chart(
         unit=BANDWIDTH,
         duration_s=_shown_s(report),
         heights=value_heights(max(_highest(points), default=0.0), budget),
-        lines=_lines(report, series, _kb_per_s),
+        lines=_lines(report, series, lambda history: history.kb_per_s),
         budget=budget,
         incident=report.incident,
     )
@@ -270,14 +267,6 @@ def _lines(
 
 def _history(series: TopicSeries, run: Run) -> TopicHistory:
     return series.before if run is Run.BEFORE else series.after
-
-
-def _rate(history: TopicHistory) -> Series:
-    return history.rate_hz
-
-
-def _kb_per_s(history: TopicHistory) -> Series:
-    return history.kb_per_s
 
 
 def _highest(points: Iterable[SeriesPoint]) -> list[float]:

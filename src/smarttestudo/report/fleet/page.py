@@ -8,6 +8,7 @@ from calendar import month_abbr
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date, timedelta
+from operator import attrgetter
 
 from smarttestudo.domain.units import counted, grouped
 from smarttestudo.report.fleet.numbers import RecordingNumbers, Sums, of_recording
@@ -48,7 +49,8 @@ _COUNTS = ((1_000_000, "million"), (10_000, "thousand"))
 
 SumsBy = Callable[[TrendColumn], Mapping[str, Sums]]
 """Sums of a column by topic or by robot."""
-Amount = Callable[[Sums], float]
+_by_topic: SumsBy = attrgetter("topics")
+_by_robot: SumsBy = attrgetter("robots")
 
 
 def trend_section(totals: FleetTotals) -> Iterator[Markup]:
@@ -60,13 +62,13 @@ def trend_section(totals: FleetTotals) -> Iterator[Markup]:
     each = _EACH[totals.trend.step]
     yield section(
         "Over time",
-        *_stacked(totals, columns, f"{cost} {each}, by topic", _by_topic, _cost_of(totals)),
+        *_stacked(totals, columns, f"{cost} {each}, by topic", _by_topic, is_bytes=True),
         *(
-            _stacked(totals, columns, f"{cost} {each}, by robot", _by_robot, _cost_of(totals))
+            _stacked(totals, columns, f"{cost} {each}, by robot", _by_robot, is_bytes=True)
             if totals.robots
             else ()
         ),
-        *_stacked(totals, columns, f"Messages of the robots {each}, by topic", _by_topic, _messages),
+        *_stacked(totals, columns, f"Messages of the robots {each}, by topic", _by_topic, is_bytes=False),
         explanation=_explanation(totals, columns),
     )
     if totals.all.lost:
@@ -89,38 +91,21 @@ def _explanation(totals: FleetTotals, columns: Sequence[TrendColumn]) -> str:
     return f"Each column is a recording of {totals.trend.day}, by the time in UTC at which it began."
 
 
-def _by_topic(column: TrendColumn) -> Mapping[str, Sums]:
-    return column.topics
-
-
-def _by_robot(column: TrendColumn) -> Mapping[str, Sums]:
-    return column.robots
-
-
-def _messages(sums: Sums) -> float:
-    return sums.messages
-
-
-def _received_bytes(sums: Sums) -> float:
-    return sums.received_bytes
-
-
-def _size_bytes(sums: Sums) -> float:
-    return sums.size_bytes
-
-
-def _cost_of(totals: FleetTotals) -> Amount:
-    return _received_bytes if totals.are_pairs else _size_bytes
+def _cost_bytes(totals: FleetTotals, sums: Sums) -> int:
+    return sums.received_bytes if totals.are_pairs else sums.size_bytes
 
 
 def _stacked(
-    totals: FleetTotals, columns: Sequence[TrendColumn], name: str, sums_by: SumsBy, amount: Amount
+    totals: FleetTotals, columns: Sequence[TrendColumn], name: str, sums_by: SumsBy, *, is_bytes: bool
 ) -> Iterator[Markup]:
     """The parts of the largest topics or robots in each column, and of all others together."""
     whole: dict[str, float] = {}
     of_columns: list[dict[str, float]] = []
     for column in columns:
-        amounts = {key: amount(sums) for key, sums in sums_by(column).items()}
+        amounts = {
+            key: _cost_bytes(totals, sums) if is_bytes else sums.messages
+            for key, sums in sums_by(column).items()
+        }
         of_columns.append({key: value / len(column.steps) for key, value in amounts.items()})
         for key, value in amounts.items():
             whole[key] = whole.get(key, 0.0) + value
@@ -135,9 +120,11 @@ def _stacked(
         others = f"{len(rest)} others"
         parts[others] = [sum(one.get(key, 0.0) for key in rest) for one in of_columns]
         texts[others] = sum(whole[key] for key in rest)
-    is_bytes = amount is not _messages
     highest = max(map(sum, zip(*parts.values(), strict=True)))
-    unit_size, unit = volume_unit(highest) if is_bytes else _count_unit(highest)
+    if is_bytes:
+        unit_size, unit = volume_unit(highest)
+    else:
+        unit_size, unit = next((one for one in _COUNTS if highest >= one[0]), (1, ""))
     layers = tuple(
         Layer(name=key, points=_steps([value / unit_size for value in values]))
         for key, values in parts.items()
@@ -152,16 +139,9 @@ def _stacked(
         stretches=_stretches(totals, columns),
     )
     yield tag("h3", name)
-    yield layer_legend(layers, lambda layer: _amount_text(texts[layer.name], is_bytes=is_bytes))
+    in_words = volume_text if is_bytes else grouped
+    yield layer_legend(layers, lambda layer: in_words(texts[layer.name]))
     yield _figure(chart, WIDE)
-
-
-def _count_unit(highest: float) -> tuple[int, str]:
-    return next((one for one in _COUNTS if highest >= one[0]), (1, ""))
-
-
-def _amount_text(value: float, *, is_bytes: bool) -> str:
-    return volume_text(value) if is_bytes else grouped(value)
 
 
 def _small(
@@ -236,7 +216,7 @@ def _told(totals: FleetTotals, column: TrendColumn) -> str:
     sums = column.total
     parts = [
         counted(sums.recordings, "recording"),
-        volume_text(_cost_of(totals)(sums)),
+        volume_text(_cost_bytes(totals, sums)),
         counted(sums.messages, "message"),
     ]
     if sums.lost_percent is not None:
