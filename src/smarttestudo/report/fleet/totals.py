@@ -68,15 +68,15 @@ class TrendColumn:
                 own[name].merge(sums)
 
 
+@dataclass(slots=True)
 class Trend:
     """Columns of recordings; memory is bounded by days, hours and topics, whatever number of recordings."""
 
-    def __init__(self) -> None:
-        self._day: int | None = None
-        self._days: dict[int, TrendColumn] = {}
-        self._days_each = 1
-        self._hours: dict[int, TrendColumn] | None = {}
-        self._recordings: list[tuple[int, TrendColumn]] | None = []
+    _day: int | None = None
+    _days: dict[int, TrendColumn] = field(default_factory=dict)
+    _days_each: int = 1
+    _hours: dict[int, TrendColumn] | None = field(default_factory=dict)
+    _recordings: list[tuple[int, TrendColumn]] | None = field(default_factory=list)
 
     def add(self, recording: RecordingNumbers) -> None:
         """Add a recording."""
@@ -130,20 +130,18 @@ class Trend:
 
     def _halve(self) -> None:
         self._days_each *= 2
-        coarse: dict[int, TrendColumn] = {}
-        for key in sorted(self._days):
-            if key // 2 in coarse:
-                coarse[key // 2].merge(self._days[key])
+        days, self._days = self._days, {}
+        for key in sorted(days):
+            if key // 2 in self._days:
+                self._days[key // 2].merge(days[key])
             else:
-                coarse[key // 2] = self._days[key]
-        self._days = coarse
+                self._days[key // 2] = days[key]
 
 
 def _joined(columns: Sequence[TrendColumn]) -> TrendColumn:
-    first, *others = columns
-    if not others:
-        return first
-    joined = TrendColumn(first=first.first, last=first.last)
+    if len(columns) == 1:
+        return columns[0]
+    joined = TrendColumn(first=columns[0].first, last=columns[0].last)
     for column in columns:
         joined.merge(column)
     return joined
@@ -175,22 +173,24 @@ class Lines:
             self.first.append(line)
 
 
+@dataclass(slots=True, kw_only=True)
 class FleetTotals:
-    """Adds up recordings, which are pairs where ``are_pairs``; memory does not grow with their number."""
+    """Adds up recordings, which are pairs where ``are_pairs``; memory does not grow with their number.
 
-    def __init__(self, *, are_pairs: bool) -> None:
-        self.are_pairs = are_pairs
-        self.all = Sums()
-        self.topics: dict[str, Sums] = defaultdict(Sums)
-        self.robots: dict[str, Sums] = defaultdict(Sums)
-        self.rules: dict[str, RuleSums] = defaultdict(RuleSums)
-        self.bounds: dict[tuple[str, float, str], BoundSums] = defaultdict(BoundSums)
-        """By picture, bound and unit."""
-        self.trend = Trend()
-        self.unmatched: frozenset[str] = frozenset()
-        self.failures = Lines()
-        self.notices = Lines()
-        self._worst: list[tuple[tuple[int, ...], int, RecordingNumbers]] = []
+    ``bounds`` are by picture, bound and unit.
+    """
+
+    are_pairs: bool
+    all: Sums = field(default_factory=Sums)
+    topics: dict[str, Sums] = field(default_factory=lambda: defaultdict(Sums))
+    robots: dict[str, Sums] = field(default_factory=lambda: defaultdict(Sums))
+    rules: dict[str, RuleSums] = field(default_factory=lambda: defaultdict(RuleSums))
+    bounds: dict[tuple[str, float, str], BoundSums] = field(default_factory=lambda: defaultdict(BoundSums))
+    trend: Trend = field(default_factory=Trend)
+    unmatched: frozenset[str] = frozenset()
+    failures: Lines = field(default_factory=Lines)
+    notices: Lines = field(default_factory=Lines)
+    _worst: list[tuple[tuple[int, ...], int, RecordingNumbers]] = field(default_factory=list)
 
     def add(self, recording: RecordingNumbers) -> None:
         """Add the numbers of a recording."""
