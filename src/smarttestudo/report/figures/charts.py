@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -114,19 +114,28 @@ def _by_topic(charts: Sequence[TimeChart], label: str, handles: Sequence[Artist]
     shown = [chart for chart in charts if not chart.is_empty]
     if not shown:
         return None
-    rows = -(-len(shown) // _COLUMNS)
-    figure = Figure(figsize=(_WIDTH_IN, rows * _ROW_IN + _MARGIN_IN), layout="constrained")
-    grid = figure.subplots(rows, min(_COLUMNS, len(shown)), squeeze=False, sharex=True)
-    for axes, chart in zip(grid.flat, shown, strict=False):
+    figure, grid = _grid([chart.name for chart in shown], "Time in s", label, shares_x=True)
+    for axes, chart in zip(grid, shown, strict=True):
         _draw(axes, chart)
-        axes.set_title(plain(chart.name), fontsize=7)
-    for axes in grid.flat[len(shown) :]:
-        axes.set_axis_off()
-    figure.supxlabel("Time in s", fontsize=8)
-    figure.supylabel(label, fontsize=8)
     if len(handles) > 1:
         figure.legend(handles=handles, loc="outside upper right", ncols=min(len(handles), 4), fontsize=7)
     return figure
+
+
+def _grid(
+    names: Sequence[str], x_label: str, y_label: str, *, shares_x: bool
+) -> tuple[Figure, Sequence[Axes]]:
+    """A figure with a small chart of each name."""
+    rows = -(-len(names) // _COLUMNS)
+    figure = Figure(figsize=(_WIDTH_IN, rows * _ROW_IN + _MARGIN_IN), layout="constrained")
+    grid = figure.subplots(rows, min(_COLUMNS, len(names)), squeeze=False, sharex=shares_x)
+    for axes, name in zip(grid.flat, names, strict=False):
+        axes.set_title(plain(name), fontsize=7)
+    for axes in grid.flat[len(names) :]:
+        axes.set_axis_off()
+    figure.supxlabel(x_label, fontsize=8)
+    figure.supylabel(y_label, fontsize=8)
+    return figure, [*grid.flat[: len(names)]]
 
 
 def _draw(axes: Axes, chart: TimeChart) -> None:
@@ -252,16 +261,8 @@ _HALF_A_DECADE = math.sqrt(10.0)
 _WIDE = 50.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _BarStyle:
-    face: str
-    edge: str
-    width: float
-    hatch: str
-
-
-_BEFORE_BARS = _BarStyle(face="#b9c0ca", edge="#b9c0ca", width=0.3, hatch="")
-_AFTER_BARS = _BarStyle(face="none", edge=INK, width=0.8, hatch="/////")
+_BEFORE_BARS: Mapping[str, Any] = {"facecolor": "#b9c0ca", "edgecolor": "#b9c0ca", "linewidth": 0.3}
+_AFTER_BARS: Mapping[str, Any] = {"facecolor": "none", "edgecolor": INK, "linewidth": 0.8, "hatch": "/////"}
 
 
 def intervals_figure(report: RunReport) -> Figure | None:
@@ -269,38 +270,27 @@ def intervals_figure(report: RunReport) -> Figure | None:
     shown = [one for one in charted_series(report) if one.before.intervals or one.after.intervals]
     if not shown:
         return None
-    rows = -(-len(shown) // _COLUMNS)
-    figure = Figure(figsize=(_WIDTH_IN, rows * _ROW_IN + _MARGIN_IN), layout="constrained")
-    grid = figure.subplots(rows, min(_COLUMNS, len(shown)), squeeze=False)
-    for axes, one in zip(grid.flat, shown, strict=False):
-        axes.set_title(plain(one.topic), fontsize=7)
+    names = [one.topic for one in shown]
+    figure, grid = _grid(names, "Time between two messages in ms", "Share of all in %", shares_x=False)
+    for axes, one in zip(grid, shown, strict=True):
         _bars(axes, one.before.intervals, _BEFORE_BARS)
         _bars(axes, one.after.intervals, _AFTER_BARS)
         _scale_intervals(axes)
-    for axes in grid.flat[len(shown) :]:
-        axes.set_axis_off()
-    figure.supxlabel("Time between two messages in ms", fontsize=8)
-    figure.supylabel("Share of all in %", fontsize=8)
     if report.is_pair:
-        handles = [
-            _bar_handle(report.names.before, _BEFORE_BARS),
-            _bar_handle(report.names.after, _AFTER_BARS),
-        ]
-        figure.legend(handles=handles, loc="outside upper right", ncols=2)
+        before = Patch(label=plain(report.names.before), **_BEFORE_BARS)
+        after = Patch(label=plain(report.names.after), **_AFTER_BARS)
+        figure.legend(handles=[before, after], loc="outside upper right", ncols=2)
     return figure
 
 
-def _bars(axes: Axes, bins: Sequence[IntervalBin], style: _BarStyle) -> None:
+def _bars(axes: Axes, bins: Sequence[IntervalBin], style: Mapping[str, Any]) -> None:
     count = sum(one.count for one in bins)
     axes.bar(
         [one.from_s * _MS_PER_S for one in bins],
         [100 * one.count / count for one in bins],
         width=[(one.to_s - one.from_s) * _MS_PER_S for one in bins],
         align="edge",
-        facecolor=style.face,
-        edgecolor=style.edge,
-        linewidth=style.width,
-        hatch=style.hatch,
+        **style,
     )
 
 
@@ -315,16 +305,6 @@ def _scale_intervals(axes: Axes) -> None:
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if is_wide else (1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_locator(NullLocator())
-
-
-def _bar_handle(name: str, style: _BarStyle) -> Patch:
-    return Patch(
-        facecolor=style.face,
-        edgecolor=style.edge,
-        linewidth=style.width,
-        hatch=style.hatch,
-        label=plain(name),
-    )
 
 
 _SIZE_IN = (7.2, 2.6)
