@@ -26,8 +26,8 @@ from smarttestudo.report.axes import (
     tick_label,
     value_axis,
 )
-from smarttestudo.report.markup import Markup, html_table, name_parts, tag
-from smarttestudo.report.page import section
+from smarttestudo.report.markup import Markup, html_table, tag
+from smarttestudo.report.page import figure, section, topic_name
 
 _LEAST = 1e-300
 """An error that is smaller counts as none: there is no room for a margin among the numbers."""
@@ -135,8 +135,7 @@ def style_of(line: AccuracyLine) -> str:
 
 def _drawing(chart: AccuracyChart) -> Iterator[Markup]:
     yield legend(*(line_entry(style_of(line), line.name) for line in chart.lines))
-    name = tag("span", *name_parts(chart.name), class_="words name")
-    yield tag("figure", tag("figcaption", name), draw_accuracy(chart), class_="chart")
+    yield figure(draw_accuracy(chart), topic_name(chart.name))
 
 
 def draw_accuracy(chart: AccuracyChart) -> Markup:

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 
 from smarttestudo.accuracy.comparison import AccuracyComparison
 from smarttestudo.accuracy.loss_report import LossReport
-from smarttestudo.bags.comparison import TopicComparison
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.units import counted, grouped
 from smarttestudo.report.accuracy_curve import accuracy_curve_section
@@ -19,7 +18,7 @@ from smarttestudo.report.decisions import decision_section
 from smarttestudo.report.floor_map import FloorMap, draw_floor_map, floor_map
 from smarttestudo.report.link import link_section
 from smarttestudo.report.loss_tables import loss_tables
-from smarttestudo.report.markup import Markup, html_table, name_parts, tag
+from smarttestudo.report.markup import Markup, html_table, tag
 from smarttestudo.report.page import (
     RUN_SCRIPTS,
     Bar,
@@ -30,6 +29,7 @@ from smarttestudo.report.page import (
     provenance_section,
     run_data,
     section,
+    topic_name,
 )
 from smarttestudo.report.rule_timeline import (
     RuleSpan,
@@ -197,9 +197,9 @@ def bandwidth_section(report: RunReport) -> Markup:
     return section(
         "Bandwidth",
         legend(*_runs(report), *budget, *_incident(report)),
-        figure("total", [tag("span", total.name, class_="name")], draw_chart(total, WIDE, _WIDE_POINTS)),
+        figure(draw_chart(total, WIDE, _WIDE_POINTS), tag("span", total.name, class_="name"), kind="total"),
         layer_legend(stack.layers, lambda layer: bandwidth_text(layer.mean_kb_per_s)),
-        figure("stack", [tag("span", by_topic, class_="name")], draw_chart(stack, WIDE, _WIDE_POINTS)),
+        figure(draw_chart(stack, WIDE, _WIDE_POINTS), tag("span", by_topic, class_="name"), kind="stack"),
         explanation="What the topics shown here carry together in each second.",
     )
 
@@ -224,15 +224,10 @@ def _rate_figures(report: RunReport, charts: Sequence[TimeChart]) -> Iterator[Ma
     pairs = {pair.topic: pair for pair in report.comparison.topics}
     max_points = min(max(_POINTS_OF_ALL_CHARTS // len(charts), _FEWEST_POINTS), _MOST_POINTS)
     for chart in charts:
-        yield figure(
-            "rate", _caption(chart.name, pairs.get(chart.name)), draw_chart(chart, SMALL, max_points)
-        )
-
-
-def _caption(topic: str, pair: TopicComparison | None) -> list[Markup]:
-    change = None if pair is None else pair.change_percent
-    number = "" if change is None else percent_text(change, decimals=0, signed=True)
-    return [tag("span", *name_parts(topic), class_="words name"), tag("span", number, class_="quiet readout")]
+        change = pairs[chart.name].change_percent if chart.name in pairs else None
+        text = "" if change is None else percent_text(change, decimals=0, signed=True)
+        readout = tag("span", text, class_="quiet readout")
+        yield figure(draw_chart(chart, SMALL, max_points), topic_name(chart.name), readout, kind="rate")
 
 
 def _stretches(report: RunReport) -> str:

@@ -23,8 +23,8 @@ from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.status_json import status_from_text
 from smarttestudo.domain.units import NS_PER_S, counted, grouped
 from smarttestudo.report.axes import legend, line_entry
-from smarttestudo.report.markup import Markup, html_table, name_parts, tag
-from smarttestudo.report.page import figure, section
+from smarttestudo.report.markup import Markup, html_table, tag
+from smarttestudo.report.page import figure, section, topic_name
 from smarttestudo.report.rule_timeline import RuleStyle, StyleSpan, bounded
 from smarttestudo.report.run_report import (
     MAX_CHARTS,
@@ -279,22 +279,16 @@ def link_section(history: LinkHistory, received: Series, duration_s: float) -> M
     points = max(_POINTS_OF_ALL_CHARTS // max(len(ages), 1), 40)
     left_out = sum(bool(topic.ages) for topic in history.topics) - len(ages)
     more = [tag("p", f"{grouped(left_out)} more topics are in the table.", class_="note")] if left_out else []
+    readout = tag("span", class_="quiet readout")
     return section(
         "What the link did",
         legend(*lines),
-        figure("rate", [tag("span", link.name, class_="name")], draw_chart(link, WIDE, _WIDE_POINTS)),
+        figure(draw_chart(link, WIDE, _WIDE_POINTS), tag("span", link.name, class_="name"), kind="rate"),
         tag("p", _outages(history), class_="note"),
         tag(
             "div",
             *(
-                figure(
-                    "rate",
-                    [
-                        tag("span", *name_parts(chart.name), class_="words name"),
-                        tag("span", class_="quiet readout"),
-                    ],
-                    draw_chart(chart, SMALL, points),
-                )
+                figure(draw_chart(chart, SMALL, points), topic_name(chart.name), readout, kind="rate")
                 for chart in ages
             ),
             class_="charts",

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.report.markup import Markup, tag
+from smarttestudo.report.markup import Markup, name_parts, tag
 from smarttestudo.report.run_report import Fact
 from smarttestudo.report.styles import colour_sheet, row_sheet
 
@@ -82,9 +82,16 @@ def section(heading: str, *content: Markup, explanation: str = "") -> Markup:
     return tag("section", tag("h2", heading), *lines, *content)
 
 
-def figure(kind: str, caption: Sequence[Markup], drawing: Markup) -> Markup:
-    """A drawing that scripts make interactive, as ``kind`` says."""
-    return tag("figure", tag("figcaption", *caption), drawing, class_="chart", data_chart=kind)
+def figure(drawing: Markup, *caption: Markup, kind: str = "") -> Markup:
+    """A drawing under its caption; scripts make it interactive, as ``kind`` says."""
+    heading = [tag("figcaption", *caption)] if caption else []
+    scripted = {"data_chart": kind} if kind else {}
+    return tag("figure", *heading, drawing, class_="chart", **scripted)
+
+
+def topic_name(topic: str) -> Markup:
+    """The name of a topic in a caption."""
+    return tag("span", *name_parts(topic), class_="words name")
 
 
 def provenance_section(facts: Sequence[Fact]) -> Markup:

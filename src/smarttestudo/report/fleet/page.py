@@ -28,10 +28,12 @@ from smarttestudo.report.page import (
     MANY_SCRIPTS,
     Bar,
     bars,
+    figure,
     html_document,
     kept_together,
     provenance_section,
     section,
+    topic_name,
 )
 from smarttestudo.report.run_report import Fact, Series, SeriesPoint
 from smarttestudo.report.summary import time_text, volume_text, volume_unit
@@ -141,7 +143,7 @@ def _stacked(
     yield tag("h3", name)
     in_words = volume_text if is_bytes else grouped
     yield layer_legend(layers, lambda layer: in_words(texts[layer.name]))
-    yield _figure(chart, WIDE)
+    yield figure(_drawn(chart, WIDE))
 
 
 def _small(
@@ -169,16 +171,14 @@ def _small(
                 for number, (column, share) in enumerate(zip(columns, values, strict=True))
             ),
         )
-        number = share_text(of[key].lost_percent)
-        caption = (tag("span", *name_parts(key), class_="words name"), tag("span", number, class_="quiet"))
-        charts.append(_figure(chart, SMALL, *caption))
+        lost = tag("span", share_text(of[key].lost_percent), class_="quiet")
+        charts.append(figure(_drawn(chart, SMALL), topic_name(key), lost))
     yield tag("h3", name.capitalize())
     yield tag("div", *charts, class_="charts")
 
 
-def _figure(chart: TimeChart, frame: Frame, *caption: Markup) -> Markup:
-    drawing = draw_chart(chart, frame, _POINTS_OF_A_COLUMN * len(chart.stretches))
-    return tag("figure", *((tag("figcaption", *caption),) if caption else ()), drawing, class_="chart")
+def _drawn(chart: TimeChart, frame: Frame) -> Markup:
+    return draw_chart(chart, frame, _POINTS_OF_A_COLUMN * len(chart.stretches))
 
 
 def _steps(values: Sequence[float]) -> Series:
