@@ -17,7 +17,6 @@ from smarttestudo.accuracy.accuracy_curve import (
     FixedPicture,
     Motion,
 )
-from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost, Motion
 from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.accuracy.loss_report import (
     Age,

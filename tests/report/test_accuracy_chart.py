@@ -23,7 +23,6 @@ from smarttestudo.accuracy.accuracy_curve import (
     FixedPicture,
     Motion,
 )
-from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost, Motion
 from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.report.accuracy_curve import accuracy_chart, draw_accuracy
 from smarttestudo.report.document import render_report

@@ -10,7 +10,6 @@ from enum import Enum
 from typing import Annotated
 
 from smarttestudo.accuracy.arms import PacedPicture
-from smarttestudo.domain.record import JsonEntry, derived
 from smarttestudo.domain.record import JsonEntry, derived, to_columns
 
 

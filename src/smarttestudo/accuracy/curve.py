@@ -32,8 +32,7 @@ from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import RATE_STEP_HZ
-from smarttestudo.domain.record import JsonEntry, derived
-from smarttestudo.domain.record import JsonEntry, to_columns
+from smarttestudo.domain.record import JsonEntry, derived, to_columns
 from smarttestudo.domain.recording import types_of_topics
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.optimizer.profiling import TierProposal, rounded

@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from smarttestudo.accuracy.bounds import BoundLoss
-from smarttestudo.domain.record import JsonEntry, to_json
-from smarttestudo.domain.record import JsonEntry, to_columns, to_json
+from smarttestudo.domain.record import JsonEntry, to_columns
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

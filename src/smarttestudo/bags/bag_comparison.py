@@ -11,8 +11,7 @@ from typing import Annotated
 from smarttestudo.bags.bag_summary import BagSummary, BagTotal
 from smarttestudo.bags.comparison import Comparison, compare
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.record import JsonEntry, derived
-from smarttestudo.domain.record import to_columns, to_json
+from smarttestudo.domain.record import JsonEntry, derived, to_columns
 from smarttestudo.domain.units import grouped
 
 _MUCH_SHORTER = 0.9

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from smarttestudo.bags.statistics import Latency, RecordingSpan, TopicStatistics
 from smarttestudo.domain.incident import IncidentRecord
-from smarttestudo.domain.record import JsonEntry, derived, to_columns, to_json
+from smarttestudo.domain.record import JsonEntry, derived, to_columns
 from smarttestudo.domain.recording import Storage
 from smarttestudo.domain.units import utc_time
 

@@ -21,8 +21,7 @@ from smarttestudo.cli.output import write_line
 from smarttestudo.cli.recordings import Asked, RecordingCommand, each_recording, recordings_in
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.domain.record import to_json
-from smarttestudo.domain.record import column_types
+from smarttestudo.domain.record import column_types, to_json
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.files.whole_file import whole_file
 from smarttestudo.rules.rule_files import rule_files_named, sha256_of

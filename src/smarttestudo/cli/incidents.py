@@ -18,10 +18,7 @@ from smarttestudo.cli.remote_incidents import fetch, incident_table, list_remote
 from smarttestudo.cli.robots import add_robot
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import RecordingError, UsageError, missing_package
-from smarttestudo.domain.incident import incident_to_json
-from smarttestudo.domain.errors import RecordingError, UsageError
-from smarttestudo.domain.incident import IncidentTopic
-from smarttestudo.domain.incident_json import incident_to_json
+from smarttestudo.domain.incident import IncidentTopic, incident_to_json
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, counted, utc_time
 from smarttestudo.incidents.store import IncidentStore, StoredIncident

@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any, TextIO
 from smarttestudo.cli.output import write_line, write_lines
 from smarttestudo.cli.terminal import is_unicode
 from smarttestudo.domain.texts import visible
-from smarttestudo.report.table import Align, Table, format_cell, plain_table, table_parts
-from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.table import Table, plain_table, table_parts
 
 if TYPE_CHECKING:

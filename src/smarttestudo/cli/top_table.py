@@ -24,18 +24,14 @@ from smarttestudo.domain.status import RulesInForce, RuntimeStatus, Silence, Top
 from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import counted, grouped
 from smarttestudo.report.table import (
-    Align,
-    Cell,
+    WHOLE,
     Column,
-    Number,
-    Row,
     Table,
-    Text,
+    Value,
+    decimals,
     format_number,
     plain_table,
 )
-from smarttestudo.domain.visible_text import visible
-from smarttestudo.report.table import WHOLE, Column, Table, Value, decimals, format_number, plain_table
 from smarttestudo.robot.diagnostics import (
     LOST_BEFORE_RELAY,
     accepted_text,

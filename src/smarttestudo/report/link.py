@@ -16,11 +16,6 @@ from smarttestudo.domain.link import StreamCounts, TopicOnLink
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.status import RuntimeStatus, status_from_text
-from smarttestudo.domain.units import NS_PER_S, counted
-from smarttestudo.report.series import Series, SeriesPoint, coarser
-from smarttestudo.report.table import WHOLE, Column, Table
-from smarttestudo.domain.status import RuntimeStatus
-from smarttestudo.domain.status_json import status_from_text
 from smarttestudo.domain.units import NS_PER_S, counted, grouped
 from smarttestudo.report.axes import legend, line_entry
 from smarttestudo.report.markup import Markup, html_table, tag

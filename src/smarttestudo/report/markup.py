@@ -12,8 +12,6 @@ from typing import Any
 
 from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import grouped
-from smarttestudo.report.table import Column, Row, Table, Text, format_cell
-from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.table import Column, Table, Value
 
 _WITHOUT_CONTENT = frozenset({"meta", "wbr", "rect", "line", "path", "circle", "polyline", "polygon"})

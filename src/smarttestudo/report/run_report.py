@@ -21,7 +21,7 @@ from smarttestudo.bags.statistics import IntervalBin, RecordingSpan
 from smarttestudo.bags.trace import SecondBin, TraceAccumulator
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.floor_plan import FloorPlan
-from smarttestudo.domain.link_state import StreamCounts
+from smarttestudo.domain.link import StreamCounts
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.report.comparison_tables import RunNames, bandwidth_table, frequency_table
 from smarttestudo.report.rule_timeline import by_topic

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 from smarttestudo.bags.incident_mark import IncidentMark
 from smarttestudo.domain.texts import visible
-from smarttestudo.domain.visible_text import visible
 from smarttestudo.report.axes import (
     DIGITS,
     area_entry,

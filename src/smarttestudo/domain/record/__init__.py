@@ -3,7 +3,6 @@
 """Records: dataclasses as JSON and back, as the types of their fields say."""
 
 from smarttestudo.domain.record.codec import entries_of, from_json, measured_names, to_json
-from smarttestudo.domain.record.codec import JsonObject, from_json, measured_names, to_json
 from smarttestudo.domain.record.columns import column_types, to_columns
 from smarttestudo.domain.record.entry import (
     AtMost,

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from typing import Annotated
 
-from smarttestudo.domain.record import JsonEntry, derived
-from smarttestudo.domain.record import JsonEntry, to_columns, to_json
+from smarttestudo.domain.record import JsonEntry, derived, to_columns
 from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.report.summary import PositionError
 

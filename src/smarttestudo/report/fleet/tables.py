@@ -52,7 +52,12 @@ def recording_table(totals: FleetTotals) -> Table[tuple[RecordingNumbers, Sums]]
             *_loss_columns(totals),
             *_volume_columns(totals, [sums for _, sums in shown]),
             Column("Duration", "s", lambda row: row[0].duration_s, decimals(1), heads_group=True),
-            Column("Recorded", "UTC", lambda row: "" if row[0].is_empty else utc_time(row[0].start_ns)[:16], is_text=True),
+            Column(
+                "Recorded",
+                "UTC",
+                lambda row: "" if row[0].is_empty else utc_time(row[0].start_ns)[:16],
+                is_text=True,
+            ),
         ),
         rows=shown,
         footnotes=_more(totals.all.recordings - len(shown), "recording"),

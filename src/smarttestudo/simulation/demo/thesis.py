@@ -12,12 +12,8 @@ from typing import Any
 from smarttestudo.files.whole_file import whole_file
 from smarttestudo.report.comparison_tables import RunNames, bandwidth_as_in_thesis, frequency_as_in_thesis
 from smarttestudo.report.run_report import RunReport
-from smarttestudo.report.table import Table
-from smarttestudo.report.table_files import csv_table, markdown_table
-from smarttestudo.report.thesis_tables import bandwidth_as_in_thesis, frequency_as_in_thesis
-from smarttestudo.simulation.messages import Topic
 from smarttestudo.report.table import Table, csv_table, markdown_table
-from smarttestudo.simulation.readings import Topic
+from smarttestudo.simulation.messages import Topic
 
 FREQUENCY_TABLE = "table-7.1-frequency"
 BANDWIDTH_TABLE = "table-7.2-bandwidth"
