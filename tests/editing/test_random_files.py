@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from language.written_rules import WrittenFile, written_files
 from ruler.ruler_server import Page, served
-from smarttestudo.editing.meaning import meaning
+from smarttestudo.editing.document import meaning
 from smarttestudo.language.parser import parse
 
 NEW_RATE = {"kind": "set", "topic": "/new", "rate": {"kind": "hz", "value": 1}}

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from language.written_rules import WrittenFile, written_files
 from smarttestudo.domain.rate import Tier
 from smarttestudo.editing import EditError
-from smarttestudo.editing.meaning import condition_meaning
+from smarttestudo.editing.document import condition_meaning
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import Block, DurationUnit, Operator, SetFrequency, TimeWord
 from smarttestudo.ruler.answers.checked_text import Draft

@@ -10,9 +10,9 @@ from itertools import chain
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.analysis import Gap
-from smarttestudo.checks.fixes import new_default
 from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.rule_model import RuleModel
+from smarttestudo.checks.wording import new_default
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.resolved_rules import ResolvedFloor, ResolvedRate

@@ -12,6 +12,7 @@ from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.fixes import DefaultPlace, default_place
 from smarttestudo.domain.finding import Span
+from smarttestudo.checks.wording import DefaultPlace, default_place
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.normal_form import (
     InRegion,

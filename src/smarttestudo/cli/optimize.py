@@ -28,8 +28,8 @@ from smarttestudo.rules.optimize import (
     OptimizeOutcome,
     RefusedRulesError,
     optimize,
+    optimize_json,
 )
-from smarttestudo.rules.optimize_json import optimize_json
 from smarttestudo.rules.rule_files import write_rule_text
 
 EXIT_ERROR = 1

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A rule file as statements with their places, and edits that touch one statement and nothing else."""
 
-from smarttestudo.editing.document import CollectionPart, Document, Entry, read_document
+from smarttestudo.editing.document import CollectionPart, Document, Entry, meaning, read_document
 from smarttestudo.editing.edits import (
     EditError,
     NewStatement,
@@ -15,9 +15,7 @@ from smarttestudo.editing.edits import (
     replaced_all,
     takes_in,
 )
-from smarttestudo.editing.line_index import LineIndex
-from smarttestudo.editing.meaning import meaning
-from smarttestudo.editing.text_edit import TextEdit, apply, comment_texts
+from smarttestudo.editing.text_edit import LineIndex, TextEdit, apply, comment_texts
 
 __all__ = [
     "CollectionPart",

@@ -7,8 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from smarttestudo.editing.text_edit import TextEdit
-from smarttestudo.editing.token_range import TokenRange
+from smarttestudo.editing.text_edit import TextEdit, TokenRange
 from smarttestudo.language.formatter import duration_text, number_text
 from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Or, Timed, Until
 

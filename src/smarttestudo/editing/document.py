@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A rule file as its text and the statements in it, also where it does not parse."""
+"""A rule file as its text and the statements in it, also where it does not parse, and what these mean."""
 
 from __future__ import annotations
 
@@ -11,12 +11,28 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 
-from smarttestudo.editing.line_index import LineIndex
-from smarttestudo.editing.token_range import TokenRange
+from smarttestudo.editing.text_edit import LineIndex, TokenRange
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.parser.cursor import STATEMENT_STARTS
 from smarttestudo.language.parser.lexer import Token, TokenKind
-from smarttestudo.language.syntax import Collection, Comment, Statement
+from smarttestudo.language.syntax import (
+    Action,
+    And,
+    Block,
+    Check,
+    Collection,
+    Comment,
+    Condition,
+    Group,
+    KeepAtLeast,
+    KeepWithin,
+    Not,
+    Or,
+    RecordIncident,
+    SetFrequency,
+    Statement,
+    Timed,
+)
 
 _ABOUT_NEIGHBOURS = frozenset(
     {"missing-end", "missing-end-if", "expected-begin", "foreign-comment", "too-many-errors"}
@@ -211,3 +227,46 @@ class _Reader:
 def _is_any_between(places: Sequence[int], start: int, end: int) -> bool:
     at = bisect_left(places, start)
     return at < len(places) and places[at] <= end
+
+
+Meaning = tuple[object, ...]
+"""Nested tuples; two statements mean the same when these are equal."""
+
+
+def meaning(statement: Statement | Action) -> Meaning:
+    """Words and numbers of a statement: no places, comments, spellings or parentheses."""
+    match statement:
+        case Block():
+            return (
+                statement.name,
+                statement.priority or 0,
+                statement.is_disabled,
+                condition_meaning(statement.condition),
+                tuple(map(meaning, statement.then)),
+                tuple(map(meaning, statement.otherwise)),
+            )
+        case RecordIncident():
+            topics = tuple(topic.text for topic in statement.topics)
+            return ("record", statement.name, topics, statement.before.ns, statement.after.ns)
+        case KeepAtLeast():
+            return ("keep", statement.topic.text, statement.rate.value)
+        case KeepWithin():
+            return ("within", statement.topic.text, statement.property, statement.bound)
+        case SetFrequency():
+            return ("set", statement.topic.text, statement.rate.value)
+
+
+def condition_meaning(condition: Condition) -> Meaning:
+    """The checks of a condition and how they are joined."""
+    match condition:
+        case Check():
+            until = condition.until and (condition.until.operator, condition.until.value)
+            return (condition.topic.text, condition.property, condition.operator, condition.value, until)
+        case Group():
+            return condition_meaning(condition.operand)
+        case Not():
+            return (Not, condition_meaning(condition.operand))
+        case Timed():
+            return (condition.word, condition.duration.ns, condition_meaning(condition.operand))
+        case And() | Or():
+            return (type(condition), *map(condition_meaning, condition.operands))

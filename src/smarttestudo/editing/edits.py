@@ -13,18 +13,17 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 from smarttestudo.domain.errors import RuleFileError
-from smarttestudo.editing.document import CollectionPart, Document, Entry
-from smarttestudo.editing.meaning import meaning
+from smarttestudo.editing.document import CollectionPart, Document, Entry, meaning
 from smarttestudo.editing.rewriting import rewritten
 from smarttestudo.editing.text_edit import (
     TextEdit,
+    TokenRange,
     addition,
     apply,
     comment_lines,
     comment_texts,
     removal,
 )
-from smarttestudo.editing.token_range import TokenRange
 from smarttestudo.language.formatter import INDENT, first_line_end, format_statement
 from smarttestudo.language.parser import parse
 from smarttestudo.language.parser.blocks import quoted

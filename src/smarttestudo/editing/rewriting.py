@@ -11,10 +11,8 @@ from itertools import chain
 from typing import TypeVar
 
 from smarttestudo.editing.condition_edits import changed_words, condition_edits
-from smarttestudo.editing.document import Entry
-from smarttestudo.editing.meaning import Meaning, condition_meaning, meaning
-from smarttestudo.editing.text_edit import TextEdit, addition, removal
-from smarttestudo.editing.token_range import TokenRange
+from smarttestudo.editing.document import Entry, Meaning, condition_meaning, meaning
+from smarttestudo.editing.text_edit import TextEdit, TokenRange, addition, removal
 from smarttestudo.language.formatter import (
     bound_text,
     duration_text,

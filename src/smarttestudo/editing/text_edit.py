@@ -1,17 +1,57 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Changes of a text at places, and where lines of it come and go."""
+"""A text as lines and words, and edits of it."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
-from smarttestudo.editing.line_index import LineIndex
-from smarttestudo.editing.token_range import TokenRange
-from smarttestudo.language.parser.lexer import TokenKind
+from smarttestudo.domain.source import Span
+from smarttestudo.domain.utf_8 import without_mark
+from smarttestudo.language.parser.lexer import Token, TokenKind
 from smarttestudo.language.syntax import COMMENT_START, Comment
+
+_LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n|\Z)")
+
+
+class LineIndex:
+    """Where the lines of ``text`` start; a byte order mark counts as an offset, but as no column."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        lengths = (len(line) for line in _LINE.findall(text))
+        self._starts = list(accumulate(lengths, initial=0))
+        self._starts[0] = len(without_mark(text)[0])
+
+    def offset(self, line: int, column: int) -> int:
+        """The offset of a place that counts from 1; one beyond the text is its end."""
+        start = self._starts[min(line, len(self._starts)) - 1]
+        return min(start + column - 1, len(self._text))
+
+    def offsets(self, tokens: Iterable[Token]) -> list[int]:
+        """The offset of each of ``tokens`` of the text."""
+        starts = self._starts
+        return [starts[token.line - 1] + token.column - 1 for token in tokens]
+
+    def range(self, span: Span) -> tuple[int, int]:
+        """The offsets at which ``span`` starts and ends."""
+        return self.offset(span.line, span.column), self.offset(span.end_line, span.end_column)
+
+    def line_range(self, offset: int) -> tuple[int, int]:
+        """The start of the line that holds ``offset``, and its end before the line break."""
+        start = max(self._text.rfind("\n", 0, offset), self._text.rfind("\r", 0, offset)) + 1
+        ends = [end for end in (self._text.find("\n", offset), self._text.find("\r", offset)) if end >= 0]
+        return start, min(ends, default=len(self._text))
+
+    def after_break(self, line_end: int) -> int:
+        """The offset behind the line break at ``line_end``."""
+        if self._text.startswith("\r\n", line_end):
+            return line_end + 2
+        return min(line_end + 1, len(self._text))
+
 
 _OF_NAME = re.compile(r"[\w~.\[\]/-]")
 _BREAK = re.compile(r"\r\n|\r|\n")
@@ -113,3 +153,89 @@ def addition(point: TokenRange, lines: str, line_end: str) -> TextEdit:
     blanks = len(point.after) - len(point.after.lstrip())
     indent = lines[: len(lines) - len(lines.lstrip())]
     return TextEdit(at, at + blanks, f"{line_end}{lines}{line_end}{indent}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TokenRange:
+    """The words of something; ``offsets`` are where they start in ``text``."""
+
+    tokens: Sequence[Token]
+    offsets: Sequence[int]
+    text: str
+    places: LineIndex
+
+    @staticmethod
+    def of(tokens: Sequence[Token], text: str, places: LineIndex) -> TokenRange:
+        """The words ``tokens`` of ``text``."""
+        return TokenRange(tokens=tokens, offsets=places.offsets(tokens), text=text, places=places)
+
+    def __len__(self) -> int:
+        return len(self.tokens)
+
+    def __getitem__(self, at: int | slice) -> TokenRange:
+        part = at if isinstance(at, slice) else slice(at, at + 1)
+        return TokenRange(
+            tokens=self.tokens[part], offsets=self.offsets[part], text=self.text, places=self.places
+        )
+
+    @property
+    def start(self) -> int:
+        """Where the first word starts."""
+        return self.offsets[0]
+
+    @property
+    def end(self) -> int:
+        """Where the last word ends."""
+        return self.offsets[-1] + len(self.tokens[-1].text)
+
+    @property
+    def comments(self) -> tuple[Comment, ...]:
+        """The comments directly above the first word, no empty line between."""
+        first = self.tokens[0]
+        own: list[Comment] = []
+        has_blank = first.blank_above
+        for comment in reversed(first.above):
+            if has_blank:
+                break
+            own.append(comment)
+            has_blank = comment.blank_above
+        return tuple(reversed(own))
+
+    @property
+    def own_start(self) -> int:
+        """Where the comments directly above start, else the first word."""
+        comments = self.comments
+        return self.places.range(comments[0].span)[0] if comments else self.start
+
+    @property
+    def own_end(self) -> int:
+        """Where the comment beside the last word ends, else the last word."""
+        beside = self.tokens[-1].beside
+        return self.places.range(beside.span)[1] if beside else self.end
+
+    @property
+    def before(self) -> str:
+        """The text on the line before it."""
+        return self.text[self.places.line_range(self.own_start)[0] : self.own_start]
+
+    @property
+    def after(self) -> str:
+        """The text on the line behind it."""
+        return self.text[self.own_end : self.places.line_range(self.own_end)[1]]
+
+    @property
+    def indent(self) -> str | None:
+        """The blanks before it, ``None`` where it does not start its line."""
+        return None if self.before.strip() else self.before.lstrip("\ufeff")
+
+    def index_at(self, offset: int) -> int:
+        """The number of the word that starts at ``offset``."""
+        return self.offsets.index(offset)
+
+    def between(self, start: int, end: int) -> TokenRange:
+        """The words from ``start`` to ``end``."""
+        first = self.index_at(start)
+        last = first
+        while last + 1 < len(self) and self.offsets[last + 1] < end:
+            last += 1
+        return self[first : last + 1]

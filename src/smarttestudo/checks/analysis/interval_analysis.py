@@ -8,10 +8,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from typing import TypeVar
 
-from smarttestudo.checks.analysis.branch_index import BranchIndex, ConditionBoxes, boxes_of
-from smarttestudo.checks.analysis.conflict_finder import ConflictFinder
-from smarttestudo.checks.analysis.cover import Covers
-from smarttestudo.checks.analysis.redundant_rates import redundant_rates
+from smarttestudo.checks.analysis.branch_index import BranchIndex, ConditionBoxes, Covers, boxes_of
+from smarttestudo.checks.analysis.conflicts import ConflictFinder, redundant_rates
 from smarttestudo.checks.analysis.results import Analysis, Clash, Gap, Shadow, SharedBorder
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.domain.signal import Signal, Truth

@@ -3,8 +3,17 @@
 """Zones: the rectangles of the floor that conditions on ``pose_x`` and ``pose_y`` mean."""
 
 from smarttestudo.editing.zones.cover import Cover, PolygonError, covering_rectangles
-from smarttestudo.editing.zones.reading import Zone, ZoneReading, ZoneRectangle, axis_of, zones_in
-from smarttestudo.editing.zones.writing import moved_zone, resized_zone, with_zone, zone_condition
+from smarttestudo.editing.zones.zone import (
+    Zone,
+    ZoneReading,
+    ZoneRectangle,
+    axis_of,
+    moved_zone,
+    resized_zone,
+    with_zone,
+    zone_condition,
+    zones_in,
+)
 
 __all__ = [
     "Cover",

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from smarttestudo.domain.rate import Tier
-from smarttestudo.editing.meaning import condition_meaning, meaning
+from smarttestudo.editing.document import condition_meaning, meaning
 from smarttestudo.language.formatter import number_text
 from smarttestudo.language.parser import ParseResult
 from smarttestudo.language.syntax import (
