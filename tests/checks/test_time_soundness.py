@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from language.evaluator.naive_time import Sample, random_condition, truths
 from language.evaluator.random_rules import block, rule_file, set_frequency
 from smarttestudo.checks import CheckContext
-from smarttestudo.checks.rule_model import RuleModel, read_rule_model
+from smarttestudo.checks.rule_model import RuleModel, check_truth, read_rule_model
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.resolved_rules import Branch
 from smarttestudo.language.syntax import RuleFile
@@ -73,8 +73,9 @@ def assert_sound(model: RuleModel, history: list[Sample]) -> None:
             assert True in setting or None in setting
     for check in model.checks:
         seen = set(truths(check.check, history))
-        assert check.truth is not Truth.FALSE or True not in seen
-        assert check.truth is not Truth.TRUE or False not in seen
+        truth = check_truth(check, model.context.domain(check.signal))
+        assert truth is not Truth.FALSE or True not in seen
+        assert truth is not Truth.TRUE or False not in seen
 
 
 def assert_clashes_are_found(model: RuleModel, history: list[Sample]) -> None:

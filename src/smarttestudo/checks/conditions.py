@@ -6,12 +6,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cache
 
 from smarttestudo.checks import wording
 from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in, is_text
 from smarttestudo.checks.rule_model import CheckSite, RuleModel
 from smarttestudo.domain.finding import Fix, Severity, Span
+from smarttestudo.checks.rule_model import RuleModel, check_truth
+from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
@@ -21,7 +24,7 @@ from smarttestudo.language.parser.cursor import did_you_mean
 from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
 from smarttestudo.language.region import Region
-from smarttestudo.language.resolved_rules import ResolvedBlock
+from smarttestudo.language.resolved_rules import ResolvedBlock, ResolvedCheck
 from smarttestudo.language.syntax import (
     COMMENT_START,
     And,
@@ -116,12 +119,14 @@ def check_always_holds(rules: RuleModel) -> Iterator[Found]:
 
 def _checks_that_are(truth: Truth, word: str, rules: RuleModel) -> Iterator[Found]:
     """Checks that are ``truth`` for every value of what they read."""
+    spec_of, values_of = cache(rules.context.spec_of), cache(rules.context.domain)
     for one in rules.checks:
-        if one.truth is truth and one.spec is not None:
+        spec = spec_of(one.signal)
+        if spec is not None and check_truth(one, values_of(one.signal)) is truth:
             yield Found(
                 path=one.path,
                 span=one.check.span,
-                message=f"{wording.check_text(one.check)} {word} holds: {_range_text(one.spec)}",
+                message=f"{wording.check_text(one.check)} {word} holds: {_range_text(spec)}",
                 hint=_remedy_beside_range(one, rules),
             )
 
@@ -135,7 +140,7 @@ def _range_text(spec: PropertySpec) -> str:
     return f"{spec.name} is in {spec.unit}"
 
 
-def _remedy_beside_range(one: CheckSite, rules: RuleModel) -> str:
+def _remedy_beside_range(one: ResolvedCheck, rules: RuleModel) -> str:
     name = one.signal.property
     if ArrivalProperty.named(name):
         return f"a field of the message that is called {name} is written msg.{name}"
@@ -247,7 +252,7 @@ def equals_measured(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _is_continuous(one: CheckSite, rules: RuleModel) -> bool:
+def _is_continuous(one: ResolvedCheck, rules: RuleModel) -> bool:
     """Whether a property is known to be measured, or the number has a fraction, as no state or count has."""
     if one.check.value == 0 and ArrivalProperty.named(one.signal.property) in _ZERO_WHEN_SILENT:
         return False

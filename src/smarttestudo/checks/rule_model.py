@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 
 from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
@@ -14,21 +14,20 @@ from smarttestudo.checks.fixes import DefaultPlace, default_place
 from smarttestudo.domain.finding import Span
 from smarttestudo.checks.wording import DefaultPlace, default_place
 from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.domain.signal import Truth
+from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (
-    InRegion,
-    LastSeen,
     Resolve,
-    check_form,
     merged,
     negation,
     over_states,
 )
-from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import (
     Branch,
     ResolvedBlock,
     ResolvedBound,
+    ResolvedCheck,
     ResolvedFloor,
     ResolvedRate,
     ResolvedRecord,
@@ -38,7 +37,6 @@ from smarttestudo.language.resolved_rules import (
 from smarttestudo.language.syntax import (
     Action,
     Block,
-    Check,
     RecordIncident,
     RuleFile,
     Statement,
@@ -56,51 +54,6 @@ class Mention:
 
     path: str
     name: TopicName
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CheckSite:
-    """A CheckValue; ``spec`` is what is known about its property.
-
-    ``truth`` says whether it holds for none (FALSE), all (TRUE) or some of the values of its property,
-    ``latch`` is what a check with an ``Until`` remembers.
-    """
-
-    path: str
-    signal: Signal
-    spec: PropertySpec | None
-    truth: Truth
-    check: Check
-    latch: LastSeen | None = None
-
-
-def _site(
-    path: str,
-    check: Check,
-    *,
-    resolve: Resolve,
-    spec_of: Callable[[Signal], PropertySpec | None],
-    values_of: Callable[[Signal], Region],
-) -> CheckSite:
-    signal = Signal(resolve(check.topic.text), check.property)
-    form = check_form(check, signal)
-    return CheckSite(
-        path=path,
-        signal=signal,
-        spec=spec_of(signal),
-        truth=_truth(form, values_of(signal)),
-        latch=form.signal if isinstance(form.signal, LastSeen) else None,
-        check=check,
-    )
-
-
-def _truth(check: InRegion, values: Region) -> Truth:
-    """The truth of ``check`` for every value; with an ``Until``, whatever was before."""
-    latch = check.signal
-    region = latch.on if isinstance(latch, LastSeen) else check.region
-    if region.intersection(values).is_empty:
-        return Truth.FALSE
-    return Truth.TRUE if values.is_within(region) else Truth.UNKNOWN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,7 +76,7 @@ class RuleModel:
     floors: Mapping[str, ResolvedFloor]
     relayed: Mapping[str, ResolvedRate | ResolvedFloor | ResolvedBound]
     mentions: Mapping[str, Mention]
-    checks: tuple[CheckSite, ...]
+    checks: tuple[ResolvedCheck, ...]
     blocks: tuple[ResolvedBlock, ...]
     branches: tuple[Branch, ...]
     analysis: Analysis
@@ -131,7 +84,7 @@ class RuleModel:
     bounds: tuple[ResolvedBound, ...]
     recordings: tuple[ResolvedRecord, ...]
     disabled: ResolvedRules
-    disabled_checks: tuple[CheckSite, ...]
+    disabled_checks: tuple[ResolvedCheck, ...]
     default_places: Mapping[str, DefaultPlace | None]
 
     @property
@@ -145,7 +98,6 @@ def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleMod
     """The statements of ``files``, with the interval analysis of their conditions."""
     resolve = cache(context.resolve)
     rules, disabled = resolve_rules(files, resolve), resolve_rules(files, resolve, disabled=True)
-    site_of = partial(_site, resolve=resolve, spec_of=cache(context.spec_of), values_of=cache(context.domain))
     blocks = [replace(one, form=merged(over_states(one.form))) for one in rules.blocks]
     branches = [_over_states(one, blocks[one.block.order]) for one in rules.branches if one.written]
     settings: dict[str, list[ResolvedRate]] = {}
@@ -162,7 +114,7 @@ def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleMod
         floors=rules.floors,
         relayed={**{one.topic: one for one in reversed(rules.bounds)}, **relayed},
         mentions=_mentions(files, resolve),
-        checks=tuple(site_of(*one) for one in _checks(rules)),
+        checks=_checks(rules),
         blocks=tuple(blocks),
         branches=tuple(branches),
         analysis=analyse(blocks, branches, rules.defaults, rules.floors, context),
@@ -170,17 +122,25 @@ def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleMod
         bounds=rules.bounds,
         recordings=tuple(record for branch in rules.branches for record in branch.records),
         disabled=disabled,
-        disabled_checks=tuple(site_of(*one) for one in _checks(disabled)),
+        disabled_checks=_checks(disabled),
         default_places={file.path: default_place(file) for file in files},
     )
+
+
+def check_truth(check: ResolvedCheck, values: Region) -> Truth:
+    """Whether ``check`` holds for none (FALSE), all (TRUE) or some of ``values``, whatever was before."""
+    region = check.form.region if check.latch is None else check.latch.on
+    if region.intersection(values).is_empty:
+        return Truth.FALSE
+    return Truth.TRUE if values.is_within(region) else Truth.UNKNOWN
 
 
 def _over_states(branch: Branch, block: ResolvedBlock) -> Branch:
     return replace(branch, block=block, form=negation(block.form) if branch.is_else else block.form)
 
 
-def _checks(rules: ResolvedRules) -> Iterator[tuple[str, Check]]:
-    return ((block.path, check) for block in rules.blocks for check in checks_in(block.block.condition))
+def _checks(rules: ResolvedRules) -> tuple[ResolvedCheck, ...]:
+    return tuple(check for block in rules.blocks for check in block.checks)
 
 
 def _mentions(files: Sequence[RuleFile], resolve: Resolve) -> Mapping[str, Mention]:

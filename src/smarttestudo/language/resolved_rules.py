@@ -11,9 +11,20 @@ from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.normal_form import Form, Resolve, negation, normal_form
+from smarttestudo.domain.source import Span
+from smarttestudo.language.normal_form import (
+    Form,
+    InRegion,
+    LastSeen,
+    Resolve,
+    check_form,
+    negation,
+    normal_form,
+)
 from smarttestudo.language.syntax import (
     Action,
     Block,
+    Check,
     KeepAtLeast,
     KeepWithin,
     RecordIncident,
@@ -21,6 +32,7 @@ from smarttestudo.language.syntax import (
     SetFrequency,
     Statement,
     bounds_in,
+    checks_in,
     records_in,
     sets_in,
 )
@@ -81,14 +93,29 @@ class ResolvedRecord:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ResolvedCheck:
+    """A CheckValue; ``form`` is where it holds, ``latch`` what one with an ``Until`` remembers."""
+
+    path: str
+    signal: Signal
+    check: Check
+    form: InRegion
+    latch: LastSeen | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ResolvedBlock:
-    """A block; ``order`` is its place among all, ``file`` the number of its file, ``form`` its condition."""
+    """A block; ``order`` is its place among all, ``file`` the number of its file.
+
+    ``form`` is its condition, ``checks`` are those in it.
+    """
 
     order: int
     file: int
     path: str
     block: Block
     form: Form
+    checks: tuple[ResolvedCheck, ...]
 
     @property
     def priority(self) -> int:
@@ -189,13 +216,23 @@ class _Reader:
             case KeepWithin():
                 self._bound(path, statement, None)
             case Block():
-                form = normal_form(statement.condition, self._full_name)
                 block = ResolvedBlock(
-                    order=len(self.blocks), file=file, path=path, block=statement, form=form
+                    order=len(self.blocks),
+                    file=file,
+                    path=path,
+                    block=statement,
+                    form=normal_form(statement.condition, self._full_name),
+                    checks=tuple(self._check(path, one) for one in checks_in(statement.condition)),
                 )
                 self.blocks.append(block)
                 self._add_branch(block, statement.then, is_else=False)
                 self._add_branch(block, statement.otherwise, is_else=True)
+
+    def _check(self, path: str, check: Check) -> ResolvedCheck:
+        signal = Signal(self._full_name(check.topic.text), check.property)
+        form = check_form(check, signal)
+        latch = form.signal if isinstance(form.signal, LastSeen) else None
+        return ResolvedCheck(path=path, signal=signal, check=check, form=form, latch=latch)
 
     def _add_branch(self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool) -> None:
         if not actions:

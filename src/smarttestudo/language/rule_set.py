@@ -24,7 +24,6 @@ from smarttestudo.language.normal_form import (
     LastSeen,
     Resolve,
     Some,
-    check_form,
     held_time,
     over_states,
     signals_of,
@@ -33,19 +32,18 @@ from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import (
     Branch,
     ResolvedBound,
+    ResolvedCheck,
     ResolvedRate,
     ResolvedRecord,
     resolve_rules,
 )
 from smarttestudo.language.syntax import (
-    Check,
     KeepWithin,
     RateWord,
     RuleFile,
     SetFrequency,
     Timed,
     TimeWord,
-    checks_in,
     times_in,
 )
 
@@ -261,16 +259,15 @@ class _Compiler:
             duration_ns=timed.duration.ns,
         )
 
-    def _check_as_written(self, check: Check) -> WrittenCheck:
-        signal = Signal(self._resolve(check.topic.text), check.property)
-        found = check_form(check, signal).signal
-        alone = self._shared_region(InRegion(signal, Region.where(check.operator, check.value)))
+    def _check_as_written(self, one: ResolvedCheck) -> WrittenCheck:
+        check = one.check
+        alone = self._shared_region(InRegion(one.signal, Region.where(check.operator, check.value)))
         return WrittenCheck(
             line=check.span.line,
             column=check.span.column,
             signal=alone.signal,
             region=alone.region,
-            latch=found if isinstance(found, LastSeen) else None,
+            latch=one.latch,
         )
 
     def _shared_form(self, form: Form) -> Form:
@@ -285,7 +282,6 @@ class _Compiler:
     def _block(self, branch: Branch) -> RuleBlock:
         rates = {topic: self._rate(one) for topic, one in branch.settings.items()}
         resolved, block = branch.block, branch.block.block
-        condition = None if branch.is_else else block.condition
         return RuleBlock(
             order=branch.order,
             name=block.name,
@@ -299,8 +295,8 @@ class _Compiler:
             rates=self._rates.setdefault(tuple(rates.items()), rates),
             bounds=self._tightest(branch.bounds) or self._no_bounds,
             recordings=tuple(map(_record_request, branch.records)),
-            checks=() if condition is None else tuple(map(self._check_as_written, checks_in(condition))),
-            times=() if condition is None else tuple(map(self._time_as_written, times_in(condition))),
+            checks=() if branch.is_else else tuple(map(self._check_as_written, resolved.checks)),
+            times=() if branch.is_else else tuple(map(self._time_as_written, times_in(block.condition))),
         )
 
     def _tightest(self, bounds: Iterable[ResolvedBound]) -> Mapping[str, Mapping[str, float]]:
