@@ -9,15 +9,7 @@ from itertools import combinations
 
 from hypothesis import given, settings
 
-from checks.naive_rules import (
-    VALUES,
-    all_states,
-    applies,
-    completions,
-    decider,
-    holds,
-    rule_files,
-)
+from checks.naive_rules import VALUES, all_states, applies, completions, decider, holds, rule_files
 from smarttestudo.checks import CheckContext
 from smarttestudo.checks.analysis.interval_analysis import MAX_CLASHES_SHOWN
 from smarttestudo.checks.rule_model import RuleModel, read_rule_model

@@ -127,10 +127,7 @@ def test_an_empty_profile_knows_nothing(tmp_path: Path) -> None:
             '[topics."/a"]\nmin_hz = 1e-9',
             ':2:1: error: topics."/a".min_hz must be 0, or from 0.001 to 1e+06 Hz, it is 1e-09',
         ),
-        (
-            "settle_s = 1e300",
-            ":1:1: error: settle_s must be from 0 to 1e+06 s, it is 1e+300; is it in s?",
-        ),
+        ("settle_s = 1e300", ":1:1: error: settle_s must be from 0 to 1e+06 s, it is 1e+300; is it in s?"),
         (
             '[topics."/a"]\nstale_after_s = 1e300',
             ':2:1: error: topics."/a".stale_after_s must be from 0.001 to 1e+06 s, it is 1e+300; is it in s?',

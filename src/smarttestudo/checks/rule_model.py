@@ -16,12 +16,7 @@ from smarttestudo.checks.wording import DefaultPlace, default_place
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.source import Span
-from smarttestudo.language.normal_form import (
-    Resolve,
-    merged,
-    negation,
-    over_states,
-)
+from smarttestudo.language.normal_form import Resolve, merged, negation, over_states
 from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import (
     Branch,

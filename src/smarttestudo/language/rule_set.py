@@ -181,11 +181,7 @@ class RuleSet:
 def fallback_rules(rates: Mapping[str, Rate], floors_hz: Mapping[str, float] | None = None) -> RuleSet:
     """The rules in force while there are no valid ones: topics at these rates."""
     return RuleSet(
-        defaults=rates,
-        default_lines={},
-        floors_hz=floors_hz or {},
-        blocks=(),
-        default_reason=Reason.FALLBACK,
+        defaults=rates, default_lines={}, floors_hz=floors_hz or {}, blocks=(), default_reason=Reason.FALLBACK
     )
 
 

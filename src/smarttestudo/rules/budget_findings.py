@@ -12,13 +12,7 @@ from smarttestudo.domain.finding import Finding, Severity, Span
 from smarttestudo.domain.profile import Profile
 from smarttestudo.language.boxes import Domain
 from smarttestudo.language.normal_form import Resolve
-from smarttestudo.language.rule_set import (
-    RefusedTiers,
-    RuleBlock,
-    RuleSet,
-    TierValues,
-    compile_rules,
-)
+from smarttestudo.language.rule_set import RefusedTiers, RuleBlock, RuleSet, TierValues, compile_rules
 from smarttestudo.language.syntax import Block, RuleFile
 from smarttestudo.optimizer.joint.check import (
     JointCheck,
@@ -152,13 +146,7 @@ class _Reporter:
         return f"{enough_kb_text(kb_per_s - self._budget)} more than the budget of {kb_text(self._budget)}"
 
     def _finding(
-        self,
-        code: str,
-        severity: Severity,
-        message: str,
-        *,
-        hint: str = "",
-        blocks: Sequence[RuleBlock] = (),
+        self, code: str, severity: Severity, message: str, *, hint: str = "", blocks: Sequence[RuleBlock] = ()
     ) -> Finding:
         path, span = self._start
         if blocks:

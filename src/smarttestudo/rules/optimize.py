@@ -22,12 +22,7 @@ from smarttestudo.optimizer.infeasibility import Infeasibility, infeasibility
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.requirements import TopicsWithoutDefault
 from smarttestudo.optimizer.rewriting import rewrite
-from smarttestudo.optimizer.rule_rates import (
-    Optimization,
-    SolvedSubproblem,
-    enough_kb_per_s,
-    optimize_rules,
-)
+from smarttestudo.optimizer.rule_rates import Optimization, SolvedSubproblem, enough_kb_per_s, optimize_rules
 from smarttestudo.optimizer.wording import kb_text
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_files import read_rule_text, sha256_of

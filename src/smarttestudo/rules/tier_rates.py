@@ -22,11 +22,7 @@ def optimize_tiers(files: Sequence[RuleFile], profile: Profile, resolve: Resolve
     Topics of the profile that the files do not name count, too, as far as the profile has what that needs.
     """
     return optimize_rules(
-        files,
-        profile,
-        resolve,
-        model=Model.QUPER,
-        without_default=TopicsWithoutDefault.COUNTED,
+        files, profile, resolve, model=Model.QUPER, without_default=TopicsWithoutDefault.COUNTED
     )
 
 

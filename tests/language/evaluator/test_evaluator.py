@@ -10,20 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from language.evaluator.naive_rules import (
-    NaiveRequest,
-    naive_blocks,
-    naive_request,
-    naive_signals,
-)
-from language.evaluator.random_rules import (
-    block,
-    check,
-    keep_at_least,
-    rule_file,
-    rule_files,
-    set_frequency,
-)
+from language.evaluator.naive_rules import NaiveRequest, naive_blocks, naive_request, naive_signals
+from language.evaluator.random_rules import block, check, keep_at_least, rule_file, rule_files, set_frequency
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.evaluator import Evaluator
 from smarttestudo.language.rule_set import compile_rules

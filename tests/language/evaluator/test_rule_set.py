@@ -31,8 +31,7 @@ def rules(*texts: str) -> RuleSet:
 
 def test_the_last_default_and_the_highest_floor_of_a_topic_count_across_files() -> None:
     rule_set = rules(
-        "begin SetFrequency /a 1 KeepAtLeast /a 3 end",
-        "begin\nSetFrequency /a 2 KeepAtLeast /a 2 end",
+        "begin SetFrequency /a 1 KeepAtLeast /a 3 end", "begin\nSetFrequency /a 2 KeepAtLeast /a 2 end"
     )
     assert rule_set.defaults == {"/a": Rate(2.0)}
     assert rule_set.default_lines == {"/a": 2}

@@ -177,11 +177,7 @@ class Covers:
         self._usual_value = cache(lambda signal: domain(signal).sample())
 
     def of(
-        self,
-        covered: Branch | None,
-        topic: str,
-        is_counted: Callable[[Branch], bool],
-        effort: Effort,
+        self, covered: Branch | None, topic: str, is_counted: Callable[[Branch], bool], effort: Effort
     ) -> Coverage:
         """Whether wherever ``covered`` applies some counted branch applies that sets ``topic``.
 

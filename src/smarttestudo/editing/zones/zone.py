@@ -102,12 +102,7 @@ def axis_of(property_name: str) -> str | None:
 
 
 _FROM_BELOW = MappingProxyType(
-    {
-        Operator.GREATER: True,
-        Operator.GREATER_EQUAL: True,
-        Operator.LESS: False,
-        Operator.LESS_EQUAL: False,
-    }
+    {Operator.GREATER: True, Operator.GREATER_EQUAL: True, Operator.LESS: False, Operator.LESS_EQUAL: False}
 )
 
 _Literal = tuple[int, bool]

@@ -74,10 +74,7 @@ def _group(cursor: Cursor, depth: int) -> Condition:
     parts = parse_time_parts(cursor)
     end = cursor.take_trivia(first)
     group = Group(
-        operand=operand,
-        span=span,
-        trivia=Trivia(above=above, beside=end.beside),
-        closing=end.above,
+        operand=operand, span=span, trivia=Trivia(above=above, beside=end.beside), closing=end.above
     )
     return timed(group, parts)
 

@@ -33,10 +33,7 @@ UNIT = "Hz"
 _WORD, _NUMBER = TokenKind.WORD, TokenKind.NUMBER
 _RATE_UNITS = frozenset({"hz", "khz", "mhz", "hertz"})
 _TIERS = {tier.value: tier for tier in Tier}
-_RATE_NAMES: dict[str, Tier | RateWord] = {
-    **_TIERS,
-    **{word.value: word for word in RateWord},
-}
+_RATE_NAMES: dict[str, Tier | RateWord] = {**_TIERS, **{word.value: word for word in RateWord}}
 _EXPECTED_RATE = "a rate (a number of Hz, a quality level, 'Full' or 'Off')"
 _EXPECTED_BOUND = "a bound (a number or a quality level)"
 _TIERS_HINT = f"the quality levels are {', '.join(_TIERS)}"
