@@ -18,12 +18,11 @@ from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.language.formatter import LineWriter, write_condition
+from smarttestudo.language.formatter import LineWriter, check_text, time_text, write_condition
 from smarttestudo.language.normal_form import Every, InRegion
 from smarttestudo.language.parser.cursor import did_you_mean
 from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
-from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import ResolvedBlock, ResolvedCheck
 from smarttestudo.language.syntax import (
     COMMENT_START,
@@ -91,7 +90,7 @@ def share_as_percent(rules: RuleModel) -> Iterator[Found]:
             yield Found(
                 path=one.path,
                 span=one.check.property_span,
-                message=f"{wording.check_text(one.check)} is about a number of 0 to 1{seen}",
+                message=f"{check_text(one.check)} is about a number of 0 to 1{seen}",
                 hint="level is the same in percent",
                 fix=Fix(span=one.check.property_span, replacement="level", title="write 'level'"),
             )
@@ -126,7 +125,7 @@ def _checks_that_are(truth: Truth, word: str, rules: RuleModel) -> Iterator[Foun
             yield Found(
                 path=one.path,
                 span=one.check.span,
-                message=f"{wording.check_text(one.check)} {word} holds: {_range_text(spec)}",
+                message=f"{check_text(one.check)} {word} holds: {_range_text(spec)}",
                 hint=_remedy_beside_range(one, rules),
             )
 
@@ -275,7 +274,7 @@ def duration_zero(rules: RuleModel) -> Iterator[Found]:
             yield Found(
                 path=block.path,
                 span=timed.duration.span,
-                message=f"'{wording.time_text(timed)}' changes nothing: the condition counts at once",
+                message=f"'{time_text(timed)}' changes nothing: the condition counts at once",
                 hint=f"give a longer time, or delete the '{timed.word.value}'",
             )
 
@@ -297,7 +296,7 @@ def duration_too_short(rules: RuleModel) -> Iterator[Found]:
             yield Found(
                 path=block.path,
                 span=timed.duration.span,
-                message=f"'{wording.time_text(timed)}' is shorter than the {1 / source_hz:.3g} s between two "
+                message=f"'{time_text(timed)}' is shorter than the {1 / source_hz:.3g} s between two "
                 f"messages of {topic}: one message decides it",
                 fix=Fix(span=timed.duration.span, replacement=least, title=f"write {least}"),
                 hint=f"give at least {1 / source_hz:.3g} s, or delete the '{timed.word.value}'",
@@ -327,13 +326,12 @@ def until_overlaps(rules: RuleModel) -> Iterator[Found]:
     for one in rules.checks:
         if one.latch is None:
             continue
-        written = Region.where(one.check.operator, one.check.value)
-        both = written.intersection(one.latch.off).intersection(rules.context.domain(one.signal))
+        both = one.region.intersection(one.latch.off).intersection(rules.context.domain(one.signal))
         if not both.is_empty:
             yield Found(
                 path=one.path,
                 span=one.check.span,
-                message=f"{wording.check_text(one.check)} begins and ends at one value, for instance "
+                message=f"{check_text(one.check)} begins and ends at one value, for instance "
                 f"{wording.number(both.sample())}: there it does not hold",
                 hint="let Until name a value on the other side, as in < 20 Until > 25",
             )
@@ -350,7 +348,7 @@ def until_never_ends(rules: RuleModel) -> Iterator[Found]:
             yield Found(
                 path=one.path,
                 span=one.check.span,
-                message=f"{wording.check_text(one.check)} never ends: no value of {one.signal} ends it",
+                message=f"{check_text(one.check)} never ends: no value of {one.signal} ends it",
                 hint="correct the number behind Until",
             )
 

@@ -124,7 +124,7 @@ def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleMod
 
 def check_truth(check: ResolvedCheck, values: Region) -> Truth:
     """Whether ``check`` holds for none (FALSE), all (TRUE) or some of ``values``, whatever was before."""
-    region = check.form.region if check.latch is None else check.latch.on
+    region = check.region if check.latch is None else check.latch.on
     if region.intersection(values).is_empty:
         return Truth.FALSE
     return Truth.TRUE if values.is_within(region) else Truth.UNKNOWN

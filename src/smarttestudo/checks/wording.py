@@ -12,9 +12,10 @@ from smarttestudo.domain.finding import Span
 from smarttestudo.domain.finding import Fix
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.formatter import duration_text
+from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import HELD, is_derived
 from smarttestudo.language.resolved_rules import Branch
-from smarttestudo.language.syntax import Block, Check, Collection, RuleFile, Timed, TopicName
+from smarttestudo.language.syntax import Block, Collection, RuleFile, TopicName
 
 _LISTED = 5
 _SIGNALS_SHOWN = 8
@@ -23,17 +24,6 @@ _SIGNALS_SHOWN = 8
 def number(value: float) -> str:
     """``value`` in the fewest digits that mean exactly it."""
     return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
-
-
-def check_text(check: Check) -> str:
-    """A check without its keyword, as the file writes it."""
-    until = "" if check.until is None else f" Until {check.until.operator.value} {check.until.text}"
-    return f"{check.topic.text} {check.property} {check.operator.value} {check.text}{until}"
-
-
-def time_text(timed: Timed) -> str:
-    """``For 5 s``, as the file writes it."""
-    return f"{timed.word.value} {duration_text(timed.duration)}"
 
 
 def state(values: Mapping[Signal, float]) -> str:

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from smarttestudo.editing.text_edit import TextEdit, TokenRange
-from smarttestudo.language.formatter import duration_text, number_text
-from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Or, Timed, Until
+from smarttestudo.language.formatter import compared_text, duration_text, time_text, until_text
+from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Or, Timed
 
 _TOPIC, _PROPERTY, _OPERATOR, _NUMBER = 1, 2, 3, 4
 """Which word of a check is what."""
@@ -92,26 +92,22 @@ def _check_edits(old: Check, new: Check, words: TokenRange) -> list[TextEdit] | 
         (_TOPIC, old.topic.text != new.topic.text, new.topic.text),
         (_PROPERTY, old.property != new.property, new.property),
         (_OPERATOR, old.operator is not new.operator, new.operator.value),
-        (_NUMBER, old.value != new.value, number_text(new.value)),
+        (_NUMBER, old.value != new.value, compared_text(new)),
     ]
     if old.until is not None and new.until is not None:
         changes += [
             (_UNTIL_OPERATOR, old.until.operator is not new.until.operator, new.until.operator.value),
-            (_UNTIL_NUMBER, old.until.value != new.until.value, number_text(new.until.value)),
+            (_UNTIL_NUMBER, old.until.value != new.until.value, compared_text(new.until)),
         ]
         return changed_words(first, changes, words)
     found = changed_words(first, changes, words)
     if new.until is not None:
         end = words[first + _NUMBER].end
-        return [*found, TextEdit(end, end, _until_text(new.until))]
+        return [*found, TextEdit(end, end, f" {until_text(new.until)}")]
     if old.until is not None:
         removed = _removed(words[first + _NUMBER : first + _UNTIL_NUMBER + 1])
         return None if removed is None else [*found, removed]
     return found
-
-
-def _until_text(until: Until) -> str:
-    return f" Until {until.operator.value} {number_text(until.value)}"
 
 
 def _time_edits(old: _Changed, new: Sequence[Timed], words: TokenRange) -> list[TextEdit] | None:
@@ -142,7 +138,7 @@ def _added_times(old: _Changed, new: Sequence[Timed], words: TokenRange) -> list
         if staying and _is_same(staying[0], one):
             end = words.places.range(staying.pop(0).duration.span)[1]
         else:
-            found.append(TextEdit(end, end, f" {one.word.value} {duration_text(one.duration)}"))
+            found.append(TextEdit(end, end, f" {time_text(one)}"))
     return None if staying else found
 
 

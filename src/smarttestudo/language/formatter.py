@@ -32,6 +32,7 @@ from smarttestudo.language.syntax import (
     Statement,
     Timed,
     Trivia,
+    Until,
 )
 
 INDENT = 4
@@ -123,14 +124,14 @@ def _write(writer: LineWriter, level: int, lead: str, condition: Condition, tail
     match condition:
         case Check():
             _write_comments(writer, level, condition.trivia.above)
-            writer.line(level, f"{lead}{_check(condition)}{tail}", condition.trivia.beside)
+            writer.line(level, f"{lead}CheckValue {check_text(condition)}{tail}", condition.trivia.beside)
         case Not():
             _write_comments(writer, level, condition.trivia.above)
             _write(writer, level, f"{lead}Not ", _grouped(condition.operand))
         case Group():
             _write_group(writer, level, lead, condition, tail)
         case Timed():
-            _write(writer, level, lead, _timed_operand(condition), f"{_time(condition)}{tail}")
+            _write(writer, level, lead, _timed_operand(condition), f" {time_text(condition)}{tail}")
         case And() | Or():
             _write_joined(writer, level, lead, condition, level)
 
@@ -189,8 +190,9 @@ def _timed_operand(timed: Timed) -> Condition:
     return Group(operand=operand, span=operand.span) if isinstance(operand, And | Or | Not) else operand
 
 
-def _time(timed: Timed) -> str:
-    return f" {timed.word.value} {duration_text(timed.duration)}"
+def time_text(timed: Timed) -> str:
+    """``For 5 s``."""
+    return f"{timed.word.value} {duration_text(timed.duration)}"
 
 
 def _room(level: int, lead: str) -> int:
@@ -214,7 +216,7 @@ def _pieces(condition: Condition) -> Iterator[str | None]:
         yield None
     match condition:
         case Check():
-            yield _check(condition)
+            yield f"CheckValue {check_text(condition)}"
         case Not():
             yield "Not "
             yield from _pieces(_grouped(condition.operand))
@@ -222,7 +224,7 @@ def _pieces(condition: Condition) -> Iterator[str | None]:
             yield from _group_pieces(condition)
         case Timed():
             yield from _pieces(_timed_operand(condition))
-            yield _time(condition)
+            yield f" {time_text(condition)}"
         case And() | Or():
             connective = " AND " if isinstance(condition, And) else " OR "
             for index, operand in enumerate(condition.operands):
@@ -238,12 +240,20 @@ def _group_pieces(group: Group) -> Iterator[str | None]:
     yield ")"
 
 
-def _check(check: Check) -> str:
-    number = check.text or number_text(check.value)
-    text = f"CheckValue {check.topic.text} {check.property} {check.operator.value} {number}"
-    if check.until is None:
-        return text
-    return f"{text} Until {check.until.operator.value} {check.until.text or number_text(check.until.value)}"
+def check_text(check: Check) -> str:
+    """A check without its keyword."""
+    text = f"{check.topic.text} {check.property} {check.operator.value} {compared_text(check)}"
+    return text if check.until is None else f"{text} {until_text(check.until)}"
+
+
+def until_text(until: Until) -> str:
+    """``Until > 25``."""
+    return f"Until {until.operator.value} {compared_text(until)}"
+
+
+def compared_text(comparison: Check | Until) -> str:
+    """The number as written, or as one would write it where the tree holds no spelling."""
+    return comparison.text or number_text(comparison.value)
 
 
 def format_rules(text: str, path: str) -> str:

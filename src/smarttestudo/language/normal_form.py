@@ -143,15 +143,20 @@ def held_time(condition: Timed, resolve: Resolve) -> HeldTime:
     return HeldTime(normal_form(condition.operand, resolve, negated=negated))
 
 
+def compared_region(comparison: Check | Until) -> Region:
+    """The values for which a comparison alone is true."""
+    return Region.where(comparison.operator, comparison.value)
+
+
 def check_form(check: Check, signal: Signal) -> InRegion:
     """Where ``check`` of ``signal`` holds."""
-    region = Region.where(check.operator, check.value)
+    region = compared_region(check)
     return InRegion(signal, region) if check.until is None else _latched(signal, region, check.until)
 
 
 def _latched(signal: Signal, region: Region, until: Until) -> InRegion:
     """Where both comparisons hold, that of the ``Until`` counts."""
-    off = Region.where(until.operator, until.value)
+    off = compared_region(until)
     last_seen = LastSeen(signal, region.intersection(off.complement()), off)
     return InRegion(last_seen, Region.where(Operator.GREATER_EQUAL, 1.0))
 

@@ -14,13 +14,14 @@ from smarttestudo.language.normal_form import Form, Resolve, negation, normal_fo
 from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (
     Form,
-    InRegion,
     LastSeen,
     Resolve,
     check_form,
+    compared_region,
     negation,
     normal_form,
 )
+from smarttestudo.language.region import Region
 from smarttestudo.language.syntax import (
     Action,
     Block,
@@ -94,12 +95,12 @@ class ResolvedRecord:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResolvedCheck:
-    """A CheckValue; ``form`` is where it holds, ``latch`` what one with an ``Until`` remembers."""
+    """A CheckValue: alone it is true in ``region``; ``latch`` is what one with an ``Until`` remembers."""
 
     path: str
     signal: Signal
     check: Check
-    form: InRegion
+    region: Region
     latch: LastSeen | None
 
 
@@ -230,9 +231,11 @@ class _Reader:
 
     def _check(self, path: str, check: Check) -> ResolvedCheck:
         signal = Signal(self._full_name(check.topic.text), check.property)
-        form = check_form(check, signal)
-        latch = form.signal if isinstance(form.signal, LastSeen) else None
-        return ResolvedCheck(path=path, signal=signal, check=check, form=form, latch=latch)
+        held = check_form(check, signal).signal
+        latch = held if isinstance(held, LastSeen) else None
+        return ResolvedCheck(
+            path=path, signal=signal, check=check, region=compared_region(check), latch=latch
+        )
 
     def _add_branch(self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool) -> None:
         if not actions:

@@ -256,11 +256,10 @@ class _Compiler:
         )
 
     def _check_as_written(self, one: ResolvedCheck) -> WrittenCheck:
-        check = one.check
-        alone = self._shared_region(InRegion(one.signal, Region.where(check.operator, check.value)))
+        alone = self._shared_region(InRegion(one.signal, one.region))
         return WrittenCheck(
-            line=check.span.line,
-            column=check.span.column,
+            line=one.check.span.line,
+            column=one.check.span.column,
             signal=alone.signal,
             region=alone.region,
             latch=one.latch,

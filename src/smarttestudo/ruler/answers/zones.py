@@ -16,6 +16,7 @@ from smarttestudo.domain.finding import Span
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.editing import Document
 from smarttestudo.editing.zones import Zone, ZoneReading, ZoneRectangle, zones_in
+from smarttestudo.language.formatter import check_text
 from smarttestudo.language.syntax import Block, sets_in
 from smarttestudo.ruler.answers.checked_text import CheckedText
 
