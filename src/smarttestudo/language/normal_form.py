@@ -120,7 +120,7 @@ def normal_form(condition: Condition, resolve: Resolve, *, negated: bool = False
     match condition:
         case Check():
             signal = Signal(resolve(condition.topic.text), condition.property)
-            within = check_form(condition, signal)
+            within = _check_form(condition, signal)
             return InRegion(within.signal, within.region.complement()) if negated else within
         case Group():
             return normal_form(condition.operand, resolve, negated=negated)
@@ -148,17 +148,21 @@ def compared_region(comparison: Check | Until) -> Region:
     return Region.where(comparison.operator, comparison.value)
 
 
-def check_form(check: Check, signal: Signal) -> InRegion:
+def latch_of(signal: Signal, region: Region, until: Until | None) -> LastSeen | None:
+    """Memory of a check of ``signal`` with an ``Until``, whose comparison counts where both are true."""
+    if until is None:
+        return None
+    off = compared_region(until)
+    return LastSeen(signal, region.intersection(off.complement()), off)
+
+
+def _check_form(check: Check, signal: Signal) -> InRegion:
     """Where ``check`` of ``signal`` holds."""
     region = compared_region(check)
-    return InRegion(signal, region) if check.until is None else _latched(signal, region, check.until)
-
-
-def _latched(signal: Signal, region: Region, until: Until) -> InRegion:
-    """Where both comparisons hold, that of the ``Until`` counts."""
-    off = compared_region(until)
-    last_seen = LastSeen(signal, region.intersection(off.complement()), off)
-    return InRegion(last_seen, Region.where(Operator.GREATER_EQUAL, 1.0))
+    latch = latch_of(signal, region, check.until)
+    if latch is None:
+        return InRegion(signal, region)
+    return InRegion(latch, Region.where(Operator.GREATER_EQUAL, 1.0))
 
 
 def _flat(joined: type[Every] | type[Some], parts: tuple[Form, ...]) -> Form:

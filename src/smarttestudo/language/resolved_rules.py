@@ -16,8 +16,8 @@ from smarttestudo.language.normal_form import (
     Form,
     LastSeen,
     Resolve,
-    check_form,
     compared_region,
+    latch_of,
     negation,
     normal_form,
 )
@@ -231,11 +231,9 @@ class _Reader:
 
     def _check(self, path: str, check: Check) -> ResolvedCheck:
         signal = Signal(self._full_name(check.topic.text), check.property)
-        held = check_form(check, signal).signal
-        latch = held if isinstance(held, LastSeen) else None
-        return ResolvedCheck(
-            path=path, signal=signal, check=check, region=compared_region(check), latch=latch
-        )
+        region = compared_region(check)
+        latch = latch_of(signal, region, check.until)
+        return ResolvedCheck(path=path, signal=signal, check=check, region=region, latch=latch)
 
     def _add_branch(self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool) -> None:
         if not actions:
