@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import argparse
 import re
+import runpy
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from smarttestudo.checks import LINT_RULES
-from smarttestudo.checks.cases import Example, LintCases, read_cases
 from smarttestudo.cli.command_parser import CommandParser
 from smarttestudo.cli.commands import command_parser
 from smarttestudo.cli.run import PART_KINDS
@@ -32,7 +33,12 @@ from smarttestudo.link.receive.reception_metrics import RECEPTION_METRICS
 from smarttestudo.robot.option import AnyOption
 from smarttestudo.robot.run import options_of
 
-REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference"
+if TYPE_CHECKING:
+    from checks.lint_cases import Example, LintCases
+
+ROOT = Path(__file__).resolve().parent.parent
+REFERENCE = ROOT / "docs" / "reference"
+read_cases = runpy.run_path(str(ROOT / "tests" / "checks" / "lint_cases.py"))["read_cases"]
 NOTE = "<!-- Written by scripts/make_reference.py; change the code instead. -->"
 LINES_SHOWN = 12
 CHANGES = {Access.NOBODY: "", Access.ANYONE: "yes", Access.NODE: "by the node"}

@@ -12,10 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from checks.lint_cases import FOLDER, Example, LintCases, read_cases
 from checks.rule_findings import ONE_BLOCK, applied, codes_of, covered, findings_of
-from smarttestudo import checks
 from smarttestudo.checks import LINT_RULES, CheckContext
-from smarttestudo.checks.cases import Example, LintCases, read_cases
 from smarttestudo.checks.lint_rule import Found, LintRule, lint_rule
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Finding, Severity
@@ -23,7 +22,7 @@ from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.language.formatter import format_rules
 from smarttestudo.rules.profile_file import parse_profile
 
-THEMES = sorted(path.stem for path in Path(checks.__file__).parent.glob("*.adirf"))
+THEMES = sorted(path.stem for path in FOLDER.glob("*.adirf"))
 CASES = {case.code: case for theme in THEMES for case in read_cases(theme)}
 RULES = {rule.code: rule for rule in LINT_RULES}
 BY_CODE = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
@@ -35,7 +34,7 @@ def of_example(example: Example) -> list[Finding]:
 
 
 @pytest.mark.parametrize("theme", THEMES)
-def test_a_theme_and_its_case_file_have_the_same_lint_rules(theme: str) -> None:
+def test_a_theme_and_its_cases_have_the_same_lint_rules(theme: str) -> None:
     module = importlib.import_module(f"smarttestudo.checks.{theme}")
     declared = [one.code for one in vars(module).values() if isinstance(one, LintRule)]
     cases = read_cases(theme)

@@ -36,7 +36,9 @@ def test_a_release_holds_the_page_its_source_and_each_file_once(tmp_path: Path) 
     assert PAGE in names
     rules = [Path(name).name for name in names if name.endswith(".adirf")]
     assert len(rules) == len(set(rules))
-    assert set(rules) >= {path.name for path in (ROOT / "src" / "smarttestudo" / "checks").glob("*.adirf")}
+    assert set(rules) >= {
+        path.name for path in (ROOT / "src" / "smarttestudo" / "simulation").glob("*.adirf")
+    }
     assert said["License-Expression"] == "Apache-2.0"
     with tarfile.open(source) as archive:
         held = {name.partition("/")[2] for name in archive.getnames()}

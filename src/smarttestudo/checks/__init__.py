@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The checker of rule files.
 
-A theme is a module with lint rules, and beside it a case file of its name, which shows each.
+A theme is a module with lint rules. Tests have rule files for each, which the reference shows too.
 """
 
 from smarttestudo.checks.checker import LINT_RULES, check_rules

@@ -1,19 +1,20 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Case files: for each lint rule, rule files that it finds something in and others in which it does not.
+"""Cases of lint rules: for each, rule files that it finds something in and others in which it does not.
 
-A case file is ADIRF with headings in its comments. ``// # code`` begins the cases of a lint rule, ``// ##
-bad`` and ``// ## good`` an example; the comments below that are its ``profile`` in TOML, its ``recording`` (a
-topic and its type) and each ``finding`` (line, column and message) that it gives, one a line.
+A file of ``cases``, one a theme, is ADIRF with headings in its comments. ``// # code`` begins the cases
+of a lint rule, ``// ## bad`` and ``// ## good`` an example; the comments below that are its ``profile`` in
+TOML, its ``recording`` (a topic and its type) and each ``finding`` (line, column and message) that it gives,
+one a line.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
+from pathlib import Path
 
-MAX_CHARACTERS = 1_000_000
+FOLDER = Path(__file__).parent / "cases"
 _LINT_RULE, _EXAMPLE, _NOTE = "// # ", "// ## ", "//"
 
 
@@ -44,9 +45,8 @@ def read_cases(theme: str) -> tuple[LintCases, ...]:
 
     Raises ``ValueError`` for a heading or note that is none.
     """
-    with files(__package__).joinpath(f"{theme}.adirf").open(encoding="utf-8") as file:
-        text = file.read(MAX_CHARACTERS)
-    return tuple(_lint_cases(code, lines) for code, lines in _parts(text.splitlines(), _LINT_RULE) if code)
+    lines = (FOLDER / f"{theme}.adirf").read_text(encoding="utf-8").splitlines()
+    return tuple(_lint_cases(code, part) for code, part in _parts(lines, _LINT_RULE) if code)
 
 
 def _lint_cases(code: str, lines: Sequence[str]) -> LintCases:
