@@ -168,5 +168,8 @@ def test_a_keyword_as_a_property_is_told_unless_the_type_may_have_it() -> None:
 def test_a_bound_names_a_number_of_a_pose(path: str) -> None:
     (finding,) = findings_of(f"begin KeepWithin /odom {path} 1 end")
     assert finding.code == "unknown-bound"
+    assert finding.message == f"/odom is usually nav_msgs/msg/Odometry, which has no number {path}"
+    context = CheckContext(bag_topics={"/odom": "nav_msgs/msg/Odometry"})
+    (finding,) = findings_of(f"begin KeepWithin /odom {path} 1 end", context=context)
     assert finding.message == f"nav_msgs/msg/Odometry, the type of /odom, has no number {path}"
     assert codes_of("begin KeepWithin /odom pose.pose.position.x 1 end") == []

@@ -47,12 +47,15 @@ def _no_picture(signal: Signal) -> Doubt | None:
 
 def _no_number(signal: Signal, rules: RuleModel) -> Doubt | None:
     """Doubt about a field inside a pose or twist, whose fields are known."""
-    type_name = rules.context.type_of(signal.topic) or ""
+    topic, known = signal.topic, rules.context.known_type(signal.topic)
+    type_name = known or rules.context.type_of(topic) or ""
     found = message_type(type_name).part_at(signal.property)
     if found is None or found[0].has_number(found[1]):
         return None
     return Doubt(
-        message=f"{type_name}, the type of {signal.topic}, has no number {signal.property}",
+        message=f"{type_name}, the type of {topic}, has no number {signal.property}"
+        if known
+        else f"{topic} is usually {type_name}, which has no number {signal.property}",
         hint="every message passes; write a field with a number, or position or orientation",
         close=None,
     )
