@@ -11,10 +11,8 @@ from functools import cache
 from smarttestudo.checks import wording
 from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in, is_text
-from smarttestudo.checks.rule_model import CheckSite, RuleModel
-from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.checks.rule_model import RuleModel, check_truth
-from smarttestudo.domain.finding import Fix, Severity
+from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S

@@ -10,12 +10,9 @@ from functools import cache
 
 from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
-from smarttestudo.checks.fixes import DefaultPlace, default_place
-from smarttestudo.domain.finding import Span
 from smarttestudo.checks.wording import DefaultPlace, default_place
-from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.domain.finding import Span
 from smarttestudo.domain.signal import Truth
-from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import Resolve, merged, negation, over_states
 from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import (

@@ -11,9 +11,8 @@ from smarttestudo.checks import wording
 from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.property_doubt import doubt_about, found_in
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.domain.finding import ProfileFix, Severity, Span
 from smarttestudo.checks.wording import close_topic, new_default, write_topic
-from smarttestudo.domain.finding import ProfileFix, Severity
+from smarttestudo.domain.finding import ProfileFix, Severity, Span
 from smarttestudo.domain.rate import Rate
 from smarttestudo.language.parser.cursor import did_you_mean, edit_distance
 from smarttestudo.language.resolved_rules import ResolvedRate

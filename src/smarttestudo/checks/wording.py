@@ -8,11 +8,8 @@ import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from smarttestudo.domain.finding import Span
-from smarttestudo.domain.finding import Fix
+from smarttestudo.domain.finding import Fix, Span
 from smarttestudo.domain.signal import Signal
-from smarttestudo.language.formatter import duration_text
-from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import HELD, is_derived
 from smarttestudo.language.resolved_rules import Branch
 from smarttestudo.language.syntax import Block, Collection, RuleFile, TopicName

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 
-from smarttestudo.domain.source import Span
-from smarttestudo.domain.utf_8 import without_mark
+from smarttestudo.domain.finding import Span
+from smarttestudo.domain.texts import without_mark
 from smarttestudo.language.parser.lexer import Token, TokenKind
 from smarttestudo.language.syntax import COMMENT_START, Comment
 

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
-from smarttestudo.language.normal_form import Form, Resolve, negation, normal_form
-from smarttestudo.domain.source import Span
 from smarttestudo.language.normal_form import (
     Form,
     LastSeen,

@@ -12,7 +12,7 @@ from enum import Enum
 from itertools import product
 from types import MappingProxyType
 
-from smarttestudo.domain.source import Span
+from smarttestudo.domain.finding import Span
 from smarttestudo.editing.edits import EditError
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.syntax import (

@@ -14,9 +14,6 @@ from smarttestudo.language.parser.blocks import (
     parse_set,
     parse_within,
 )
-from smarttestudo.domain.finding import Finding, Fix
-from smarttestudo.domain.source import Span
-from smarttestudo.language.parser.blocks import parse_actions, parse_block, parse_set, parse_within
 from smarttestudo.language.parser.cursor import (
     SAFE_PLACES,
     STATEMENT_STARTS,
