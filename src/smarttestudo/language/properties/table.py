@@ -79,8 +79,11 @@ class MessagePart(Enum):
 
 
 _NOWHERE = Vector3(0.0, 0.0, 0.0)
-_AT_REST: Mapping[Part, object] = MappingProxyType(
-    {Part.POSE: SpatialPose(_NOWHERE, Rotation(0.0, 0.0, 0.0, 1.0)), Part.TWIST: Twist(_NOWHERE, _NOWHERE)}
+_AT_REST: Mapping[MessagePart, object] = MappingProxyType(
+    {
+        MessagePart.POSE: SpatialPose(_NOWHERE, Rotation(0.0, 0.0, 0.0, 1.0)),
+        MessagePart.TWIST: Twist(_NOWHERE, _NOWHERE),
+    }
 )
 
 

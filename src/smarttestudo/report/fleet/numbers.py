@@ -142,7 +142,7 @@ class ReportRow:
     a: str
     b: str | None
     robot: str
-    recorded_at: datetime
+    recorded_at: datetime | None
     duration_s: float
     topic: str
     messages: int

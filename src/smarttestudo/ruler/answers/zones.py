@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from msgspec import Struct
 
 from smarttestudo.checks.blocks import blocks_clash
-from smarttestudo.checks.wording import check_text
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.editing import Document
