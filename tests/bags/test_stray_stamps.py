@@ -25,10 +25,12 @@ from bags.recorded_by_others import (
     QOS_IN_WORDS,
     channel,
     chunk,
+    drive,
     message,
     odometry_at,
     schema,
     stamp_of,
+    text_at,
     write_records,
 )
 from pacing.reckoning.ros_messages import ODOMETRY, odometry, planar
@@ -162,6 +164,31 @@ def test_long_recordings_with_pauses_keep_all(stamps_ns: list[int], tmp_path: Pa
     bag = write_mcap_file(tmp_path / "long.mcap", content_of(stamps_ns))
     found = measure_bag(bag, lambda _: None)
     assert (found.total.messages, found.notices) == (2 * len(stamps_ns), ())
+
+
+@pytest.mark.parametrize("topic", ["/map", "/tf_static"])
+def test_what_was_latched_before_the_clock_is_there_from_the_start(topic: str, tmp_path: Path) -> None:
+    latched = QOS_IN_WORDS.replace("volatile", "transient_local") if topic == "/map" else ""
+    described = (
+        schema(1, ODOM.type_name),
+        channel(1, ODOM.name, 1),
+        schema(2, "std_msgs/msg/String"),
+        channel(2, topic, 2, qos=latched),
+    )
+    early = [message(0, text_at(1), of=2, log_ns=0), message(0, odometry_at(0), log_ns=0)]
+    bag = write_records(tmp_path / "a.mcap", *chunk(*described, *early, *drive()), described=described)
+    found = measure_bag(bag, lambda _: None)
+    assert (found.statistics[topic].messages, found.statistics[topic].start_s) == (1, 0)
+    why = "as their stamps are more than a year from the median (2023-11-14)"
+    assert found.notices == (
+        f"left out of all numbers, {why}: 1 message of /odom; "
+        f"latched, and so held from the start, {why}: 1 message of {topic}",
+    )
+    run = replay_bag(bag, f"SetFrequency /odom 2\nSetFrequency {topic} Full", tmp_path)
+    with open_recording(run.output) as recording:
+        (sent,) = [(stamp_ns, data) for one, stamp_ns, data in recording.messages() if one.topic == topic]
+    assert sent == (stamp_of(0), text_at(1))
+    assert found.notices[0] in run.outcome.notices
 
 
 def test_a_recording_of_one_time_is_not_read_for_it_and_keeps_all(tmp_path: Path) -> None:

@@ -32,50 +32,67 @@ class StrayStamps:
 
     Far is more than ``limit_days``: a year for at most half of the messages, where a gap of a month parts
     them from the others; for at most a tenth, 30 times as many days as all others are from the median. The
-    median of two equal halves is in the later one.
+    median of two equal halves is in the later one. Latched messages of before hold from the start on.
     """
 
     limit_days: int
     days: range
     median_ns: int
     messages: Mapping[str, int]
+    latched: Mapping[str, int]
     start_ns: int
     end_ns: int
 
     @property
     def total(self) -> int:
-        """Messages of all topics."""
+        """Messages of all topics that are left out."""
         return sum(self.messages.values())
 
     def left_out_of(self, entries: Iterator[tuple[Channel, int, _T]]) -> Iterator[tuple[Channel, int, _T]]:
         """``entries`` without these messages; their second item is the stamp."""
-        days = self.days
-        return (entry for entry in entries if entry[1] // _DAY_NS in days)
+        days, start_ns = self.days, self.start_ns
+        for channel, stamp_ns, content in entries:
+            day = stamp_ns // _DAY_NS
+            if day in days:
+                yield channel, stamp_ns, content
+            elif day < days.start and _is_latched(channel):
+                yield channel, start_ns, content
 
     def notice(self) -> str:
-        """Number and topics of what was left out."""
-        (first, count), *others = sorted(self.messages.items(), key=lambda one: (-one[1], one[0]))
-        listed = [f"{counted(count, 'message')} of {first}"]
-        listed += [f"{grouped(number)} of {topic}" for topic, number in others[: _MOST_TOPICS - 1]]
-        rest = others[_MOST_TOPICS - 1 :]
-        if rest:
-            number = sum(count for _, count in rest)
-            listed.append(f"{grouped(number)} of {counted(len(rest), 'other topic')}")
+        """Number and topics of what was left out, and of what was latched."""
         day, *_ = utc_time(self.median_ns).split()
         far = "a year" if self.limit_days == _YEAR_DAYS else f"{self.limit_days} days"
-        return (
-            f"left out of all numbers, as their stamps are more than {far} from the median ({day}): "
-            + ", ".join(listed)
-        )
+        why = f"as their stamps are more than {far} from the median ({day})"
+        ways = {"left out of all numbers": self.messages, "latched, and so held from the start": self.latched}
+        return "; ".join(f"{way}, {why}: {_listed(counts)}" for way, counts in ways.items() if counts)
+
+
+def _listed(counts: Mapping[str, int]) -> str:
+    (first, count), *others = sorted(counts.items(), key=lambda one: (-one[1], one[0]))
+    listed = [f"{counted(count, 'message')} of {first}"]
+    listed += [f"{grouped(number)} of {topic}" for topic, number in others[: _MOST_TOPICS - 1]]
+    rest = others[_MOST_TOPICS - 1 :]
+    if rest:
+        number = sum(count for _, count in rest)
+        listed.append(f"{grouped(number)} of {counted(len(rest), 'other topic')}")
+    return ", ".join(listed)
+
+
+def _is_latched(channel: Channel) -> bool:
+    """Whether messages are kept for who comes later; many files lack the QoS of /tf_static that says so."""
+    return channel.transient_local or channel.topic.endswith("/tf_static")
 
 
 def stray_stamps(sizes: Iterable[RecordedSize]) -> StrayStamps | None:
     """The stray messages among ``sizes``, if there are any; memory grows with the days of the stamps."""
     counts: Counter[tuple[int, str]] = Counter()
     spans_ns: dict[int, tuple[int, int]] = {}
+    latched_topics: set[str] = set()
     for channel, stamp_ns, _ in sizes:
         day = stamp_ns // _DAY_NS
         counts[day, channel.topic] += 1
+        if _is_latched(channel):
+            latched_topics.add(channel.topic)
         first_ns, last_ns = spans_ns.get(day, (stamp_ns, stamp_ns))
         spans_ns[day] = min(first_ns, stamp_ns), max(last_ns, stamp_ns)
     if not counts:
@@ -85,9 +102,11 @@ def stray_stamps(sizes: Iterable[RecordedSize]) -> StrayStamps | None:
     if limit_days is None:
         return None
     days = range(median - limit_days, median + limit_days + 1)
-    strays: Counter[str] = Counter()
+    strays, latched = Counter[str](), Counter[str]()
     for (day, topic), count in counts.items():
-        if day not in days:
+        if day < days.start and topic in latched_topics:
+            latched[topic] += count
+        elif day not in days:
             strays[topic] += count
     kept_ns = [span_ns for day, span_ns in spans_ns.items() if day in days]
     return StrayStamps(
@@ -95,6 +114,7 @@ def stray_stamps(sizes: Iterable[RecordedSize]) -> StrayStamps | None:
         days=days,
         median_ns=spans_ns[median][0],
         messages=strays,
+        latched=latched,
         start_ns=min(first_ns for first_ns, _ in kept_ns),
         end_ns=max(last_ns for _, last_ns in kept_ns),
     )
