@@ -31,8 +31,12 @@ from bags.bag_factory import (
 )
 from report.bag_desk import MISSION, Ran, mission_bags, thinned
 from report.golden_files import assert_reads_as
+from smarttestudo.accuracy.loss_report import Carried
 from smarttestudo.accuracy.recorded_loss import measure_loss
 from smarttestudo.cli.main import main
+from smarttestudo.report.comparison_tables import RunNames
+from smarttestudo.report.loss_tables import arms_lines
+from smarttestudo.report.sections import loss_section
 from smarttestudo.rules.profile_file import load_profile
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -99,6 +103,19 @@ def test_the_loss_of_a_recorded_sine_is_its_closed_form(desk: Desk, tmp_path: Pa
     assert loss["received"]["hold"]["rmse"] == pytest.approx(held_sine_rmse(step, 10), rel=1e-9)
     assert loss["received"]["interpolated"]["rmse"] == pytest.approx(line_sine_rmse(step, 10), rel=1e-9)
     assert loss["range"] == pytest.approx(2, rel=1e-3)
+
+
+@pytest.mark.parametrize(("fixed_bytes", "is_said"), [(100, False), (125, False), (170, True)])
+def test_fixed_rates_that_took_more_than_what_was_received_are_said(
+    desk: Desk, fixed_bytes: int, is_said: bool
+) -> None:
+    carried = Carried(sent_bytes=500, received_bytes=100, fixed_bytes=fixed_bytes)
+    report = replace(measure_loss(Path("sent"), Path("seen")), carried=carried)
+    said = [line for line in arms_lines(report) if line.startswith("Fixed took 1.7 times the bytes of B: ")]
+    assert bool(said) == is_said
+    html = str(loss_section(report, RunNames(before="A", after="B")))
+    assert all(line in html for line in said)
+    assert ("the bytes of B:" in html) == is_said
 
 
 def test_nothing_is_lost_between_a_recording_and_itself(desk: Desk) -> None:

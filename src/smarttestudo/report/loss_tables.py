@@ -24,6 +24,7 @@ from smarttestudo.domain.units import BYTES_PER_KB, counted, grouped
 from smarttestudo.report.table import WHOLE, Column, Table, decimals, measured
 
 _PERCENT = 100.0
+_MUCH_MORE = 1.25
 _ERROR_NOTE = (
     "Error over time against A, in the field's unit: when the last value received is held, and when values "
     "are interpolated afterwards between those received. %: RMSE relative to the field's range in A. Fields "
@@ -51,10 +52,22 @@ def arms_lines(report: LossReport) -> list[str]:
         f"B: {report.b}",
         "Fixed: A at the best fixed rates for the bytes of B "
         f"({grouped(fixed_kb)} KB; B has {grouped(received_kb)})",
+        *excess_note(report),
     ]
 
 
-def loss_tables(report: LossReport) -> Iterator[Table[Any]]:
+def excess_note(report: LossReport) -> Iterator[str]:
+    """Says so where fixed rates took much more than B, and are no baseline for the same bytes."""
+    fixed_bytes, received_bytes = report.carried.fixed_bytes, report.carried.received_bytes
+    if received_bytes and fixed_bytes > _MUCH_MORE * received_bytes:
+        yield (
+            f"Fixed took {fixed_bytes / received_bytes:.1f} times the bytes of B: a rate is for each stream "
+            "of a topic, as each frame of /tf, and slow ones pass whole. For the bytes of B its errors would "
+            "be larger."
+        )
+
+
+def loss_tables(report: LossReport) -> Iterator[Table]:
     """Errors, bounds, ages, crossings and images, each where there are any."""
     if report.fields:
         yield error_table(report)
