@@ -98,6 +98,7 @@ def _filled_in(known: Channel, other: Channel) -> Channel:
         transient_local=other.transient_local if takes_qos else known.transient_local,
     )
 
+
 _LOOKED_AT = 4
 
 DECLARED_BYTES_KEY = "smarttestudo.declared_bytes"

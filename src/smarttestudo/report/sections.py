@@ -10,18 +10,18 @@ from smarttestudo.accuracy.comparison import AccuracyComparison
 from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.bags.comparison import TopicComparison
 from smarttestudo.domain.units import grouped
-from smarttestudo.report.accuracy_comparison_table import accuracy_sentences, accuracy_tables
+from smarttestudo.report.accuracy_tables import accuracy_sentences, accuracy_tables
 from smarttestudo.report.comparison_tables import RunNames
-from smarttestudo.report.headline import Bar, bars
-from smarttestudo.report.legends import layer_legend, rate_legend, run_legend
+from smarttestudo.report.legends import rate_legend, run_legend
 from smarttestudo.report.loss_tables import excess_note, loss_tables
 from smarttestudo.report.markup import Markup, html_table, name_parts, tag
-from smarttestudo.report.rule_styles import RuleStyles
+from smarttestudo.report.page import Bar, bars
+from smarttestudo.report.rule_timeline import RuleStyles
 from smarttestudo.report.run_report import Fact, RunReport
 from smarttestudo.report.summary import bandwidth_text, fixed_price, length_text, position_error
 from smarttestudo.report.table import percent_text
 from smarttestudo.report.time_chart import Run, TimeChart, stacked_chart, total_chart
-from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart
+from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart, layer_legend
 
 _POINTS_OF_ALL_CHARTS = 2000
 _FEWEST_POINTS, _MOST_POINTS = 80, 1000
