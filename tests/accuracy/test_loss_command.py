@@ -35,8 +35,8 @@ from smarttestudo.accuracy.loss_report import Carried
 from smarttestudo.accuracy.recorded_loss import measure_loss
 from smarttestudo.cli.main import main
 from smarttestudo.report.comparison_tables import RunNames
+from smarttestudo.report.document import loss_section
 from smarttestudo.report.loss_tables import arms_lines
-from smarttestudo.report.sections import loss_section
 from smarttestudo.rules.profile_file import load_profile
 
 GOLDEN = Path(__file__).parent / "golden"

@@ -24,82 +24,10 @@ from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, Stored
 from smarttestudo.bags.stray_stamps import LEAST_BACK_NS, LEAST_STRAY_NS, YEAR_NS, StrayStamps, stray_stamps
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
-from smarttestudo.domain.units import counted, grouped
-
-MAX_COMPARED = 20
-"""With so many definitions of a topic another one is compared; with more it counts as one of its own."""
-HOLDS_NOTHING = "the recording holds no message"
-ChannelKey = tuple[str, str, str, str | None]
-
-
-def key_of(channel: Channel) -> ChannelKey:
-    """Key of a channel: topic, type, and how messages are to be decoded."""
-    return channel.topic, channel.type_name, channel.serialization_format, channel.definition
-
-
-class MergedChannels:
-    """One channel for each topic and type; what an earlier one leaves open, later ones fill in.
-
-    A topic has several of one type where its definitions differ in their fields: messages mean what their
-    own says.
-    """
-
-    def __init__(self, channels: Iterable[Channel]) -> None:
-        self._numbers: dict[ChannelKey, int] = {}
-        self._alike: dict[tuple[str, str], list[int]] = {}
-        self._merged: list[Channel] = []
-        for channel in channels:
-            self._add(channel)
-
-    def all(self) -> tuple[Channel, ...]:
-        """All of them, in the order in which they came."""
-        return tuple(self._merged)
-
-    def of(self, channel: Channel) -> Channel:
-        """The one that ``channel`` went into."""
-        return self._merged[self._numbers[key_of(channel)]]
-
-    def _add(self, channel: Channel) -> None:
-        alike = self._alike.setdefault((channel.topic, channel.type_name), [])
-        number = self._numbers.get(key_of(channel))
-        if number is None:
-            number = next(
-                (one for one in alike[:MAX_COMPARED] if _means_the_same(self._merged[one], channel)), None
-            )
-        if number is None:
-            number = len(self._merged)
-            self._merged.append(channel)
-            alike.append(number)
-        self._numbers[key_of(channel)] = number
-        self._merged[number] = _filled_in(self._merged[number], channel)
-
-
-def _means_the_same(known: Channel, other: Channel) -> bool:
-    if known.serialization_format != other.serialization_format:
-        return False
-    if not known.definition or not other.definition or known.definition == other.definition:
-        return True
-    if known.digest and other.digest:
-        return known.digest == other.digest
-    from smarttestudo.bags.definitions import digest_of  # noqa: PLC0415  slow to import, and seldom needed
-
-    digests = {digest_of(channel.definition, channel.type_name) for channel in (known, other)}
-    return len(digests) == 1 and "" not in digests
-
-
-def _filled_in(known: Channel, other: Channel) -> Channel:
-    takes_qos = not known.qos
-    return replace(
-        known,
-        definition=known.definition or other.definition,
-        digest=known.digest or other.digest,
-        foreign_schema=known.foreign_schema or other.foreign_schema,
-        qos=other.qos if takes_qos else known.qos,
-        transient_local=other.transient_local if takes_qos else known.transient_local,
-    )
-
+from smarttestudo.domain.units import NS_PER_S, counted
 
 _LOOKED_AT = 4
+HOLDS_NOTHING = "the recording holds no message"
 
 DECLARED_BYTES_KEY = "smarttestudo.declared_bytes"
 
@@ -282,13 +210,26 @@ class RosbagRecording:
         return used
 
     def _notices_of_counts(self) -> Iterator[str]:
-        """Where there are no messages, and where files without damage hold others than the metadata say."""
-        held, promised = sum(part.file.message_count for part in self._parts), self._promised_messages
-        if not held and self.readable_share == 1:
+        """Where files without damage hold other messages than the metadata, or their own numbers, say."""
+        promised, held = self._promised, self._counts()
+        if not self.message_count and self.readable_share == 1:
             yield f"{self._name}: {HOLDS_NOTHING}"
-        is_known = promised and not self._lacks_files
-        if is_known and held != promised and all(part.file.readable_share == 1 for part in self._parts):
-            yield f"its metadata count {counted(promised, 'message')}, {grouped(held)} can be read"
+        if self._is_intact and (notice := promised.notice(held)):
+            yield notice
+            return
+        for part in self._parts:
+            if part.file.readable_share != 1:
+                continue
+            count = part.file.message_count
+            notice = MessageCounts(total=promised.files.get(file_key(part.name), 0)).notice(
+                MessageCounts(total=count)
+            )
+            absent = part.file.promised_messages - count
+            if notice:
+                yield f"{part.path}: {notice}"
+            elif absent > 0:
+                are = "is" if absent == 1 else "are"
+                yield f"{part.path}: {counted(absent, 'row')} {are} not there: deleted, or lost"
 
     def _notice_of_back(self) -> Iterator[str]:
         """Where stamps go back furthest, within a file or from one to the next."""

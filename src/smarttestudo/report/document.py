@@ -17,7 +17,7 @@ from smarttestudo.report.comparison_tables import RunNames
 from smarttestudo.report.decisions import decision_section
 from smarttestudo.report.floor_map import FloorMap, draw_floor_map, floor_map
 from smarttestudo.report.link import link_section
-from smarttestudo.report.loss_tables import loss_tables
+from smarttestudo.report.loss_tables import excess_note, loss_tables
 from smarttestudo.report.markup import Markup, html_table, tag
 from smarttestudo.report.page import (
     RUN_SCRIPTS,
@@ -247,10 +247,13 @@ def loss_section(loss: LossReport, names: RunNames) -> Markup:
         "The error of the operator's data when the last message received is held. Fixed: the baseline, which "
         "is the best fixed rates for the same bytes, without rules."
     )
+    excess = [tag("p", line, class_="note") for line in excess_note(loss)]
     tables = (part for table in loss_tables(loss) for part in (tag("h3", table.title), html_table(table)))
     letters = f"In the tables, A is {names.before} and B is {names.after}."
     note = [] if names == RunNames(before="A", after="B") else [tag("p", letters, class_="note")]
-    return section("What the operator lost", *_position(loss, names), *note, *tables, explanation=explanation)
+    return section(
+        "What the operator lost", *_position(loss, names), *excess, *note, *tables, explanation=explanation
+    )
 
 
 def accuracy_section(comparison: AccuracyComparison) -> Markup:

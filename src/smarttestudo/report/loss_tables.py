@@ -66,7 +66,7 @@ def excess_note(report: LossReport) -> Iterator[str]:
         )
 
 
-def loss_tables(report: LossReport) -> Iterator[Table]:
+def loss_tables(report: LossReport) -> Iterator[Table[Any]]:
     """Errors, bounds, ages, crossings and images, each where there are any."""
     if report.fields:
         yield error_table(report)
