@@ -141,6 +141,16 @@ def test_names_that_differ_in_such_a_byte_are_two_topics(tmp_path: Path, make: C
     assert counts == {r"/m\xffrked": COUNT, "/" + ESCAPED: COUNT}
 
 
+def test_what_is_odd_in_each_of_several_files_is_said_once(tmp_path: Path) -> None:
+    for number in range(3):
+        data = in_tables(tmp_path / str(number), "topic").read_bytes()
+        # A copy would be left out.
+        (tmp_path / f"a_{number}.db3").write_bytes(data + bytes(4096 * number))
+    with open_recording(tmp_path) as recording:
+        _, *notices = recording.notices()
+    assert notices == [f"{tmp_path / 'a_0.db3'} and 2 other files: /{ESCAPED}: its name is not UTF-8"]
+
+
 def test_check_and_info_say_the_same_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = MADE["no chunks"](tmp_path, "qos")
     rules = tmp_path / "rules.adirf"

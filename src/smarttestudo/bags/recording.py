@@ -172,7 +172,11 @@ class RosbagRecording:
 
     def notices(self) -> Sequence[str]:
         """Losses and oddities, one line each; complete once all messages were read."""
-        lost = [f"{part.path}: {notice}" for part in self._parts for notice in part.file.notices()]
+        told: dict[str, list[Path]] = {}
+        for part in self._parts:
+            for notice in part.file.notices():
+                told.setdefault(notice, []).append(part.path)
+        lost = [f"{_first_of(paths)}: {notice}" for notice, paths in told.items()]
         broken = [
             f"{topic}: {left_out(count, 'that could not be decompressed')}"
             for topic, count in sum(self._broken.values(), Counter[str]()).items()
@@ -371,6 +375,11 @@ class RosbagRecording:
         except RecordingError as error:
             self._notices.append(f"{error.cause}; the sizes in the recording are used")
             return {}
+
+
+def _first_of(paths: Sequence[Path]) -> str:
+    others = len(paths) - 1
+    return f"{paths[0]} and {counted(others, 'other file')}" if others else str(paths[0])
 
 
 def _messages_once(files: Iterable[StoredFile]) -> float | None:

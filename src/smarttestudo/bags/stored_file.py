@@ -92,7 +92,6 @@ def read_so_far(file: StoredFile, promised_messages: int = 0) -> str:
     return f"{until} after {counted(file.message_count, 'message')}{of_all}"
 
 
-NO_TOPICS = "no rosbag2 topics can be found in it"
 HOMELESS = "of topics that the file does not name"
 
 

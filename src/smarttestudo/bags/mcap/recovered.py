@@ -19,7 +19,6 @@ from smarttestudo.bags.mcap.summary import ChannelEntry, SchemaEntry, read_stati
 from smarttestudo.bags.mcap.time_order import FoundMessage, in_time_order
 from smarttestudo.bags.stored_file import (
     HOMELESS,
-    NO_TOPICS,
     ChannelsByNumber,
     Outline,
     left_out,
@@ -62,7 +61,8 @@ class RecoveredMcapFile:
                 for number, record in self._described.items()
             }
             if not self.channels and self._records.cut_off_at is not None:
-                raise RecordingError("".join((*self._losses(), NO_TOPICS)), place=str(path))
+                lost = "".join(self._losses())
+                raise RecordingError(f"{lost}no rosbag2 topics can be found in it", place=str(path))
             self._resources = opened.pop_all()
         self.message_count = sum(self._counts[number] for number in self.channels)
         spans = [self._spans[number] for number in self.channels if number in self._spans]

@@ -15,7 +15,6 @@ from smarttestudo.bags.sqlite.log import WriteAheadLog
 from smarttestudo.bags.sqlite.pages import DamagedRowError, SqlitePages, SqliteRow
 from smarttestudo.bags.stored_file import (
     HOMELESS,
-    NO_TOPICS,
     ChannelsByNumber,
     Outline,
     left_out,
@@ -136,9 +135,11 @@ class RecoveredSqliteFile:
                 database.execute("PRAGMA writable_schema=ON")
                 return read_topics(database, self._reader)
         except BROKEN as error:
-            raise RecordingError(
-                f"cut off: {NO_TOPICS}" if self._is_cut_off else NO_TOPICS, place=str(path)
-            ) from error
+            if self._is_cut_off:
+                raise RecordingError(
+                    "cut off: no rosbag2 topics can be found in it", place=str(path)
+                ) from error
+            raise RecordingError("no rosbag2 topics can be found in it", place=str(path)) from error
 
     def _find_messages(self) -> None:
         for offset in self._pages.rows():
