@@ -42,6 +42,7 @@ class BagMetadata:
     custom_data: Mapping[str, str] = field(default_factory=dict)
     storage: str = ""
     compression: str = ""
+    packs_messages: bool = False
     notices: tuple[str, ...] = ()
 
 
@@ -132,6 +133,7 @@ def _metadata(values: Mapping[str, Any]) -> BagMetadata:
         ),
         storage=_text(values.get("storage_identifier")),
         compression=_text(values.get("compression_format")).lower(),
+        packs_messages=_text(values.get("compression_mode")).lower() == "message",
         notices=(
             *reader.notices,
             *([f"a topic of {METADATA_NAME} makes no sense and was left out"] if None in channels else []),

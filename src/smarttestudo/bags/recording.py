@@ -26,8 +26,7 @@ from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage, RecordedSize, Storage
 from smarttestudo.domain.units import NS_PER_S, counted
 
-_LOOKED_AT = 4
-HOLDS_NOTHING = "the recording holds no message"
+_LOOKED_AT = 20
 
 DECLARED_BYTES_KEY = "smarttestudo.declared_bytes"
 
@@ -93,6 +92,7 @@ class RosbagRecording:
         self._name = name
         self._parts = parts
         self._promised = metadata.counts
+        self._says_packed = metadata.packs_messages
         self._lacks_files = lacks_files
         self._is_order_known = bool(metadata.file_names)
         self._back: Sequence[str] | None = None
@@ -349,7 +349,7 @@ class RosbagRecording:
     def _is_packed(self, file: StoredFile) -> bool:
         """Whether messages are packed one by one: rosbag2 packs all of a file or none; one may be damaged."""
         if file not in self._packed:
-            first = islice(file.messages(file.channels), _LOOKED_AT)
+            first = islice(file.messages(file.channels), _LOOKED_AT if self._says_packed else 1)
             self._packed[file] = any(payload.startswith(magic.ZSTD) for *_, payload in first)
         return self._packed[file]
 
