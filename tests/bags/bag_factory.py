@@ -197,16 +197,14 @@ def write_split_bag(folder: Path, parts: Sequence[BagContent], **options: Any) -
         for name in information["relative_file_paths"]:
             shutil.move(piece / name, folder / name)
         shutil.rmtree(piece)
-        if not merged:
-            merged = {**information, "relative_file_paths": [], "message_count": 0, TOPICS_COUNTED: []}
-        for topic in information[TOPICS_COUNTED]:
-            known = (
-                one for one in merged[TOPICS_COUNTED] if one["topic_metadata"] == topic["topic_metadata"]
-            )
-            if (before := next(known, None)) is None:
-                merged[TOPICS_COUNTED].append(topic)
+        for entry in information["topics_with_message_count"] if merged else ():
+            known = merged["topics_with_message_count"]
+            same = [one for one in known if one["topic_metadata"] == entry["topic_metadata"]]
+            if same:
+                same[0]["message_count"] += entry["message_count"]
             else:
-                before["message_count"] += topic["message_count"]
+                known.append(entry)
+        merged = merged or {**information, "relative_file_paths": [], "message_count": 0}
         merged["message_count"] += information["message_count"]
         merged["relative_file_paths"] += information["relative_file_paths"]
     with (folder / "metadata.yaml").open("w") as file:
