@@ -285,7 +285,7 @@ class RosbagDecoder:
             raise RecordingError(f"not a {channel.type_name}: {error}", place=channel.topic) from error
 
     def reason(self, topic: str) -> str:
-        """What is behind a notice of messages of the topic that could not be decoded, with a colon before it.
+        """Reason for a notice of messages of the topic that could not be decoded, with a colon before it.
 
         Empty where their bytes are no message of its type.
         """

@@ -232,8 +232,8 @@ class RosbagRecording:
             if notice:
                 yield f"{part.path}: {notice}"
             elif absent > 0:
-                are = "is" if absent == 1 else "are"
-                yield f"{part.path}: {counted(absent, 'row')} {are} not there: deleted, or lost"
+                rows = f"{counted(absent, 'row')} are not there: deleted, or lost"
+                yield f"{part.path}: {rows.replace('are', 'is') if absent == 1 else rows}"
 
     def _notice_of_back(self) -> Iterator[str]:
         """Where stamps go back furthest, within a file or from one to the next."""
