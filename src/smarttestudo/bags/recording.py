@@ -27,6 +27,7 @@ from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage
 from smarttestudo.domain.units import NS_PER_S, counted
 
 _LOOKED_AT = 20
+HOLDS_NOTHING = "the recording holds no message"
 
 DECLARED_BYTES_KEY = "smarttestudo.declared_bytes"
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
 from smarttestudo.accuracy.bounds import BoundLoss, BrokenStretch
 from smarttestudo.accuracy.curve import CurvePoint, LossCurve
