@@ -12,7 +12,7 @@ from incidents.test_reloads import TEXT, Run, rules
 from robot.status.virtual_robot import SECOND
 from smarttestudo.domain.robot import Qos
 from smarttestudo.robot.gone_publishers import FOUND_WITHIN_NS
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.source import LiveSource
 
 LATCHED = Qos(reliable=True, transient_local=True, depth=10)
 FIRST, BRIEF = b"first", b"brief"

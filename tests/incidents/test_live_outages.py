@@ -25,7 +25,7 @@ from smarttestudo.incidents.recovery import complete_incidents
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.source import LiveSource
 
 QOS = Qos(reliable=True, transient_local=False, depth=5)
 IMU = "sensor_msgs/msg/Imu"

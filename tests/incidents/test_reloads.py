@@ -28,7 +28,7 @@ from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
 from smarttestudo.robot.part import PartContext, RunView
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.source import LiveSource
 
 OPTIONS = (INCIDENTS, INCIDENT_MEMORY, INCIDENT_RING, INCIDENT_RING_MAX, INCIDENTS_MAX)
 TEXT = "std_msgs/msg/String"

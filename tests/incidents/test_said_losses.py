@@ -28,7 +28,7 @@ from smarttestudo.robot.diagnostics import recording_text
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
 from smarttestudo.robot.part import PartContext, RunView
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.source import LiveSource
 
 FLOOD_HZ = 20_000
 RULES = recording_rules('Record "one" /odom Before 1 s After 1 s')

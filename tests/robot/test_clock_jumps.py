@@ -27,7 +27,7 @@ from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.live_run import LiveRun
 from smarttestudo.robot.option import Settings
 from smarttestudo.robot.part import Part, RunView
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.source import LiveSource
 
 YEARS_NS = 50 * 365 * 86_400 * NS_PER_S
 RULES = "SetFrequency /scan 5 If (CheckValue /arm age > 60) Then SetFrequency /scan Full EndIf"

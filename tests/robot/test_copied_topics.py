@@ -33,7 +33,7 @@ from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.live_run import LiveRun
 from smarttestudo.robot.option import Settings
 from smarttestudo.robot.part import Part, RunView
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.source import LiveSource
 
 TOPICS = ("/imu", "/odom", "/scan")
 GIDS = {topic: topic.encode() for topic in TOPICS}

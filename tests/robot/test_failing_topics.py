@@ -17,15 +17,16 @@ from robot.test_topics_of_parts import PollingGraph
 from smarttestudo.domain.errors import LinkError, RosError
 from smarttestudo.domain.names import MAX_NAME_LENGTH
 from smarttestudo.domain.observation import Undecodable
-from smarttestudo.domain.robot import Endpoint, GraphChange, Payload, Publisher, Qos, Receive, Subscription
-from smarttestudo.loop.relay import Relayed
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import Endpoint, GraphChange, Publisher, Qos, Receive, Subscription
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.live_run import LiveRun
 from smarttestudo.robot.option import Settings
 from smarttestudo.robot.part import Part
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.source import LiveSource
+from smarttestudo.robot.topic import Topic
 from smarttestudo.robot.topics import LiveTopics
 
 GOOD, BAD = "/good", "/bad"
@@ -118,14 +119,15 @@ class Relaying:
 
     def __init__(self, graph: FailingGraph) -> None:
         self.graph = graph
-        self.topics = LiveTopics(graph, self.relay, lambda topic: 0.0)
+        self.known: dict[str, Topic] = {}
+        self.topics = LiveTopics(graph, self.known, self.relay, lambda topic: 0.0)
         self.topics.follow({one: f"/testudo{one}" for one in (BAD, GOOD)}, (), {})
         graph.installed.add("x_msgs/msg/Odd")
         self.number = 0
 
-    def relay(self, topic: str, payload: Payload, publisher: Hashable) -> None:
-        self.graph.does("receive", topic)
-        self.topics.publish(Relayed(topic, 0, payload, len(payload), repeated=False, publisher=publisher))
+    def relay(self, topic: Topic, payload: Payload, publisher: Hashable) -> None:
+        self.graph.does("receive", topic.name)
+        topic.publish(payload, publisher)
 
     def change(self) -> None:
         """Both topics come back with another QoS."""
@@ -153,7 +155,7 @@ class Relaying:
         return {topic.removeprefix("/testudo") for topic, _ in self.graph.published[before:]}
 
     def problem(self, topic: str) -> str | None:
-        return self.topics.links()[topic].problem
+        return self.known[topic].problem
 
 
 @pytest.mark.parametrize("begins_well", [True, False])
@@ -192,7 +194,7 @@ def test_a_message_that_cannot_be_decoded_is_unknown_whatever_is_raised(error: E
 
     live = Relaying(Odd())
     live.change()
-    assert live.topics.decoded(BAD, b"\x00\x01\x00\x00") == Undecodable()
+    assert live.topics.decoded(live.known[BAD], b"\x00\x01\x00\x00") == Undecodable()
 
 
 @pytest.mark.parametrize(("letters", "is_relayed"), [(239, True), (240, False), (247, False)])
@@ -209,7 +211,8 @@ def test_an_output_whose_name_is_longer_than_ros_takes_costs_that_topic(
             return super().subscribers(topic)
 
     graph, long = Limited(), "/" + "a" * (letters - 1)
-    topics = LiveTopics(graph, lambda *_: None, lambda topic: 0.0)
+    known: dict[str, Topic] = {}
+    topics = LiveTopics(graph, known, lambda *_: None, lambda topic: 0.0)
     topics.follow({one: f"/testudo{one}" for one in (long, GOOD)}, (), {})
     for topic in (long, GOOD):
         graph.joins(topic, topic.encode())
@@ -226,7 +229,7 @@ def test_an_output_whose_name_is_longer_than_ros_takes_costs_that_topic(
         f"{long}: error: its name here would have {letters + 8} letters, and ROS 2 takes 247; "
         "give it a shorter name, or choose a shorter --output-topic"
     )
-    assert topics.links()[long].problem == line.partition("error: ")[2].partition(";")[0]
+    assert known[long].problem == line.partition("error: ")[2].partition(";")[0]
 
 
 class Odd(Part):

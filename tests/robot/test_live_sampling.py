@@ -15,7 +15,7 @@ from loop.loop_driver import SECOND, LoopDriver
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.robot import Payload, Receive
 from smarttestudo.pacing.sample import WhenSlow
-from smarttestudo.robot.sampling import LiveSampling
+from smarttestudo.robot.sampling import LiveSampling, SampledTopic
 
 POLL_NS = SECOND // 5
 
@@ -74,7 +74,8 @@ class Robot:
         self.loop = self.driver.loop
         self.sampling = LiveSampling(self.loop, may_rest=may_rest)
         self.subscription = PausedSubscription(self._receive)
-        self._subscriptions = {"/imu": self.subscription} if samples else {}
+        self._topic = SampledTopic("/imu", self.subscription, 0)
+        self._samples = samples
         self._poll_ns = POLL_NS
 
     def run(self, arrivals_ns: Sequence[int], until_ns: int) -> None:
@@ -85,8 +86,8 @@ class Robot:
 
     def look_without(self) -> None:
         """Something needs every message from now on."""
-        self._subscriptions = {}
-        self.sampling.choose({}, self.driver.now_ns)
+        self._samples = False
+        self.sampling.end(self._topic, self.driver.now_ns)
 
     def wait_until(self, at_ns: int) -> None:
         driver = self.driver
@@ -95,11 +96,12 @@ class Robot:
             self.sampling.on_wake(driver.now_ns)
             if driver.now_ns >= self._poll_ns:
                 self._poll_ns += POLL_NS
-                self.sampling.choose(self._subscriptions, driver.now_ns)
+                if self._samples:
+                    self.sampling.choose(self._topic, driver.now_ns)
         driver.wait_until(at_ns)
 
     def _receive(self, payload: Payload, _: object) -> None:
-        self.sampling.received("/imu", len(payload))
+        self.sampling.received(self._topic, len(payload))
         self.driver.send("/imu", self.driver.now_ns, payload[:], len(payload))
 
     @property

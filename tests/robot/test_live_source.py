@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from smarttestudo.domain.robot import Endpoint, Qos
-from smarttestudo.robot.topic import LiveSource, live_source, suits
+from smarttestudo.robot.source import LiveSource, live_source, suits
 
 IMU = "sensor_msgs/msg/Imu"
 

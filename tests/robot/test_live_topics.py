@@ -10,9 +10,10 @@ import pytest
 
 from robot.small_graph import NODE, TEXT, SmallGraph
 from smarttestudo.domain.names import DECISIONS_TOPIC
-from smarttestudo.domain.robot import GraphChange, Payload
-from smarttestudo.loop.relay import Relayed
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import GraphChange
 from smarttestudo.robot.gone_publishers import FOUND_WITHIN_NS
+from smarttestudo.robot.topic import Topic
 from smarttestudo.robot.topics import LiveTopics
 
 DRIVER, SECOND, OTHER = b"driver", b"second", b"other"
@@ -30,11 +31,12 @@ class Live:
         is_lazy: bool = True,
     ) -> None:
         self.graph = graph
-        self.topics = LiveTopics(graph, self.relay, lambda topic: 0.0, is_lazy=is_lazy)
+        self.known: dict[str, Topic] = {}
+        self.topics = LiveTopics(graph, self.known, self.relay, lambda topic: 0.0, is_lazy=is_lazy)
         self.topics.follow({topic: f"/testudo{topic}" for topic in relayed}, watched, leaders or {})
 
-    def relay(self, topic: str, payload: Payload, publisher: Hashable) -> None:
-        self.topics.publish(Relayed(topic, 0, payload, len(payload), repeated=False, publisher=publisher))
+    def relay(self, topic: Topic, payload: Payload, publisher: Hashable) -> None:
+        topic.publish(payload, publisher)
 
     def looks(self, times: int = 5) -> None:
         """A second passes."""
@@ -52,18 +54,18 @@ def test_a_topic_is_subscribed_to_while_an_operator_listens_to_it() -> None:
     graph.joins("/imu", DRIVER)
     live.looks()
     assert graph.subscribed() == set()
-    assert not live.topics.links()["/imu"].is_heard
+    assert not live.known["/imu"].link().is_subscribed
     assert [publisher.topic for publisher in graph.advertised] == ["/testudo/imu"]
 
     graph.listens("/testudo/imu")
     live.looks(1)
     assert graph.subscribed() == {"/imu"}
-    assert live.topics.links()["/imu"].is_heard
+    assert live.known["/imu"].link().is_subscribed
 
     graph.operators.clear()
     live.looks(1)
     assert graph.subscribed() == set()
-    assert not live.topics.links()["/imu"].is_heard
+    assert not live.known["/imu"].link().is_subscribed
     assert graph.lines == [
         f"/imu: {TEXT}, reliable; not subscribed, because there is no subscriber",
         "/imu: subscribed, because there is a subscriber",
@@ -288,7 +290,7 @@ def test_a_node_with_two_subscriptions_that_get_nothing_is_named_once_and_counte
     graph.listens("/testudo/imu", node="/rviz", reliable=True, gid=b"image")
     graph.listens("/testudo/imu", node="/rviz", reliable=True, gid=b"camera")
     live.looks()
-    link = live.topics.links()["/imu"]
+    link = live.known["/imu"].link()
     assert (link.subscribers, link.unserved, link.incompatible) == (2, 2, ("/rviz",))
 
 
@@ -317,7 +319,7 @@ def test_a_type_that_is_not_installed_costs_that_topic_only() -> None:
     assert lines_with(graph, "installed") == [
         "/testudo/odd: error: the message type odd_msgs/msg/Odd is not installed"
     ]
-    assert live.topics.links()["/odd"].problem == "the message type odd_msgs/msg/Odd is not installed"
+    assert live.known["/odd"].link().problem == "the message type odd_msgs/msg/Odd is not installed"
 
 
 def test_a_publisher_replaced_by_one_with_another_qos_is_noticed_within_a_second() -> None:
@@ -363,7 +365,8 @@ def test_a_recorded_topic_that_is_relayed_or_read_from_now_on_stays_subscribed_t
     live.looks()
     assert graph.subscriptions == before
     assert graph.advertised == []
-    assert live.topics.ends(is_published=True) == {"/odom": (before[1], None)}
+    ends = {name: topic.ends(is_published=True) for name, topic in live.known.items()}
+    assert ends == {"/odom": (before[1], None), "/imu": None}
 
 
 def test_a_latched_topic_that_is_recorded_has_what_was_latched_at_its_new_output() -> None:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from smarttestudo.domain.robot import Endpoint
 from smarttestudo.domain.status import LossBeforeRelay
-from smarttestudo.robot.losses import LARGE_BYTES, PAUSE_NS, TOO_SLOW, LiveLosses
+from smarttestudo.robot.losses import LARGE_BYTES, PAUSE_NS, TOO_SLOW, SourceLoss, TopicLosses
 
 SECOND = 1_000_000_000
 SETTING = "FASTDDS_BUILTIN_TRANSPORTS='DEFAULT?sockets_size=8MB'"
@@ -51,8 +51,14 @@ class Log:
         return [line[: line.index(" messages")] for line in self.lines]
 
 
-def losses_of(log: Log, *publishers: Endpoint, setting: str | None = SETTING) -> LiveLosses:
-    return LiveLosses(log.lines.append, lambda _: publishers, setting)
+def losses_of(topic: str, log: Log, *publishers: Endpoint, setting: str | None = SETTING) -> TopicLosses:
+    return TopicLosses(topic, log.lines.append, lambda: publishers, setting)
+
+
+def loss_of(losses: TopicLosses) -> SourceLoss:
+    loss = losses.loss()
+    assert loss is not None
+    return loss
 
 
 def begun(subscription: Subscription, sent: int = 1) -> Subscription:
@@ -67,52 +73,47 @@ def camera(node: str = "/camera", **other: Any) -> Endpoint:
 
 def test_losses_are_said_at_once_and_then_no_more_than_every_ten_seconds() -> None:
     log, subscription = Log(), begun(Subscription())
-    losses = losses_of(log)
+    losses = losses_of("/scan", log)
     for second in range(25):
         subscription.goes_on(10, 2 if second else 0)
-        losses.measure({"/scan": subscription}, second * SECOND)
+        losses.measure(subscription, second * SECOND)
     assert log.numbers == ["/scan: lost 2", "/scan: lost 20", "/scan: lost 20"]
     assert PAUSE_NS == 10 * SECOND
 
 
 def test_what_was_lost_last_is_said_when_a_topic_is_no_longer_subscribed_to_and_at_the_end() -> None:
-    log, scan, imu, later = Log(), begun(Subscription()), begun(Subscription()), begun(Subscription())
-    losses = losses_of(log)
-    losses.measure({"/scan": scan, "/imu": imu}, 0)
+    log, scan, later = Log(), begun(Subscription()), begun(Subscription())
+    losses = losses_of("/scan", log)
+    losses.measure(scan, 0)
     scan.goes_on(10, 5)
-    losses.measure({"/scan": scan, "/imu": imu}, SECOND)
+    losses.measure(scan, SECOND)
     scan.goes_on(10, 2)
-    imu.goes_on(10, 3)
-    losses.measure({"/scan": later, "/imu": imu}, 2 * SECOND)
-    imu.goes_on(10, 1)
+    losses.measure(later, 2 * SECOND)
     later.goes_on(10, 1)
     losses.close()
-    assert log.numbers == [
-        "/scan: lost 5",
-        "/scan: lost 2",
-        "/imu: lost 3",
-        "/imu: lost 1",
-        "/scan: lost 1",
-    ]
+    assert log.numbers == ["/scan: lost 5", "/scan: lost 2", "/scan: lost 1"]
 
 
 def test_what_was_lost_is_counted_from_the_start_over_all_subscriptions_of_a_topic() -> None:
-    scan, imu, later, unnumbered = (begun(Subscription()) for _ in range(4))
-    unnumbered.sent = None
-    losses = losses_of(Log())
-    opened = {"/scan": scan, "/imu": imu, "/tf": unnumbered}
-    losses.measure(opened, 0)
+    scan, later, unnumbered = (begun(Subscription()) for _ in range(3))
+    losses = losses_of("/scan", Log())
+
+    def lost() -> int | None:
+        loss = losses.loss()
+        return None if loss is None else loss.messages
+
+    losses.measure(scan, 0)
     scan.goes_on(10, 7)
-
-    def lost() -> dict[str, int]:
-        return {topic: loss.messages for topic, loss in losses.lost().items()}
-
-    assert lost() == {"/scan": 7, "/imu": 0}, "nobody knows of messages without numbers"
-    losses.measure({"/imu": imu}, SECOND)
-    assert lost() == {"/scan": 7, "/imu": 0}
-    losses.measure({"/scan": later, "/imu": imu}, 2 * SECOND)
+    assert lost() == 7
+    losses.measure(None, SECOND)
+    assert lost() == 7
+    losses.measure(later, 2 * SECOND)
     later.goes_on(10, 1)
-    assert lost() == {"/scan": 8, "/imu": 0}
+    assert lost() == 8
+    unnumbered.sent = None
+    losses = losses_of("/tf", Log())
+    losses.measure(unnumbered, 0)
+    assert lost() is None, "nobody knows of messages without numbers"
 
 
 Seconds = st.lists(st.tuples(st.integers(1, 50), st.integers(0, 49)), max_size=40)
@@ -124,18 +125,18 @@ def test_all_that_is_lost_after_a_look_that_found_a_first_message_is_said_and_no
     silent_s: int, start: tuple[int, int], seconds: list[tuple[int, int]]
 ) -> None:
     log, subscription = Log(), Subscription()
-    losses, opened = losses_of(log), {"/scan": subscription}
+    losses = losses_of("/scan", log)
     for second in range(silent_s):
-        losses.measure(opened, second * SECOND)
+        losses.measure(subscription, second * SECOND)
     subscription.goes_on(start[0], min(start[1], start[0] - 1))
-    losses.measure(opened, silent_s * SECOND)
+    losses.measure(subscription, silent_s * SECOND)
     assert log.lines == [], "what is lost while the run starts is none of the robot's"
     lost = 0
     for second, (sent, at_most) in enumerate(seconds, start=silent_s + 1):
         subscription.goes_on(sent, min(at_most, sent - 1))
         lost += min(at_most, sent - 1)
-        losses.measure(opened, second * SECOND)
-    assert losses.lost()["/scan"].messages == lost
+        losses.measure(subscription, second * SECOND)
+    assert loss_of(losses).messages == lost
     losses.close()
     assert sum(int(line.split()[2]) for line in log.lines) == lost
 
@@ -147,20 +148,20 @@ def test_a_topic_is_lost_before_relay_while_more_than_a_twentieth_of_it_is(
     lost_of_15: float, is_state: bool
 ) -> None:
     log, subscription = Log(), begun(Subscription())
-    losses, opened = losses_of(log, camera()), {"/image": subscription}
-    losses.sizes["/image"] = IMAGE_BYTES
-    losses.measure(opened, 0)
+    losses = losses_of("/image", log, camera())
+    losses.size_bytes = IMAGE_BYTES
+    losses.measure(subscription, 0)
     for second in range(1, 31):
         subscription.goes_on(15, round(lost_of_15 * second) - round(lost_of_15 * (second - 1)))
-        losses.measure(opened, second * SECOND)
-    loss = losses.lost()["/image"]
+        losses.measure(subscription, second * SECOND)
+    loss = loss_of(losses)
     assert loss.share == pytest.approx(lost_of_15 / 15, abs=0.01)
     assert (loss.state is not None) == is_state
     for second in range(31, 45):
         subscription.goes_on(15)
-        losses.measure(opened, second * SECOND)
-    assert losses.lost()["/image"].state is None, "the camera has what it needs now"
-    assert losses.lost()["/image"].share == 0
+        losses.measure(subscription, second * SECOND)
+    assert loss_of(losses).state is None, "the camera has what it needs now"
+    assert loss_of(losses).share == 0
 
 
 @pytest.mark.parametrize(
@@ -176,22 +177,22 @@ def test_what_may_lose_for_want_of_memory_is_received_whole_until_it_is_known_th
     size_bytes: int, reliable: bool, lost: int, must_work: list[bool]
 ) -> None:
     subscription = begun(Subscription())
-    losses, opened = losses_of(Log(), camera(reliable=reliable)), {"/image": subscription}
-    losses.sizes["/image"] = size_bytes
+    losses = losses_of("/image", Log(), camera(reliable=reliable))
+    losses.size_bytes = size_bytes
     found = []
     for second in range(8):
-        losses.measure(opened, second * SECOND)
-        found.append(losses.may_lack_room("/image"))
+        losses.measure(subscription, second * SECOND)
+        found.append(losses.may_lack_room)
         subscription.goes_on(15, lost)
     assert found == must_work
 
 
 def test_a_camera_that_left_is_still_the_one_that_lacked_room() -> None:
     log, subscription, publishers = Log(), begun(Subscription()), [camera()]
-    losses, opened = LiveLosses(log.lines.append, lambda _: publishers, SETTING), {"/image": subscription}
-    losses.sizes["/image"] = IMAGE_BYTES
+    losses = TopicLosses("/image", log.lines.append, lambda: publishers, SETTING)
+    losses.size_bytes = IMAGE_BYTES
     for second in range(3):
-        losses.measure(opened, second * SECOND)
+        losses.measure(subscription, second * SECOND)
         subscription.goes_on(15, 9)
     publishers.clear()
     losses.close()
@@ -200,13 +201,13 @@ def test_a_camera_that_left_is_still_the_one_that_lacked_room() -> None:
 
 def test_one_hitch_is_no_state() -> None:
     subscription = begun(Subscription())
-    losses, opened = losses_of(Log()), {"/battery": subscription}
+    losses = losses_of("/battery", Log())
     for second in range(10):
         subscription.goes_on(1, 0)
-        losses.measure(opened, second * SECOND)
+        losses.measure(subscription, second * SECOND)
     subscription.goes_on(2, 1)
-    losses.measure(opened, 10 * SECOND)
-    assert losses.lost()["/battery"].state is None
+    losses.measure(subscription, 10 * SECOND)
+    assert loss_of(losses).state is None
 
 
 @pytest.mark.parametrize(
@@ -230,13 +231,13 @@ def test_who_has_too_little_shared_memory_is_named_with_what_to_set_and_else_the
     publishers: list[Endpoint], size_bytes: int | None, setting: str | None, named: str | None
 ) -> None:
     log, subscription = Log(), begun(Subscription())
-    losses, opened = losses_of(log, *publishers, setting=setting), {"/image": subscription}
+    losses = losses_of("/image", log, *publishers, setting=setting)
     if size_bytes is not None:
-        losses.sizes["/image"] = size_bytes
+        losses.size_bytes = size_bytes
     for second in range(25):
-        losses.measure(opened, second * SECOND)
+        losses.measure(subscription, second * SECOND)
         subscription.goes_on(15, 9)
-    state = losses.lost()["/image"].state
+    state = loss_of(losses).state
     assert isinstance(state, LossBeforeRelay)
     assert state.percent == pytest.approx(60)
     assert (state.remedy == TOO_SLOW) == (named is None)

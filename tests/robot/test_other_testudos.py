@@ -115,7 +115,7 @@ def test_where_they_are_not_told_apart_the_topic_waits_until_that_one_is_gone() 
         graph.operators.clear()
         live.looks()
         graph.listens("/testudo/imu")
-    assert (graph.subscribed(), live.topics.links()["/imu"].problem is None) == (set(), False)
+    assert (graph.subscribed(), live.known["/imu"].link().problem is None) == (set(), False)
     assert len(lines_with(graph, "/imu: error: what is sent of it is published here again")) == 1
     graph.leaves("/imu", OTHER)
     live.looks()

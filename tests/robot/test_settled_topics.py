@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from robot.small_graph import TEXT, SmallGraph
 from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.robot import GraphChange
+from smarttestudo.robot.topic import Topic
 from smarttestudo.robot.topics import LiveTopics
 
 TOPICS = ("/imu", "/map")
@@ -24,7 +25,8 @@ class Followed:
 
     def __init__(self, *, always_anew: bool) -> None:
         self.graph = SmallGraph()
-        self.topics = LiveTopics(self.graph, lambda *_: None, lambda _: 0.0)
+        self.known: dict[str, Topic] = {}
+        self.topics = LiveTopics(self.graph, self.known, lambda *_: None, lambda _: 0.0)
         self._always_anew = always_anew
         self.follow((), (), ())
 
@@ -35,23 +37,20 @@ class Followed:
 
     def answers(self) -> list[object]:
         """All that is asked of them, one after the other."""
-        topics = self.topics
         asked: list[Callable[[], object]] = [
-            topics.links,
-            lambda: [*topics.ends(is_published=True)],
-            lambda: [*topics.ends(is_published=False)],
-            lambda: [*topics.pausable()],
-            lambda: [*topics.subscriptions()],
-            lambda: [*topics.heard()],
-            topics.heard_here,
-            topics.listeners,
+            lambda: {one.name: one.link() for one in self.known.values() if one.output is not None},
+            lambda: [one.ends(is_published=True) is not None for one in self.known.values()],
+            lambda: [one.ends(is_published=False) is not None for one in self.known.values()],
+            lambda: [(one.name, one.source, one.is_wanted, one.may_rest) for one in self.known.values()],
+            self.topics.heard_here,
+            self.topics.listeners,
         ]
         found = []
         for ask in asked:
             self._forget()
             found.append(ask())
-        for topic, (subscription, publisher) in topics.ends(is_published=True).items():
-            assert subscription is topics.subscription(topic) is topics.subscriptions()[topic]
+        for topic in self.known.values():
+            _, publisher = topic.ends(is_published=True) or (None, None)
             assert publisher is None or publisher in self.graph.advertised
         return [
             *found,
@@ -142,18 +141,7 @@ def test_looks_at_a_quiet_graph_make_nothing_of_it_anew() -> None:
         followed.graph.listens(f"/testudo{topic}", gid=b"rviz")
     for _ in range(3):
         followed.topics.poll(GraphChange.TOLD)
-    topics = followed.topics
-    ends = partial(topics.ends, is_published=True)
-    beginnings = partial(topics.ends, is_published=False)
-    asked: list[Callable[[], object]] = [
-        topics.links,
-        ends,
-        beginnings,
-        topics.pausable,
-        topics.subscriptions,
-        topics.heard,
-    ]
-    before = [ask() for ask in asked]
+    before = followed.topics.changes
     for graph in (GraphChange.NONE, GraphChange.UNTOLD, GraphChange.TOLD):
-        topics.poll(graph)
-        assert all(ask() is found for ask, found in zip(asked, before, strict=True))
+        followed.topics.poll(graph)
+        assert followed.topics.changes == before

@@ -7,7 +7,7 @@ from __future__ import annotations
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.metadata_text import offered_qos
 from smarttestudo.domain.robot import Qos, Robot
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.source import LiveSource
 
 _MOST_CHANGES = 100
 

@@ -37,7 +37,7 @@ from smarttestudo.robot.gone_publishers import GonePublishers
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
 from smarttestudo.robot.part import Part, PartContext, RunView
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.source import LiveSource
 
 WAITING_SHARE = 0.25
 """How much of the memory may wait for the disk beside what the ring holds."""

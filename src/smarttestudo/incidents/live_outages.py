@@ -22,7 +22,7 @@ from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
 from smarttestudo.robot.part import Part
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.source import LiveSource
 
 FOLDER_NS = 600 * NS_PER_S
 MAX_FOLDERS = 6

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -23,16 +23,17 @@ from smarttestudo.loop.hand_over import count, count_flow, hand_over, take_back,
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.pacing.grid import NEVER_NS, Pace
-from smarttestudo.robot.sampling import LiveSampling
-from smarttestudo.robot.settled_topics import Ends
-from smarttestudo.robot.topics import LiveTopics
 
 MOST_MEAN_BYTES = 1 << 16
 """Larger messages cost the same either way, and nothing those that are not due while their topic rests."""
 
 
+Ends = tuple[Subscription, Publisher | None]
+"""Where all messages of a topic come in and go out."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Use:
+class RelayUse:
     """How a topic is relayed: by which publisher, and who is told of its messages."""
 
     publisher: Publisher | None
@@ -46,19 +47,34 @@ class _Use:
         return self.is_recorded or self.is_counted
 
 
+class CompiledTopic:
+    """A topic that may be relayed without Python: by ``relay``, if it is now, to whom ``use`` says.
+
+    ``is_left`` says whether it was last to be relayed so. ``unrelayed`` counts what came of a topic that is
+    received and not relayed.
+    """
+
+    __slots__ = ("is_left", "name", "relay", "unrelayed", "use")
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.relay: CompiledRelay | None = None
+        self.use: RelayUse | None = None
+        self.is_left = False
+        self.unrelayed: Flow | None = None
+
+
 class CompiledTopics:
     """Hands topics to compiled relays and takes them back, with their pace, held messages and counts.
 
-    Those that are only recorded may be among them; of all others, ``sampling`` decides which rest. ``came``
-    is told of each message of those that are recorded, or that a budget counts. ``passed`` is given what
-    passes because a topic came back and, where ``is_returned``, all that passes, which no relay publishes.
+    ``came`` is told of each message of those that are recorded, or that a budget counts. ``passed`` is given
+    what passes because a topic came back and, where ``is_returned``, all that passes: no relay publishes it.
     """
 
     def __init__(
         self,
         relays: CompiledRelays | None,
         loop: RelayLoop,
-        sampling: LiveSampling,
         passed: Callable[[Sequence[Relayed]], None],
         came: Callable[[str, MessageCopy], None],
         *,
@@ -66,39 +82,45 @@ class CompiledTopics:
     ) -> None:
         self._relays = relays
         self._loop = loop
-        self._sampling = sampling
         self._passed = passed
         self._came = came
-        self._is_returned = is_returned
-        self._running: dict[str, tuple[CompiledRelay, _Use]] = {}
-        self._unrelayed: dict[str, Flow] = {}
-        self._sampled: Mapping[str, Subscription] = {}
+        self.is_returned = is_returned
+        self._running: list[CompiledTopic] = []
         self._told_ns, self._until_ns = 0, LAST_STAMP_NS
         """Between which stamps on the clock what is told came: beyond them the clock jumped to and fro."""
-        self._polled: object = None
-        """What the last poll found, where another one that finds the same would decide the same."""
 
-    def choose(self, topics: LiveTopics, now_ns: int, *, is_quiet: bool = False) -> None:
-        """Decide by the plan as it is now which of ``topics`` are relayed so; one that rests works first.
+    @property
+    def can_relay(self) -> bool:
+        """Whether topics may be relayed so now."""
+        return self._relays is not None and self._relays.can_relay
 
-        Where it ``is_quiet``, neither graph nor plan have changed since the last poll.
-        """
-        relays, pausable = self._relays, topics.pausable()
-        ends: Ends = {}
-        if relays is not None and relays.can_relay:
-            ends = topics.ends(is_published=not self._is_returned)
-        found = (ends, pausable, topics.recorded, self._loop.counts_all)
-        if not is_quiet or found != self._polled:
-            wanted = {} if relays is None else self._choose(relays, ends, topics.recorded, now_ns)
-            self._sampled = {topic: pausable[topic] for topic in pausable if topic not in wanted}
-            # What is not relayed so may be as soon as a message comes.
-            self._polled = found if self._running.keys() == ends.keys() else None
-        self._sampling.choose(self._sampled, now_ns)
+    def choose(self, topic: CompiledTopic, ends: Ends | None, now_ns: int, *, is_recorded: bool) -> None:
+        """Decide by the plan as it is now whether ``topic`` is relayed so, between its ``ends`` if any."""
+        use = self._use(topic.name, ends, is_recorded=is_recorded)
+        wanted = use if use is not None and self._suits(topic, use) else None
+        if topic.relay is not None and topic.use != wanted:
+            topic.relay.end()
+        if use is None or use.is_relayed:
+            topic.unrelayed = None
+        topic.is_left = wanted is not None
+        if wanted is None or ends is None:
+            return
+        if topic.relay is None:
+            self._begin(topic, ends[0], wanted, now_ns)
+        else:
+            topic.relay.set_pace(self._pace(topic.name).period_ns)
 
-    def received(self, topic: str, size_bytes: int, now_ns: int) -> None:
+    def end(self, topic: CompiledTopic) -> None:
+        """Take ``topic`` back."""
+        if topic.relay is not None:
+            topic.relay.end()
+
+    def received(self, topic: CompiledTopic, size_bytes: int, now_ns: int) -> None:
         """A message of a topic came to Python, which is recorded only."""
         if self._relays is not None:
-            self._unrelayed.setdefault(topic, Flow()).record(now_ns, size_bytes)
+            if topic.unrelayed is None:
+                topic.unrelayed = Flow()
+            topic.unrelayed.record(now_ns, size_bytes)
 
     def deliver(self, now_ns: int) -> None:
         """Tell of all messages that came or passed by ``now_ns``, on the clock."""
@@ -118,25 +140,24 @@ class CompiledTopics:
 
     def count(self, note: Callable[[Relayed], None]) -> None:
         """Have the statistics as of now; ``note`` is given the beginning of each last relayed message."""
-        self._polled = None
-        for topic, (running, use) in self._running.items():
-            relay, counts = self._loop.relays.relay(topic), running.counts()
-            if not use.is_relayed:
-                count_flow(self._unrelayed[topic], counts.arrived)
+        for topic in self._running:
+            assert topic.relay is not None
+            relay, counts = self._loop.relays.relay(topic.name), topic.relay.counts()
+            if topic.unrelayed is not None:
+                count_flow(topic.unrelayed, counts.arrived)
             elif relay is not None:
                 count(relay, counts)
             beginning, at_ns = counts.beginning, counts.relayed.last_ns
             if beginning:
-                note(Relayed(topic, at_ns, beginning, len(beginning), repeated=False))
+                note(Relayed(topic.name, at_ns, beginning, len(beginning), repeated=False))
 
     def leave_out(self, ahead_ns: int, now_ns: int) -> None:
         """The clock jumped ahead by so much, to ``now_ns``: take all topics back, with counts without that.
 
         To be called once the loop has left it out; what was copied since is told of.
         """
-        self._polled = None
         self._until_ns = now_ns
-        flows = [flow for topic, (_, use) in self._running.items() for flow in self._flows(topic, use)]
+        flows = [flow for topic in self._running for flow in self._flows(topic)]
         self._end_all()
         self._loop.relays.restart_grids(now_ns)
         for flow in flows:
@@ -148,94 +169,77 @@ class CompiledTopics:
         self._end_all()
 
     def _end_all(self) -> None:
-        for relay, _ in list(self._running.values()):
-            relay.end()
+        for topic in list(self._running):
+            self.end(topic)
 
-    def _flows(self, topic: str, use: _Use) -> Sequence[Flow]:
-        relay = self._loop.relays.relay(topic)
-        if not use.is_relayed:
-            return (self._unrelayed[topic],)
+    def _flows(self, topic: CompiledTopic) -> Sequence[Flow]:
+        relay = self._loop.relays.relay(topic.name)
+        if topic.unrelayed is not None:
+            return (topic.unrelayed,)
         return () if relay is None else (relay.statistics.arrived, relay.statistics.relayed)
 
-    def _choose(
-        self, relays: CompiledRelays, ends: Ends, recorded: Set[str], now_ns: int
-    ) -> Mapping[str, _Use]:
-        uses = {
-            topic: self._use(topic, publisher, is_recorded=topic in recorded)
-            for topic, (subscription, publisher) in ends.items()
-            if relays.serves(subscription, publisher)
-        }
-        wanted = {topic: use for topic, use in uses.items() if self._suits(topic, use)}
-        for topic, (relay, use) in list(self._running.items()):
-            if wanted.get(topic) != use:
-                relay.end()
-        self._unrelayed = {
-            topic: flow
-            for topic, flow in self._unrelayed.items()
-            if topic in uses and not uses[topic].is_relayed
-        }
-        for topic, use in wanted.items():
-            if topic not in self._running:
-                self._begin(relays, topic, ends[topic][0], use, now_ns)
-            else:
-                self._running[topic][0].set_pace(self._pace(topic).period_ns)
-        return wanted
-
-    def _use(self, topic: str, publisher: Publisher | None, *, is_recorded: bool) -> _Use:
-        is_relayed = self._loop.relays.relay(topic) is not None
-        return _Use(
-            publisher=publisher,
+    def _use(self, name: str, ends: Ends | None, *, is_recorded: bool) -> RelayUse | None:
+        """How a topic would be relayed; ``None`` where no compiled relay can."""
+        if ends is None or self._relays is None or not self._relays.serves(*ends):
+            return None
+        is_relayed = self._loop.relays.relay(name) is not None
+        return RelayUse(
+            publisher=ends[1],
             is_relayed=is_relayed,
             is_recorded=is_recorded,
             is_counted=is_relayed and self._loop.counts_all,
         )
 
-    def _begin(
-        self, relays: CompiledRelays, topic: str, subscription: Subscription, use: _Use, now_ns: int
-    ) -> None:
-        if use.is_relayed:
-            state = partial(hand_over, self._loop.relays, topic, now_ns)
+    def _begin(self, topic: CompiledTopic, subscription: Subscription, use: RelayUse, now_ns: int) -> None:
+        assert self._relays is not None
+        if topic.unrelayed is None:
+            state = partial(hand_over, self._loop.relays, topic.name, now_ns)
         else:
-            state = partial(unrelayed, self._unrelayed[topic], now_ns)
+            state = partial(unrelayed, topic.unrelayed, now_ns)
         copying = Copying(
-            came=partial(self._tell, topic) if use.wants_all else None,
+            came=partial(self._tell, topic.name) if use.wants_all else None,
             has_payload=use.is_recorded,
-            passed=partial(self._return, topic) if use.is_relayed and self._is_returned else None,
+            passed=partial(self._return, topic.name) if use.is_relayed and self.is_returned else None,
         )
-        relay = relays.begin(subscription, use.publisher, state, partial(self._take_back, topic), copying)
+        relay = self._relays.begin(
+            subscription, use.publisher, state, partial(self._take_back, topic), copying
+        )
         if relay is not None:
-            self._running[topic] = relay, use
+            topic.relay, topic.use = relay, use
+            self._running.append(topic)
 
-    def _suits(self, topic: str, use: _Use) -> bool:
-        relay = self._loop.relays.relay(topic)
+    def _suits(self, topic: CompiledTopic, use: RelayUse) -> bool:
+        relay = self._loop.relays.relay(topic.name)
         if relay is None:
-            return topic in self._unrelayed and _is_small(self._unrelayed[topic])
-        period_ns = self._pace(topic).period_ns
+            return topic.unrelayed is not None and _is_small(topic.unrelayed)
+        period_ns = self._pace(topic.name).period_ns
         # A topic that is Off, or nearly, rests at no cost at all, unless all its messages are wanted.
         is_paced = period_ns <= MAX_PERIOD_NS or (use.wants_all and period_ns == NEVER_NS)
-        return is_paced and self._loop.may_leave(topic) and _is_small(relay.statistics.arrived)
+        return is_paced and self._loop.may_leave(topic.name) and _is_small(relay.statistics.arrived)
 
-    def _pace(self, topic: str) -> Pace:
-        planned = self._loop.knowledge.plan.get(topic)
+    def _pace(self, name: str) -> Pace:
+        planned = self._loop.knowledge.plan.get(name)
         return Pace.at(0.0 if planned is None else planned.rate.hz)
 
-    def _tell(self, topic: str, copy: MessageCopy) -> None:
+    def _tell(self, name: str, copy: MessageCopy) -> None:
         if not self._told_ns <= copy.stamp_ns <= self._until_ns:
             copy = replace(copy, stamp_ns=max(self._told_ns, min(copy.stamp_ns, self._until_ns)))
         self._told_ns = copy.stamp_ns
-        self._came(topic, copy)
+        self._came(name, copy)
 
-    def _return(self, topic: str, copy: MessageCopy) -> None:
+    def _return(self, name: str, copy: MessageCopy) -> None:
         payload, publisher = copy.payload or b"", copy.publisher
-        passed = Relayed(topic, copy.stamp_ns, payload, copy.size_bytes, repeated=False, publisher=publisher)
+        passed = Relayed(name, copy.stamp_ns, payload, copy.size_bytes, repeated=False, publisher=publisher)
         self._passed([passed])
 
-    def _take_back(self, topic: str, state: RelayState) -> None:
-        _, use = self._running.pop(topic, (None, None))
-        if use is not None and not use.is_relayed:
-            count_flow(self._unrelayed[topic], state.counts.arrived)
+    def _take_back(self, topic: CompiledTopic, state: RelayState) -> None:
+        if topic.relay is not None:
+            topic.relay, topic.use = None, None
+            self._running.remove(topic)
+        if topic.unrelayed is not None:
+            count_flow(topic.unrelayed, state.counts.arrived)
         else:
-            self._passed(take_back(self._loop.relays, topic, state))
+            self._passed(take_back(self._loop.relays, topic.name, state))
 
 
 def _is_small(arrived: Flow) -> bool:

@@ -14,7 +14,7 @@ from smarttestudo.domain.rate_meter import Flow, FlowMeter
 from smarttestudo.domain.robot import Payload, Qos, Robot, Subscription, is_visible
 from smarttestudo.domain.units import NS_PER_S, grouped
 from smarttestudo.language.properties import part_reader, properties_of, value_reader
-from smarttestudo.robot.topic import LiveSource, live_source, suits
+from smarttestudo.robot.source import LiveSource, live_source, suits
 
 PlainValue = bool | int | float | str | list["PlainValue"] | dict[str, "PlainValue"] | None
 

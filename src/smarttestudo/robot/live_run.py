@@ -24,11 +24,12 @@ from smarttestudo.robot.compiled_topics import CompiledTopics
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
-from smarttestudo.robot.losses import LiveLosses
 from smarttestudo.robot.part import Part
-from smarttestudo.robot.sampling import LiveSampling
+from smarttestudo.robot.sampling import LiveSampling, SampledTopic
+from smarttestudo.robot.source import LiveSource
 from smarttestudo.robot.status import LiveStatus, doubt_lines
 from smarttestudo.robot.status_topics import StatusPublisher, StatusTelling, StatusTimer
+from smarttestudo.robot.topic import Topic
 from smarttestudo.robot.topics import LiveTopics
 
 if TYPE_CHECKING:
@@ -39,7 +40,10 @@ POLL_PERIOD_S = 0.2
 
 
 class LiveRun:
-    """Drives a loop, which follows ``rules``, in the node's time, with ``parts`` beside it."""
+    """Drives a loop, which follows ``rules``, in the node's time, with ``parts`` beside it.
+
+    ``topics`` are those of the rules and of the parts, by their names.
+    """
 
     def __init__(
         self,
@@ -68,19 +72,17 @@ class LiveRun:
         for part in parts:
             part.begin(self)
         is_lazy = not inputs.is_recording and not any(part.needs_every_message for part in parts)
-        self._topics = LiveTopics(robot, self._receive, self._priority_of, is_lazy=is_lazy)
+        self.topics: dict[str, Topic] = {}
+        self._graph = LiveTopics(robot, self.topics, self._receive, self._priority_of, is_lazy=is_lazy)
+        needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
+        relays = None if needs_all or inputs.is_recording else robot.data_path.compiled
+        is_told = bool(self._before_relays or self._publishing)
+        self._compiled = CompiledTopics(relays, loop, self._relay, self._came, is_returned=is_told)
+        self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
+        self._decided_by: object = None
+        """By what all topics were given to compiled relays that may be: the same gives the same."""
         self._follow(rules)
         robot.log.info(f"Data path: {robot.data_path.description}")
-        self._losses = LiveLosses(robot.log.warning, self._topics.publishers, robot.senders_remedy)
-        needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
-        compiled = None if needs_all or inputs.is_recording else robot.data_path.compiled
-        self._sampling = LiveSampling(
-            loop, may_rest=not inputs.is_recording, must_work=self._losses.may_lack_room
-        )
-        is_told = bool(self._before_relays or self._publishing)
-        self._compiled = CompiledTopics(
-            compiled, loop, self._sampling, self._relay, self._came, is_returned=is_told
-        )
         self._status = LiveStatus(robot.name, read_own_process())
         self._standing: Callable[[], RulesInForce] = lambda: self.rules.in_force
         self._timer = StatusTimer(robot, link, needs_all=any(_does(part, "on_status") for part in parts))
@@ -102,7 +104,8 @@ class LiveRun:
             self._report()
         finally:
             self._compiled.close()
-            self._losses.close()
+            for topic in self.topics.values():
+                topic.losses.close()
             for part in self._parts:
                 part.close()
 
@@ -136,7 +139,7 @@ class LiveRun:
 
     def heard_here(self) -> Collection[str]:
         """The topics whose output has a subscriber on the robot's own graph."""
-        return self._topics.heard_here()
+        return self._graph.heard_here()
 
     def _follow_parts(self, now_ns: int) -> None:
         for part in self._parts:
@@ -145,10 +148,14 @@ class LiveRun:
     def _follow(self, rules: LiveRules) -> None:
         loop = self.loop
         self._part_topics = self._topics_of_parts()
-        self._given = frozenset((*rules.output_topics, *loop.knowledge.watched))
-        self._topics.follow(
+        gone = self._graph.follow(
             rules.output_topics, loop.knowledge.watched, loop.relays.leaders, recorded=self._part_topics
         )
+        for topic in gone:
+            self._compiled.end(topic.compiled)
+            topic.losses.close()
+            if topic.sampled is not None:
+                self._sampling.end(topic.sampled, self._robot.now_ns())
 
     def _topics_of_parts(self) -> frozenset[str]:
         return frozenset().union(*(part.topics for part in self._parts))
@@ -176,53 +183,90 @@ class LiveRun:
         if self._topics_of_parts() != self._part_topics:
             self._follow(self.rules)
 
-    def _receive(self, topic: str, payload: Payload, publisher: Hashable) -> None:
-        now_ns = self._now_ns()
-        self._losses.sizes[topic] = len(payload)
+    def _receive(self, topic: Topic, payload: Payload, publisher: Hashable) -> None:
+        now_ns, size_bytes = self._now_ns(), len(payload)
+        topic.losses.size_bytes = size_bytes
         if self._on_message:
             self._compiled.deliver(now_ns)
             self._tell_parts(topic, payload, publisher, now_ns)
-        if topic not in self._given:
-            self._compiled.received(topic, len(payload), now_ns)
+        if not topic.is_given:
+            self._compiled.received(topic.compiled, size_bytes, now_ns)
             return
-        message = self._topics.decoded(topic, payload) if self.loop.needs_decoded(topic) else None
-        self._sampling.received(topic, len(payload))
-        self._handle(MessageInput(now_ns, topic, payload, len(payload), message, publisher))
+        message = self._graph.decoded(topic, payload) if self.loop.needs_decoded(topic.name) else None
+        if topic.sampled is not None:
+            self._sampling.received(topic.sampled, size_bytes)
+        self._handle(MessageInput(now_ns, topic.name, payload, size_bytes, message, publisher))
 
-    def _came(self, topic: str, copy: MessageCopy) -> None:
+    def _came(self, name: str, copy: MessageCopy) -> None:
+        topic = self.topics[name]
         if copy.payload is not None:
             self._tell_parts(topic, copy.payload, copy.publisher, copy.stamp_ns)
-        if topic in self._given:
-            self._relay(self.loop.count(topic, copy.size_bytes, copy.stamp_ns))
+        if topic.is_given:
+            self._relay(self.loop.count(name, copy.size_bytes, copy.stamp_ns))
 
-    def _tell_parts(self, topic: str, payload: Payload, publisher: Hashable, stamp_ns: int) -> None:
-        subscription = self._topics.subscription(topic)
+    def _tell_parts(self, topic: Topic, payload: Payload, publisher: Hashable, stamp_ns: int) -> None:
         for on_message in self._on_message:
             try:
-                on_message(topic, payload, publisher, stamp_ns, subscription)
+                on_message(topic.name, payload, publisher, stamp_ns, topic.subscription)
             except Exception as error:  # noqa: BLE001, PERF203 - it costs neither the relay nor other parts
-                self._warn_once(str(error_at(topic, error)))
+                self._warn_once(str(error_at(topic.name, error)))
 
     def _poll(self, graph: GraphChange) -> None:
         # What is due goes out before a topic is opened anew, perhaps with another type.
         self._handle(WakeInput(stamp_ns=self._now_ns()))
-        found = self._topics.poll(graph)
+        found = self._graph.poll(graph)
         # What was opened anew was first heard now: where there are many topics, the poll takes a second.
         now_ns = self._now_ns()
-        if sources := tuple(change for change in found if change.topic in self._given):
+        if sources := tuple(change for change in found if self.topics[change.topic].is_given):
             self._handle(GraphInput(stamp_ns=now_ns, sources=sources))
-        for topic, source in self._topics.heard():
-            for part in self._parts:
-                try:
-                    part.on_source(topic, source, now_ns)
-                except Exception as error:  # noqa: BLE001, PERF203 - as of a message
-                    self._warn_once(str(error_at(topic, error)))
-        if listeners := tuple(self._topics.listeners()):
+        for topic in self.topics.values():
+            if topic.subscription is not None and topic.source is not None:
+                self._tell_source(topic, topic.source, now_ns)
+        if listeners := tuple(self._graph.listeners()):
             self._handle(GraphInput(stamp_ns=now_ns, listeners=listeners))
-        self._compiled.choose(self._topics, now_ns, is_quiet=graph is GraphChange.NONE)
-        self._losses.measure(self._topics.subscriptions(), now_ns)
+        self._choose_paths(now_ns, is_quiet=graph is GraphChange.NONE)
+        for topic in self.topics.values():
+            topic.losses.measure(topic.subscription, now_ns)
         for part in self._parts:
             part.on_graph()
+
+    def _tell_source(self, topic: Topic, source: LiveSource, now_ns: int) -> None:
+        for part in self._parts:
+            try:
+                part.on_source(topic.name, source, now_ns)
+            except Exception as error:  # noqa: BLE001, PERF203 - as of a message
+                self._warn_once(str(error_at(topic.name, error)))
+
+    def _choose_paths(self, now_ns: int, *, is_quiet: bool = False) -> None:
+        """Decide by the plan as it is now which topics need no Python, and which of the others rest.
+
+        Where it ``is_quiet``, neither graph nor plan have changed since the last time.
+        """
+        compiled, topics = self._compiled, self.topics.values()
+        by = (self._graph.changes, compiled.can_relay, self.loop.counts_all)
+        if not is_quiet or by != self._decided_by:
+            self._decided_by = by
+            for topic in topics:
+                ends = topic.ends(is_published=not compiled.is_returned) if compiled.can_relay else None
+                compiled.choose(topic.compiled, ends, now_ns, is_recorded=topic.is_recorded)
+                if ends is not None and topic.compiled.relay is None:
+                    # It may be relayed so as soon as a message comes.
+                    self._decided_by = None
+        for topic in topics:
+            self._choose_rest(topic, now_ns)
+
+    def _choose_rest(self, topic: Topic, now_ns: int) -> None:
+        sampled, subscription = topic.sampled, topic.subscription
+        if subscription is not None and topic.may_rest and not topic.compiled.is_left:
+            if sampled is None or sampled.subscription is not subscription:
+                if sampled is not None:
+                    self._sampling.end(sampled, now_ns)
+                topic.sampled = sampled = SampledTopic(topic.name, subscription, now_ns)
+            self._sampling.choose(sampled, now_ns, must_work=topic.losses.may_lack_room)
+        elif sampled is not None:
+            self._sampling.end(sampled, now_ns)
+            if not sampled.is_roused or sampled.subscription is not subscription:
+                topic.sampled = None
 
     def give(self, given: ChangeInput | WakeInput) -> None:
         """Give the loop an input of now, and relay what comes of it."""
@@ -253,8 +297,11 @@ class LiveRun:
         jumped = ChangeInput(stamp_ns=now_ns, change=ClockJumped(ahead_ns=jump_ns))
         self._inputs.record(jumped, self.rules)
         self._relay(self.loop.handle(jumped))
+        self._decided_by = None
         self._compiled.leave_out(jump_ns, now_ns)
-        self._status.begin_anew()
+        for topic in self.topics.values():
+            # All rates are measured from the next messages on.
+            topic.meters = None
 
     def _relay(self, relayed: Sequence[Relayed]) -> None:
         if relayed:
@@ -262,29 +309,41 @@ class LiveRun:
                 before_relays()
         for one in relayed:
             self._publish(one)
-            self._status.note(one)
+            self._note(one)
 
     def _publish(self, relayed: Relayed) -> None:
+        topic = self.topics.get(relayed.topic)
         for part in self._publishing:
             part.before_publish(relayed)
         try:
-            self._topics.publish(relayed)
+            if topic is not None:
+                topic.publish(relayed.payload, relayed.publisher)
         finally:
             for part in self._publishing:
                 part.after_publish()
+
+    def _note(self, relayed: Relayed) -> None:
+        topic = self.topics.get(relayed.topic)
+        if topic is not None and topic.meters is not None:
+            topic.meters.note(relayed)
 
     def _measure(self, most_blocks: int) -> tuple[RuntimeStatus, BlockStates]:
         """The status of now without its blocks, and the states of the first of those."""
         now_ns = self._now_ns()
         self._handle(WakeInput(stamp_ns=now_ns))
-        self._compiled.count(self._status.note)
+        self._decided_by = None
+        self._compiled.count(self._note)
+        statistics = self.loop.relays.statistics
         status = self._status.measure(
             self.loop,
-            self._topics.links(),
+            {
+                name: topic.measured(statistics[name])
+                for name, topic in self.topics.items()
+                if topic.output is not None
+            },
             self._standing(),
             read_own_process(),
             now_ns,
-            lost=self._losses.lost(),
             status_hz=self._timer.status_hz,
         )
         for line in doubt_lines(status.topics):
@@ -299,7 +358,7 @@ class LiveRun:
         decisions = self.loop.take_decisions()
         if decisions:
             self._decisions.report(decisions)
-            self._compiled.choose(self._topics, self._now_ns())
+            self._choose_paths(self._now_ns())
 
 
 def _does(part: Part, method: str) -> bool:

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Losses of topics before they can be relayed: counted, measured over the last seconds, and warned of."""
+"""Losses of a topic before it can be relayed: counted, measured over the last seconds, and warned of."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from smarttestudo.domain.rate_meter import WINDOW_NS
@@ -79,108 +79,104 @@ class _Counts:
             readings.popleft()
 
 
-class LiveLosses:
-    """Counts what each topic lost, and warns of what it lost since it was last reported.
+class TopicLosses:
+    """Counts what a topic lost, and warns of what it lost since that was last reported.
 
-    ``publishers_of`` are those of a topic, ``senders_remedy`` is that of the ``Robot``. ``sizes`` is to have
-    the size of each topic's last message.
+    ``publishers`` gives those that are there now, ``senders_remedy`` is that of the ``Robot``. ``size_bytes``
+    is to be that of the last message.
     """
 
     def __init__(
         self,
+        topic: str,
         warn: Callable[[str], None],
-        publishers_of: Callable[[str], Sequence[Endpoint]],
+        publishers: Callable[[], Sequence[Endpoint]],
         senders_remedy: str | None,
     ) -> None:
+        self.size_bytes = 0
+        self._topic = topic
         self._warn = warn
         self._senders_remedy = senders_remedy
-        self._publishers_of = publishers_of
-        self.sizes: dict[str, int] = {}
-        self._open: Mapping[str, Subscription] = {}
-        self._counts: dict[str, _Counts] = {}
-        self._ended: dict[str, int] = {}
-        """What subscriptions lost that are closed."""
-        self._silent_until_ns: dict[str, int] = {}
-        self._said: set[str] = set()
-        self._publishers: dict[str, Sequence[Endpoint]] = {}
+        self._publishers = publishers
+        self._known: Sequence[Endpoint] = ()
+        self._counts: _Counts | None = None
+        self._ended: int | None = None
+        """What subscriptions lost that are closed; ``None`` while none of them was numbered."""
+        self._silent_until_ns: int | None = None
+        self._named: set[str] = set()
 
-    def measure(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
-        """Count for the subscriptions that are open; times may jump back."""
-        if subscriptions is not self._open:
-            self._end_all_but(subscriptions)
-            self._open = subscriptions
-        for topic, subscription in subscriptions.items():
-            counts = self._counts.setdefault(topic, _Counts(subscription=subscription))
-            counts.read(now_ns)
-            if counts.lost > counts.said:
-                self._say_in_time(topic, counts, now_ns)
+    def measure(self, subscription: Subscription | None, now_ns: int) -> None:
+        """Count for the subscription that is open, if one is; times may jump back."""
+        if self._counts is not None and self._counts.subscription is not subscription:
+            self._end(self._counts)
+        if subscription is None:
+            return
+        if self._counts is None:
+            self._counts = _Counts(subscription=subscription)
+        self._counts.read(now_ns)
+        if self._counts.lost > self._counts.said:
+            self._say_in_time(self._counts, now_ns)
 
-    def lost(self) -> Mapping[str, SourceLoss]:
-        """The losses of each topic; none for one whose messages were never numbered."""
-        ended = {topic: SourceLoss(messages=messages) for topic, messages in self._ended.items()}
-        numbered = {topic: counts for topic, counts in self._counts.items() if counts.is_numbered}
-        return {**ended, **{topic: self._loss(topic, counts) for topic, counts in numbered.items()}}
-
-    def may_lack_room(self, topic: str) -> bool:
-        """Whether it is, or may yet be found, to lose for want of its sender's memory.
-
-        Then all its messages are to be received: of a topic that rests, nobody knows what is lost.
-        """
-        counts = self._counts.get(topic)
-        if counts is None or not self._short_of_room(topic):
-            return False
-        return len(counts.readings) < READINGS_NEEDED or self._loss(topic, counts).state is not None
-
-    def close(self) -> None:
-        """Report what was not reported yet; nothing is received any more."""
-        self.measure({}, 0)
-
-    def _loss(self, topic: str, counts: _Counts) -> SourceLoss:
+    def loss(self) -> SourceLoss | None:
+        """The loss of the topic; ``None`` where its messages were never numbered."""
+        counts = self._counts
+        if counts is None or not counts.is_numbered:
+            return None if self._ended is None else SourceLoss(messages=self._ended)
         sent, lost = counts.in_window
         share = lost / sent if sent else 0.0
         state = None
         if share > LEAST_SHARE and lost >= LEAST_LOST:
-            state = LossBeforeRelay(percent=100 * share, remedy=self._remedy(topic))
-        messages = self._ended.get(topic, 0) + counts.lost
-        return SourceLoss(messages=messages, share=share, state=state)
+            state = LossBeforeRelay(percent=100 * share, remedy=self._remedy())
+        return SourceLoss(messages=(self._ended or 0) + counts.lost, share=share, state=state)
 
-    def _end_all_but(self, still_open: Mapping[str, Subscription]) -> None:
-        for topic, counts in list(self._counts.items()):
-            if still_open.get(topic) is not counts.subscription:
-                self._say(topic, counts)
-                del self._counts[topic]
-                if counts.is_numbered:
-                    self._ended[topic] = self._ended.get(topic, 0) + counts.lost
+    @property
+    def may_lack_room(self) -> bool:
+        """Whether it is, or may yet be found, to lose for want of its sender's memory.
 
-    def _say_in_time(self, topic: str, counts: _Counts, now_ns: int) -> None:
-        silent_until_ns = self._silent_until_ns.get(topic, now_ns)
-        if not silent_until_ns - PAUSE_NS <= now_ns < silent_until_ns:
-            self._say(topic, counts)
-            self._silent_until_ns[topic] = now_ns + PAUSE_NS
+        Then all its messages are to be received: of a topic that rests, nobody knows what is lost.
+        """
+        if self._counts is None or not self._short_of_room():
+            return False
+        loss = self.loss()
+        return len(self._counts.readings) < READINGS_NEEDED or (loss is not None and loss.state is not None)
 
-    def _say(self, topic: str, counts: _Counts) -> None:
+    def close(self) -> None:
+        """Report what was not reported yet; nothing is received any more."""
+        self.measure(None, 0)
+
+    def _end(self, counts: _Counts) -> None:
+        self._say(counts)
+        self._counts = None
+        if counts.is_numbered:
+            self._ended = (self._ended or 0) + counts.lost
+
+    def _say_in_time(self, counts: _Counts, now_ns: int) -> None:
+        until_ns = now_ns if self._silent_until_ns is None else self._silent_until_ns
+        if not until_ns - PAUSE_NS <= now_ns < until_ns:
+            self._say(counts)
+            self._silent_until_ns = now_ns + PAUSE_NS
+
+    def _say(self, counts: _Counts) -> None:
         lost = counts.lost - counts.said
         if lost <= 0:
             return
         counts.said += lost
-        remedy = self._remedy(topic)
+        remedy = self._remedy()
         # What there is to do about it is said once.
-        why = "" if f"{topic} {remedy}" in self._said else f"; {remedy}"
-        self._said.add(f"{topic} {remedy}")
-        self._warn(f"{topic}: lost {lost} messages before they could be relayed{why}")
+        why = "" if remedy in self._named else f"; {remedy}"
+        self._named.add(remedy)
+        self._warn(f"{self._topic}: lost {lost} messages before they could be relayed{why}")
 
-    def _short_of_room(self, topic: str) -> list[str]:
-        """The nodes whose messages of a topic can be lost for want of their memory."""
-        if self._senders_remedy is None or self.sizes.get(topic, 0) < LARGE_BYTES:
+    def _short_of_room(self) -> list[str]:
+        """The nodes whose messages can be lost for want of their memory."""
+        if self._senders_remedy is None or self.size_bytes < LARGE_BYTES:
             return []
-        if publishers := self._publishers_of(topic):
-            self._publishers[topic] = publishers
         # Of one that just left, what was lost is said, too.
-        known = self._publishers.get(topic, ())
-        return sorted({one.node for one in known if one.is_local and not one.reliable})
+        self._known = self._publishers() or self._known
+        return sorted({one.node for one in self._known if one.is_local and not one.reliable})
 
-    def _remedy(self, topic: str) -> str:
-        short_of_room = self._short_of_room(topic)
+    def _remedy(self) -> str:
+        short_of_room = self._short_of_room()
         if not short_of_room:
             return TOO_SLOW
         return (

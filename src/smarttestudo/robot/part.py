@@ -18,7 +18,7 @@ from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import AnyOption, Settings
-from smarttestudo.robot.topic import LiveSource
+from smarttestudo.robot.source import LiveSource
 
 if TYPE_CHECKING:
     from smarttestudo.domain.link import OutgoingLink

@@ -13,8 +13,8 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.robot import Endpoint, Payload, Receive, Robot, Subscription, visible_topics
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.optimizer.profiling import TopicMeasure, profile_text
-from smarttestudo.robot.losses import LiveLosses
-from smarttestudo.robot.topic import live_source
+from smarttestudo.robot.losses import TopicLosses
+from smarttestudo.robot.source import live_source
 
 _POLL_PERIOD_S = 0.5
 _WAIT_S = 0.1
@@ -116,8 +116,7 @@ class _TopicSampler:
         self._latched: set[str] = set()
         self._publishers: dict[str, int] = {}
         self._subscriptions: dict[str, Subscription] = {}
-        # They are named at the end, not as they happen.
-        self._losses = LiveLosses(lambda _: None, robot.publishers, robot.senders_remedy)
+        self._losses: dict[str, TopicLosses] = {}
 
     def poll(self) -> None:
         """Subscribe to what is new, and count the publishers that are there at once."""
@@ -129,7 +128,7 @@ class _TopicSampler:
                 self.seen.add(topic)
                 if not self._patterns or is_selected(topic, self._patterns):
                     self._subscribe(topic, publishers)
-        self._losses.measure(self._subscriptions, self._robot.now_ns())
+        self._measure_losses()
 
     def begin(self) -> None:
         """Measure from now on; what latched topics gave already still counts."""
@@ -145,12 +144,18 @@ class _TopicSampler:
         for topic in self.measures.keys() - visible.keys():
             if self._robot.publishers(topic):
                 del self.measures[topic]
-        self._losses.measure(self._subscriptions, self._robot.now_ns())
-        for topic, loss in self._losses.lost().items():
-            if loss.state is not None and topic in self.measures:
+        self._measure_losses()
+        for topic, losses in self._losses.items():
+            loss = losses.loss()
+            if loss is not None and loss.state is not None and topic in self.measures:
                 self.measures[topic].lost_share = loss.share
                 lost = f"{loss.state.percent:.0f} % of its messages were lost on their way here"
                 self.notices.append(f"{topic}: {lost}; {loss.state.remedy}")
+
+    def _measure_losses(self) -> None:
+        now_ns = self._robot.now_ns()
+        for topic, subscription in self._subscriptions.items():
+            self._losses[topic].measure(subscription, now_ns)
 
     def check_patterns(self) -> None:
         """Raise ``TestudoError`` where a pattern names nothing that was seen, though something was."""
@@ -163,6 +168,11 @@ class _TopicSampler:
         if source is None:
             return
         qos = replace(source.qos, depth=max(_DEPTH, source.qos.depth))
+        robot = self._robot
+        # Losses are named at the end, not as they happen.
+        self._losses[topic] = TopicLosses(
+            topic, lambda _: None, lambda: robot.publishers(topic), robot.senders_remedy
+        )
         try:
             subscription = self._robot.data_path.subscribe(
                 topic, source.type_name, qos, self._counting(topic)
@@ -170,7 +180,7 @@ class _TopicSampler:
         except RosError as error:
             self.notices.append(str(error))
             return
-        self._subscriptions = {**self._subscriptions, topic: subscription}
+        self._subscriptions[topic] = subscription
         self.measures[topic] = self._new(topic, source.type_name)
         if source.qos.transient_local:
             self._latched.add(topic)
@@ -181,7 +191,7 @@ class _TopicSampler:
     def _counting(self, topic: str) -> Receive:
         def receive(payload: Payload, _publisher: Hashable) -> None:
             measure = self.measures[topic]
-            self._losses.sizes[topic] = len(payload)
+            self._losses[topic].size_bytes = len(payload)
             serialized = payload[:] if measure.needs_payload else None
             measure.record(_time_ns(self._robot), len(payload), serialized)
 

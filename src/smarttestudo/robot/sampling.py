@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
 
 from smarttestudo.domain.robot import Subscription
 from smarttestudo.domain.units import NS_PER_S
@@ -68,20 +67,34 @@ def _ratio(source_hz: float | None, target_hz: float) -> float:
     return source_hz / target_hz if target_hz else math.inf
 
 
-class _Topic:
-    """A topic that may rest.
+class SampledTopic:
+    """A subscription that may rest.
 
     ``sent`` is what its source had sent by the last message that came, ``polled_sent`` by the last poll.
-    ``wake_ns`` is when to arm its subscription, or, while that is armed, when to take what it kept.
+    ``wake_ns`` is when to arm it, or, while it is armed, when to take what it kept. Once it works again,
+    ``is_roused`` until the next message: what was skipped last is counted with that.
     """
 
-    __slots__ = ("choice", "is_armed", "polled_sent", "sent", "subscription", "wake_ns")
+    __slots__ = (
+        "choice",
+        "is_armed",
+        "is_roused",
+        "name",
+        "polled_sent",
+        "rests",
+        "sent",
+        "subscription",
+        "wake_ns",
+    )
 
-    def __init__(self, subscription: Subscription, now_ns: int) -> None:
+    def __init__(self, name: str, subscription: Subscription, now_ns: int) -> None:
+        self.name = name
         self.subscription = subscription
         self.choice = SamplingChoice(now_ns)
         self.sent = 0
         self.polled_sent = 0
+        self.rests = False
+        self.is_roused = False
         self.is_armed = False
         self.wake_ns = NEVER_NS
 
@@ -90,52 +103,56 @@ class LiveSampling:
     """Pauses subscriptions while no message is due, and arms each when one is.
 
     So what passes is the first message at its due time or after it, as without resting. If none comes for
-    another period, the newest one from before passes, as the final message. Only those that ``may_rest`` do,
-    and none of those that ``must_work`` says.
+    another period, the newest one from before passes, as the final message. Only those that ``may_rest`` do.
     """
 
-    def __init__(
-        self,
-        loop: RelayLoop,
-        *,
-        may_rest: bool = True,
-        must_work: Callable[[str], bool] = lambda _: False,
-    ) -> None:
+    def __init__(self, loop: RelayLoop, *, may_rest: bool = True) -> None:
         self._loop = loop
         self._may_rest = may_rest
-        self._must_work = must_work
-        self._topics: dict[str, _Topic] = {}
-        self._resting: dict[str, _Topic] = {}
-        self._roused: dict[str, _Topic] = {}
-        """Those that work again; what was skipped last is counted with the next message."""
+        self._resting: list[SampledTopic] = []
         self._wake_ns = NEVER_NS
         self._has_changed = False
 
-    def choose(self, subscriptions: Mapping[str, Subscription], now_ns: int) -> None:
-        """Decide by the plan as it is now which of ``subscriptions`` rest; all others work, or are closed."""
-        for name in [
-            name for name, topic in self._topics.items() if subscriptions.get(name) is not topic.subscription
-        ]:
-            self._resume(name, self._topics.pop(name))
-        for name, subscription in subscriptions.items():
-            sent = subscription.sent
-            if sent is None:
-                continue
-            topic = self._topics.setdefault(name, _Topic(subscription, now_ns))
-            if name in self._roused and self._roused[name].subscription is not subscription:
-                del self._roused[name]
-            self._decide(name, topic, sent, now_ns)
+    def choose(self, topic: SampledTopic, now_ns: int, *, must_work: bool = False) -> None:
+        """Decide by the plan as it is now whether ``topic`` rests, or works, as it ``must_work``."""
+        sent = topic.subscription.sent
+        if sent is None:
+            return
+        loop, name = self._loop, topic.name
+        needs_all = must_work or loop.relays.comes_in_bursts(name)
+        may_rest = self._may_rest and loop.may_skip(name) and not needs_all
+        rests = may_rest and topic.choice.should_sample(sent, self._target_hz(topic), now_ns)
+        if rests and not topic.rests:
+            if not topic.is_roused:
+                topic.sent = sent
+            topic.is_roused = False
+            topic.subscription.pause()
+            topic.rests = True
+            self._resting.append(topic)
+        elif not rests and topic.rests:
+            self._resume(topic)
+        elif rests and sent == topic.polled_sent:
+            # Nothing was due since the last poll, yet how much the source sends must be known.
+            topic.subscription.arm()
+        topic.polled_sent = sent
         self._has_changed = True
 
-    def received(self, name: str, size_bytes: int) -> None:
-        """A message of a topic came and goes to the loop next; what was skipped before it counts as sent."""
-        topic = self._resting.get(name) or self._roused.pop(name, None)
-        if topic is None:
+    def end(self, topic: SampledTopic, now_ns: int) -> None:
+        """Have ``topic`` work, as something needs all its messages; its subscription may be closed."""
+        if topic.rests:
+            self._resume(topic)
+        topic.choice = SamplingChoice(now_ns)
+
+    def received(self, topic: SampledTopic, size_bytes: int) -> None:
+        """A message came and goes to the loop next; what was skipped before it counts as sent."""
+        if not (topic.rests or topic.is_roused):
             return
+        if not topic.rests:
+            topic.is_roused = False
         sent = topic.subscription.sent or 0
         skipped = sent - topic.sent - 1
         if skipped > 0:
-            self._loop.relays.skipped(name, skipped, skipped * size_bytes)
+            self._loop.relays.skipped(topic.name, skipped, skipped * size_bytes)
         topic.sent = sent
         topic.is_armed = False
         self._has_changed = True
@@ -149,7 +166,7 @@ class LiveSampling:
 
     def on_wake(self, now_ns: int) -> None:
         """Arm the subscriptions whose topics are due, and take what is pending where nothing came."""
-        for name, topic in self._resting.items():
+        for topic in self._resting:
             if topic.wake_ns > now_ns:
                 continue
             if topic.is_armed:
@@ -157,42 +174,25 @@ class LiveSampling:
                 topic.subscription.take_pending()
             else:
                 topic.is_armed = True
-                topic.wake_ns = now_ns + Pace.at(self._target_hz(name)).period_ns
+                topic.wake_ns = now_ns + Pace.at(self._target_hz(topic)).period_ns
                 topic.subscription.arm()
         self._has_changed = True
 
-    def _decide(self, name: str, topic: _Topic, sent: int, now_ns: int) -> None:
-        needs_all = self._must_work(name) or self._loop.relays.comes_in_bursts(name)
-        may_rest = self._may_rest and self._loop.may_skip(name) and not needs_all
-        rests = may_rest and topic.choice.should_sample(sent, self._target_hz(name), now_ns)
-        if rests and name not in self._resting:
-            if self._roused.pop(name, None) is not topic:
-                topic.sent = sent
-            topic.subscription.pause()
-            self._resting[name] = topic
-        elif not rests and name in self._resting:
-            self._resume(name, topic)
-        elif rests and sent == topic.polled_sent:
-            # Nothing was due since the last poll, yet how much the source sends must be known.
-            topic.subscription.arm()
-        topic.polled_sent = sent
-
-    def _resume(self, name: str, topic: _Topic) -> None:
-        rested = self._resting.pop(name, None) is not None
-        if rested:
-            self._roused[name] = topic
+    def _resume(self, topic: SampledTopic) -> None:
+        self._resting.remove(topic)
+        topic.rests, topic.is_roused = False, True
         topic.subscription.resume()
-        if rested:
-            # What was pending came just now; more may have been skipped after it.
-            self._roused[name] = topic
+        # What was pending came just now; more may have been skipped after it.
+        topic.is_roused = True
+        self._has_changed = True
 
-    def _target_hz(self, name: str) -> float:
-        return self._loop.knowledge.plan[name].rate.hz
+    def _target_hz(self, topic: SampledTopic) -> float:
+        return self._loop.knowledge.plan[topic.name].rate.hz
 
     def _arm(self) -> None:
         self._has_changed = False
         self._wake_ns = NEVER_NS
-        for name, topic in self._resting.items():
+        for topic in self._resting:
             if not topic.is_armed:
-                topic.wake_ns = self._loop.relays.due_ns(name) or 0
+                topic.wake_ns = self._loop.relays.due_ns(topic.name) or 0
             self._wake_ns = min(self._wake_ns, topic.wake_ns)

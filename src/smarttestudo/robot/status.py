@@ -10,12 +10,10 @@ import struct
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate_meter import FlowMeter, RateWindow
 from smarttestudo.domain.status import (
     STATUS_HZ,
-    LossBeforeRelay,
     ProcessReading,
     RulesInForce,
     RuntimeStatus,
@@ -133,8 +131,8 @@ class _FrameMeters:
         return _Rates(*(math.fsum(column) / len(column) for column in zip(*known, strict=True)))
 
 
-class _Meters:
-    """Both sides of one relay."""
+class TopicMeters:
+    """Both sides of one relay, measured at each status."""
 
     __slots__ = (
         "_changes",
@@ -142,7 +140,7 @@ class _Meters:
         "age",
         "arrived",
         "frames",
-        "is_heard",
+        "is_subscribed",
         "lost_share",
         "measured_ns",
         "relayed",
@@ -157,27 +155,33 @@ class _Meters:
         self.relayed = FlowMeter(statistics.relayed)
         self.age = MessageAge()
         self.target_hz = statistics.target.rate_hz
-        self.is_heard = True
+        self.is_subscribed = True
         self.lost_share = 0.0
         self._changes = statistics.target.changes
         self._subscriptions = 0
         self.measured_ns = 0
+
+    def note(self, relayed: Relayed) -> None:
+        """A message was relayed."""
+        self.age.note(relayed.payload[_BEGINNING], relayed.stamp_ns)
 
     def measure(self, link: TopicLink, profile: TopicProfile, now_ns: int) -> None:
         """Measure anew; the output's rate from its last change of target on, or its last subscription."""
         target, measured_ns = self.statistics.target, self.measured_ns
         # Within a second there and back says nothing.
         has_changed = now_ns - measured_ns > _SOON_NS and target.changes != self._changes
-        is_heard_anew = link.is_heard and not (self.is_heard and self._subscriptions == link.subscriptions)
-        if is_heard_anew:
+        is_subscribed_anew = link.is_subscribed and not (
+            self.is_subscribed and self._subscriptions == link.subscriptions
+        )
+        if is_subscribed_anew:
             # What came meanwhile is not known, and none of it was relayed.
             self.arrived.restart()
             self.frames.restart_arrived()
-        if is_heard_anew or has_changed or self.target_hz != target.rate_hz:
+        if is_subscribed_anew or has_changed or self.target_hz != target.rate_hz:
             self.target_hz = target.rate_hz
             self.relayed.restart()
             self.frames.restart_relayed()
-        self.is_heard, self._subscriptions = link.is_heard, link.subscriptions
+        self.is_subscribed, self._subscriptions = link.is_subscribed, link.subscriptions
         self._changes, self.measured_ns = target.changes, now_ns
         stale_after_s = profile.stale_after_s
         stale_after_ns = None if stale_after_s is None else ns_from_s(stale_after_s)
@@ -189,7 +193,7 @@ class _Meters:
     @property
     def rates(self) -> _Rates:
         """Of messages, or of transforms by frame; unknown where nothing is received of the source."""
-        if not self.is_heard:
+        if not self.is_subscribed:
             return _NO_RATES
         if self.frames:
             return self.frames.rates(self.target_hz)
@@ -206,6 +210,14 @@ class _Error(NamedTuple):
     is_explained: bool
 
 
+class MeasuredTopic(NamedTuple):
+    """A relayed topic as its status sees it; its loss is ``None`` where that is not known."""
+
+    link: TopicLink
+    meters: TopicMeters
+    loss: SourceLoss | None
+
+
 class LiveStatus:
     """Measures a live run at each ``measure``: once a second, or every ten while nobody asks."""
 
@@ -214,33 +226,20 @@ class LiveStatus:
         self._node = node
         self._run = secrets.token_hex(4)
         self._start = self._process = start
-        self._meters: dict[str, _Meters] = {}
-
-    def note(self, relayed: Relayed) -> None:
-        """A message was relayed."""
-        meters = self._meters.get(relayed.topic)
-        if meters is not None:
-            meters.age.note(relayed.payload[_BEGINNING], relayed.stamp_ns)
-
-    def begin_anew(self) -> None:
-        """Measure all rates from the next messages on: the clock jumped."""
-        self._meters = {}
 
     def measure(
         self,
         loop: RelayLoop,
-        links: Mapping[str, TopicLink],
+        topics: Mapping[str, MeasuredTopic],
         rules: RulesInForce,
         process: ProcessReading,
         now_ns: int,
         *,
-        lost: Mapping[str, SourceLoss],
         status_hz: float = STATUS_HZ,
     ) -> RuntimeStatus:
         """The status at ``now_ns`` on the node's clock, by when what time alone does was done.
 
-        ``links`` are those of all relayed topics, ``lost`` is what was lost of those where that is known.
-        The blocks are left to the caller.
+        ``topics`` are all relayed ones. The blocks are left to the caller.
         """
         resident = process.resident_bytes
         return RuntimeStatus(
@@ -253,7 +252,7 @@ class LiveStatus:
             floors_break_budget=loop.knowledge.floors_break_budget,
             cpu_percent=self._share_of_cpu(process),
             memory_mb=None if resident is None else resident / BYTES_PER_MB,
-            topics=self._topics(loop, links, lost, now_ns),
+            topics={name: _topic_status(name, topic, loop, now_ns) for name, topic in topics.items()},
             status_hz=status_hz,
         )
 
@@ -265,41 +264,15 @@ class LiveStatus:
             self._process = process
         return self._cpu_percent
 
-    def _topics(
-        self, loop: RelayLoop, links: Mapping[str, TopicLink], lost: Mapping[str, SourceLoss], now_ns: int
-    ) -> dict[str, TopicStatus]:
-        knowledge, statistics = loop.knowledge, loop.relays.statistics
-        self._meters = {topic: self._metered(topic, statistics[topic]) for topic in links}
-        for topic, link in links.items():
-            self._meters[topic].lost_share = lost[topic].share if topic in lost else 0.0
-            self._meters[topic].measure(link, knowledge.profile.topic(topic), now_ns)
-        return {
-            topic: _topic_status(
-                link,
-                knowledge.plan[topic],
-                self._meters[topic],
-                _counts(topic, loop, lost.get(topic)),
-                None if topic not in lost else lost[topic].state,
-            )
-            for topic, link in links.items()
-        }
 
-    def _metered(self, topic: str, statistics: RelayStatistics) -> _Meters:
-        meters = self._meters.get(topic)
-        # New rules may come with new statistics.
-        return meters if meters is not None and meters.statistics is statistics else _Meters(statistics)
-
-
-def _topic_status(
-    link: TopicLink,
-    planned: PlannedRate,
-    meters: _Meters,
-    counts: TopicCounts,
-    loss: LossBeforeRelay | None,
-) -> TopicStatus:
+def _topic_status(name: str, topic: MeasuredTopic, loop: RelayLoop, now_ns: int) -> TopicStatus:
+    (link, meters, loss), planned = topic, loop.knowledge.plan[name]
+    meters.lost_share = 0.0 if loss is None else loss.share
+    meters.measure(link, loop.knowledge.profile.topic(name), now_ns)
+    counts = _counts(name, meters.statistics, loop, loss)
     rates = meters.rates
     error = _Error(None, is_explained=True) if planned.within else _error(meters, rates, link)
-    is_silent = meters.arrived.is_silent and meters.is_heard
+    is_silent = meters.arrived.is_silent and meters.is_subscribed
     is_still = is_silent or meters.target_hz == 0
     return TopicStatus(
         output=link.output,
@@ -324,15 +297,14 @@ def _topic_status(
         silence=_silence(link, meters),
         counts=counts,
         frames=len(meters.frames) or None,
-        loss=loss,
+        loss=None if loss is None else loss.state,
         doubt=_doubt(link, meters, counts),
         within=planned.within,
         bound_reasons=planned.bound_reasons,
     )
 
 
-def _counts(topic: str, loop: RelayLoop, loss: SourceLoss | None) -> TopicCounts:
-    statistics = loop.relays.statistics[topic]
+def _counts(topic: str, statistics: RelayStatistics, loop: RelayLoop, loss: SourceLoss | None) -> TopicCounts:
     return TopicCounts(
         received=statistics.arrived.messages,
         lost=None if loss is None else loss.messages,
@@ -343,7 +315,7 @@ def _counts(topic: str, loop: RelayLoop, loss: SourceLoss | None) -> TopicCounts
     )
 
 
-def _error(meters: _Meters, rates: _Rates, link: TopicLink) -> _Error:
+def _error(meters: TopicMeters, rates: _Rates, link: TopicLink) -> _Error:
     expected_hz, actual_hz, span_ns = rates.expected_hz, rates.actual_hz, meters.relayed.span_ns
     kind = StreamKind.of(type_name=link.type_name or "", transient_local=link.transient_local)
     is_latched = kind is StreamKind.TRANSIENT_LOCAL
@@ -368,7 +340,7 @@ def _error(meters: _Meters, rates: _Rates, link: TopicLink) -> _Error:
     return _Error(percent, abs(percent) <= TOLERANCE_PERCENT or messages_off <= _MESSAGES_EXPLAINED)
 
 
-def _doubt(link: TopicLink, meters: _Meters, counts: TopicCounts) -> ThinningDoubt | None:
+def _doubt(link: TopicLink, meters: TopicMeters, counts: TopicCounts) -> ThinningDoubt | None:
     if not 0 < meters.target_hz < math.inf:
         return None
     if is_patch(link.type_name or ""):
@@ -390,7 +362,7 @@ def doubt_lines(topics: Mapping[str, TopicStatus]) -> Iterator[str]:
             yield f"{topic}: {status.doubt.value}: {status.doubt.details}"
 
 
-def _silence(link: TopicLink, meters: _Meters) -> Silence | None:
+def _silence(link: TopicLink, meters: TopicMeters) -> Silence | None:
     reasons = (
         (Silence.OFF, meters.target_hz == 0),
         (Silence.NO_PUBLISHER, link.publishers == 0),

@@ -1,124 +1,81 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""One topic of a robot while it runs: its source, its publishers, and the relay between them."""
+"""One topic of a robot while it runs: its source, its publishers, the relay between them, and its figures."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from smarttestudo.domain.errors import TestudoError, error_at
 from smarttestudo.domain.names import require_publishable
-from smarttestudo.domain.robot import DataPath, Endpoint, Payload, Publisher, Qos, Receive, Subscription
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.robot import Endpoint, Robot, Subscription
+from smarttestudo.loop.statistics import RelayStatistics
+from smarttestudo.robot.compiled_topics import CompiledTopic, Ends
+from smarttestudo.robot.losses import TopicLosses
 from smarttestudo.robot.publisher_pool import PublisherPool
+from smarttestudo.robot.sampling import SampledTopic
+from smarttestudo.robot.source import LiveSource, not_offered, suits
+from smarttestudo.robot.status import MeasuredTopic, TopicMeters
+from smarttestudo.robot.topic_link import TopicLink
 
 OnProblem = Callable[[TestudoError | None], None]
 """Takes what failed for a topic, or nothing where it works again."""
-DEPTH = 10
-# The last messages of all publishers come at once, and one may keep more of them than ten others.
-LATCHED_SUBSCRIPTION_DEPTH = 100
+OnMessage = Callable[["Topic", Payload, Hashable], None]
+"""Takes a message: its topic, its payload, and its publisher where that is known."""
 # What is recorded is recorded whole, bursts too.
 RECORDED_SUBSCRIPTION_DEPTH = 100
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LiveSource:
-    """Source of a topic: what its publishers have in common.
+class Topic:
+    """One topic of a live run: what is open for it, and all that the run knows of it beside the loop.
 
-    ``other_types`` are types that some publish beside ``type_name``; those publishers do not count. ``gids``
-    are those of the publishers, of the last ones where none is left; a source with others is still the same.
-    """
-
-    type_name: str
-    publishers: int
-    qos: Qos
-    other_types: tuple[str, ...] = ()
-    gids: frozenset[bytes] = field(default=frozenset(), compare=False)
-
-    @property
-    def subscription_qos(self) -> Qos:
-        """QoS that a subscription asks for, ``qos`` being what a publisher offers."""
-        if not self.qos.transient_local:
-            return self.qos
-        return replace(self.qos, depth=max(LATCHED_SUBSCRIPTION_DEPTH, self.qos.depth))
-
-
-def live_source(endpoints: Sequence[Endpoint], before: LiveSource | None) -> LiveSource | None:
-    """The source that ``endpoints`` make, after ``before``; ``None`` before the first publisher.
-
-    A subscription may request only what every publisher offers, and its output offers no more.
-    A source without publishers keeps its type and QoS, so that it is received at once when it comes back.
-    """
-    types = sorted({endpoint.type_name for endpoint in endpoints})
-    if not types:
-        return None if before is None else replace(before, publishers=0, other_types=())
-    type_name = before.type_name if before is not None and before.type_name in types else types[0]
-    counted = [endpoint for endpoint in endpoints if endpoint.type_name == type_name]
-    transient_local = all(endpoint.transient_local for endpoint in counted)
-    return LiveSource(
-        type_name=type_name,
-        publishers=len(counted),
-        qos=Qos(
-            reliable=all(endpoint.reliable for endpoint in counted),
-            transient_local=transient_local,
-            depth=max(DEPTH, 2 * len(counted)) if transient_local else DEPTH,
-        ),
-        other_types=tuple(other for other in types if other != type_name),
-        gids=frozenset(endpoint.gid for endpoint in counted),
-    )
-
-
-def suits(had: LiveSource, now: LiveSource) -> bool:
-    """Whether what was opened for ``had`` does for ``now``: latched messages are lost with what held them."""
-    return (
-        had.type_name == now.type_name
-        and replace(had.qos, depth=0) == replace(now.qos, depth=0)
-        and had.qos.depth >= now.qos.depth
-    )
-
-
-class OpenTopic:
-    """Subscription and publisher that are open for one topic, following its source.
-
-    ``output`` is its output topic, ``None`` if it is only watched. ``has_header`` is whether its messages
-    begin with a std_msgs/Header. ``unheard`` are publishers whose
-    messages are dropped. Of one that ``is_recorded``, more may wait. Unless it ``is_told``, whoever reads it
-    does not know its source. ``subscriptions`` counts how often it was subscribed to.
+    ``output`` is its output topic, ``None`` if it is not relayed; a check reads it where it ``is_watched``,
+    and a part where it ``is_recorded``, so that more of its messages may wait. ``publishers`` are those of
+    its source, ``subscribers`` those of its output, as of the last poll of the graph; ``listeners`` are the
+    GIDs of the latter that the loop was told of. ``has_header`` is whether its messages begin with a
+    std_msgs/Header. Messages of ``ignored`` publishers are dropped. Unless its source ``is_reported``, the
+    loop does not know it. ``subscriptions`` counts how often it was subscribed to.
 
     Nothing here raises: whatever fails in the middleware, or where a message goes, costs this topic only. It
     is its ``problem``, which ``on_problem`` is told. What could not be opened is tried again when the source
     or the need for it changes.
     """
 
-    def __init__(
-        self,
-        topic: str,
-        output: str | None,
-        path: DataPath,
-        receive: Receive,
-        *,
-        on_problem: OnProblem,
-        priority: float,
-    ) -> None:
-        self.topic = topic
-        self.output = output
-        self.source: LiveSource | None = None
-        self.has_header = False
-        self.unheard: frozenset[Hashable] = frozenset()
-        self.problem: str | None = None
-        self._path = path
-        self._receive = receive
-        self._on_problem = on_problem
-        self._priority = priority
-        self.is_wanted = False
+    def __init__(self, name: str, robot: Robot, receive: OnMessage, *, on_problem: OnProblem) -> None:
+        self.name = name
+        self.output: str | None = None
+        self.is_watched = False
         self.is_recorded = False
-        self.is_told = True
-        self._is_refused = False
-        self._opened_for: LiveSource | None = None
+        self.source: LiveSource | None = None
+        self.publishers: Sequence[Endpoint] = ()
+        self.subscribers: Sequence[Endpoint] = ()
+        self.listeners: frozenset[bytes] | None = None
+        self.has_header = False
+        self.ignored: frozenset[Hashable] = frozenset()
+        self.is_wanted = False
+        self.is_reported = True
+        self.problem: str | None = None
+        self.priority = 1.0
         self.subscription: Subscription | None = None
         self.subscriptions = 0
+        self.losses = TopicLosses(name, robot.log.warning, lambda: self.publishers, robot.senders_remedy)
+        self.compiled = CompiledTopic(name)
+        self.sampled: SampledTopic | None = None
+        self.meters: TopicMeters | None = None
+        self._path = robot.data_path
+        self._receive = receive
+        self._on_problem = on_problem
+        self._is_refused = False
+        self._opened_for: LiveSource | None = None
         self._publishers: PublisherPool | None = None
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the loop is given its messages."""
+        return self.output is not None or self.is_watched
 
     def follow(self, source: LiveSource, refusal: TestudoError | None = None) -> None:
         """Open what ``source`` needs, anew where what is open does not suit; nothing with a ``refusal``."""
@@ -171,21 +128,21 @@ class OpenTopic:
             self._unsubscribe()
         return True
 
-    def keeps_subscription(self, *, is_recorded: bool) -> bool:
-        """Whether another output takes nothing from a topic that ``is_recorded`` and was before.
-
-        What is latched must come anew for another output; nobody misses what is not recorded meanwhile.
-        """
-        return self.is_recorded and is_recorded and not self.is_latched
-
     @property
     def is_latched(self) -> bool:
         """Whether it is open for a source that keeps its last messages for late subscribers."""
         return self._opened_for is not None and self._opened_for.qos.transient_local
 
-    def serve(self, output: str | None) -> None:
-        """Have another output topic, or none, by the same subscription."""
+    def serve(self, output: str | None, *, is_recorded: bool) -> None:
+        """Have another output topic, or none; by the same subscription if it ``is_recorded`` and was before.
+
+        What is latched must come anew for another output; nobody misses what is not recorded meanwhile.
+        """
         self.output = output
+        if not (self.is_recorded and is_recorded) or self.is_latched:
+            self.close()
+            self.source, self.problem, self.is_wanted, self._is_refused = None, None, False, False
+            return
         self._close_publishers()
         if output is not None and self._opened_for is not None:
             with self._costing(closes=True):
@@ -205,19 +162,55 @@ class OpenTopic:
 
     def fail(self, error: Exception) -> None:
         """Note what failed for this topic."""
-        self._set_problem(error_at(self.topic, error))
+        self._set_problem(error_at(self.name, error))
 
-    def ends(self, *, is_published: bool) -> tuple[Subscription, Publisher | None] | None:
+    def ends(self, *, is_published: bool) -> Ends | None:
         """Where all messages come in and go out, if there is one place for each, and none is dropped.
 
-        Unless it ``is_published``, nothing goes out there; what is latched has no such ends then.
+        Unless it ``is_published``, nothing goes out there; what is latched has no such ends then. What is
+        only watched has none.
         """
-        if self.subscription is None or self.unheard:
+        if self.subscription is None or self.ignored or (self.is_watched and self.output is None):
             return None
         if self._publishers is None or not is_published:
             return None if self.is_latched else (self.subscription, None)
         publisher = self._publishers.only
         return None if publisher is None else (self.subscription, publisher)
+
+    @property
+    def may_rest(self) -> bool:
+        """Whether only some messages may be received: not where it is recorded, or has two publishers."""
+        return self.subscription is not None and not self.is_recorded and len(self.publishers) <= 1
+
+    def measured(self, statistics: RelayStatistics) -> MeasuredTopic:
+        """The topic as its status sees it; new rules may come with new ``statistics``."""
+        if self.meters is None or self.meters.statistics is not statistics:
+            self.meters = TopicMeters(statistics)
+        return MeasuredTopic(self.link(), self.meters, self.losses.loss())
+
+    def link(self) -> TopicLink:
+        """Its connections; it is relayed."""
+        assert self.output is not None
+        link = TopicLink(
+            output=self.output,
+            is_subscribed=self.subscription is not None,
+            subscriptions=self.subscriptions,
+            subscribers=len(self.subscribers),
+            problem=self.problem,
+        )
+        source = self.source
+        if source is None:
+            return link
+        unserved = [one for one in self.subscribers if not_offered(source.qos, one)]
+        return replace(
+            link,
+            type_name=source.type_name,
+            publishers=source.publishers,
+            transient_local=source.qos.transient_local,
+            has_header=self.has_header,
+            unserved=len(unserved),
+            incompatible=tuple(sorted({one.node for one in unserved})),
+        )
 
     def close(self) -> None:
         """Receive and send nothing more."""
@@ -253,7 +246,7 @@ class OpenTopic:
             self._on_problem(error)
 
     def _publishers_to(self, output: str, source: LiveSource) -> PublisherPool:
-        require_publishable(output, self.topic)
+        require_publishable(output, self.name)
         return PublisherPool(
             lambda: self._path.advertise(output, source.type_name, source.qos),
             one_each=self._path.tells_publishers and (source.qos.transient_local or self._path.keeps_newest),
@@ -264,7 +257,7 @@ class OpenTopic:
         if self.is_recorded:
             qos = replace(qos, depth=max(RECORDED_SUBSCRIPTION_DEPTH, qos.depth))
         self.subscription = self._path.subscribe(
-            self.topic, source.type_name, qos, self._received, priority=self._priority
+            self.name, source.type_name, qos, self._received, priority=self.priority
         )
         self.subscriptions += 1
 
@@ -281,9 +274,9 @@ class OpenTopic:
                 publishers.close()
 
     def _received(self, payload: Payload, publisher: Hashable) -> None:
-        if publisher in self.unheard:
+        if publisher in self.ignored:
             return
         try:
-            self._receive(payload, publisher)
+            self._receive(self, payload, publisher)
         except Exception as error:  # noqa: BLE001 - see the class
             self.fail(error)

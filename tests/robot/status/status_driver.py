@@ -12,7 +12,7 @@ from loop.loop_driver import SECOND, LoopDriver
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.status import ProcessReading, RulesInForce, RuntimeStatus
 from smarttestudo.robot.losses import SourceLoss
-from smarttestudo.robot.status import LiveStatus
+from smarttestudo.robot.status import LiveStatus, MeasuredTopic, TopicMeters
 from smarttestudo.robot.topic_link import TopicLink
 
 RULES = RulesInForce(paths=("/etc/testudo/warehouse.adirf",), sha256="0" * 64)
@@ -49,6 +49,7 @@ class StatusDriver:
     def __post_init__(self) -> None:
         self.driver = LoopDriver(self.rules, self.profile, budget_kb_per_s=self.budget_kb_per_s)
         self.live = LiveStatus("/smarttestudo", process_at(0))
+        self.meters: dict[str, TopicMeters] = {}
         self.due_ns = dict.fromkeys(self.source_hz, 0)
 
     def status_at(self, until_s: int) -> RuntimeStatus:
@@ -61,8 +62,15 @@ class StatusDriver:
     def look(self) -> RuntimeStatus:
         """The status now."""
         now_ns, loop = self.driver.now_ns, self.driver.loop
-        links = {topic: linked(topic, **self.links.get(topic, {})) for topic in loop.knowledge.plan}
-        return self.live.measure(loop, links, RULES, process_at(now_ns), now_ns, lost=self.lost)
+        topics = {topic: self.measured(topic) for topic in loop.knowledge.plan}
+        return self.live.measure(loop, topics, RULES, process_at(now_ns), now_ns)
+
+    def measured(self, topic: str) -> MeasuredTopic:
+        """The topic as its status sees it."""
+        statistics, meters = self.driver.loop.relays.statistics[topic], self.meters.get(topic)
+        if meters is None or meters.statistics is not statistics:
+            meters = self.meters[topic] = TopicMeters(statistics)
+        return MeasuredTopic(linked(topic, **self.links.get(topic, {})), meters, self.lost.get(topic))
 
     def send_until(self, end_s: int) -> None:
         """Run on to ``end_s``."""
@@ -72,6 +80,7 @@ class StatusDriver:
             sent = len(self.driver.relayed)
             self.driver.send(topic, self.due_ns[topic], payload(self.due_ns[topic]), SIZE_BYTES)
             for relayed in self.driver.relayed[sent:]:
-                self.live.note(relayed)
+                if relayed.topic in self.meters:
+                    self.meters[relayed.topic].note(relayed)
             self.due_ns[topic] += round(SECOND / self.source_hz[topic])
         self.driver.wait_until(end_ns)

@@ -19,7 +19,7 @@ from smarttestudo.domain.robot import Endpoint, Qos
 from smarttestudo.domain.status import LossBeforeRelay, Silence, status_from_text
 from smarttestudo.loop.inputs import MessageInput
 from smarttestudo.robot.losses import SourceLoss
-from smarttestudo.robot.topic_link import not_offered
+from smarttestudo.robot.source import not_offered
 
 IMU_10 = "begin SetFrequency /imu 10 end"
 OFF_LATER = (
@@ -134,7 +134,7 @@ def test_the_rate_of_a_source_that_is_not_subscribed_to_is_unknown() -> None:
     driver = StatusDriver(rules=IMU_10, source_hz={"/imu": 30})
     driver.status_at(12)
     due_ns = driver.due_ns.pop("/imu")
-    driver.links["/imu"] = {"is_heard": False, "subscribers": 0}
+    driver.links["/imu"] = {"is_subscribed": False, "subscribers": 0}
     for second in (13, 30):
         topic = driver.status_at(second).topics["/imu"]
         assert (topic.source_hz, topic.expected_hz, topic.actual_hz) == (None, None, None)
@@ -147,7 +147,7 @@ def test_the_rate_of_a_source_that_is_not_subscribed_to_is_unknown() -> None:
 def test_a_source_is_measured_anew_where_it_was_not_subscribed_to_for_a_second() -> None:
     driver = StatusDriver(rules=IMU_10, source_hz={"/imu": 30})
     driver.status_at(12)
-    driver.links["/imu"] = {"is_heard": False}
+    driver.links["/imu"] = {"is_subscribed": False}
     driver.due_ns["/imu"] += SECOND
     driver.status_at(13)
     driver.links.clear()
@@ -158,7 +158,7 @@ def test_a_source_is_measured_anew_where_it_was_not_subscribed_to_for_a_second()
 def test_the_rate_of_a_relay_is_kept_though_nobody_subscribed_for_a_second(rules: str) -> None:
     driver = StatusDriver(rules=rules, source_hz={"/imu": 30})
     driver.status_at(12)
-    driver.links["/imu"] = {"is_heard": False, "subscribers": 0}
+    driver.links["/imu"] = {"is_subscribed": False, "subscribers": 0}
     driver.due_ns["/imu"] += SECOND
     driver.status_at(13)
     driver.links["/imu"] = {"subscriptions": 1}
