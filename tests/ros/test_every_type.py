@@ -15,9 +15,10 @@ from typing import Any
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 
 from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.recording import Channel
 from smarttestudo.language.properties import part_reader, value_reader
 from smarttestudo.robot.ros.definitions import message_definition
@@ -110,18 +111,41 @@ def paths_in(value: Any, prefix: str = "") -> Iterator[str]:
 @pytest.mark.parametrize("type_name", TYPES or ["test_msgs/msg/BasicTypes"])
 @settings(max_examples=20, phases=[Phase.generate])
 @given(seed=st.integers(0, 2**32))
-def test_a_field_is_the_same_live_and_in_a_recording(type_name: str, seed: int) -> None:
+def test_a_field_is_the_same_live_in_a_recording_and_to_rclpy(type_name: str, seed: int) -> None:
     # Some messages have more numbers than Hypothesis draws.
-    payload = serialize_message(message_of(message_type(type_name, "/topic"), Random(seed)))
-    live = decoded("/topic", type_name, payload)
+    kind = message_type(type_name, "/topic")
+    payload = serialize_message(message_of(kind, Random(seed)))
+    live, of_rclpy = decoded("/topic", type_name, payload), deserialize_message(payload, kind)
     channel = Channel(topic="/topic", type_name=type_name, definition=message_definition(type_name))
     recorded = RosbagDecoder().decode(channel, payload)
-    for path in paths_in(live):
-        one, other = value_reader(type_name, path)(live), value_reader(type_name, path)(recorded)
-        assert one == other or (math.isnan(one) and math.isnan(other)), path
-        texts = [part_reader(path)(message) for message in (live, recorded)]
-        assert [isinstance(text, str) for text in texts] in ([True, True], [False, False])
-        assert not isinstance(texts[0], str) or texts[0] == texts[1]
+    messages = (live, recorded, of_rclpy)
+    for path in paths_in(of_rclpy):
+        one, other, another = (value_reader(type_name, path)(message) for message in messages)
+        assert one == other == another or all(map(math.isnan, (one, other, another))), path
+        texts = [part_reader(path)(message) for message in messages]
+        assert len({isinstance(text, str) for text in texts}) == 1
+        assert not isinstance(texts[0], str) or texts[0] == texts[1] == texts[2]
+
+
+@pytest.mark.parametrize("type_name", TYPES or ["test_msgs/msg/BasicTypes"])
+@settings(max_examples=20, phases=[Phase.generate])
+@given(seed=st.integers(0, 2**32), is_cut=st.booleans())
+def test_a_message_that_is_damaged_is_decoded_or_refused_and_nothing_else(
+    type_name: str, seed: int, is_cut: bool
+) -> None:
+    rng = Random(seed)
+    payload = bytearray(serialize_message(message_of(message_type(type_name, "/topic"), rng)))
+    if is_cut:
+        del payload[rng.randrange(len(payload)) :]
+    else:
+        for _ in range(rng.randint(1, 4)):
+            payload[rng.randrange(len(payload))] = rng.randrange(256)
+    try:
+        message = decoded("/topic", type_name, bytes(payload))
+    except RosError:
+        return
+    for path in paths_in(message):
+        part_reader(path)(message)
 
 
 def test_there_are_types_of_every_kind() -> None:

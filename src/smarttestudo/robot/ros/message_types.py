@@ -16,8 +16,9 @@ from rclpy.serialization import deserialize_message
 from rclpy.type_support import check_for_type_support
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.names import TypeName
-from smarttestudo.domain.robot import Payload
+from smarttestudo.domain.payload import Payload
+from smarttestudo.domain.type_names import TypeName
+from smarttestudo.robot.ros.message_view import UnknownLayoutError, message_view
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 _CLASSES_KEPT = 1024
@@ -94,13 +95,23 @@ def is_installed(type_name: str) -> bool:
 
 
 def decoded(topic: str, type_name: str, payload: Payload) -> object:
-    """The message of a payload that came on ``topic``. Raises ``RosError``."""
+    """The message of a payload that came on ``topic``; a field is read when asked for. Raises ``RosError``."""
     kind = message_type(type_name, topic)
     if not is_readable(kind):
         raise RosError(f"{type_name} holds a long double or a wchar, which Python cannot read", place=topic)
-    with ros_errors(topic):
-        message: object = deserialize_message(payload[:], kind)
-    return message
+    data = payload[:]
+    try:
+        return message_view(kind, data, _class_of)
+    except UnknownLayoutError:
+        with ros_errors(topic):
+            message: object = deserialize_message(data, kind)
+        return message
+    except ValueError as error:
+        raise RosError(f"a message is no {type_name}: {error}", place=topic) from error
+
+
+def _class_of(type_name: str) -> Any:
+    return message_type(type_name, type_name)
 
 
 @lru_cache(maxsize=_CLASSES_KEPT)
