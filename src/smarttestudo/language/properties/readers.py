@@ -98,23 +98,16 @@ def nearest_distance_m(scan: ScanMessage) -> float:
     low, high = number(scan.range_min), number(scan.range_max)
     if not high > 0:
         return math.nan
-    nearest = math.inf
-    found = False
-    for value in _plain(scan.ranges):
-        if math.isinf(value):
-            value = high if value > 0 else low  # noqa: PLW2901
-        elif value == 0 or not low <= value <= high:
-            continue
-        found = True
-        nearest = min(nearest, value)
-    return nearest if found else math.nan
+    values = _plain(scan.ranges)
+    kept = [value for value in values if value and low <= value <= high]
+    kept += [limit for limit, infinite in ((low, -math.inf), (high, math.inf)) if infinite in values]
+    return min(kept, default=math.nan)
 
 
-def _plain(values: Iterable[float]) -> Iterable[float]:
+def _plain(values: Iterable[float]) -> list[float]:
     """Python floats, which are much faster to compare one by one than an array's own."""
     to_list = getattr(values, "tolist", None)
-    listed: Iterable[float] = to_list() if to_list else values
-    return listed
+    return to_list() if to_list else list(values)
 
 
 class BatteryLevel:

@@ -95,7 +95,7 @@ def is_installed(type_name: str) -> bool:
 
 
 def decoded(topic: str, type_name: str, payload: Payload) -> object:
-    """The message of a payload that came on ``topic``; a field is read when asked for. Raises ``RosError``."""
+    """The message of a payload of ``topic``; its fields are read when asked for. Raises ``RosError``."""
     kind = message_type(type_name, topic)
     if not is_readable(kind):
         raise RosError(f"{type_name} holds a long double or a wchar, which Python cannot read", place=topic)
