@@ -17,8 +17,7 @@ from robot.test_topics_of_parts import PollingGraph
 from smarttestudo.domain.errors import LinkError, RosError
 from smarttestudo.domain.names import MAX_NAME_LENGTH
 from smarttestudo.domain.observation import Undecodable
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Endpoint, GraphChange, Publisher, Qos, Receive, Subscription
+from smarttestudo.domain.robot import Endpoint, GraphChange, Payload, Publisher, Qos, Receive, Subscription
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules

@@ -10,8 +10,7 @@ import pytest
 
 from robot.small_graph import NODE, TEXT, SmallGraph
 from smarttestudo.domain.names import DECISIONS_TOPIC
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import GraphChange
+from smarttestudo.domain.robot import GraphChange, Payload
 from smarttestudo.robot.gone_publishers import FOUND_WITHIN_NS
 from smarttestudo.robot.topic import Topic
 from smarttestudo.robot.topics import LiveTopics

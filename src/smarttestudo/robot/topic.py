@@ -10,8 +10,7 @@ from dataclasses import replace
 
 from smarttestudo.domain.errors import TestudoError, error_at
 from smarttestudo.domain.names import require_publishable
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Endpoint, Robot, Subscription
+from smarttestudo.domain.robot import Endpoint, Payload, Robot, Subscription
 from smarttestudo.loop.statistics import RelayStatistics
 from smarttestudo.robot.compiled_topics import CompiledTopic, Ends
 from smarttestudo.robot.losses import TopicLosses

@@ -11,10 +11,8 @@ from typing import TypeVar
 from smarttestudo.domain.errors import RosError, TestudoError, said
 from smarttestudo.domain.names import MAX_NAME_LENGTH
 from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Undecodable
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.robot import Endpoint, GraphChange, Robot
-from smarttestudo.domain.say_once import SayOnce
-from smarttestudo.domain.visible_topics import UNKNOWN_NODE, relaying_nodes
+from smarttestudo.domain.robot import UNKNOWN_NODE, Endpoint, GraphChange, Payload, Robot, relaying_nodes
+from smarttestudo.domain.texts import SayOnce
 from smarttestudo.robot.endpoint_cache import EndpointCache
 from smarttestudo.robot.source import LiveSource, instead_of, live_source, not_offered, suits
 from smarttestudo.robot.status_topics import DIAGNOSTICS_TOPIC

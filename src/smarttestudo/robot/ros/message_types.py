@@ -16,8 +16,8 @@ from rclpy.serialization import deserialize_message
 from rclpy.type_support import check_for_type_support
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.payload import Payload
-from smarttestudo.domain.type_names import TypeName
+from smarttestudo.domain.names import TypeName
+from smarttestudo.domain.robot import Payload
 from smarttestudo.robot.ros.message_view import UnknownLayoutError, message_view
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
