@@ -11,7 +11,7 @@ from typing import Any
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.geometry import Pose
-from smarttestudo.simulation.messages import TimedMessage, Topic
+from smarttestudo.simulation.messages import RobotTopic, TimedMessage
 from smarttestudo.simulation.mission import drive_mission
 from smarttestudo.simulation.warehouse import patrol
 
@@ -24,7 +24,7 @@ def driven(seconds: float, *, seed: int = 1, frames: FrameSize = FrameSize.SMALL
     return list(takewhile(lambda timed: timed.time_ns < end_ns, mission))
 
 
-def of_topic(timed: list[TimedMessage], topic: Topic) -> list[Any]:
+def of_topic(timed: list[TimedMessage], topic: RobotTopic) -> list[Any]:
     return [one.message for one in timed if one.topic is topic]
 
 
@@ -38,7 +38,7 @@ def poses(timed: list[TimedMessage]) -> dict[int, Pose]:
     """Where the odometry has the robot, by the time of measurement, with a heading that is not wrapped."""
     found: dict[int, Pose] = {}
     yaw_rad = 0.0
-    for message in of_topic(timed, Topic.ODOM):
+    for message in of_topic(timed, RobotTopic.ODOM):
         pose = message.pose.pose
         heading_rad = 2 * math.atan2(pose.orientation.z, pose.orientation.w)
         yaw_rad += math.remainder(heading_rad - yaw_rad, math.tau)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from simulation.missions import of_topic, poses, stamp_ns
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, Pose
-from smarttestudo.simulation.messages import TimedMessage, Topic
+from smarttestudo.simulation.messages import RobotTopic, TimedMessage
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
 from smarttestudo.simulation.warehouse import patrol
 
@@ -99,7 +99,7 @@ def test_a_steady_command_drives_a_circle_of_radius_speed_over_turn_rate() -> No
 
 
 def test_the_commands_of_a_patrol_add_up_to_its_odometry(patrol_messages: list[TimedMessage]) -> None:
-    commands = of_topic(patrol_messages, Topic.CMD_VEL)
+    commands = of_topic(patrol_messages, RobotTopic.CMD_VEL)
     way = list(poses(patrol_messages).values())
 
     commanded_m = sum(command.linear.x for command in commands) / 10
@@ -112,7 +112,7 @@ def test_the_commands_of_a_patrol_add_up_to_its_odometry(patrol_messages: list[T
 
 
 def test_the_wheels_turn_as_far_as_the_robot_drives(patrol_messages: list[TimedMessage]) -> None:
-    last = of_topic(patrol_messages, Topic.JOINT_STATES)[-1]
+    last = of_topic(patrol_messages, RobotTopic.JOINT_STATES)[-1]
     way = poses(patrol_messages)
     model = DriveModel()
     last_ns = min(way, key=lambda at_ns: abs(at_ns - stamp_ns(last)))

@@ -17,17 +17,17 @@ from simulation.missions import START_NS, driven, of_topic, stamp_ns
 from simulation.physics.physical_drives import robot_of, until
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.geometry import BodyVelocity
-from smarttestudo.simulation.messages import RobotMessages, TimedMessage, Topic, command
+from smarttestudo.simulation.messages import RobotMessages, RobotTopic, TimedMessage, command
 from smarttestudo.simulation.physics.drive import RobotKind
 
 THESIS_BYTES = {
-    Topic.CMD_VEL: 52,
-    Topic.ODOM: 720,
-    Topic.CAMERA_INFO: 380,
-    Topic.IMU: 320,
-    Topic.SCAN: 2940,
+    RobotTopic.CMD_VEL: 52,
+    RobotTopic.ODOM: 720,
+    RobotTopic.CAMERA_INFO: 380,
+    RobotTopic.IMU: 320,
+    RobotTopic.SCAN: 2940,
 }
-TRANSFORMS = (Topic.TF, Topic.TF_STATIC)
+TRANSFORMS = (RobotTopic.TF, RobotTopic.TF_STATIC)
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def _payloads(timed: list[TimedMessage]) -> list[tuple[int, bytes]]:
 
 
 @pytest.mark.parametrize("topic", THESIS_BYTES)
-def test_messages_are_as_large_as_on_the_real_robot(topic: Topic, second: list[TimedMessage]) -> None:
+def test_messages_are_as_large_as_on_the_real_robot(topic: RobotTopic, second: list[TimedMessage]) -> None:
     messages = RobotMessages()
 
     sizes = {len(messages.payload(topic, r.message)) for r in second if r.topic is topic}
@@ -62,15 +62,15 @@ def test_transforms_are_as_large_as_one_of_gazebo_and_two_of_a_robot_state_publi
 ) -> None:
     messages = RobotMessages()
     sizes = {
-        len(message.transforms): len(messages.payload(Topic.TF, message))
-        for message in of_topic(second, Topic.TF)
+        len(message.transforms): len(messages.payload(RobotTopic.TF, message))
+        for message in of_topic(second, RobotTopic.TF)
     }
     assert sizes == {1: 108, 2: 212}
 
 
 def test_every_message_decodes_with_its_stamp_and_frame(second: list[TimedMessage]) -> None:
     for timed, message in _decoded(second, RobotMessages()):
-        if timed.topic is Topic.CMD_VEL:
+        if timed.topic is RobotTopic.CMD_VEL:
             continue
         assert stamp_ns(message) == stamp_ns(timed.message)
         assert (message.transforms[0] if timed.topic in TRANSFORMS else message).header.frame_id
@@ -79,11 +79,11 @@ def test_every_message_decodes_with_its_stamp_and_frame(second: list[TimedMessag
 def test_noise_and_the_layout_of_arrays_are_told_as_they_are(second: list[TimedMessage]) -> None:
     for timed, message in _decoded(second, RobotMessages()):
         match timed.topic:
-            case Topic.ODOM:
+            case RobotTopic.ODOM:
                 assert message.twist.covariance[[0, 35]] == pytest.approx([0.002**2, 0.005**2])
-            case Topic.SCAN:
+            case RobotTopic.SCAN:
                 assert message.angle_increment * len(message.ranges) == pytest.approx(math.tau, abs=1e-5)
-            case Topic.IMAGE:
+            case RobotTopic.IMAGE:
                 assert (
                     message.step * message.height == message.width * message.height * 3 == len(message.data)
                 )
@@ -91,9 +91,9 @@ def test_noise_and_the_layout_of_arrays_are_told_as_they_are(second: list[TimedM
 
 def test_the_calibration_describes_the_image_it_comes_with(second: list[TimedMessage]) -> None:
     decoded = list(_decoded(second, RobotMessages()))
-    images = {m.header.stamp.nanosec: m for r, m in decoded if r.topic is Topic.IMAGE}
+    images = {m.header.stamp.nanosec: m for r, m in decoded if r.topic is RobotTopic.IMAGE}
 
-    infos = [m for r, m in decoded if r.topic is Topic.CAMERA_INFO]
+    infos = [m for r, m in decoded if r.topic is RobotTopic.CAMERA_INFO]
 
     for info in infos:
         image = images[info.header.stamp.nanosec]
@@ -104,9 +104,9 @@ def test_the_calibration_describes_the_image_it_comes_with(second: list[TimedMes
 
 def test_compressed_images_are_jpegs_of_the_view(second: list[TimedMessage]) -> None:
     decoded = list(_decoded(second, RobotMessages()))
-    raw = {m.header.stamp.nanosec: m for r, m in decoded if r.topic is Topic.IMAGE}
+    raw = {m.header.stamp.nanosec: m for r, m in decoded if r.topic is RobotTopic.IMAGE}
 
-    for message in (m for r, m in decoded if r.topic is Topic.COMPRESSED_IMAGE):
+    for message in (m for r, m in decoded if r.topic is RobotTopic.COMPRESSED_IMAGE):
         picture = np.asarray(PillowImage.open(io.BytesIO(bytes(message.data)))).astype(float)
         image = raw[message.header.stamp.nanosec]
         assert np.abs(picture - image.data.reshape(image.height, image.width, 3)).mean() < 12
@@ -116,9 +116,9 @@ def test_full_images_are_whole_and_their_jpegs_come_close_to_the_real_size() -> 
     messages = RobotMessages()
     timed = driven(0.2, frames=FrameSize.FULL)
 
-    raw = {len(messages.payload(r.topic, r.message)) for r in timed if r.topic is Topic.IMAGE}
+    raw = {len(messages.payload(r.topic, r.message)) for r in timed if r.topic is RobotTopic.IMAGE}
     compressed = {
-        len(messages.payload(r.topic, r.message)) for r in timed if r.topic is Topic.COMPRESSED_IMAGE
+        len(messages.payload(r.topic, r.message)) for r in timed if r.topic is RobotTopic.COMPRESSED_IMAGE
     }
 
     assert all(size == pytest.approx(6_220_000, rel=1e-3) for size in raw)
@@ -129,7 +129,9 @@ def test_medium_frames_fill_a_thin_link_compressed() -> None:
     messages = RobotMessages()
     timed = driven(0.2, frames=FrameSize.MEDIUM)
 
-    sizes = [len(messages.payload(r.topic, r.message)) for r in timed if r.topic is Topic.COMPRESSED_IMAGE]
+    sizes = [
+        len(messages.payload(r.topic, r.message)) for r in timed if r.topic is RobotTopic.COMPRESSED_IMAGE
+    ]
 
     assert sizes
     assert all(80_000 < size <= 100_100 for size in sizes)
@@ -150,27 +152,27 @@ def test_every_message_of_a_robot_with_physics_decodes_with_its_stamp_and_what_w
     kind: RobotKind, release: Stores
 ) -> None:
     types = get_typestore(release)
-    last: dict[Topic, Any] = {}
+    last: dict[RobotTopic, Any] = {}
     with robot_of(kind, has_camera=False, battery_percent=50) as robot:
         messages = RobotMessages(robot.topics, has_range_variance=release is not Stores.ROS2_HUMBLE)
         for timed in until(robot, robot.start(START_NS), 1.2):
             payload = messages.payload(timed.topic, timed.message)
             message: Any = types.deserialize_cdr(payload, messages.channels[timed.topic].type_name)
             last[timed.topic] = message
-            if timed.topic is not Topic.CMD_VEL:
+            if timed.topic is not RobotTopic.CMD_VEL:
                 assert stamp_ns(message) == stamp_ns(timed.message)
     assert set(last) == set(robot.topics)
-    assert last[Topic.BATTERY_STATE].percentage == pytest.approx(0.5, abs=0.001)
-    assert last[Topic.AMCL_POSE].pose.pose.position.x == pytest.approx(10.8, abs=0.2)
+    assert last[RobotTopic.BATTERY_STATE].percentage == pytest.approx(0.5, abs=0.001)
+    assert last[RobotTopic.AMCL_POSE].pose.pose.position.x == pytest.approx(10.8, abs=0.2)
     if kind is RobotKind.QUADROTOR:
-        assert last[Topic.RANGE].range > 0.03
-        assert last[Topic.ODOM].pose.pose.position.z > 0.05
+        assert last[RobotTopic.RANGE].range > 0.03
+        assert last[RobotTopic.ODOM].pose.pose.position.z > 0.05
 
 
 def test_a_twist_of_others_is_read_and_damaged_ones_are_refused() -> None:
     messages = RobotMessages()
     asked = BodyVelocity(0.2, -0.3, lateral_m_per_s=0.1, climb_m_per_s=0.4)
-    payload = messages.payload(Topic.CMD_VEL, command(asked))
+    payload = messages.payload(RobotTopic.CMD_VEL, command(asked))
     assert messages.velocity(payload) == asked
     for damaged in (b"", payload[:20], payload[:4] + b"\xff" * 48):
         with pytest.raises(ValueError, match=r"it is no Twist|not all finite"):

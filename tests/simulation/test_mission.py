@@ -10,26 +10,26 @@ import pytest
 from simulation.missions import START_NS, driven, of_topic, poses, stamp_ns
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.simulation.messages import TimedMessage, Topic
+from smarttestudo.simulation.messages import RobotTopic, TimedMessage
 from smarttestudo.simulation.mission import drive_mission
 from smarttestudo.simulation.robot import DriveModel
 from smarttestudo.simulation.warehouse import patrol, warehouse, warehouse_bounds
 
 RATES_HZ = {
-    Topic.CMD_VEL: 10,
-    Topic.ODOM: 25.5,
-    Topic.CAMERA_INFO: 29,
-    Topic.COMPRESSED_IMAGE: 28,
-    Topic.IMAGE: 29,
-    Topic.IMU: 195,
-    Topic.JOINT_STATES: 5,
-    Topic.SCAN: 5,
-    Topic.TF: 25.5 + 5,
+    RobotTopic.CMD_VEL: 10,
+    RobotTopic.ODOM: 25.5,
+    RobotTopic.CAMERA_INFO: 29,
+    RobotTopic.COMPRESSED_IMAGE: 28,
+    RobotTopic.IMAGE: 29,
+    RobotTopic.IMU: 195,
+    RobotTopic.JOINT_STATES: 5,
+    RobotTopic.SCAN: 5,
+    RobotTopic.TF: 25.5 + 5,
 }
 
 
 @pytest.mark.parametrize("topic", RATES_HZ)
-def test_every_topic_comes_at_its_rate(topic: Topic, patrol_messages: list[TimedMessage]) -> None:
+def test_every_topic_comes_at_its_rate(topic: RobotTopic, patrol_messages: list[TimedMessage]) -> None:
     stamps_ns = [timed.time_ns for timed in patrol_messages if timed.topic is topic]
 
     mean_hz = (len(stamps_ns) - 1) / (stamps_ns[-1] - stamps_ns[0]) * NS_PER_S
@@ -38,10 +38,10 @@ def test_every_topic_comes_at_its_rate(topic: Topic, patrol_messages: list[Timed
 
 
 @pytest.mark.parametrize(
-    "topic", [topic for topic in RATES_HZ if topic not in (Topic.COMPRESSED_IMAGE, Topic.TF)]
+    "topic", [topic for topic in RATES_HZ if topic not in (RobotTopic.COMPRESSED_IMAGE, RobotTopic.TF)]
 )
 def test_arrivals_jitter_by_a_few_percent_of_the_period(
-    topic: Topic, patrol_messages: list[TimedMessage]
+    topic: RobotTopic, patrol_messages: list[TimedMessage]
 ) -> None:
     stamps_ns = [timed.time_ns for timed in patrol_messages if timed.topic is topic]
     period_ns = NS_PER_S / RATES_HZ[topic]
@@ -59,7 +59,7 @@ def test_messages_come_in_the_order_of_their_arrival_and_after_they_were_measure
 
     assert times_ns == sorted(times_ns)
     for timed in patrol_messages:
-        if timed.topic is not Topic.CMD_VEL:
+        if timed.topic is not RobotTopic.CMD_VEL:
             assert START_NS <= stamp_ns(timed.message) <= timed.time_ns
 
 
@@ -68,7 +68,7 @@ def test_images_their_calibration_and_their_compressed_copies_share_stamps(
 ) -> None:
     images, infos, jpegs = (
         [stamp_ns(message) for message in of_topic(patrol_messages, topic)]
-        for topic in (Topic.IMAGE, Topic.CAMERA_INFO, Topic.COMPRESSED_IMAGE)
+        for topic in (RobotTopic.IMAGE, RobotTopic.CAMERA_INFO, RobotTopic.COMPRESSED_IMAGE)
     )
 
     assert infos == images

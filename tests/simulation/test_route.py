@@ -18,7 +18,7 @@ from smarttestudo.domain.errors import MissionError
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import Pose
-from smarttestudo.simulation.messages import Topic
+from smarttestudo.simulation.messages import RobotTopic
 from smarttestudo.simulation.mission import drive_mission
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel
 from smarttestudo.simulation.route import Route, Tour, Waypoint, load_mission
@@ -166,7 +166,7 @@ def test_commands_change_by_what_the_velocity_smoother_allows() -> None:
     timed = list(
         takewhile(lambda reading: reading.time_ns < end_ns, drive_mission(tour, seed=1, start_ns=START_NS))
     )
-    commands = of_topic(timed, Topic.CMD_VEL)
+    commands = of_topic(timed, RobotTopic.CMD_VEL)
 
     assert len(commands) == pytest.approx(600, abs=2)
     for before, after in pairwise(commands):

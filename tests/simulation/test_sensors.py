@@ -16,7 +16,7 @@ from simulation.missions import driven, of_topic, poses, stamp_ns
 from smarttestudo.domain.floor_plan import FloorPlan, Obstacle, ObstacleKind, Point, Rectangle
 from smarttestudo.simulation.camera import FrameSize, raspberry_pi_lens, render
 from smarttestudo.simulation.geometry import Pose, Quaternion
-from smarttestudo.simulation.messages import TimedMessage, Topic
+from smarttestudo.simulation.messages import RobotTopic, TimedMessage
 from smarttestudo.simulation.robot import OPTICAL_FRAME, DifferentialDrive, DriveModel, fixed_frames
 from smarttestudo.simulation.sensors import GRAVITY_M_PER_S2, Lidar, RayCaster, level_cast
 from smarttestudo.simulation.warehouse import warehouse
@@ -24,7 +24,7 @@ from smarttestudo.simulation.warehouse import warehouse
 
 @pytest.mark.full
 def test_a_scan_is_360_rays_within_the_range_or_infinite(patrol_messages: list[TimedMessage]) -> None:
-    ranges_m = np.array([scan.ranges for scan in of_topic(patrol_messages, Topic.SCAN)])
+    ranges_m = np.array([scan.ranges for scan in of_topic(patrol_messages, RobotTopic.SCAN)])
 
     assert ranges_m.shape == (1000, 360)
     finite = ranges_m[np.isfinite(ranges_m)]
@@ -42,7 +42,7 @@ def test_a_scan_measures_the_walls_from_where_the_odometry_says_the_lidar_is(
     caster = RayCaster(warehouse())
     bearings_rad = np.arange(360) * math.tau / 360
     errors = []
-    for scan in of_topic(patrol_messages, Topic.SCAN)[::25]:
+    for scan in of_topic(patrol_messages, RobotTopic.SCAN)[::25]:
         pose = odometry[min(odometry, key=lambda at_ns: abs(at_ns - stamp_ns(scan)))]
         origin = pose.ahead(DriveModel().scan_x_m)
         true_m = caster.cast(origin, bearings_rad + pose.yaw_rad, range_m=10).distances_m
@@ -66,9 +66,9 @@ def test_an_obstacle_too_near_reads_minus_infinite() -> None:
 def test_the_imu_feels_gravity_and_the_turns_that_the_odometry_shows(
     patrol_messages: list[TimedMessage],
 ) -> None:
-    imu = of_topic(patrol_messages, Topic.IMU)
+    imu = of_topic(patrol_messages, RobotTopic.IMU)
     way = list(poses(patrol_messages).values())
-    last = of_topic(patrol_messages, Topic.ODOM)[-1]
+    last = of_topic(patrol_messages, RobotTopic.ODOM)[-1]
 
     turned_rad = sum(r.angular_velocity.z for r in imu) / 195
     gained_m_per_s = sum(r.linear_acceleration.x for r in imu) / 195
@@ -79,8 +79,8 @@ def test_the_imu_feels_gravity_and_the_turns_that_the_odometry_shows(
 
 
 def test_the_frames_form_one_tree_from_odom_to_the_sensors(patrol_messages: list[TimedMessage]) -> None:
-    (static,) = of_topic(patrol_messages, Topic.TF_STATIC)
-    moving = of_topic(patrol_messages, Topic.TF)
+    (static,) = of_topic(patrol_messages, RobotTopic.TF_STATIC)
+    moving = of_topic(patrol_messages, RobotTopic.TF)
     frames = [frame for message in (static, *moving) for frame in message.transforms]
     parents = {frame.child_frame_id: frame.header.frame_id for frame in frames}
 
@@ -104,11 +104,11 @@ def test_transforms_come_as_from_gazebo_and_a_robot_state_publisher(
     patrol_messages: list[TimedMessage],
 ) -> None:
     stamps_ns: dict[tuple[str, ...], set[int]] = defaultdict(set)
-    for message in of_topic(patrol_messages, Topic.TF):
+    for message in of_topic(patrol_messages, RobotTopic.TF):
         stamps_ns[tuple(frame.child_frame_id for frame in message.transforms)].add(stamp_ns(message))
     assert stamps_ns.keys() == {("base_footprint",), ("wheel_left_link", "wheel_right_link")}
-    odometry = set(map(stamp_ns, of_topic(patrol_messages, Topic.ODOM)))
-    joints = set(map(stamp_ns, of_topic(patrol_messages, Topic.JOINT_STATES)))
+    odometry = set(map(stamp_ns, of_topic(patrol_messages, RobotTopic.ODOM)))
+    joints = set(map(stamp_ns, of_topic(patrol_messages, RobotTopic.JOINT_STATES)))
     assert len(stamps_ns["base_footprint",] ^ odometry) <= 1
     assert len(stamps_ns["wheel_left_link", "wheel_right_link"] ^ joints) <= 1
 
@@ -135,13 +135,13 @@ def test_the_camera_looks_from_where_its_frame_is() -> None:
 
 def test_full_images_change_nothing_but_the_images() -> None:
     small, full = driven(0.3), driven(0.3, frames=FrameSize.FULL)
-    camera = {Topic.IMAGE, Topic.COMPRESSED_IMAGE, Topic.CAMERA_INFO}
+    camera = {RobotTopic.IMAGE, RobotTopic.COMPRESSED_IMAGE, RobotTopic.CAMERA_INFO}
 
     assert [r.time_ns for r in small] == [r.time_ns for r in full]
     assert repr([r for r in small if r.topic not in camera]) == repr(
         [r for r in full if r.topic not in camera]
     )
-    image = of_topic(full, Topic.IMAGE)[0]
+    image = of_topic(full, RobotTopic.IMAGE)[0]
     assert (image.height, image.width, len(image.data)) == (1080, 1920, 6_220_800)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from smarttestudo.domain.floor_plan import ObstacleKind
 from smarttestudo.simulation import messages
 from smarttestudo.simulation.geometry import Lens, Pose
-from smarttestudo.simulation.messages import Pixels, Published, Topic
+from smarttestudo.simulation.messages import Pixels, Published, RobotTopic
 from smarttestudo.simulation.robot import BodyT, DifferentialDrive
 from smarttestudo.simulation.sensors import Floats, RayCaster
 
@@ -121,12 +121,14 @@ class Camera(Generic[BodyT]):
             self._view = self._look(body)
             self._jpeg = messages.jpeg_of(self._view, self._most_jpeg_bytes)
         self._frame += 1
-        published: list[tuple[Topic, object]] = [
-            (Topic.IMAGE, messages.image(body.now_ns, self._view)),
-            (Topic.CAMERA_INFO, messages.camera_info(body.now_ns, self._lens)),
+        published: list[tuple[RobotTopic, object]] = [
+            (RobotTopic.IMAGE, messages.image(body.now_ns, self._view)),
+            (RobotTopic.CAMERA_INFO, messages.camera_info(body.now_ns, self._lens)),
         ]
         if self._frame % _FRAMES_PER_LOSS:
-            published.append((Topic.COMPRESSED_IMAGE, messages.compressed_image(body.now_ns, self._jpeg)))
+            published.append(
+                (RobotTopic.COMPRESSED_IMAGE, messages.compressed_image(body.now_ns, self._jpeg))
+            )
         return published
 
 

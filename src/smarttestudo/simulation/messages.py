@@ -42,7 +42,7 @@ SixDeviations = tuple[float, float, float, float, float, float]
 """Standard deviations along x, y and z, and about them."""
 
 
-class Topic(Enum):
+class RobotTopic(Enum):
     """The robot's topics."""
 
     AMCL_POSE = "/amcl_pose"
@@ -60,30 +60,32 @@ class Topic(Enum):
     TF_STATIC = "/tf_static"
 
 
-CAMERA_TOPICS = (Topic.CAMERA_INFO, Topic.COMPRESSED_IMAGE, Topic.IMAGE)
+CAMERA_TOPICS = (RobotTopic.CAMERA_INFO, RobotTopic.COMPRESSED_IMAGE, RobotTopic.IMAGE)
 PATROL_TOPICS = tuple(
-    topic for topic in Topic if topic not in (Topic.AMCL_POSE, Topic.BATTERY_STATE, Topic.RANGE)
+    topic
+    for topic in RobotTopic
+    if topic not in (RobotTopic.AMCL_POSE, RobotTopic.BATTERY_STATE, RobotTopic.RANGE)
 )
 """Topics of the thesis's robot; the others belong to robots with physics."""
-_TYPE_NAMES: Mapping[Topic, str] = {
-    Topic.AMCL_POSE: "geometry_msgs/msg/PoseWithCovarianceStamped",
-    Topic.BATTERY_STATE: "sensor_msgs/msg/BatteryState",
-    Topic.CMD_VEL: "geometry_msgs/msg/Twist",
-    Topic.ODOM: "nav_msgs/msg/Odometry",
-    Topic.CAMERA_INFO: "sensor_msgs/msg/CameraInfo",
-    Topic.COMPRESSED_IMAGE: "sensor_msgs/msg/CompressedImage",
-    Topic.IMAGE: "sensor_msgs/msg/Image",
-    Topic.IMU: "sensor_msgs/msg/Imu",
-    Topic.JOINT_STATES: "sensor_msgs/msg/JointState",
-    Topic.RANGE: "sensor_msgs/msg/Range",
-    Topic.SCAN: "sensor_msgs/msg/LaserScan",
-    Topic.TF: "tf2_msgs/msg/TFMessage",
-    Topic.TF_STATIC: "tf2_msgs/msg/TFMessage",
+_TYPE_NAMES: Mapping[RobotTopic, str] = {
+    RobotTopic.AMCL_POSE: "geometry_msgs/msg/PoseWithCovarianceStamped",
+    RobotTopic.BATTERY_STATE: "sensor_msgs/msg/BatteryState",
+    RobotTopic.CMD_VEL: "geometry_msgs/msg/Twist",
+    RobotTopic.ODOM: "nav_msgs/msg/Odometry",
+    RobotTopic.CAMERA_INFO: "sensor_msgs/msg/CameraInfo",
+    RobotTopic.COMPRESSED_IMAGE: "sensor_msgs/msg/CompressedImage",
+    RobotTopic.IMAGE: "sensor_msgs/msg/Image",
+    RobotTopic.IMU: "sensor_msgs/msg/Imu",
+    RobotTopic.JOINT_STATES: "sensor_msgs/msg/JointState",
+    RobotTopic.RANGE: "sensor_msgs/msg/Range",
+    RobotTopic.SCAN: "sensor_msgs/msg/LaserScan",
+    RobotTopic.TF: "tf2_msgs/msg/TFMessage",
+    RobotTopic.TF_STATIC: "tf2_msgs/msg/TFMessage",
 }
 _TURTLEBOT3_QOS = Qos(reliable=True, transient_local=False, depth=10)
 _LATCHED_QOS = Qos(reliable=True, transient_local=True, depth=1)
 
-Published = Sequence[tuple[Topic, object]]
+Published = Sequence[tuple[RobotTopic, object]]
 """Messages that a device publishes at once."""
 
 
@@ -92,31 +94,33 @@ class TimedMessage:
     """A message as it arrives on its topic at ``time_ns``."""
 
     time_ns: int
-    topic: Topic
+    topic: RobotTopic
     message: object
 
 
-def qos_of(topic: Topic) -> Qos:
+def qos_of(topic: RobotTopic) -> Qos:
     """QoS that the robot offers on ``topic``."""
-    return _LATCHED_QOS if topic is Topic.TF_STATIC else _TURTLEBOT3_QOS
+    return _LATCHED_QOS if topic is RobotTopic.TF_STATIC else _TURTLEBOT3_QOS
 
 
 class RobotMessages:
     """The channels of the robot's ``topics``, and the CDR of messages on them."""
 
-    def __init__(self, topics: Iterable[Topic] = PATROL_TOPICS, *, has_range_variance: bool = False) -> None:
+    def __init__(
+        self, topics: Iterable[RobotTopic] = PATROL_TOPICS, *, has_range_variance: bool = False
+    ) -> None:
         """``has_range_variance`` says that this ROS 2 is later than Humble, whose Range has no variance."""
         self._types = get_typestore(Stores.ROS2_HUMBLE)
         self._range_types = get_typestore(Stores.ROS2_JAZZY) if has_range_variance else self._types
-        self.channels: Mapping[Topic, Channel] = {topic: self._channel(topic) for topic in topics}
+        self.channels: Mapping[RobotTopic, Channel] = {topic: self._channel(topic) for topic in topics}
 
-    def payload(self, topic: Topic, message: object) -> bytes:
+    def payload(self, topic: RobotTopic, message: object) -> bytes:
         return bytes(self._types_of(topic).serialize_cdr(message, _TYPE_NAMES[topic]))
 
     def velocity(self, payload: Payload) -> BodyVelocity:
         """The velocity that a message on /cmd_vel asks for. Raises ``ValueError`` for a damaged message."""
         try:
-            message: Any = self._types.deserialize_cdr(payload[:], _TYPE_NAMES[Topic.CMD_VEL])
+            message: Any = self._types.deserialize_cdr(payload[:], _TYPE_NAMES[RobotTopic.CMD_VEL])
         except SerdeError as error:
             raise ValueError("it is no Twist") from error
         numbers = (message.linear.x, message.angular.z, message.linear.y, message.linear.z)
@@ -124,10 +128,10 @@ class RobotMessages:
             raise ValueError("its numbers are not all finite")
         return BodyVelocity(*numbers)
 
-    def _types_of(self, topic: Topic) -> Typestore:
-        return self._range_types if topic is Topic.RANGE else self._types
+    def _types_of(self, topic: RobotTopic) -> Typestore:
+        return self._range_types if topic is RobotTopic.RANGE else self._types
 
-    def _channel(self, topic: Topic) -> Channel:
+    def _channel(self, topic: RobotTopic) -> Channel:
         type_name, types = _TYPE_NAMES[topic], self._types_of(topic)
         return Channel(
             topic=topic.value,

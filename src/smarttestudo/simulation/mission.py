@@ -12,7 +12,7 @@ import numpy as np
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.simulation.camera import FULL_JPEG_BYTES, Camera, FrameSize, drawn_view, raspberry_pi_lens
-from smarttestudo.simulation.messages import RobotMessages, Topic
+from smarttestudo.simulation.messages import RobotMessages, RobotTopic
 from smarttestudo.simulation.robot import DifferentialDrive, DriveModel, fixed_frames
 from smarttestudo.simulation.route import Route, Tour, load_mission
 from smarttestudo.simulation.schedule import Device, DeviceSchedule
@@ -61,7 +61,7 @@ def drive_mission(
 
 
 START_NS = 1_767_600_000 * NS_PER_S
-DECLARED_BYTES = {Topic.IMAGE.value: 6_220_872, Topic.COMPRESSED_IMAGE.value: FULL_JPEG_BYTES}
+DECLARED_BYTES = {RobotTopic.IMAGE.value: 6_220_872, RobotTopic.COMPRESSED_IMAGE.value: FULL_JPEG_BYTES}
 _MESSAGES_PER_REPORT = 1000
 _SMALL_BYTES_PER_S = 500_000
 _FULL_BYTES_PER_S = 216_000_000

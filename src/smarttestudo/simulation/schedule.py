@@ -12,7 +12,7 @@ import numpy as np
 
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import FrameTransform
-from smarttestudo.simulation.messages import Published, TimedMessage, Topic, transforms
+from smarttestudo.simulation.messages import Published, RobotTopic, TimedMessage, transforms
 from smarttestudo.simulation.robot import Body, BodyT
 
 _TRANSPORT_NS = 500_000
@@ -59,8 +59,8 @@ class DeviceSchedule(Generic[BodyT]):
         heapq.heapify(self._due)
         self._lost_ns = 0
         latched = transforms(body.now_ns, fixed_frames)
-        self._under_way: list[tuple[int, int, Topic, object]] = [
-            (body.now_ns + _DISCOVERY_NS, 0, Topic.TF_STATIC, latched)
+        self._under_way: list[tuple[int, int, RobotTopic, object]] = [
+            (body.now_ns + _DISCOVERY_NS, 0, RobotTopic.TF_STATIC, latched)
         ]
         self._serial = 0
 
@@ -106,7 +106,7 @@ class _DeviceClock(Generic[BodyT]):
         self._count = 0
         self.next_ns = self._first_ns
 
-    def publish(self, body: BodyT) -> Iterator[tuple[int, Topic, object]]:
+    def publish(self, body: BodyT) -> Iterator[tuple[int, RobotTopic, object]]:
         """Sample the device, and set the time of the next sample."""
         now_ns = self.next_ns
         self._count += 1

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from smarttestudo.domain.floor_plan import FloorPlan, Point
 from smarttestudo.simulation import messages
 from smarttestudo.simulation.geometry import FrameTransform, Quaternion, Vector
-from smarttestudo.simulation.messages import Published, Topic
+from smarttestudo.simulation.messages import Published, RobotTopic
 from smarttestudo.simulation.robot import BASE_FRAME, ODOM_FRAME, BodyT, DifferentialDrive, wheel_frames
 
 GRAVITY_M_PER_S2 = 9.80665
@@ -40,7 +40,7 @@ class Odometer:
             Vector(linear, 0.0, 0.0), Vector(0.0, 0.0, angular), self.twist_deviations
         )
         pose = messages.estimated_pose(*_floor_pose(drive), (0.0,) * 6)
-        return [(Topic.ODOM, messages.odometry(drive.now_ns, BASE_FRAME, pose, twist))]
+        return [(RobotTopic.ODOM, messages.odometry(drive.now_ns, BASE_FRAME, pose, twist))]
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class InertialUnit:
             GRAVITY_M_PER_S2 + force * noise[6],
         )
         deviations = ((0.0, 0.0, self.yaw_noise_rad), turning, force)
-        return [(Topic.IMU, messages.imu(drive.now_ns, orientation, angular, linear, deviations))]
+        return [(RobotTopic.IMU, messages.imu(drive.now_ns, orientation, angular, linear, deviations))]
 
 
 class WheelEncoders:
@@ -78,7 +78,7 @@ class WheelEncoders:
 
     def sample(self, drive: DifferentialDrive) -> Published:
         speeds = [rim / drive.model.wheel_radius_m for rim in drive.rim_m_per_s]
-        return [(Topic.JOINT_STATES, messages.joint_states(drive.now_ns, drive.angles_rad, speeds))]
+        return [(RobotTopic.JOINT_STATES, messages.joint_states(drive.now_ns, drive.angles_rad, speeds))]
 
 
 class OdometryFrame:
@@ -88,7 +88,7 @@ class OdometryFrame:
 
     def sample(self, drive: DifferentialDrive) -> Published:
         base = FrameTransform(ODOM_FRAME, BASE_FRAME, *_floor_pose(drive))
-        return [(Topic.TF, messages.transforms(drive.now_ns, [base]))]
+        return [(RobotTopic.TF, messages.transforms(drive.now_ns, [base]))]
 
 
 class WheelFrames:
@@ -97,7 +97,9 @@ class WheelFrames:
     rate_hz = WheelEncoders.rate_hz
 
     def sample(self, drive: DifferentialDrive) -> Published:
-        return [(Topic.TF, messages.transforms(drive.now_ns, wheel_frames(drive.model, drive.angles_rad)))]
+        return [
+            (RobotTopic.TF, messages.transforms(drive.now_ns, wheel_frames(drive.model, drive.angles_rad)))
+        ]
 
 
 def _floor_pose(drive: DifferentialDrive) -> tuple[Vector, Quaternion]:
@@ -193,7 +195,7 @@ class Lidar(Generic[BodyT]):
             most_m=self.range_max_m,
             turn_s=1 / self.rate_hz,
         )
-        return [(Topic.SCAN, message)]
+        return [(RobotTopic.SCAN, message)]
 
 
 def level_cast(caster: RayCaster) -> Callable[[DifferentialDrive], Floats]:

@@ -15,7 +15,7 @@ from smarttestudo.domain.robot import Payload, Publisher, Robot
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.simulation.camera import FrameSize
 from smarttestudo.simulation.geometry import BodyVelocity
-from smarttestudo.simulation.messages import RobotMessages, TimedMessage, Topic, qos_of
+from smarttestudo.simulation.messages import RobotMessages, RobotTopic, TimedMessage, qos_of
 from smarttestudo.simulation.mission import drive_mission, route_of
 from smarttestudo.simulation.schedule import DeviceSchedule
 
@@ -104,7 +104,7 @@ def simulate_physics(request: SimulatePhysicsRequest, robot: Robot, stopped: Cal
         steer=None if request.teleop is None else request.teleop.command,
     )
     with driven as physical:
-        has_range_variance = Topic.RANGE in physical.topics and "variance" in robot.definition(_RANGE)
+        has_range_variance = RobotTopic.RANGE in physical.topics and "variance" in robot.definition(_RANGE)
         messages = RobotMessages(physical.topics, has_range_variance=has_range_variance)
         why = "this machine is too slow for its physics or its camera"
         node = _RobotNode(robot, messages, request, why)
@@ -139,11 +139,11 @@ class _RobotNode:
         self._warned_ns: int | None = None
         self._own_commands: deque[Payload] = deque(maxlen=_REMEMBERED)
         self._missing: dict[str, str] = {}
-        self._publishers: dict[Topic, Publisher] = {}
+        self._publishers: dict[RobotTopic, Publisher] = {}
         for topic, channel in messages.channels.items():
             if not robot.data_path.knows(channel.type_name):
                 self._missing[topic.value] = channel.type_name
-            elif topic is not Topic.IMAGE or request.frames is FrameSize.FULL:
+            elif topic is not RobotTopic.IMAGE or request.frames is FrameSize.FULL:
                 self._publishers[topic] = robot.data_path.advertise(
                     topic.value, channel.type_name, qos_of(topic)
                 )
@@ -173,7 +173,7 @@ class _RobotNode:
             publisher = self._publishers.get(timed.topic)
             if publisher is not None:
                 payload = self._messages.payload(timed.topic, timed.message)
-                if timed.topic is Topic.CMD_VEL:
+                if timed.topic is RobotTopic.CMD_VEL:
                     self._own_commands.append(payload[_CDR_HEADER:])
                 publisher.publish(payload)
 
@@ -194,7 +194,7 @@ class _RobotNode:
     @contextmanager
     def passing_commands(self, obey: Callable[[BodyVelocity], None]) -> Iterator[None]:
         """Pass on what others publish on /cmd_vel while the block lasts."""
-        channel = self._messages.channels[Topic.CMD_VEL]
+        channel = self._messages.channels[RobotTopic.CMD_VEL]
 
         def receive(payload: Payload, _publisher: Hashable) -> None:
             said = payload[_CDR_HEADER:]
@@ -207,7 +207,7 @@ class _RobotNode:
                 self._robot.log.warning(f"A command on {channel.topic} is ignored: {error}")
 
         subscription = self._robot.data_path.subscribe(
-            channel.topic, channel.type_name, qos_of(Topic.CMD_VEL), receive
+            channel.topic, channel.type_name, qos_of(RobotTopic.CMD_VEL), receive
         )
         try:
             yield

@@ -15,7 +15,7 @@ from typing import Generic
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.simulation.geometry import BodyVelocity, Pose, bearing_rad, clamped
-from smarttestudo.simulation.messages import Published, Topic, command
+from smarttestudo.simulation.messages import Published, RobotTopic, command
 from smarttestudo.simulation.robot import Body, BodyT, DriveModel
 from smarttestudo.simulation.route import CRUISE_M_PER_S, SPACING_M, Goal, Route, Tour
 
@@ -76,7 +76,7 @@ class Navigator(Generic[BodyT]):
             return []
         velocity = self._steer(body)
         body.command(velocity)
-        return [(Topic.CMD_VEL, command(velocity))]
+        return [(RobotTopic.CMD_VEL, command(velocity))]
 
 
 _GOAL_TOLERANCE_M = 0.05

@@ -13,7 +13,7 @@ from typing import Any
 from simulation.missions import START_NS
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import Vector
-from smarttestudo.simulation.messages import TimedMessage, Topic
+from smarttestudo.simulation.messages import RobotTopic, TimedMessage
 from smarttestudo.simulation.physics.drive import PhysicalRobot, RobotKind, physical_robot
 from smarttestudo.simulation.warehouse import patrol
 
@@ -41,16 +41,16 @@ class Driven:
 
     off_m: list[float] = field(default_factory=list)
     touched: set[str] = field(default_factory=set)
-    counts: dict[Topic, int] = field(default_factory=dict)
+    counts: dict[RobotTopic, int] = field(default_factory=dict)
     hardest_m_per_s2: float = 0.0
 
     def note(self, robot: PhysicalRobot, timed: TimedMessage) -> None:
         self.counts[timed.topic] = self.counts.get(timed.topic, 0) + 1
         message: Any = timed.message
-        if timed.topic is Topic.ODOM:
+        if timed.topic is RobotTopic.ODOM:
             self.off_m.append(distance_m(message.pose.pose.position, robot.body.engine.position))
             self.touched |= robot.body.engine.touched()
-        elif timed.topic is Topic.IMU:
+        elif timed.topic is RobotTopic.IMU:
             force = message.linear_acceleration
             self.hardest_m_per_s2 = max(self.hardest_m_per_s2, math.hypot(force.x, force.y, force.z))
 
@@ -64,7 +64,7 @@ def driven(robot: PhysicalRobot, seconds: float) -> Driven:
     raise AssertionError("a drive has no end")
 
 
-def rates_hz(counts: Mapping[Topic, int], seconds: float) -> dict[Topic, float]:
+def rates_hz(counts: Mapping[RobotTopic, int], seconds: float) -> dict[RobotTopic, float]:
     return {topic: count / seconds for topic, count in counts.items()}
 
 

@@ -14,7 +14,7 @@ from simulation.missions import START_NS, of_topic, stamp_ns
 from simulation.physics.physical_drives import Driven, distance_m, driven, rates_hz, robot_of, until
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity
-from smarttestudo.simulation.messages import Topic
+from smarttestudo.simulation.messages import RobotTopic
 from smarttestudo.simulation.physics.drive import RobotKind
 from smarttestudo.simulation.physics.quadrotor import CRUISE_HEIGHT_M, LANDED_HEIGHT_M, RANGE_MOUNT_M
 from smarttestudo.simulation.robot import DriveModel
@@ -60,7 +60,7 @@ def test_a_robot_that_pushes_feels_a_blow_and_its_wheels_slip() -> None:
             turn = 0.6 if timed.time_ns < START_NS + 3 * NS_PER_S else 0.0
             robot.obey(BodyVelocity(0.26, -turn))
             result.note(robot, timed)
-            last = timed.message if timed.topic is Topic.ODOM else last
+            last = timed.message if timed.topic is RobotTopic.ODOM else last
             if timed.time_ns > START_NS + 12 * NS_PER_S:
                 break
         true = robot.body.engine.velocity
@@ -76,7 +76,7 @@ def test_the_lidar_sees_the_walls_where_they_are() -> None:
     caster = RayCaster(warehouse())
     with robot_of(has_camera=False) as robot:
         for timed in robot.start(START_NS):
-            if timed.topic is Topic.SCAN:
+            if timed.topic is RobotTopic.SCAN:
                 break
         pose = robot.body.pose
     seen = cast("Any", timed.message).ranges
@@ -92,7 +92,7 @@ def test_the_lidar_sees_the_walls_where_they_are() -> None:
 
 def test_a_covered_lidar_reads_too_near_all_around() -> None:
     with robot_of(has_camera=False, cover_s=1.0) as robot:
-        scans = of_topic(until(robot, robot.start(START_NS), 2), Topic.SCAN)
+        scans = of_topic(until(robot, robot.start(START_NS), 2), RobotTopic.SCAN)
     covered = [scan.ranges for scan in scans if stamp_ns(scan) > START_NS + 1.05 * NS_PER_S]
     assert len(covered) > 2
     assert all(np.isneginf(ranges).all() for ranges in covered)
@@ -103,7 +103,7 @@ def test_an_empty_battery_stops_the_robot() -> None:
     with robot_of(has_camera=False, battery_percent=0.03) as robot:
         found = until(robot, robot.start(START_NS), 7)
         speed = robot.body.engine.velocity
-    shares = [battery.percentage for battery in of_topic(found, Topic.BATTERY_STATE)]
+    shares = [battery.percentage for battery in of_topic(found, RobotTopic.BATTERY_STATE)]
     assert shares == sorted(shares, reverse=True)
     assert shares[0] > 0 == shares[-1]
     assert math.hypot(speed.x, speed.y) < 0.01
@@ -113,7 +113,7 @@ def test_the_localizer_stays_with_the_truth() -> None:
     with robot_of(has_camera=False) as robot:
         off = []
         for timed in robot.start(START_NS):
-            if timed.topic is Topic.AMCL_POSE:
+            if timed.topic is RobotTopic.AMCL_POSE:
                 place = cast("Any", timed.message).pose.pose.position
                 off.append(distance_m(place, robot.body.engine.position))
             if timed.time_ns > START_NS + 5 * NS_PER_S:
@@ -128,7 +128,7 @@ def test_who_publishes_cmd_vel_drives_until_two_seconds_after() -> None:
         until(robot, drive, 1)
         robot.obey(BodyVelocity(0.0, 0.0))
         heard_ns = robot.body.now_ns
-        own = [one.time_ns for one in until(robot, drive, 5) if one.topic is Topic.CMD_VEL]
+        own = [one.time_ns for one in until(robot, drive, 5) if one.topic is RobotTopic.CMD_VEL]
     assert heard_ns + OTHERS_NS <= own[0] < heard_ns + OTHERS_NS + NS_PER_S / 5
 
 
@@ -138,7 +138,7 @@ def test_lost_time_moves_stamps_and_not_the_robot() -> None:
         until(robot, drive, 2)
         before, lost_ns = robot.body.engine.position, 30 * NS_PER_S
         drive.skip(lost_ns)
-        stamps = [stamp_ns(message) for message in of_topic(until(robot, drive, 32.2), Topic.IMU)]
+        stamps = [stamp_ns(message) for message in of_topic(until(robot, drive, 32.2), RobotTopic.IMU)]
         moved_m = distance_m(before, robot.body.engine.position)
     assert len(stamps) == pytest.approx(39, abs=3)
     assert min(stamps[3:]) >= START_NS + lost_ns + 2 * NS_PER_S
@@ -150,7 +150,7 @@ def test_the_same_seed_gives_the_same_drive() -> None:
     for seed in (1, 1, 2):
         with robot_of(has_camera=False, seed=seed) as robot:
             found = until(robot, robot.start(START_NS), 1)
-        drives.append(repr([one for one in found if one.topic in (Topic.ODOM, Topic.IMU)]))
+        drives.append(repr([one for one in found if one.topic in (RobotTopic.ODOM, RobotTopic.IMU)]))
     assert drives[0] == drives[1] != drives[2]
 
 
@@ -161,10 +161,10 @@ def test_it_climbs_flies_on_and_measures_its_height() -> None:
         for timed in robot.start(START_NS):
             result.note(robot, timed)
             message: Any = timed.message
-            if timed.topic is Topic.RANGE:
+            if timed.topic is RobotTopic.RANGE:
                 ranges_m.append(message.range)
                 heights_m.append(robot.body.engine.position.z)
-            elif timed.topic is Topic.ODOM:
+            elif timed.topic is RobotTopic.ODOM:
                 odometry_m.append(message.pose.pose.position.z)
             if timed.time_ns > START_NS + 14 * NS_PER_S:
                 break
@@ -175,8 +175,8 @@ def test_it_climbs_flies_on_and_measures_its_height() -> None:
     assert ranges_m[-1] == pytest.approx(heights_m[-1] - RANGE_MOUNT_M, abs=0.06)
     assert place.y_m < 3.6
     assert result.touched == set()
-    assert Topic.SCAN not in result.counts
-    assert result.counts[Topic.RANGE] == pytest.approx(280, abs=3)
+    assert RobotTopic.SCAN not in result.counts
+    assert result.counts[RobotTopic.RANGE] == pytest.approx(280, abs=3)
 
 
 def test_it_lands_when_the_battery_is_empty() -> None:

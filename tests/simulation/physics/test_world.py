@@ -10,7 +10,7 @@ from simulation.missions import START_NS, of_topic
 from simulation.physics.physical_drives import robot_of, until
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.simulation.geometry import BodyVelocity
-from smarttestudo.simulation.messages import Topic
+from smarttestudo.simulation.messages import RobotTopic
 from smarttestudo.simulation.physics.drive import RobotKind, Teleop
 from smarttestudo.simulation.physics.world import PERSON_RADIUS_M, WalkingPerson, people
 from smarttestudo.simulation.robot import DriveModel
@@ -46,7 +46,7 @@ def test_the_camera_sees_the_warehouse() -> None:
             pytest.skip(robot.camera_problem)
         images = [
             image.data.reshape(image.height, image.width, 3)
-            for image in of_topic(until(robot, robot.start(START_NS), 3), Topic.IMAGE)
+            for image in of_topic(until(robot, robot.start(START_NS), 3), RobotTopic.IMAGE)
         ]
     first, last = images[0].astype(int), images[-1].astype(int)
     assert first.shape == (27, 48, 3)

@@ -21,7 +21,7 @@ from smarttestudo.domain.robot import Payload, Qos, Robot, Subscription
 from smarttestudo.domain.units import NS_PER_S, grouped, ns_from_s
 from smarttestudo.robot.output_topics import DEFAULT_OUTPUT_TOPIC
 from smarttestudo.simulation.demo.folder import ADAPTIVE, BASELINE, DECISIONS, LOGS, RULES, DemoRequest
-from smarttestudo.simulation.messages import CAMERA_TOPICS, RobotMessages, Topic
+from smarttestudo.simulation.messages import CAMERA_TOPICS, RobotMessages, RobotTopic
 from smarttestudo.simulation.mission import DECLARED_BYTES
 
 _QOS = Qos(reliable=True, transient_local=False, depth=100)
@@ -103,7 +103,7 @@ def record_live(
     ):
         _await_publisher(robot, DECISIONS_TOPIC, runtime)
         with _testudo("simulated robot", _simulate_arguments(request), robot_log) as driver:
-            _await_publisher(robot, Topic.ODOM.value, driver)
+            _await_publisher(robot, RobotTopic.ODOM.value, driver)
             end_ns = robot.now_ns() + ns_from_s(request.seconds)
             while (left_ns := end_ns - robot.now_ns()) > 0 and runtime.is_running() and driver.is_running():
                 robot.wait(end_ns, _POLL_S)
@@ -128,7 +128,7 @@ def _robot_channels(
     """The topics that the robot will publish, and why it will not publish the others."""
     channels, left_out = [], []
     for topic, channel in RobotMessages().channels.items():
-        if topic is Topic.IMAGE and not full_images:
+        if topic is RobotTopic.IMAGE and not full_images:
             left_out.append(f"{topic.value}: off without --full-images")
         elif camera_problem is not None and topic in CAMERA_TOPICS:
             left_out.append(f"{topic.value}: no camera: {camera_problem}")

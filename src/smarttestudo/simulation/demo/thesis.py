@@ -13,7 +13,7 @@ from smarttestudo.files.whole_file import whole_file
 from smarttestudo.report.comparison_tables import RunNames, bandwidth_as_in_thesis, frequency_as_in_thesis
 from smarttestudo.report.run_report import RunReport
 from smarttestudo.report.table import Table, csv_table, markdown_table
-from smarttestudo.simulation.messages import Topic
+from smarttestudo.simulation.messages import RobotTopic
 
 FREQUENCY_TABLE = "table-7.1-frequency"
 BANDWIDTH_TABLE = "table-7.2-bandwidth"
@@ -26,7 +26,7 @@ def figure_names() -> Mapping[str, str]:
 
     The static frames are no topic of the thesis.
     """
-    topics = (topic.value for topic in Topic if topic is not Topic.TF_STATIC)
+    topics = (topic.value for topic in RobotTopic if topic is not RobotTopic.TF_STATIC)
     of_topics = {topic: f"frequency{topic.replace('/', '-')}.png" for topic in topics}
     return {**of_topics, "": ZONES_FIGURE}
 

@@ -13,7 +13,7 @@ import numpy as np
 from smarttestudo.domain.floor_plan import Point
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation.geometry import BodyVelocity, FrameTransform, Lens, Pose, Vector
-from smarttestudo.simulation.messages import Topic
+from smarttestudo.simulation.messages import RobotTopic
 from smarttestudo.simulation.physics.engine import LIDAR_COVER, Engine, Floats
 from smarttestudo.simulation.physics.world import WalkingPerson
 from smarttestudo.simulation.schedule import Device
@@ -66,7 +66,7 @@ class Machine(ABC):
     """As fast as it goes."""
     actuator_count: int
     battery: BatteryType
-    own_topics: tuple[Topic, ...]
+    own_topics: tuple[RobotTopic, ...]
     fixed_frames: tuple[FrameTransform, ...]
 
     @abstractmethod

@@ -14,7 +14,7 @@ import numpy as np
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.simulation.camera import Camera, FrameSize, raspberry_pi_lens
 from smarttestudo.simulation.geometry import BodyVelocity, Lens, Pose, clamped
-from smarttestudo.simulation.messages import CAMERA_TOPICS, Topic
+from smarttestudo.simulation.messages import CAMERA_TOPICS, RobotTopic
 from smarttestudo.simulation.physics.body import BatteryCharge, Machine, PhysicalBody
 from smarttestudo.simulation.physics.engine import Engine, PhysicsError
 from smarttestudo.simulation.physics.quadrotor import Quadrotor
@@ -81,13 +81,13 @@ class Teleop:
 
 
 _COMMON_TOPICS = (
-    Topic.CMD_VEL,
-    Topic.ODOM,
-    Topic.IMU,
-    Topic.TF,
-    Topic.TF_STATIC,
-    Topic.BATTERY_STATE,
-    Topic.AMCL_POSE,
+    RobotTopic.CMD_VEL,
+    RobotTopic.ODOM,
+    RobotTopic.IMU,
+    RobotTopic.TF,
+    RobotTopic.TF_STATIC,
+    RobotTopic.BATTERY_STATE,
+    RobotTopic.AMCL_POSE,
 )
 _SETTLING_STEPS = 300
 
@@ -100,7 +100,7 @@ class PhysicalRobot:
     """
 
     body: PhysicalBody
-    topics: tuple[Topic, ...]
+    topics: tuple[RobotTopic, ...]
     camera_problem: str | None
     machine: Machine
     navigator: Navigator[PhysicalBody]

@@ -23,7 +23,7 @@ from smarttestudo.simulation.geometry import (
     Vector,
     clamped,
 )
-from smarttestudo.simulation.messages import Published, Topic
+from smarttestudo.simulation.messages import Published, RobotTopic
 from smarttestudo.simulation.physics.body import BatteryType, Machine, PhysicalBody
 from smarttestudo.simulation.physics.engine import Engine
 from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
@@ -97,8 +97,8 @@ class VisualOdometer:
         pose = messages.estimated_pose(place, turned, _POSE_DEVIATIONS)
         frame = FrameTransform(ODOM_FRAME, BASE_LINK, place, turned)
         return [
-            (Topic.ODOM, messages.odometry(body.now_ns, BASE_LINK, pose, twist)),
-            (Topic.TF, messages.transforms(body.now_ns, [frame])),
+            (RobotTopic.ODOM, messages.odometry(body.now_ns, BASE_LINK, pose, twist)),
+            (RobotTopic.TF, messages.transforms(body.now_ns, [frame])),
         ]
 
 
@@ -131,7 +131,7 @@ class RangeFinder:
             most_m=self.range_max_m,
             field_of_view_rad=self.field_of_view_rad,
         )
-        return [(Topic.RANGE, message)]
+        return [(RobotTopic.RANGE, message)]
 
 
 CRUISE_HEIGHT_M = 1.5
@@ -169,7 +169,7 @@ class Quadrotor(Machine):
     actuator_count = len(_ROTORS)
     most = BodyVelocity(_MOST_HORIZONTAL_M_PER_S, _MOST_YAW_RAD_PER_S, climb_m_per_s=_MOST_VERTICAL_M_PER_S)
     battery = BatteryType(nominal_v=11.1, capacity_ah=5.0)
-    own_topics = (Topic.RANGE,)
+    own_topics = (RobotTopic.RANGE,)
     fixed_frames = quadrotor_frames(_CAMERA_X_M)
 
     def __init__(self, start: Pose) -> None:

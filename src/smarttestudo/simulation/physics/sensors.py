@@ -15,7 +15,7 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.simulation import messages
 from smarttestudo.simulation.camera import grained
 from smarttestudo.simulation.geometry import FrameTransform, Pose, Quaternion, Vector
-from smarttestudo.simulation.messages import Pixels, Published, Topic
+from smarttestudo.simulation.messages import Pixels, Published, RobotTopic
 from smarttestudo.simulation.physics.body import PhysicalBody
 from smarttestudo.simulation.robot import MAP_FRAME, ODOM_FRAME
 from smarttestudo.simulation.sensors import InertialUnit
@@ -42,7 +42,7 @@ class InertialSensor:
             _noisy(force, force_noise, noise[6:]),
             ((turned, turned, turned), turning_noise, force_noise),
         )
-        return [(Topic.IMU, message)]
+        return [(RobotTopic.IMU, message)]
 
 
 class BatteryGauge:
@@ -59,7 +59,7 @@ class BatteryGauge:
             share=battery.share,
             capacity_ah=battery.type.capacity_ah,
         )
-        return [(Topic.BATTERY_STATE, message)]
+        return [(RobotTopic.BATTERY_STATE, message)]
 
 
 class DriftingOdometer(Protocol):
@@ -100,8 +100,8 @@ class Localizer:
         )
         frame = FrameTransform(MAP_FRAME, ODOM_FRAME, shift, Quaternion.from_yaw(turn_rad))
         return [
-            (Topic.AMCL_POSE, messages.localization(body.now_ns, pose)),
-            (Topic.TF, messages.transforms(body.now_ns, [frame])),
+            (RobotTopic.AMCL_POSE, messages.localization(body.now_ns, pose)),
+            (RobotTopic.TF, messages.transforms(body.now_ns, [frame])),
         ]
 
 

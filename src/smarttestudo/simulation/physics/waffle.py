@@ -20,7 +20,7 @@ from smarttestudo.simulation.geometry import (
     Vector,
     clamped,
 )
-from smarttestudo.simulation.messages import Published, Topic
+from smarttestudo.simulation.messages import Published, RobotTopic
 from smarttestudo.simulation.physics.body import BatteryType, Machine, PhysicalBody
 from smarttestudo.simulation.physics.engine import HIDDEN_GROUP, LIDAR_COVER, Engine
 from smarttestudo.simulation.physics.sensors import Localizer, elapsed_s
@@ -78,8 +78,8 @@ class WheelOdometer:
         estimate = messages.estimated_pose(place, heading, _POSE_DEVIATIONS)
         frame = FrameTransform(ODOM_FRAME, BASE_FRAME, place, heading)
         return [
-            (Topic.ODOM, messages.odometry(body.now_ns, BASE_FRAME, estimate, twist)),
-            (Topic.TF, messages.transforms(body.now_ns, [frame])),
+            (RobotTopic.ODOM, messages.odometry(body.now_ns, BASE_FRAME, estimate, twist)),
+            (RobotTopic.TF, messages.transforms(body.now_ns, [frame])),
         ]
 
 
@@ -93,8 +93,11 @@ class WheelSensors:
     def sample(self, body: PhysicalBody) -> Published:
         left, right = body.engine.joint_angles
         return [
-            (Topic.JOINT_STATES, messages.joint_states(body.now_ns, (left, right), body.engine.joint_speeds)),
-            (Topic.TF, messages.transforms(body.now_ns, wheel_frames(self.model, (left, right)))),
+            (
+                RobotTopic.JOINT_STATES,
+                messages.joint_states(body.now_ns, (left, right), body.engine.joint_speeds),
+            ),
+            (RobotTopic.TF, messages.transforms(body.now_ns, wheel_frames(self.model, (left, right)))),
         ]
 
 
@@ -133,7 +136,7 @@ class Waffle(Machine):
     most = BodyVelocity(model.max_linear_m_per_s, model.max_angular_rad_per_s)
     actuator_count = 2
     battery = BatteryType(nominal_v=11.1, capacity_ah=1.8)
-    own_topics = (Topic.SCAN, Topic.JOINT_STATES)
+    own_topics = (RobotTopic.SCAN, RobotTopic.JOINT_STATES)
     fixed_frames = fixed_frames(model)
 
     def __init__(self, start: Pose) -> None:
