@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What ``testudo run`` costs at rest, and a message at eight topics, beside another checkout of it.
+"""Costs of ``testudo run`` beside another checkout of it: at rest, and a message at eight topics.
 
 Run it with ``python benchmarks/live_idle.py --beside FOLDER`` where ROS 2 is installed; FOLDER is the ``src``
 of the other one. At rest, the eight topics of a TurtleBot3 have publishers that send, and no operator
@@ -24,6 +24,7 @@ from live_cost import TIMEOUT_S, hears
 DOMAIN = 73
 SETTLE_S = 5.0
 TOPICS = CASES["eight, without the raw image"]
+RULES = Path(__file__).parents[1] / "examples" / "warehouse.adirf"
 HERE = Path(__file__).parents[1] / "src"
 
 
@@ -39,12 +40,22 @@ def a_message(source: Path, seconds: float, domain: int) -> float:
     return used_s * 1e6 / sent
 
 
-def window(source: Path, seconds: float, domain: int, *, is_heard: bool) -> tuple[float, int]:
+def a_message_with_rules(source: Path, seconds: float, domain: int) -> float:
+    """The same with rules that read the pose of ``/odom``."""
+    used_s, sent = window(source, seconds, domain, is_heard=True, rules=RULES)
+    return used_s * 1e6 / sent
+
+
+def window(
+    source: Path, seconds: float, domain: int, *, is_heard: bool, rules: Path | None = None
+) -> tuple[float, int]:
     """The runtime's CPU time in ``seconds``, and how many messages were sent meanwhile."""
     settings = environment(domain, large_messages=False)
     around = [role("source", TOPICS), role("operator", TOPICS if is_heard else [])]
     with tempfile.TemporaryDirectory() as folder, processes(around, settings) as (sources, operator):
         commands = smarttestudo()(TOPICS, Path(folder))
+        if rules is not None:
+            commands[0][commands[0].index("--rules") + 1] = str(rules)
         with processes(commands, settings | {"PYTHONPATH": path_of(source, settings)}) as (runtime,):
             if is_heard and not hears(operator, TOPICS):
                 sys.exit("the operator hears nothing")
@@ -82,6 +93,13 @@ def report(what: str, readings: dict[Path, list[float]]) -> None:
         )
 
 
+MEASURES = {
+    "% of a core at rest": at_rest,
+    "µs a message": a_message,
+    "µs a message, rules read /odom": a_message_with_rules,
+}
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description="What testudo run costs at rest.")
@@ -91,7 +109,7 @@ def main() -> None:
     parser.add_argument("--domain", type=int, default=DOMAIN, help="a ROS domain that nobody uses")
     arguments = parser.parse_args()
     sources = [HERE, *([arguments.beside.resolve()] if arguments.beside else [])]
-    for what, measure in (("% of a core at rest", at_rest), ("µs a message", a_message)):
+    for what, measure in MEASURES.items():
         readings: dict[Path, list[float]] = {source: [] for source in sources}
         for _ in range(arguments.rounds):
             for source in sources:
