@@ -7,11 +7,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from smarttestudo.optimizer.allocation import best_rates
 from smarttestudo.optimizer.model import Model, Requirement
 from smarttestudo.optimizer.problem import Allocation, Demand, fits, round_down, used_kb_per_s
 from smarttestudo.optimizer.requirements import RuleRequirements, Subproblem
-from smarttestudo.optimizer.rule_rates import SolvedSubproblem
+from smarttestudo.optimizer.rule_rates import SolvedSubproblem, best_rates
 from smarttestudo.optimizer.run_time import LARGE_SHARE, SMALL_SHARE
 
 

@@ -15,7 +15,7 @@ from replays.replay_runs import replay_content
 from replays.test_replay_bounds import moved_frames, recorded, walking_arm
 from smarttestudo.cli.main import main
 from smarttestudo.domain.profile import AccuracyTiers, LevelledProperty, TopicProfile
-from smarttestudo.optimizer.accuracy_measure import AccuracyMeasure
+from smarttestudo.optimizer.profiling import AccuracyMeasure
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3
 from smarttestudo.rules.profile_file import load_profile
 

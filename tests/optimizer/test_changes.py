@@ -17,7 +17,7 @@ from optimizer.instances import requirement
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate import Tier
-from smarttestudo.optimizer.changes import Change, Reduction
+from smarttestudo.optimizer.explanation import Change, Reduction
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.requirements import Subproblem

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from optimizer.instances import demands
 from optimizer.naive import gain
-from smarttestudo.optimizer.greedy import allocate
-from smarttestudo.optimizer.problem import Demand, Piece, fits, used_kb_per_s
+from smarttestudo.optimizer.problem import Demand, Piece, allocate, fits, used_kb_per_s
 
 
 def demand(topic: str, size_kb: float, least_hz: float, *pieces: tuple[float, float]) -> Demand:

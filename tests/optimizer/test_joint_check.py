@@ -20,7 +20,7 @@ from smarttestudo.language.normal_form import holds
 from smarttestudo.language.parser import parse
 from smarttestudo.language.region import Region
 from smarttestudo.language.rule_set import RuleSet, compile_rules
-from smarttestudo.optimizer.joint.check import JointCheck, Loads, check_together
+from smarttestudo.optimizer.joint import JointCheck, Loads, check_together
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.rules.profile_file import parse_profile
 

@@ -16,10 +16,17 @@ from optimizer.naive import gain
 from optimizer.naive import rates_of as solved
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.rate import Tier
-from smarttestudo.optimizer.allocation import Ladder, rounded_down
 from smarttestudo.optimizer.model import Model
-from smarttestudo.optimizer.problem import fits, round_down, used_kb_per_s
-from smarttestudo.optimizer.quality import quality_points, skipped_thresholds, tier_of, upper_envelope
+from smarttestudo.optimizer.problem import (
+    fits,
+    quality_points,
+    round_down,
+    skipped_thresholds,
+    tier_of,
+    upper_envelope,
+    used_kb_per_s,
+)
+from smarttestudo.optimizer.rule_rates import Ladder, rounded_down
 
 models_and_instances = st.sampled_from(list(Model)).flatmap(lambda m: st.tuples(st.just(m), instances(m)))
 models_and_solvable_instances = st.sampled_from(list(Model)).flatmap(

@@ -12,10 +12,8 @@ from smarttestudo.accuracy.samples import TopicSamples
 from smarttestudo.accuracy.track import thinned
 from smarttestudo.domain.profile import TopicProfile
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
-from smarttestudo.optimizer.greedy import allocate
-from smarttestudo.optimizer.problem import Demand, Piece, round_down
+from smarttestudo.optimizer.problem import Demand, Piece, allocate, envelope_pieces, round_down
 from smarttestudo.optimizer.profiling import proposed_tiers_hz
-from smarttestudo.optimizer.quality import envelope_pieces
 from smarttestudo.pacing.sample import StreamKind
 
 _WHOLE = 1 - 1e-9

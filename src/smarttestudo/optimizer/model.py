@@ -12,8 +12,7 @@ from enum import Enum
 from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.profile import AccuracyTiers, LevelledProperty, Profile, TopicProfile, rounded_up
 from smarttestudo.domain.rate import Tier
-from smarttestudo.optimizer.problem import Demand, Piece
-from smarttestudo.optimizer.quality import envelope_pieces, interval_hz
+from smarttestudo.optimizer.problem import Demand, Piece, envelope_pieces, interval_hz
 
 _LEVELS = (
     "its six levels in Hz, as in [1, 2, 5, 10, 15, 20], or write a rate, as 4, Full or Off, in place of its "

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.optimizer.changes import Change, Reduction, most_saved, reductions_of
+from smarttestudo.optimizer.explanation import Change, Reduction, most_saved, reductions_of
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.rule_rates import SolvedSubproblem

@@ -14,7 +14,7 @@ from smarttestudo.language.boxes import Domain
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RefusedTiers, RuleBlock, RuleSet, TierValues, compile_rules
 from smarttestudo.language.syntax import Block, RuleFile
-from smarttestudo.optimizer.joint.check import (
+from smarttestudo.optimizer.joint import (
     JointCheck,
     Situation,
     Unproven,

@@ -16,9 +16,14 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import RuleFile
-from smarttestudo.optimizer.changes import Change
-from smarttestudo.optimizer.explanation import SubproblemExplanation, TopicRow, explain_subproblem
-from smarttestudo.optimizer.infeasibility import Infeasibility, infeasibility
+from smarttestudo.optimizer.explanation import (
+    Change,
+    Infeasibility,
+    SubproblemExplanation,
+    TopicRow,
+    explain_subproblem,
+    infeasibility,
+)
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.requirements import TopicsWithoutDefault
 from smarttestudo.optimizer.rewriting import rewrite

@@ -10,7 +10,7 @@ from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.syntax import RuleFile
-from smarttestudo.optimizer.infeasibility import infeasibility
+from smarttestudo.optimizer.explanation import infeasibility
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.requirements import TopicsWithoutDefault
 from smarttestudo.optimizer.rule_rates import Optimization, optimize_rules

@@ -17,8 +17,14 @@ from smarttestudo.domain.rate_meter import INTERVALS_NEEDED, STALE_AT_LEAST_NS, 
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, ns_from_s
 from smarttestudo.language.evaluator import RequestedRate
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.optimizer.run_time import REPLAN_AFTER_NS, BudgetKeeper, TopicRequest
-from smarttestudo.optimizer.widening import can_widen, widened, widest
+from smarttestudo.optimizer.run_time import (
+    REPLAN_AFTER_NS,
+    BudgetKeeper,
+    TopicRequest,
+    can_widen,
+    widened,
+    widest,
+)
 
 WINDOW_S = 10
 WINDOW_NS = WINDOW_S * NS_PER_S

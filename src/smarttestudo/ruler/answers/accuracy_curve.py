@@ -15,7 +15,7 @@ from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import LevelledProperty, Profile
 from smarttestudo.domain.recording import types_of_topics
-from smarttestudo.optimizer.accuracy_measure import PROPOSED_BOUNDS, bounds_need_hz, levelled_properties
+from smarttestudo.optimizer.profiling import PROPOSED_BOUNDS, bounds_need_hz, levelled_properties
 
 
 class BoundNeed(Struct, frozen=True, kw_only=True):

@@ -19,8 +19,8 @@ from smarttestudo.domain.signal import Signal
 from smarttestudo.editing import Document
 from smarttestudo.language.evaluator import Evaluator
 from smarttestudo.language.rule_set import RuleSet, compile_rules
-from smarttestudo.optimizer.infeasibility import Infeasibility
-from smarttestudo.optimizer.joint.check import check_together, loads_of, missing_entries
+from smarttestudo.optimizer.explanation import Infeasibility
+from smarttestudo.optimizer.joint import check_together, loads_of, missing_entries
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.rule_rates import Optimization, SolvedSubproblem

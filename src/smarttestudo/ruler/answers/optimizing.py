@@ -16,8 +16,7 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.formatter import number_text
 from smarttestudo.language.syntax import Block, SetFrequency, sets_in
-from smarttestudo.optimizer.changes import Change
-from smarttestudo.optimizer.infeasibility import Infeasibility, change_text
+from smarttestudo.optimizer.explanation import Change, Infeasibility, change_text
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.rule_rates import SolvedSubproblem
 from smarttestudo.ruler.answers.checked_text import CheckedText, Draft, require_usable

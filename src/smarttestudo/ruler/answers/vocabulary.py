@@ -28,7 +28,7 @@ from smarttestudo.language.syntax import (
     records_in,
     sets_in,
 )
-from smarttestudo.optimizer.quality import interval_hz
+from smarttestudo.optimizer.problem import interval_hz
 from smarttestudo.rules.profile_file import parse_profile
 
 
