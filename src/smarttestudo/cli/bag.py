@@ -45,7 +45,6 @@ _DRAWN = {"rates": bag_figures.Drawn.RATES, "bandwidth": bag_figures.Drawn.BANDW
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo bag``."""
     parser.description = (
         "Measure and compare recordings, one or many. Only `loss`, `accuracy` and `report` read payloads."
     )
@@ -98,7 +97,6 @@ class _Summaries(RecordingCommand[BagSummary]):
 
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> BagSummary:
-        """All topics of a recording."""
         return measured(arguments.bag, progress, with_latency=arguments.latency)
 
     def shown(self, result: BagSummary) -> BagSummary:
@@ -119,7 +117,6 @@ class _Summaries(RecordingCommand[BagSummary]):
         return {"bag": str, "recorded_at": datetime, **column_types(RecordedTopicRow)}
 
     def print_text(self, result: BagSummary) -> None:
-        """A table of the topics."""
         print_tables([self._table(result)])
 
     def rows(self, result: BagSummary) -> Iterator[Mapping[str, object]]:
@@ -131,12 +128,10 @@ class _Summaries(RecordingCommand[BagSummary]):
         return ({**row, "recorded_at": recorded_at} for row in result.rows())
 
     def finish(self, arguments: argparse.Namespace) -> None:
-        """Draw it."""
         if arguments.figures is not None:
             bag_figures.draw_pair(arguments, arguments.bag, None, mapping={}, folder=arguments.figures)
 
     def sum(self) -> str:
-        """Messages, volume and duration."""
         return (
             f"{counted(self._messages, 'message')}, {grouped(self._size_bytes / BYTES_PER_MB, 1)} MB in "
             f"{grouped(self._duration_s, 1)} s of recording"
@@ -151,7 +146,6 @@ class _Summaries(RecordingCommand[BagSummary]):
 
 
 def measured(path: Path, progress: Progress, *, with_latency: bool = False) -> BagSummary:
-    """All topics of the recording at ``path``."""
     from smarttestudo.bags.measure import measure_bag  # noqa: PLC0415  needs packages a robot lacks
 
     with progress(f"Reading {path}") as report:

@@ -42,7 +42,6 @@ EXIT_ERROR = 1
 
 
 def add_arguments(action: CommandParser) -> None:
-    """Add the arguments of ``testudo bag accuracy``."""
     action.description = (
         "Replay a recording under each of the rules, thin it to fixed rates with the bytes of "
         "the first ones, and show how far the operator's picture of what the rules bound (KeepWithin) is "
@@ -94,7 +93,6 @@ class _Accuracies(RecordingCommand["AccuracyComparison"]):
 
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> AccuracyComparison:
-        """The comparison of one recording."""
         from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules, compare_accuracy  # noqa: PLC0415  needs packages a robot lacks
 
         comparison = compare_accuracy(

@@ -25,7 +25,6 @@ from smarttestudo.report.table import Table
 
 
 def add_arguments(action: CommandParser) -> None:
-    """Add the arguments of ``testudo bag compare``."""
     action.description = (
         "Show the rates and the bandwidth of two recordings, and how much they differ. With A's /odom pairs "
         "B's /testudo/odom or /odom_receive, else its /odom."
@@ -55,7 +54,6 @@ class _Comparisons(RecordingCommand[BagComparison]):
 
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> BagComparison:
-        """Both recordings, and their topics paired."""
         mapping = topic_mapping(arguments.map)
         a, b = measured(arguments.a, progress), measured(arguments.b, progress)
         select_topics(tuple(mapping), a.statistics, place=a.name)
@@ -71,14 +69,12 @@ class _Comparisons(RecordingCommand[BagComparison]):
         return column_types(ComparisonRow)
 
     def print_text(self, result: BagComparison) -> None:
-        """The recordings' names, and a table of each quantity."""
         for letter, bag in (("A", result.a), ("B", result.b)):
             write_lines([f"{letter}: {bag.name}", *incident_subtitles(bag.incident)])
         write_line()
         print_tables(_compare_tables(result))
 
     def finish(self, arguments: argparse.Namespace) -> None:
-        """Draw both."""
         if arguments.figures is not None:
             mapping = topic_mapping(arguments.map)
             bag_figures.draw_pair(

@@ -43,7 +43,6 @@ def add_figures_folder(action: argparse.ArgumentParser, content: str) -> None:
 
 
 def add_budget(action: argparse.ArgumentParser) -> None:
-    """Add ``--budget``."""
     action.add_argument(
         "--budget",
         metavar="N",

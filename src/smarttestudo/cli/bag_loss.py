@@ -52,7 +52,6 @@ EXIT_ERROR = 1
 
 
 def add_arguments(action: CommandParser) -> None:
-    """Add the arguments of ``testudo bag loss``."""
     action.description = (
         "Show how far the operator's picture was from the robot: the error of each field, the "
         "age of each topic, threshold crossings seen late or not at all, and the same for the best fixed "

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 
 def add_topics(action: argparse.ArgumentParser) -> None:
-    """Add ``--topics``."""
     action.add_argument(
         "--topics",
         metavar="NAME",
@@ -37,13 +36,11 @@ def add_topics(action: argparse.ArgumentParser) -> None:
 
 
 def add_topics_and_form(action: argparse.ArgumentParser) -> None:
-    """Add ``--topics``, and ``--json`` or ``--csv``."""
     add_topics(action)
     add_form(action)
 
 
 def add_form(action: argparse.ArgumentParser, *, instead_of: str = "tables") -> None:
-    """Add ``--json`` or ``--csv``."""
     form = action.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help=f"print one JSON object instead of {instead_of}")
     form.add_argument(
@@ -52,7 +49,6 @@ def add_form(action: argparse.ArgumentParser, *, instead_of: str = "tables") -> 
 
 
 def add_map(action: argparse.ArgumentParser) -> None:
-    """Add ``--map``."""
     action.add_argument(
         "--map",
         metavar="/a=/b",
@@ -64,7 +60,6 @@ def add_map(action: argparse.ArgumentParser) -> None:
 
 
 def add_predict(action: argparse.ArgumentParser) -> None:
-    """Add ``--predict``."""
     action.add_argument(
         "--predict",
         metavar="TOPIC",
@@ -122,7 +117,6 @@ def print_incident(recording: Path) -> None:
 
 
 def print_tables(tables: Iterable[Table[Any]]) -> None:
-    """Tables below each other, an empty line between."""
     for number, table in enumerate(tables):
         if number:
             write_line()
@@ -130,7 +124,6 @@ def print_tables(tables: Iterable[Table[Any]]) -> None:
 
 
 def print_json(value: object) -> None:
-    """One object on one line."""
     write_line(json_text(value))
 
 
@@ -147,7 +140,6 @@ class CsvPrinter:
         self._writer: csv.DictWriter[str] | None = None
 
     def print_rows(self, rows: Iterable[Mapping[str, object]]) -> None:
-        """Print further rows."""
         for row in rows:
             if self._writer is None:
                 self._writer = csv.DictWriter(_FileText(), fieldnames=list(row), lineterminator="\n")

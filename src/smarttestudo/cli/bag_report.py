@@ -51,7 +51,6 @@ _DEFAULT_OUTPUT = Path("report.html")
 
 
 def add_arguments(action: CommandParser) -> None:
-    """Add the arguments of ``testudo bag report``."""
     action.description = (
         "Write one HTML file that shows a recording, or two of one run beside each other: A as "
         "sent, B as received. Of several it shows which robots, recordings, topics and rules lost and cost "

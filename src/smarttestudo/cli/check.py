@@ -39,7 +39,6 @@ EXIT_ERROR = 1
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo check``."""
     parser.description = (
         "Report errors and doubtful rules in rule files. Several files form one set. "
         "Exits with 1 if there is an error; warnings and infos do not count."

@@ -38,7 +38,6 @@ _DEFAULT_SECONDS = 200.0
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo demo``."""
     parser.description = (
         "Simulate a TurtleBot3 that patrols a warehouse with three security zones, record it, "
         "replay the recording under rules, and compare the two. The same seed gives the same messages."

@@ -34,7 +34,6 @@ _WAIT_S = 0.1
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo echo``."""
     parser.description = (
         "Subscribe to topics, with the QoS of their publishers, and show once a second how fast "
         "and how large their messages come, and what the last one holds. Ctrl-C ends it."

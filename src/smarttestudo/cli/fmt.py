@@ -21,7 +21,6 @@ EXIT_ERROR = 1
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo fmt``."""
     parser.description = (
         "Format rule files in place: comments, order and meaning stay. A file with errors is left as it is."
     )

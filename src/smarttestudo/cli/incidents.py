@@ -31,7 +31,6 @@ EXIT_ERROR = 1
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo incidents``."""
     parser.description = (
         "Work with incidents, which Record statements keep: each is a folder that 'testudo bag' and "
         "'ros2 bag' read, too."

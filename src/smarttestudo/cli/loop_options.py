@@ -18,7 +18,6 @@ from smarttestudo.robot.option import AnyOption, Settings, given_as
 
 
 def add_rules(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
-    """Add ``--rules``, ``--profile``, ``--budget`` and ``--when-slow``."""
     parser.add_argument(
         "--rules",
         metavar="FILE",
@@ -41,7 +40,6 @@ def add_rules(parser: argparse.ArgumentParser, *, required: bool = True) -> None
 
 
 def add_when_slow(parser: argparse.ArgumentParser) -> None:
-    """Add ``--when-slow``."""
     parser.add_argument(
         "--when-slow",
         choices=[mode.value for mode in WhenSlow],
@@ -119,7 +117,6 @@ def add_simulation(
 
 
 def add_mission(parser: argparse.ArgumentParser) -> None:
-    """Add ``--mission``."""
     parser.add_argument(
         "--mission",
         metavar="FILE",
@@ -146,7 +143,6 @@ def _seed(text: str) -> int:
 
 
 def add_output_domain(parser: argparse.ArgumentParser) -> None:
-    """Add ``--output-domain`` and ``--output-discovery``."""
     parser.add_argument(
         "--output-domain",
         metavar="N",

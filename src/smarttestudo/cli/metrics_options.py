@@ -24,7 +24,6 @@ _LAST_PORT = 65_535
 
 
 def add_openmetrics(parser: argparse._ActionsContainer) -> None:
-    """Add ``--openmetrics``."""
     parser.add_argument(
         "--openmetrics",
         metavar="[HOST:]PORT",

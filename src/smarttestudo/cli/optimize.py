@@ -36,7 +36,6 @@ EXIT_ERROR = 1
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo optimize``."""
     parser.description = (
         "Turn the quality levels of a rule file into rates that fit the profile's budget. "
         "Without -o the new rule file goes to standard output."

@@ -20,7 +20,6 @@ def write_line(text: str = "", stream: TextIO | None = None) -> None:
 
 
 def write_lines(lines: Iterable[str], stream: TextIO | None = None) -> None:
-    """Write each of ``lines`` as one line."""
     write_styled("".join(f"{visible(line)}\n" for line in lines), stream)
 
 

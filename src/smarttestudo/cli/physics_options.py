@@ -13,7 +13,6 @@ _ROBOTS = ("waffle", "quadrotor")
 
 
 def add_physics(parser: argparse.ArgumentParser) -> None:
-    """Add ``--physics`` and the options that need it."""
     parser.add_argument(
         "--physics",
         action="store_true",

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo profile``."""
     parser.description = (
         "Measure message sizes, rates and jitter in a recording or of a running robot, and write "
         "them as a profile with proposed levels. Without -o it goes to standard output."

@@ -57,7 +57,6 @@ _PLACES = "--record DIR, --incidents DIR, --catch-up DIR, --foxglove PORT or --o
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo receive``."""
     parser.description = (
         "Receive the relayed topics of robots over their links, the newest first, and publish "
         "them on the ROS graph here, record them, or serve them to Foxglove. Ends on SIGINT (Ctrl-C) "

@@ -62,7 +62,6 @@ _OUTPUTS = {"output": "", "decisions": ".jsonl", "report": ".html", "incidents":
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo replay``."""
     parser.description = (
         "Run the loop over a recording in virtual time, and write what it relays as a new one."
     )
@@ -238,8 +237,7 @@ def _replayed_inputs(arguments: argparse.Namespace) -> InputsOutcome:
         return replay_inputs(arguments.bag, decided)
 
 
-def _ignore(_: object) -> None:
-    """Do nothing."""
+def _ignore(_: object) -> None: ...
 
 
 def _replay(

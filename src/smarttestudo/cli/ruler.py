@@ -25,7 +25,6 @@ _MAX_PORT = 65535
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo ruler``."""
     parser.description = (
         "Serve a page on which rules are built, checked, optimized and tried. It reads and "
         "writes the files of one folder: that of FILE, or FOLDER. Ctrl-C ends it."

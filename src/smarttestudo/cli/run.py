@@ -58,7 +58,6 @@ PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, COMMANDS_PART)
 
 
 def add_arguments(parser: CommandParser, kinds: Sequence[PartKind] = PART_KINDS) -> None:
-    """Add the arguments of ``testudo run`` with parts of these ``kinds``."""
     parser.description = (
         "Relay the topics of a ROS 2 robot, each at the rate that your rules give it now. "
         "Ends on SIGINT (Ctrl-C) and SIGTERM."

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo simulate``."""
     parser.description = (
         "Simulate a TurtleBot3 that patrols a warehouse in real time, as a ROS 2 node. "
         "Ends on SIGINT (Ctrl-C) and SIGTERM."

@@ -88,7 +88,6 @@ def duration_s(text: str) -> float:
 
 
 def add_timeout(parser: argparse.ArgumentParser, meaning: str) -> None:
-    """Add ``--timeout``, which means ``meaning``."""
     parser.add_argument(
         "--timeout",
         metavar="SECONDS",

@@ -39,7 +39,6 @@ _LOST_AFTER_S = 5.0
 
 
 def add_arguments(parser: CommandParser) -> None:
-    """Add the arguments of ``testudo top``."""
     parser.description = (
         "Show the rates of every relayed topic, the rule that decided them and why a topic is "
         "silent, for all running SmartTestudo nodes, once a second. q or Ctrl-C ends it."

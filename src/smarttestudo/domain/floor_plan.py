@@ -17,7 +17,6 @@ class Point:
     y_m: float
 
     def distance_m(self, other: Point) -> float:
-        """The distance to ``other`` in metres."""
         return math.hypot(other.x_m - self.x_m, other.y_m - self.y_m)
 
 
@@ -93,12 +92,10 @@ class OccupancyMap:
 
     @property
     def width_m(self) -> float:
-        """Length of a row."""
         return self.cell_m * max(map(len, self.rows), default=0)
 
     @property
     def height_m(self) -> float:
-        """Length of a column."""
         return self.cell_m * len(self.rows)
 
 

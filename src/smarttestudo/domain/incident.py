@@ -132,7 +132,6 @@ def incident_folder_name(name: str, stamp_ns: int) -> str:
 
 
 def is_incident_folder_name(name: str) -> bool:
-    """Whether ``incident_folder_name`` gives such names."""
     return _FOLDER_NAME.match(name) is not None
 
 
@@ -200,7 +199,6 @@ def incident_to_json(incident: IncidentRecord) -> dict[str, object]:
 
 
 def incident_text(incident: IncidentRecord) -> str:
-    """Content of ``incident.json``."""
     return f"{json_text(incident_to_json(incident), indent=2)}\n"
 
 

@@ -57,7 +57,6 @@ class StreamCounts:
     is_losing: Annotated[bool, JsonEntry(name="losing")] = False
 
     def __add__(self, other: StreamCounts) -> StreamCounts:
-        """The counts of both."""
         return StreamCounts(
             sent=self.sent + other.sent,
             replaced=self.replaced + other.replaced,
@@ -249,8 +248,7 @@ class OutgoingLink(Protocol):
         """The next question that waits for an answer."""
 
     @property
-    def robot(self) -> str:
-        """The robot's name."""
+    def robot(self) -> str: ...
 
     @property
     def is_settled(self) -> bool:
@@ -261,15 +259,13 @@ class OutgoingLink(Protocol):
         """Whether somebody receives statuses."""
 
     @property
-    def state(self) -> LinkState:
-        """State of the link now."""
+    def state(self) -> LinkState: ...
 
     @property
     def budget_kb_per_s(self) -> float | None:
         """Bandwidth that relayed topics may share now; ``None`` while nothing is known of the link."""
 
-    def counts(self) -> dict[str, StreamCounts]:
-        """Messages by topic."""
+    def counts(self) -> dict[str, StreamCounts]: ...
 
     def age_ms(self, topic: str) -> float | None:
         """How old the last message of ``topic`` was when it arrived at the operator's end."""

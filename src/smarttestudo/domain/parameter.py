@@ -94,8 +94,7 @@ class Asked(Protocol):
     """A question that waits for its answer, which may be given once and by any thread."""
 
     @property
-    def question(self) -> Question:
-        """Question that was asked."""
+    def question(self) -> Question: ...
 
     def answer(self, answer: Answer | TestudoError) -> None:
         """Answer it, or say why not; never waits for who asked."""

@@ -99,7 +99,6 @@ class Flow:
         self.last_ns = 0
 
     def record(self, now_ns: int, size_bytes: int) -> None:
-        """Count a message."""
         if self.messages and now_ns > self.last_ns:
             self.span_ns += now_ns - self.last_ns
         self.last_ns = now_ns
@@ -224,7 +223,6 @@ class FlowMeter:
     def measure(
         self, now_ns: int, *, stale_after_ns: int | None = None, transient_local: bool = False
     ) -> None:
-        """Measure anew."""
         flow = self.flow
         if self._bandwidth.measure(now_ns, flow.messages, flow.span_ns, flow.size_bytes):
             self.is_silent = False

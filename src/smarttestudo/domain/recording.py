@@ -87,8 +87,7 @@ class RecordingReader(Protocol):
     """Reads a recording from its first message to its last."""
 
     @property
-    def storage(self) -> Storage:
-        """The format of its files."""
+    def storage(self) -> Storage: ...
 
     @property
     def channels(self) -> Sequence[Channel]:

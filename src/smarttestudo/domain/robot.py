@@ -30,11 +30,9 @@ class Payload(Protocol):
     unless it is ``bytes``, all of it: a large message is copied only where somebody looks.
     """
 
-    def __len__(self) -> int:
-        """How many bytes it has."""
+    def __len__(self) -> int: ...
 
-    def __getitem__(self, part: slice, /) -> bytes:
-        """The bytes of ``part``."""
+    def __getitem__(self, part: slice, /) -> bytes: ...
 
 
 Receive = Callable[[Payload, Hashable], None]
@@ -124,8 +122,7 @@ class Publisher(Protocol):
     def publish(self, payload: Payload) -> None:
         """Send a serialized message. Raises ``RosError``."""
 
-    def close(self) -> None:
-        """Send nothing more."""
+    def close(self) -> None: ...
 
 
 class DataPathKind(Enum):
@@ -204,11 +201,9 @@ class Diagnostic:
 class RobotLog(Protocol):
     """The node's log."""
 
-    def info(self, message: str) -> None:
-        """Log what happened."""
+    def info(self, message: str) -> None: ...
 
-    def warning(self, message: str) -> None:
-        """Log a warning."""
+    def warning(self, message: str) -> None: ...
 
 
 class GraphChange(Enum):
@@ -241,8 +236,7 @@ class Robot(Protocol):
         """The nodes on the robot's own graph that publish what this one sends over a link."""
 
     @property
-    def log(self) -> RobotLog:
-        """The node's log."""
+    def log(self) -> RobotLog: ...
 
     @property
     def data_path(self) -> DataPath:
@@ -336,8 +330,7 @@ class Robot(Protocol):
         """
 
     @property
-    def remote_parameters(self) -> RemoteParameters:
-        """Parameters of other nodes."""
+    def remote_parameters(self) -> RemoteParameters: ...
 
     def every(self, period_s: float, act: Callable[[], float | None]) -> None:
         """Have ``act`` called again and again, in real time.

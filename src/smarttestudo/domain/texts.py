@@ -55,7 +55,6 @@ class SayOnce:
         self._said: set[str] = set()
 
     def __call__(self, line: str) -> None:
-        """Say it, unless it was said."""
         if line not in self._said and (self._most is None or len(self._said) < self._most):
             self._said.add(line)
             self._say(line)

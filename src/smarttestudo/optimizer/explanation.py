@@ -93,7 +93,6 @@ class Infeasibility:
     remedies: tuple[str, ...]
 
     def finding(self) -> Finding:
-        """In the checker's words."""
         return Finding(
             code=CODE,
             severity=Severity.ERROR,
@@ -207,7 +206,6 @@ class SubproblemExplanation:
 def explain_subproblem(
     solved: SolvedSubproblem, budget_kb_per_s: float, *, model: Model
 ) -> SubproblemExplanation:
-    """The explanation of a subproblem that fits."""
     rates_hz = solved.rates_hz
     if rates_hz is None:
         raise ValueError("only a part that fits has rates to explain")

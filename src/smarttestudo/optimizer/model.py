@@ -134,7 +134,6 @@ class BoundNeeds:
 
     @property
     def topic(self) -> str:
-        """The full name of the topic."""
         return self.of_topic.topic
 
     @property
@@ -144,7 +143,6 @@ class BoundNeeds:
 
     @property
     def entry(self) -> TopicProfile:
-        """The topic's profile."""
         return self.of_topic.entry
 
     @property
@@ -154,7 +152,6 @@ class BoundNeeds:
 
     @property
     def has_tiers(self) -> bool:
-        """Always true."""
         return True
 
     @property

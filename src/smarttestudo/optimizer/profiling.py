@@ -195,7 +195,6 @@ class TopicMeasure:
 
     @property
     def messages(self) -> int:
-        """How many there were."""
         return self._flow.messages
 
     @property
@@ -205,7 +204,6 @@ class TopicMeasure:
 
     @property
     def largest_kb(self) -> float:
-        """The largest size in KB."""
         return self.largest_bytes / BYTES_PER_KB
 
     @property
@@ -247,7 +245,6 @@ class StreamCount:
         self._messages = self._named = 0
 
     def record(self, payload: bytes) -> None:
-        """Count a message."""
         names = self._reader.streams(payload)
         if len(self._names) < MAX_STREAMS:
             self._names.update(names)

@@ -148,7 +148,6 @@ class SolvedSubproblem:
 
     @property
     def feasible(self) -> bool:
-        """Whether the subproblem fits."""
         return self.rates_hz is not None
 
     @property
@@ -183,12 +182,10 @@ class Optimization:
 
     @property
     def feasible(self) -> bool:
-        """Whether every subproblem fits."""
         return all(subproblem.feasible for subproblem in self.subproblems)
 
     @property
     def subproblems(self) -> tuple[SolvedSubproblem, ...]:
-        """The defaults and the blocks."""
         return (self.defaults, *self.blocks)
 
     @property

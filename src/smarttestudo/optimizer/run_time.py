@@ -182,7 +182,6 @@ class BudgetKeeper:
 
     @property
     def budget_kb_per_s(self) -> float:
-        """The budget in KB/s."""
         return self._budget_kb_per_s
 
     @budget_kb_per_s.setter
@@ -198,7 +197,6 @@ class BudgetKeeper:
 
     @property
     def plan(self) -> BudgetPlan:
-        """The newest plan."""
         return self._plan
 
     @property
