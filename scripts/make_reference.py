@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.checks import LINT_RULES
-from smarttestudo.cli.command_parser import CommandParser
-from smarttestudo.cli.commands import command_parser
+from smarttestudo.cli.commands import CommandParser, command_parser
 from smarttestudo.cli.run import PART_KINDS
 from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.metric import MetricName

@@ -15,8 +15,8 @@ from typing import TextIO
 
 import pytest
 
-from smarttestudo.cli.progress import written_over
-from smarttestudo.cli.remote_incidents import progress_line
+from smarttestudo.cli.incidents import progress_line
+from smarttestudo.cli.output import written_over
 from smarttestudo.domain.incident import FetchProgress
 
 FETCH = FetchProgress(

@@ -14,7 +14,7 @@ import pytest
 from bags.bag_factory import small_mission, write_bag
 from report.golden_files import assert_reads_as, page_lines
 from smarttestudo.cli.main import main
-from smarttestudo.cli.progress import progress
+from smarttestudo.cli.output import progress
 from smarttestudo.report.bag_report import ReportRequest, series_over_time
 from smarttestudo.report.figures.charts import bandwidth_figure, rates_figure, total_figure
 

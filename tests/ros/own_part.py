@@ -9,7 +9,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Annotated
 
-from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.run import PART_KINDS, add_arguments
 from smarttestudo.domain.metric import Metered, MetricKind
 from smarttestudo.domain.robot import Payload, Subscription

@@ -11,17 +11,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from smarttestudo.accuracy.comparison import View
+from smarttestudo.cli.arguments import file_path
 from smarttestudo.cli.bag_options import (
     add_form,
+    add_recordings,
+    add_several,
     print_incident,
     print_tables,
 )
-from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.cli.output import write_line
-from smarttestudo.cli.paths import file_path
-from smarttestudo.cli.progress import Progress
-from smarttestudo.cli.recording_options import add_recordings, add_several
+from smarttestudo.cli.output import Progress, write_line
 from smarttestudo.cli.recordings import (
     RecordingCommand,
     each_recording,

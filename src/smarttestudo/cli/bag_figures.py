@@ -10,10 +10,8 @@ from collections.abc import Mapping, Sequence
 from enum import Enum
 from pathlib import Path
 
-from smarttestudo.cli.budget import budget_kb_per_s
-from smarttestudo.cli.output import write_line
-from smarttestudo.cli.paths import file_path
-from smarttestudo.cli.progress import progress
+from smarttestudo.cli.arguments import budget_kb_per_s, file_path
+from smarttestudo.cli.output import progress, write_line
 from smarttestudo.cli.recordings import Asked, outputs_of_each, recordings_in
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.files.outputs import require_separate

@@ -11,9 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from smarttestudo.accuracy.bounds import bounded_topics, needs_decisions
+from smarttestudo.cli.arguments import file_path
 from smarttestudo.cli.bag_options import (
     add_map,
+    add_pair,
     add_predict,
+    add_several,
     add_topics_and_form,
     print_incident,
     print_notice,
@@ -21,12 +24,9 @@ from smarttestudo.cli.bag_options import (
     require_bounded,
     topic_mapping,
 )
-from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.cli.output import write_lines
-from smarttestudo.cli.paths import file_path
-from smarttestudo.cli.progress import Progress
-from smarttestudo.cli.recording_options import add_pair, add_several
+from smarttestudo.cli.output import Progress, write_lines
 from smarttestudo.cli.recordings import (
     RecordingCommand,
     each_recording,

@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import TypeVar
 
 from smarttestudo.checks import CheckContext
-from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.arguments import file_path
+from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings, summary
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.output import write_line, write_lines
-from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.robots import add_robot, topics_of_robot
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import RuleFileError, UsageError

@@ -13,12 +13,10 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarttestudo.cli.command_parser import CommandParser
-from smarttestudo.cli.loop_options import add_mission, add_simulation, add_when_slow, seconds
-from smarttestudo.cli.output import write_line, write_lines
-from smarttestudo.cli.paths import file_path
-from smarttestudo.cli.physics_options import load_physics
-from smarttestudo.cli.progress import progress
+from smarttestudo.cli.arguments import file_path
+from smarttestudo.cli.commands import CommandParser
+from smarttestudo.cli.loop_options import add_mission, add_simulation, add_when_slow, load_physics, seconds
+from smarttestudo.cli.output import progress, write_line, write_lines
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.robot import DiscoveryRange, Robot

@@ -8,10 +8,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.arguments import file_path
+from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.output import write_line
-from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError, TestudoError
 from smarttestudo.language.formatter import first_line_end, format_file
 from smarttestudo.language.parser import MAX_FILE_BYTES, parse

@@ -9,10 +9,9 @@ import sys
 from collections.abc import Iterator, Sequence
 from typing import TextIO
 
-from smarttestudo.cli.budget import budget_kb_per_s
-from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.arguments import budget_kb_per_s, file_path
+from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.output import write_file_text, write_line, write_lines
-from smarttestudo.cli.paths import file_path
 from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.json_text import json_text

@@ -15,10 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, cast
 
 from smarttestudo.bags.remote_path import RemotePath, is_remote
+from smarttestudo.cli.arguments import own_name
 from smarttestudo.cli.bag_options import CsvPrinter, print_json, print_notice, print_notices
-from smarttestudo.cli.output import write_line, write_lines
-from smarttestudo.cli.paths import own_name
-from smarttestudo.cli.progress import Progress, progress, silent
+from smarttestudo.cli.output import Progress, progress, silent, write_line, write_lines
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.units import counted

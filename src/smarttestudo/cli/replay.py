@@ -12,13 +12,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from smarttestudo import __version__
-from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.arguments import file_path
+from smarttestudo.cli.bag_options import add_recordings, add_several
+from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.loop_options import add_rules, given_value
-from smarttestudo.cli.output import write_line
-from smarttestudo.cli.paths import file_path
-from smarttestudo.cli.progress import Progress
-from smarttestudo.cli.recording_options import add_recordings, add_several
+from smarttestudo.cli.output import Progress, write_line
 from smarttestudo.cli.recordings import (
     AskedOne,
     RecordingCommand,

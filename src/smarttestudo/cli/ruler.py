@@ -11,10 +11,10 @@ import webbrowser
 from functools import partial
 from pathlib import Path
 
-from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.arguments import file_path
+from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.output import write_line
-from smarttestudo.cli.paths import file_path
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.link.zenoh import open_link_incidents, open_link_robots
 from smarttestudo.robot.ros import open_graph_robots

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from functools import partial
 
-from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.cli.link_options import LinkWarnings, open_link
+from smarttestudo.cli.link_options import LinkWarnings, add_openmetrics, open_link, served_run
 from smarttestudo.cli.loop_options import (
     add_option,
     add_output_domain,
@@ -21,7 +21,6 @@ from smarttestudo.cli.loop_options import (
     output_domain,
     settings_of,
 )
-from smarttestudo.cli.metrics_options import add_openmetrics, served_run
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER

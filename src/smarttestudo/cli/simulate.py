@@ -10,9 +10,16 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
-from smarttestudo.cli.command_parser import CommandParser
-from smarttestudo.cli.loop_options import add_mission, add_ros_arguments, add_simulation, seconds
-from smarttestudo.cli.physics_options import add_physics, load_physics, require_physics
+from smarttestudo.cli.commands import CommandParser
+from smarttestudo.cli.loop_options import (
+    add_mission,
+    add_physics,
+    add_ros_arguments,
+    add_simulation,
+    load_physics,
+    require_physics,
+    seconds,
+)
 from smarttestudo.cli.terminal import key_presses, stop_signals
 from smarttestudo.robot.ros import open_robot
 

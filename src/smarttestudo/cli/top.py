@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 
-from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.output import write_lines
 from smarttestudo.cli.robots import wait_for_all

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from smarttestudo.cli.command_parser import CommandParser
+from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.loop_options import settings_of
 from smarttestudo.cli.run import PART_KINDS, add_arguments
 from smarttestudo.domain.errors import UsageError

@@ -11,7 +11,7 @@ import pytest
 from link.zenoh.ends import ODOM
 from robot.small_graph import TEXT
 from robot.test_failing_topics import ERRORS, FailingGraph
-from smarttestudo.cli.receive_table import reception_lines
+from smarttestudo.cli.receive import reception_lines
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos

@@ -19,7 +19,7 @@ from link.protocol.simulated_link import MS, Link, S
 from link.receive.predicted_link import PredictedLink
 from link.receive.test_reception import Notes
 from pacing.reckoning.ros_messages import ODOMETRY, STORE, TRANSFORMS, odometry, planar, transforms
-from smarttestudo.cli.receive_table import reception_lines
+from smarttestudo.cli.receive import reception_lines
 from smarttestudo.domain.link import Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
 from smarttestudo.link.protocol.chunks import Acknowledgement

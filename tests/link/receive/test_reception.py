@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from link.zenoh.ends import MAP, ODOM
-from smarttestudo.cli.receive_table import reception_lines
+from smarttestudo.cli.receive import reception_lines
 from smarttestudo.cli.top_table import Line, Style
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.link.receive.reception import Reception

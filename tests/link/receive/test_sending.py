@@ -12,7 +12,7 @@ import pytest
 
 from link.zenoh.ends import ODOM
 from robot.status.virtual_robot import Source, VirtualRobot
-from smarttestudo.cli.receive_table import reception_lines
+from smarttestudo.cli.receive import reception_lines
 from smarttestudo.cli.top_table import Style
 from smarttestudo.domain.link import CommandTopic, SentCounts
 from smarttestudo.domain.names import output_name

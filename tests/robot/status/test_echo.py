@@ -14,8 +14,7 @@ import numpy as np
 import pytest
 
 from robot.status.virtual_robot import Source, VirtualRobot
-from smarttestudo.cli.echo import cropped, live_lines
-from smarttestudo.cli.echo_text import echo_block, echo_json, echo_line, message_block
+from smarttestudo.cli.echo import cropped, echo_block, echo_json, echo_line, live_lines, message_block
 from smarttestudo.cli.main import main
 from smarttestudo.robot.echo import Bounds, Echo, EchoedTopic, message_values, unheard_error
 
