@@ -73,9 +73,18 @@ def texts_of(folders: Sequence[str], ours: frozenset[str]) -> Iterator[ErrorText
         for path in [place] if place.is_file() else sorted(place.rglob("*.py")):
             tree = ast.parse(path.read_text(encoding="utf-8"))
             constants = assigned(tree.body)
+            yield from refusals(tree, constants)
             for function in ast.walk(tree):
                 if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
                     yield from texts_in(function, {**constants, **assigned(ast.walk(function))}, ours)
+
+
+def refusals(tree: ast.AST, names: Mapping[str, list[ast.expr]]) -> Iterator[ErrorText]:
+    """Texts of readers of values, which have {} where the value stands."""
+    for call in ast.walk(tree):
+        for keyword in call.keywords if isinstance(call, ast.Call) else ():
+            if keyword.arg == "refusal":
+                yield from (ErrorText(text.replace("{}", "…"), "") for text in readings(keyword.value, names))
 
 
 def error_classes() -> frozenset[str]:

@@ -37,6 +37,10 @@ COMMANDS = (
             ["demo", "--seed", "x"],
             "--seed: error: 'x' is not a whole number of 0 or more; see 'testudo demo --help'\n",
         ),
+        (
+            ["demo", "--seed", "9" * 5000],
+            f"--seed: error: '{'9' * 39} is not a whole number of 0 or more; see 'testudo demo --help'\n",
+        ),
         (["demo", "--out"], "--out: error: expected one argument; see 'testudo demo --help'\n"),
         ([], "error: the following arguments are required: COMMAND; see 'testudo --help'\n"),
     ],
@@ -46,6 +50,34 @@ def test_a_wrong_command_line_is_one_line_that_names_its_help(
 ) -> None:
     assert main(arguments) == 2
     assert capsys.readouterr() == ("", said)
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "text"),
+    [
+        *(
+            (("receive", "--connect", "tcp/[::1]:1"), "--foxglove", text)
+            for text in ("-1", "65536", "1.0", "x")
+        ),
+        *((("ruler",), "--port", text) for text in ("65536", "", "٣")),
+        *((("echo", "/odom"), "--count", text) for text in ("0", "1.5", "²")),
+        *((("echo", "/odom"), "--seconds", text) for text in ("0", "-1", "inf", "nan", "soon")),
+        *((("simulate",), "--seconds", text) for text in ("0.5", "86401", "nan", "x")),
+        *((("simulate",), "--battery", text) for text in ("-1", "100.5", "nan", "full")),
+        *((("simulate",), "--cover-lidar", text) for text in ("-1", "inf", "nan")),
+        *((("bag", "rates", "a"), "--workers", text) for text in ("0", "-1", "two", "9" * 5000)),
+        *((("run", "--rules", "a"), "--output-domain", text) for text in ("233", "-1", "1e2")),
+    ],
+)
+def test_a_value_beyond_what_an_option_takes_is_refused_at_the_option(
+    command: tuple[str, ...], option: str, text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*command, f"{option}={text}"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"{option}: error: ")
+    assert f"{text!r:.40}" in line
+    assert "invalid" not in line
+    assert len(line) < 200
 
 
 def test_a_command_that_is_not_there_is_refused_with_those_that_are(

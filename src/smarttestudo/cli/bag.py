@@ -26,13 +26,7 @@ from smarttestudo.cli.bag_options import (
 )
 from smarttestudo.cli.commands import CommandParser, add_lazy
 from smarttestudo.cli.output import Progress, write_line, write_lines
-from smarttestudo.cli.recordings import (
-    Asked,
-    RecordingCommand,
-    each_recording,
-    pairs_asked,
-    recordings_asked,
-)
+from smarttestudo.cli.recordings import Asked, RecordingCommand, each_recording, pairs_asked, recordings_asked
 from smarttestudo.domain.record import column_types
 from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_S, counted, grouped
 from smarttestudo.report import bag_tables, comparison_tables
@@ -211,7 +205,9 @@ class _Comparisons(RecordingCommand[BagComparison]):
         for letter, bag in (("A", result.a), ("B", result.b)):
             write_lines([f"{letter}: {bag.name}", *incident_subtitles(bag.incident)])
         write_line()
-        print_tables(_compare_tables(result))
+        names = comparison_tables.RunNames(before="A", after="B")
+        builds = (comparison_tables.frequency_table, comparison_tables.bandwidth_table)
+        print_tables([build(result.comparison, names) for build in builds])
 
     def finish(self, arguments: argparse.Namespace) -> None:
         if arguments.figures is not None:
@@ -219,9 +215,3 @@ class _Comparisons(RecordingCommand[BagComparison]):
             bag_figures.draw_pair(
                 arguments, arguments.a, arguments.b, mapping=mapping, folder=arguments.figures
             )
-
-
-def _compare_tables(compared: BagComparison) -> list[Table[Any]]:
-    names = comparison_tables.RunNames(before="A", after="B")
-    tables = (comparison_tables.frequency_table, comparison_tables.bandwidth_table)
-    return [build(compared.comparison, names) for build in tables]

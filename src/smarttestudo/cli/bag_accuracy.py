@@ -12,21 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from smarttestudo.accuracy.comparison import View
 from smarttestudo.cli.arguments import file_path
-from smarttestudo.cli.bag_options import (
-    add_form,
-    add_recordings,
-    add_several,
-    print_incident,
-    print_tables,
-)
+from smarttestudo.cli.bag_options import add_form, add_recordings, add_several, print_incident, print_tables
 from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.output import Progress, write_line
-from smarttestudo.cli.recordings import (
-    RecordingCommand,
-    each_recording,
-    recordings_asked,
-)
+from smarttestudo.cli.recordings import RecordingCommand, each_recording, recordings_asked
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import column_types
@@ -133,8 +123,4 @@ class _Accuracies(RecordingCommand["AccuracyComparison"]):
 def _loaded(arguments: argparse.Namespace, profile: Profile) -> Iterator[tuple[str, View, LoadedRules]]:
     for view, sets in ((View.HOLD, arguments.rules), (View.RECKONED, arguments.predicted)):
         for paths in sets:
-            yield _name(paths), view, load_rules(paths, profile=profile)
-
-
-def _name(paths: list[Path]) -> str:
-    return " + ".join(path.stem for path in paths)
+            yield " + ".join(path.stem for path in paths), view, load_rules(paths, profile=profile)

@@ -27,11 +27,7 @@ from smarttestudo.cli.bag_options import (
 from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.output import Progress, write_lines
-from smarttestudo.cli.recordings import (
-    RecordingCommand,
-    each_recording,
-    pairs_asked,
-)
+from smarttestudo.cli.recordings import RecordingCommand, each_recording, pairs_asked
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import math
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -14,10 +15,9 @@ from typing import TYPE_CHECKING, Any
 from smarttestudo.bags.incident_mark import incident_text
 from smarttestudo.bags.incident_record import record_beside
 from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S
-from smarttestudo.cli.arguments import file_path
+from smarttestudo.cli.arguments import duration_s, file_path, whole_number_type
 from smarttestudo.cli.output import write_file_text, write_line, write_lines
 from smarttestudo.cli.tables import print_table
-from smarttestudo.cli.terminal import duration_s
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.report.table import Table
@@ -65,7 +65,7 @@ def add_several(action: argparse.ArgumentParser) -> None:
     several.add_argument(
         "--workers",
         metavar="N",
-        type=_positive,
+        type=whole_number_type(1, math.inf, refusal="{} is not a whole number of 1 or more"),
         help="work on so many at once, each in a process (default: one for each core, and for every "
         "two recordings at most; 1: in this process)",
     )
@@ -89,13 +89,6 @@ def add_several(action: argparse.ArgumentParser) -> None:
         type=file_path,
         help="also add rows of it to the Parquet tables in this folder (needs the extra fleet)",
     )
-
-
-def _positive(text: str) -> int:
-    number = int(text) if text.isascii() and text.isdigit() else 0
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of 1 or more")
-    return number
 
 
 def add_topics(action: argparse.ArgumentParser) -> None:

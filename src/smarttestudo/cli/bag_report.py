@@ -17,12 +17,7 @@ from typing import TYPE_CHECKING, Any
 from smarttestudo import __version__
 from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, is_url
 from smarttestudo.cli.arguments import file_path
-from smarttestudo.cli.bag_figures import (
-    add_budget,
-    add_figures_folder,
-    figure_files,
-    print_written,
-)
+from smarttestudo.cli.bag_figures import add_budget, add_figures_folder, figure_files, print_written
 from smarttestudo.cli.bag_options import (
     add_form,
     add_map,

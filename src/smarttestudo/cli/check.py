@@ -22,7 +22,7 @@ from smarttestudo.cli.output import write_line, write_lines
 from smarttestudo.cli.robots import add_robot, topics_of_robot
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import RuleFileError, UsageError
-from smarttestudo.domain.finding import Finding, Severity
+from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import to_json
@@ -77,11 +77,8 @@ def run(arguments: argparse.Namespace) -> int:
     sys.stdout.flush()
     for error in unreadable:
         write_line(str(error), sys.stderr)
-    return EXIT_ERROR if _has_error(findings) or unreadable else 0
-
-
-def _has_error(findings: Iterable[Finding]) -> bool:
-    return any(finding.severity is Severity.ERROR for finding in findings)
+    has_error = any(finding.severity is Severity.ERROR for finding in findings)
+    return EXIT_ERROR if has_error or unreadable else 0
 
 
 def _read(paths: Iterable[Path]) -> tuple[dict[str, str], Sequence[RuleFileError]]:

@@ -15,10 +15,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from typing import TextIO
 
+from smarttestudo.cli.arguments import duration_s, whole_number_type
 from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.loop_options import add_ros_arguments
 from smarttestudo.cli.output import write_line, write_lines, write_styled
-from smarttestudo.cli.terminal import duration_s, stop_signals
+from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.robot import Robot
@@ -147,7 +148,10 @@ def add_arguments(parser: CommandParser) -> None:
     length = parser.add_mutually_exclusive_group()
     length.add_argument("--once", action="store_const", const=1, dest="count", help="the same as --count 1")
     length.add_argument(
-        "--count", metavar="N", type=_count, help="print the next N messages of each topic, and end"
+        "--count",
+        metavar="N",
+        type=whole_number_type(1, math.inf, refusal="a number of messages is a whole number above 0, not {}"),
+        help="print the next N messages of each topic, and end",
     )
     length.add_argument(
         "--seconds", metavar="S", type=duration_s, default=math.inf, help="end after S seconds"
@@ -297,13 +301,6 @@ def _require(topics: Sequence[str], fields: Sequence[str]) -> None:
         if not is_field_path(field):
             remedy = "write it as in pose.pose.position.x or ranges[0]"
             raise UsageError(f"{field!r} is not a field", place="--fields", remedy=remedy)
-
-
-def _count(text: str) -> int:
-    """A number of messages; ``ArgumentTypeError`` for anything but a whole number above 0."""
-    if not text.isdecimal() or not int(text):
-        raise argparse.ArgumentTypeError(f"a number of messages is a whole number above 0, not {text!r}")
-    return int(text)
 
 
 _ERASE_TO_END_OF_LINE = "\x1b[K"

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING
 
+from smarttestudo.cli.arguments import LAST_PORT
 from smarttestudo.cli.loop_options import add_option, settings_of
 from smarttestudo.cli.output import write_line
 from smarttestudo.domain.errors import UsageError
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
 
 LOOPBACK = "127.0.0.1"
 _ADDRESS = re.compile(r"(?:(?P<host>[^\s\[\]:]+|\[[0-9A-Fa-f:.]+\]):)?(?P<port>[0-9]{1,5})", re.ASCII)
-_LAST_PORT = 65_535
 
 
 def add_openmetrics(parser: argparse._ActionsContainer) -> None:
@@ -49,7 +49,7 @@ def add_openmetrics(parser: argparse._ActionsContainer) -> None:
 def metrics_address(text: str) -> tuple[str, int]:
     """Host and port from the command line; ``ArgumentTypeError`` for anything else."""
     found = _ADDRESS.fullmatch(text)
-    if found is None or int(found["port"]) > _LAST_PORT:
+    if found is None or int(found["port"]) > LAST_PORT:
         raise argparse.ArgumentTypeError(
             f"an address is written as in 9464, 0.0.0.0:9464 or [::]:9464, not {text!r}"
         )
@@ -150,9 +150,7 @@ def connect_options(arguments: argparse.Namespace) -> LinkOptions | None:
     settings = settings_of(arguments, SECURITY_OPTIONS)
     if arguments.connect:
         return LinkOptions(
-            connect=tuple(arguments.connect),
-            config_file=settings[ZENOH_CONFIG],
-            insecure=settings[INSECURE],
+            connect=tuple(arguments.connect), config_file=settings[ZENOH_CONFIG], insecure=settings[INSECURE]
         )
     given = {
         "--zenoh-config": settings[ZENOH_CONFIG] is not None,

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable
 from functools import partial
 
-from smarttestudo.cli.arguments import budget_kb_per_s, file_path
+from smarttestudo.cli.arguments import budget_kb_per_s, file_path, number_type, whole_number_type
 from smarttestudo.domain.errors import Extra, MissingPackageError, UsageError, how_to_install
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import LAST_DOMAIN, DiscoveryRange, OutputDomain
@@ -35,13 +35,15 @@ def add_physics(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--battery",
         metavar="PERCENT",
-        type=_percent,
+        type=number_type(lambda number: 0 <= number <= 100, refusal="{} is not a percentage from 0 to 100"),
         help="with --physics: what is left in the battery at the start (default: 100)",
     )
     parser.add_argument(
         "--cover-lidar",
         metavar="S",
-        type=_after_s,
+        type=number_type(
+            lambda number: 0 <= number < math.inf, refusal="{} is not a number of seconds of 0 or more"
+        ),
         help="with --physics: after so many seconds something covers the LiDAR",
     )
 
@@ -80,27 +82,6 @@ def load_physics() -> None:
         cause = f"--physics needs the package {error.name}"
         raise MissingPackageError(cause, remedy=how_to_install(Extra.PHYSICS)) from error
     load_mujoco()
-
-
-def _percent(text: str) -> float:
-    number = _number(text)
-    if not 0 <= number <= 100:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a percentage from 0 to 100")
-    return number
-
-
-def _after_s(text: str) -> float:
-    number = _number(text)
-    if not 0 <= number < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds of 0 or more")
-    return number
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan
 
 
 def add_rules(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
@@ -185,8 +166,9 @@ def add_ros_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-_MIN_SECONDS = 1.0
-_MAX_SECONDS = 86_400.0
+seconds = number_type(
+    lambda number: 1 <= number <= 86_400, refusal="{} is not a number of seconds from 1 to 86400"
+)
 
 
 def add_simulation(
@@ -194,7 +176,11 @@ def add_simulation(
 ) -> None:
     """Add ``--seed`` and ``--full-images``, and where they have a help ``--medium-images``."""
     parser.add_argument(
-        "--seed", metavar="N", type=_seed, default=0, help="fixes all noise (default: %(default)s)"
+        "--seed",
+        metavar="N",
+        type=whole_number_type(0, math.inf, refusal="{} is not a whole number of 0 or more"),
+        default=0,
+        help="fixes all noise (default: %(default)s)",
     )
     images = parser.add_mutually_exclusive_group()
     images.add_argument("--full-images", action="store_true", help=full_images_help)
@@ -211,28 +197,13 @@ def add_mission(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def seconds(text: str) -> float:
-    """A duration from the command line; ``ArgumentTypeError`` for anything but 1 s to a day."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = 0.0
-    if not _MIN_SECONDS <= number <= _MAX_SECONDS:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds from 1 to {_MAX_SECONDS:.0f}")
-    return number
-
-
-def _seed(text: str) -> int:
-    if not (text.isascii() and text.isdigit()):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of 0 or more")
-    return int(text)
-
-
 def add_output_domain(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--output-domain",
         metavar="N",
-        type=domain_number,
+        type=whole_number_type(
+            0, LAST_DOMAIN, refusal=f"a ROS domain is a number from 0 to {LAST_DOMAIN}, not {{}}"
+        ),
         help="publish into ROS domain N, so that the radio carries nothing but what is relayed",
     )
     parser.add_argument(
@@ -252,10 +223,3 @@ def output_domain(arguments: argparse.Namespace) -> OutputDomain | None:
             "it needs an output domain", place="--output-discovery", remedy="add --output-domain N"
         )
     return None
-
-
-def domain_number(text: str) -> int:
-    """A domain from the command line; ``ArgumentTypeError`` for anything but 0 … 232."""
-    if not (text.isascii() and text.isdigit()) or int(text) > LAST_DOMAIN:
-        raise argparse.ArgumentTypeError(f"a ROS domain is a number from 0 to {LAST_DOMAIN}, not {text!r}")
-    return int(text)

@@ -12,11 +12,10 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarttestudo.cli.arguments import file_path
+from smarttestudo.cli.arguments import add_timeout, duration_s, file_path
 from smarttestudo.cli.bag_options import add_topics
 from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.output import progress, write_file_text, write_line
-from smarttestudo.cli.terminal import add_timeout, duration_s
 from smarttestudo.domain.errors import ProfileError, UsageError
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.files.whole_file import whole_file

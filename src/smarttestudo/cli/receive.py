@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from typing import TYPE_CHECKING, Any, TextIO
 
-from smarttestudo.cli.arguments import file_path
+from smarttestudo.cli.arguments import LAST_PORT, file_path, whole_number_type
 from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.link_options import add_openmetrics, add_security, served_metrics
 from smarttestudo.cli.loop_options import settings_of
@@ -134,7 +134,6 @@ def _style(route: CommandRoute) -> Style:
 
 DEFAULT_LISTEN = "tcp/127.0.0.1:7447"
 _WAIT_S = 0.05
-_LAST_PORT = 65_535
 _POLL_PERIOD_S = 1.0
 _PLACES = "--record DIR, --incidents DIR, --catch-up DIR, --foxglove PORT or --openmetrics PORT"
 
@@ -180,7 +179,9 @@ def add_arguments(parser: CommandParser) -> None:
     parser.add_argument(
         "--foxglove",
         metavar="PORT",
-        type=_port,
+        type=whole_number_type(
+            0, LAST_PORT, refusal=f"a port is a number from 0 (any free one) to {LAST_PORT}, not {{}}"
+        ),
         help="serve all to the Foxglove app at this port",
     )
     parser.add_argument(
@@ -397,11 +398,3 @@ def _failure(poll: Callable[[], None]) -> str | None:
     except Exception as error:  # noqa: BLE001 - what is only shown or counted ends nothing
         return said(error)
     return None
-
-
-def _port(text: str) -> int:
-    if not (text.isascii() and text.isdigit()) or int(text) > _LAST_PORT:
-        raise argparse.ArgumentTypeError(
-            f"a port is a number from 0 (any free one) to {_LAST_PORT}, not {text!r}"
-        )
-    return int(text)

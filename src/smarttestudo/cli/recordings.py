@@ -208,10 +208,7 @@ def _with(arguments: argparse.Namespace, one: Mapping[str, object]) -> argparse.
 
 
 def _outcomes(
-    workers: Workers,
-    arguments: argparse.Namespace,
-    asked: Sequence[Asked],
-    command: RecordingCommand[Result],
+    workers: Workers, arguments: argparse.Namespace, asked: Sequence[Asked], command: RecordingCommand[Result]
 ) -> Generator[tuple[argparse.Namespace, Result | TestudoError]]:
     """The arguments of each recording with what came of it, in order."""
     there = [one for one in asked if not isinstance(one, TestudoError)]

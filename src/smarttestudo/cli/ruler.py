@@ -11,7 +11,7 @@ import webbrowser
 from functools import partial
 from pathlib import Path
 
-from smarttestudo.cli.arguments import file_path
+from smarttestudo.cli.arguments import LAST_PORT, file_path, whole_number_type
 from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.output import write_line
@@ -21,7 +21,6 @@ from smarttestudo.robot.ros import open_graph_robots
 from smarttestudo.ruler.project.project_folder import ProjectFolder
 
 DEFAULT_PORT = 8750
-_MAX_PORT = 65535
 
 
 def add_arguments(parser: CommandParser) -> None:
@@ -39,7 +38,10 @@ def add_arguments(parser: CommandParser) -> None:
         "one to watch only (default: %(default)s)",
     )
     parser.add_argument(
-        "--port", type=_port, default=DEFAULT_PORT, help="0 takes a free one (default: %(default)s)"
+        "--port",
+        type=whole_number_type(0, LAST_PORT, refusal=f"a port is a number from 0 to {LAST_PORT}, not {{}}"),
+        default=DEFAULT_PORT,
+        help="0 takes a free one (default: %(default)s)",
     )
     parser.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
     parser.add_argument(
@@ -47,15 +49,6 @@ def add_arguments(parser: CommandParser) -> None:
     )
     add_connect(parser)
     parser.set_defaults(run=run)
-
-
-def _port(text: str) -> int:
-    """A port from the command line; ``ArgumentTypeError`` for what is none."""
-    if not (
-        text.isdecimal() and text.isascii() and len(text) <= len(str(_MAX_PORT)) and int(text) <= _MAX_PORT
-    ):
-        raise argparse.ArgumentTypeError(f"a port is a number from 0 to {_MAX_PORT}, not {text!r:.40}")
-    return int(text)
 
 
 def run(arguments: argparse.Namespace) -> int:

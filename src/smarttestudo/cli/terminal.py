@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import argparse
-import math
 import os
 import select
 import signal
@@ -71,30 +69,6 @@ def _is_in_front(terminal: int) -> bool:
 
 def _read(terminal: int) -> str:
     return os.read(terminal, _LONGEST).decode("utf-8", "replace")
-
-
-DEFAULT_TIMEOUT_S = 5.0
-
-
-def duration_s(text: str) -> float:
-    """A duration from the command line; ``ArgumentTypeError`` for anything but a positive number."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not 0 < number < math.inf:
-        raise argparse.ArgumentTypeError(f"a duration is a number of seconds above 0, not {text!r}")
-    return number
-
-
-def add_timeout(parser: argparse.ArgumentParser, meaning: str) -> None:
-    parser.add_argument(
-        "--timeout",
-        metavar="SECONDS",
-        type=duration_s,
-        default=DEFAULT_TIMEOUT_S,
-        help=f"{meaning} (default: %(default)g)",
-    )
 
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)

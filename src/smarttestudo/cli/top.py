@@ -11,11 +11,12 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 
+from smarttestudo.cli.arguments import add_timeout
 from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
 from smarttestudo.cli.output import write_lines
 from smarttestudo.cli.robots import wait_for_all
-from smarttestudo.cli.terminal import add_timeout, key_presses, stop_signals
+from smarttestudo.cli.terminal import key_presses, stop_signals
 from smarttestudo.cli.top_table import (
     Line,
     SortKey,

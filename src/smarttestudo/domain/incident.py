@@ -191,11 +191,7 @@ MAX_RECORD_BYTES = 4_000_000
 
 def incident_to_json(incident: IncidentRecord) -> dict[str, object]:
     """The object in ``incident.json``; times that end in ``_ns`` count from 1970."""
-    return {
-        "version": INCIDENT_VERSION,
-        "time": utc_time(incident.triggered_ns),
-        **to_json(incident),
-    }
+    return {"version": INCIDENT_VERSION, "time": utc_time(incident.triggered_ns), **to_json(incident)}
 
 
 def incident_text(incident: IncidentRecord) -> str:
@@ -297,12 +293,7 @@ class RemoteIncidents(Protocol):
         """The incidents of a robot, oldest first. Raises ``TestudoError``, as ``SilentRobotError``."""
 
     def fetch(
-        self,
-        robot: str,
-        name: str,
-        folder: Path,
-        on_progress: OnProgress,
-        cancelled: Callable[[], bool],
+        self, robot: str, name: str, folder: Path, on_progress: OnProgress, cancelled: Callable[[], bool]
     ) -> Path | None:
         """Have the incident ``name`` below ``folder``, byte for byte as the robot has it; where it then is.
 

@@ -89,10 +89,5 @@ def read_mapping(value: object, read: Callable[[Any], Any]) -> dict[str, Any]:
     return found
 
 
-PLAIN: Mapping[Any, Callable[[Any], Any]] = {
-    float: _number,
-    int: _whole,
-    str: _text,
-    bool: _exactly(bool),
-}
+PLAIN: Mapping[Any, Callable[[Any], Any]] = {float: _number, int: _whole, str: _text, bool: _exactly(bool)}
 """Reader of each type; raises ``ValueError`` for another."""

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Protocol
 
@@ -330,12 +330,12 @@ class IncomingCommands(Protocol):
         """From now on give ``publisher`` the messages of ``topic``, which are of that type."""
 
 
+@dataclass(slots=True, eq=False)
 class TooOld:
     """Says of which topics all that arrives lately is too old; each once, until something is delivered."""
 
-    def __init__(self) -> None:
-        self._before: dict[str, CommandTopic] = {}
-        self._said: set[str] = set()
+    _before: dict[str, CommandTopic] = field(default_factory=dict)
+    _said: set[str] = field(default_factory=set)
 
     def new_sentences(self, topics: Sequence[CommandTopic]) -> list[str]:
         """A sentence for each topic of which that is new since the last poll."""

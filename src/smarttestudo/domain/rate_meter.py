@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
@@ -84,19 +85,17 @@ def mean_hz(messages: int, span_ns: int) -> float | None:
     return (messages - 1) * NS_PER_S / span_ns if span_ns > 0 else None
 
 
+@dataclass(slots=True, eq=False)
 class Flow:
     """Messages counted one by one; the last came at ``last_ns``, ``span_ns`` after the first.
 
     Where the clock jumps back, time stands still.
     """
 
-    __slots__ = ("last_ns", "messages", "size_bytes", "span_ns")
-
-    def __init__(self) -> None:
-        self.messages = 0
-        self.size_bytes = 0
-        self.span_ns = 0
-        self.last_ns = 0
+    messages: int = 0
+    size_bytes: int = 0
+    span_ns: int = 0
+    last_ns: int = 0
 
     def record(self, now_ns: int, size_bytes: int) -> None:
         if self.messages and now_ns > self.last_ns:
@@ -137,6 +136,7 @@ class _Reading(NamedTuple):
     size_bytes: int
 
 
+@dataclass(slots=True, eq=False)
 class RateWindow:
     """Message counts, read about a second apart, over ten seconds; longer where messages are rarer.
 
@@ -144,13 +144,10 @@ class RateWindow:
     to the last one in it, between which ``intervals`` lie, and ``span_ns`` of time.
     """
 
-    __slots__ = ("_messages", "_readings", "intervals", "span_ns")
-
-    def __init__(self) -> None:
-        self.span_ns = 0
-        self.intervals = 0
-        self._readings: deque[_Reading] = deque()
-        self._messages = 0
+    span_ns: int = 0
+    intervals: int = 0
+    _readings: deque[_Reading] = field(default_factory=deque)
+    _messages: int = 0
 
     def restart(self) -> None:
         """Forget what was: the next message begins a window."""
@@ -159,9 +156,7 @@ class RateWindow:
 
     def begun_anew(self) -> RateWindow:
         """Another window of the same flow, which its next message begins."""
-        window = RateWindow()
-        window._messages = self._messages
-        return window
+        return RateWindow(_messages=self._messages)
 
     def measure(self, now_ns: int, messages: int, position_ns: int, size_bytes: int = 0) -> bool:
         """Take the counts at ``now_ns``; whether messages came. On a clock that jumped back, begin anew."""
@@ -246,17 +241,15 @@ class FlowMeter:
         return silence_limit_ns(self._window.span_ns, self._window.intervals)
 
 
+@dataclass(slots=True, eq=False)
 class Intervals:
     """How even a topic's messages are, counted one by one in constant memory."""
 
-    __slots__ = ("_last_ns", "_mean_ns", "_squares_ns2", "count", "longest_ns")
-
-    def __init__(self) -> None:
-        self.count = 0
-        self.longest_ns = 0
-        self._last_ns: int | None = None
-        self._mean_ns = 0.0
-        self._squares_ns2 = 0.0
+    count: int = 0
+    longest_ns: int = 0
+    _last_ns: int | None = None
+    _mean_ns: float = 0.0
+    _squares_ns2: float = 0.0
 
     def record(self, stamp_ns: int) -> None:
         """Take in the next message; B. P. Welford, Technometrics 1962, on corrected sums of squares."""

@@ -272,8 +272,7 @@ class TopicStatus:
     ]
     in_kb_per_s: Annotated[Measured, Metered("topic_input", "bytes_per_second", "What comes of the topic.")]
     out_kb_per_s: Annotated[
-        Measured,
-        Metered("topic_output", "bytes_per_second", "What goes out of the topic to subscribers."),
+        Measured, Metered("topic_output", "bytes_per_second", "What goes out of the topic to subscribers.")
     ]
     publishers: int
     subscribers: int

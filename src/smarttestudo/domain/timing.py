@@ -5,10 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from typing import Generic, TypeVar
 
 
+@dataclass(slots=True, eq=False)
 class SteadyTime:
     """The clock's time, where a clock that jumps back counts as one that stood still meanwhile.
 
@@ -17,11 +19,8 @@ class SteadyTime:
     is left out.
     """
 
-    __slots__ = ("_behind_ns", "now_ns")
-
-    def __init__(self, start_ns: int) -> None:
-        self.now_ns = start_ns
-        self._behind_ns = 0
+    now_ns: int
+    _behind_ns: int = 0
 
     def advance(self, clock_ns: int) -> int:
         """The steady time when the clock shows ``clock_ns``."""
@@ -48,22 +47,18 @@ class SteadyTime:
 Key = TypeVar("Key", str, int)
 
 
+@dataclass(slots=True, eq=False)
 class AlarmClock(Generic[Key]):
     """One alarm for each key, its cost independent of how many there are.
 
     Putting an alarm off does not touch the queue: the old entry, when its time comes, moves to the new one.
     """
 
-    __slots__ = ("_entries", "_queued_ns", "_wanted_ns", "next_ns")
-
-    next_ns: int | None
+    next_ns: int | None = None
     """A time before which no alarm rings; ``None`` when none is set. It may come early."""
-
-    def __init__(self) -> None:
-        self._entries: list[tuple[int, Key]] = []
-        self._queued_ns: dict[Key, int] = {}
-        self._wanted_ns: dict[Key, int] = {}
-        self.next_ns = None
+    _entries: list[tuple[int, Key]] = field(default_factory=list)
+    _queued_ns: dict[Key, int] = field(default_factory=dict)
+    _wanted_ns: dict[Key, int] = field(default_factory=dict)
 
     def set(self, key: Key, at_ns: int | None) -> None:
         """Let the alarm of ``key`` ring at ``at_ns`` only, or not at all."""

@@ -36,7 +36,9 @@ def require_separate(
     for option, paths in outputs.items():
         for path in () if paths is None else (paths,) if isinstance(paths, Path) else paths:
             _require_unread(option, path, read)
-            _require_outside_recordings(option, path)
+            for folder in Path(os.path.realpath(path)).parents:
+                if _is_recording(folder):
+                    raise _refused(option, path, f"lies in the recording {folder}")
             for other, before in written:
                 if _is_same(path, before):
                     raise _refused(option, path, f"is also written by {other}")
@@ -49,14 +51,8 @@ def _require_unread(option: str, path: Path, inputs: Iterable[Path]) -> None:
             raise _refused(option, path, "is read by this command")
         if any(_is_same(path, one.with_name(one.name + suffix)) for suffix in _LOG_SUFFIXES if one.name):
             raise _refused(option, path, f"belongs to {one}, which is read by this command")
-        if one.is_dir() and _is_inside(path, one):
+        if one.is_dir() and Path(os.path.realpath(one)) in Path(os.path.realpath(path)).parents:
             raise _refused(option, path, f"lies in {one}, which is read by this command")
-
-
-def _require_outside_recordings(option: str, path: Path) -> None:
-    for folder in Path(os.path.realpath(path)).parents:
-        if _is_recording(folder):
-            raise _refused(option, path, f"lies in the recording {folder}")
 
 
 def _is_same(a: Path, b: Path) -> bool:
@@ -68,10 +64,6 @@ def _is_same(a: Path, b: Path) -> bool:
         return os.path.samestat(found, b.stat())
     except OSError:
         return os.path.realpath(a) == os.path.realpath(b)
-
-
-def _is_inside(path: Path, folder: Path) -> bool:
-    return Path(os.path.realpath(folder)) in Path(os.path.realpath(path)).parents
 
 
 def _is_recording(folder: Path) -> bool:

@@ -135,7 +135,7 @@ def infeasibility(
 def _takers(solved: SolvedSubproblem, model: Model) -> str:
     """The KB/s that each topic takes, the largest first."""
     takes = {
-        topic: _least_kb_per_s(requirement, model)
+        topic: requirement.needs.size_kb * requirement.bounds_hz(model)[0]
         for topic, requirement in solved.subproblem.requirements.items()
     }
     named = sorted((topic for topic in takes if takes[topic] > 0), key=lambda topic: (-takes[topic], topic))
@@ -149,10 +149,6 @@ def _takers(solved: SolvedSubproblem, model: Model) -> str:
     if solved.others_kb_per_s > 0:
         parts.append(f"the other topics' defaults {kb_text(solved.others_kb_per_s)}")
     return listed(parts) if parts else "nothing is asked for"
-
-
-def _least_kb_per_s(requirement: Requirement, model: Model) -> float:
-    return requirement.needs.size_kb * requirement.bounds_hz(model)[0]
 
 
 def change_text(change: Change, *, named: int | None = None) -> str:

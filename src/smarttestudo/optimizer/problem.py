@@ -107,8 +107,7 @@ def tier_of(rate_hz: float, tiers_hz: Sequence[float]) -> Tier:
     if rate_hz >= tiers_hz[5]:
         return Tier.EXCESSIVE
     return next(
-        (tier for tier in reversed(list(Tier)[1:5]) if rate_hz > tiers_hz[tier.level - 1]),
-        Tier.UNACCEPTABLE,
+        (tier for tier in reversed(list(Tier)[1:5]) if rate_hz > tiers_hz[tier.level - 1]), Tier.UNACCEPTABLE
     )
 
 

@@ -39,11 +39,7 @@ def rewrite(text: str, file: RuleFile, optimization: Optimization, *, provenance
     starts = list(accumulate((len(line) for line in _LINE.findall(text)), initial=0))
     line_end = "\r\n" if "\r\n" in text else "\n"
     edits = [
-        (
-            _start(span, starts),
-            _end(span, starts),
-            _number_text((file.path, span), optimization),
-        )
+        (_start(span, starts), _end(span, starts), _number_text((file.path, span), optimization))
         for statement in file.enabled_statements
         for span, _ in tiers_in(statement)
     ]

@@ -244,12 +244,7 @@ def solve_requirements(
     }
     loads = _DefaultLoads(requirements.defaults, rates_hz)
     blocks = [
-        solve_subproblem(
-            subproblem.limited(rates_hz),
-            loads.beside(subproblem),
-            budget_kb_per_s,
-            model=model,
-        )
+        solve_subproblem(subproblem.limited(rates_hz), loads.beside(subproblem), budget_kb_per_s, model=model)
         for subproblem in requirements.blocks
     ]
     solved = [one for one in (defaults, *blocks) if one.rates_hz is not None]

@@ -176,8 +176,9 @@ class BudgetKeeper:
 
     def __init__(self, budget_kb_per_s: float) -> None:
         self._budget_kb_per_s = budget_kb_per_s
-        self._plan = BudgetPlan(cut_hz={}, floors_fit=True)
-        self._next_check_ns: int | None = None
+        self.plan = BudgetPlan(cut_hz={}, floors_fit=True)
+        self.next_check_ns: int | None = None
+        """When the use is looked at again; ``None`` before the first plan."""
         self._is_stale = True
 
     @property
@@ -191,22 +192,13 @@ class BudgetKeeper:
 
     def change_topics(self, topics: Collection[str]) -> None:
         """Only ``topics`` count from now on, some perhaps otherwise; the next ``update`` plans anew."""
-        cut_hz = {topic: rate_hz for topic, rate_hz in self._plan.cut_hz.items() if topic in topics}
-        self._plan = replace(self._plan, cut_hz=cut_hz)
+        cut_hz = {topic: rate_hz for topic, rate_hz in self.plan.cut_hz.items() if topic in topics}
+        self.plan = replace(self.plan, cut_hz=cut_hz)
         self._is_stale = True
-
-    @property
-    def plan(self) -> BudgetPlan:
-        return self._plan
-
-    @property
-    def next_check_ns(self) -> int | None:
-        """When the use is next looked at; ``None`` before the first plan."""
-        return self._next_check_ns
 
     def is_due(self, now_ns: int) -> bool:
         """Whether ``update`` has something to look at, though no request changed."""
-        return self._is_stale or self._next_check_ns is None or now_ns >= self._next_check_ns
+        return self._is_stale or self.next_check_ns is None or now_ns >= self.next_check_ns
 
     def update(
         self,
@@ -221,15 +213,15 @@ class BudgetKeeper:
         ``check_after_ns`` says how long the use is not looked at then.
         """
         if not requests_changed and not self.is_due(now_ns):
-            return self._plan
-        self._next_check_ns = now_ns + check_after_ns
+            return self.plan
+        self.next_check_ns = now_ns + check_after_ns
         if requests_changed or self._is_stale or self._is_off_target(loads):
-            self._plan = plan_within(loads, self._budget_kb_per_s)
+            self.plan = plan_within(loads, self._budget_kb_per_s)
             self._is_stale = False
-        return self._plan
+        return self.plan
 
     def _is_off_target(self, loads: Sequence[TopicRequest]) -> bool:
-        cut_hz = self._plan.cut_hz
+        cut_hz = self.plan.cut_hz
         used = used_kb_per_s(
             (load.size_kb, min(load.wanted_hz, cut_hz.get(load.topic, load.wanted_hz))) for load in loads
         )
