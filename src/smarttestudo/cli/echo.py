@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import os
 import shutil
@@ -21,6 +20,7 @@ from smarttestudo.cli.loop_options import add_ros_arguments
 from smarttestudo.cli.output import write_line, write_lines, write_styled
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.texts import visible
@@ -54,9 +54,9 @@ def message_block(echo: Echo) -> list[str]:
     return ["  ".join([head, *([echo.state] if echo.state else [])]), *_value_lines(echo.values)]
 
 
-def echo_json(echo: Echo) -> dict[str, object]:
+def echo_json(echo: Echo) -> str:
     """Everything as one JSON object; numbers that are not known or not finite are null."""
-    return {
+    record = {
         "topic": echo.topic,
         "type": echo.type_name,
         "messages": echo.messages,
@@ -64,8 +64,9 @@ def echo_json(echo: Echo) -> dict[str, object]:
         "kb_per_s": round(echo.kb_per_s, 3),
         "size_bytes": echo.size_bytes,
         "state": echo.state,
-        "values": None if echo.values is None else _finite(dict(echo.values)),
+        "values": echo.values,
     }
+    return json_text(record, ascii_only=False)
 
 
 def _rates(echo: Echo) -> str:
@@ -112,18 +113,6 @@ def _text(value: PlainValue) -> str:
             return f"[{', '.join(map(_text, value))}]"
         case _:
             return str(value)
-
-
-def _finite(value: PlainValue) -> PlainValue:
-    match value:
-        case float():
-            return value if math.isfinite(value) else None
-        case list():
-            return [_finite(item) for item in value]
-        case dict():
-            return {name: _finite(item) for name, item in value.items()}
-        case _:
-            return value
 
 
 _SHOW_PERIOD_S = 1.0
@@ -244,7 +233,7 @@ def _show_rates(
 def _shower(arguments: argparse.Namespace) -> Callable[[Sequence[Echo]], None]:
     """Function that shows the topics: in place on a terminal, line by line in a pipe."""
     if arguments.json:
-        return lambda echoes: _write([_json_line(echo) for echo in echoes])
+        return lambda echoes: _write([echo_json(echo) for echo in echoes])
     if sys.stdout.isatty():
         show = live_lines(sys.stdout)
         return lambda echoes: show([line for echo in echoes for line in echo_block(echo)])
@@ -266,7 +255,7 @@ def _print_messages(wait: _Listening, topics: Sequence[EchoedTopic], arguments: 
             note_s += _SHOW_PERIOD_S
             note.all([topic.echo() for topic in topics])
         for echo in (echo for topic in topics for echo in topic.take_kept()):
-            _write([_json_line(echo)] if arguments.json else [*message_block(echo), ""])
+            _write([echo_json(echo)] if arguments.json else [*message_block(echo), ""])
             left -= 1
 
 
@@ -282,10 +271,6 @@ class _Notes:
                 self._said[echo.topic] = echo.state
                 if echo.state:
                     write_line(f"note: {echo.topic}: {echo.state}", sys.stderr)
-
-
-def _json_line(echo: Echo) -> str:
-    return json.dumps(echo_json(echo), ensure_ascii=False, allow_nan=False)
 
 
 def _write(lines: Sequence[str]) -> None:
