@@ -10,7 +10,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict
 from typing import TYPE_CHECKING, TextIO
 
 from smarttestudo.bags.incident_mark import missing_text, signal_texts
@@ -32,6 +31,7 @@ from smarttestudo.domain.incident import (
     incident_to_json,
 )
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.record import to_json
 from smarttestudo.domain.units import BYTES_PER_KB, BYTES_PER_MB, NS_PER_S, counted, utc_time
 from smarttestudo.incidents.store import IncidentStore, StoredIncident
 from smarttestudo.link.zenoh import open_link_incidents
@@ -196,8 +196,7 @@ def _share(progress: FetchProgress) -> str:
 
 
 def _remote_json(one: RemoteIncident) -> dict[str, object]:
-    same_as_in_a_folder = {"incident": one.name, "read": one.is_read}
-    return {**same_as_in_a_folder, **asdict(one), "missing": list(one.missing)}
+    return {"incident": one.name, "read": one.is_read, **to_json(one)}
 
 
 def incident_table(incidents: Sequence[RemoteIncident]) -> Table[RemoteIncident]:

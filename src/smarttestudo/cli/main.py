@@ -27,8 +27,8 @@ _EXIT_SIGNALLED = 128
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run ``testudo`` with ``argv`` (default: the process's) and return its exit code."""
-    open_closed_streams()
-    take_any_name(sys.stdout)
+    reopen_standard_streams()
+    tolerate_surrogates(sys.stdout)
     try:
         with terminating_signals():
             return _run(argv)
@@ -89,7 +89,7 @@ def _fail(line: str, code: int) -> int:
 _OF_A_STREAM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF})
 
 
-def open_closed_streams() -> None:
+def reopen_standard_streams() -> None:
     """Give a process that was started without them an output that refuses, and errors that go nowhere."""
     if cast("TextIO | None", sys.stdout) is None:
         # Only for reading, so that what is written fails with the system's own words.
@@ -98,7 +98,7 @@ def open_closed_streams() -> None:
         sys.stderr = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
 
 
-def take_any_name(stream: TextIO) -> None:
+def tolerate_surrogates(stream: TextIO) -> None:
     """Have ``stream`` write names of files as their bytes, and replace characters that it lacks."""
     if isinstance(stream, TextIOWrapper):
         stream.reconfigure(errors="surrogateescape" if is_unicode(stream) else "replace")

@@ -10,6 +10,7 @@ import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, cast
@@ -290,38 +291,36 @@ def _is_text(arguments: argparse.Namespace) -> bool:
     return not arguments.json and not getattr(arguments, "csv", False)
 
 
+@dataclass(slots=True)
 class _Output(Generic[Result]):
     """Prints each recording as a line of JSON, as rows of one CSV, or as text with empty lines between."""
 
-    def __init__(
-        self, command: RecordingCommand[Result], parquet: ParquetFolder | None, *, is_only: bool
-    ) -> None:
-        self._command = command
-        self._parquet = parquet
-        self._is_only = is_only
-        self._csv = CsvPrinter()
-        self._is_first = True
+    command: RecordingCommand[Result]
+    parquet: ParquetFolder | None
+    is_only: bool
+    is_first: bool = True
+    csv: CsvPrinter = field(default_factory=CsvPrinter)
 
     def show(self, one: argparse.Namespace, result: Result) -> None:
         """Print one result in the form that is asked for, and its notices."""
-        result = self._command.shown(result)
+        result = self.command.shown(result)
         if _is_text(one):
             self._print_heading(one)
-            self._command.print_text(result)
+            self.command.print_text(result)
         elif one.json:
             print_json(self._named(one, to_json(result)))
         else:
-            self._csv.print_rows(self._named(one, row) for row in result.rows())
-        print_notices(self._noted(one, notice) for notice in self._command.notices(result))
-        if self._parquet is not None:
+            self.csv.print_rows(self._named(one, row) for row in result.rows())
+        print_notices(self._noted(one, notice) for notice in self.command.notices(result))
+        if self.parquet is not None:
             names = {name: str(path) for name, path in recordings_in(vars(one)).items()}
-            rows = ({**names, **row} for row in self._command.rows(result))
-            columns = {**dict.fromkeys(names, str), **self._command.columns()}
-            self._parquet.add(self._command.table, columns, rows)
-        self._command.finish(one)
+            rows = ({**names, **row} for row in self.command.rows(result))
+            columns = {**dict.fromkeys(names, str), **self.command.columns()}
+            self.parquet.add(self.command.table, columns, rows)
+        self.command.finish(one)
 
     def _noted(self, one: argparse.Namespace, notice: str) -> str:
-        return notice if self._is_only else _with_name(one, notice)
+        return notice if self.is_only else _with_name(one, notice)
 
     def failure(self, one: argparse.Namespace, result: Result) -> TestudoError | None:
         """Print one result; an error that this ends with is returned."""
@@ -333,16 +332,16 @@ class _Output(Generic[Result]):
 
     def _named(self, one: argparse.Namespace, value: Mapping[str, object]) -> Mapping[str, object]:
         """``value``, of several recordings with the name of its own."""
-        if self._is_only:
+        if self.is_only:
             return value
         return {**{name: str(path) for name, path in recordings_in(vars(one)).items()}, **value}
 
     def _print_heading(self, one: argparse.Namespace) -> None:
-        if self._is_only or not self._command.prints_each:
+        if self.is_only or not self.command.prints_each:
             return
-        if not self._is_first:
+        if not self.is_first:
             write_line()
-        self._is_first = False
-        if not self._command.is_named_by_text:
+        self.is_first = False
+        if not self.command.is_named_by_text:
             for path in recordings_in(vars(one)).values():
                 write_lines([str(path), ""])
