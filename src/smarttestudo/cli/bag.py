@@ -125,7 +125,7 @@ class _Summaries(RecordingCommand[BagSummary]):
         print_tables([self._table(result)])
 
     def rows(self, result: BagSummary) -> Iterator[Mapping[str, object]]:
-        """Also when it was recorded."""
+        """The rows of the summary, with the time of the recording."""
         span = result.span
         recorded_at = (
             None if span.is_empty else datetime.fromtimestamp(span.start_ns // NS_PER_S, tz=timezone.utc)

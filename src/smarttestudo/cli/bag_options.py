@@ -222,6 +222,6 @@ def print_notices(notices: Iterable[str]) -> None:
 
 
 def print_notice(notice: str) -> None:
-    """Print one of them."""
+    """Print a notice on standard error, after what was printed."""
     sys.stdout.flush()
     write_line(f"note: {notice}", sys.stderr)

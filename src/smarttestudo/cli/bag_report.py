@@ -143,15 +143,15 @@ class _Recordings(RecordingCommand["RecordingNumbers"]):
         return column_types(ReportRow)
 
     def print_text(self, result: RecordingNumbers) -> None:
-        """Nothing: it is on the page."""
+        """Print nothing: the numbers are on the page."""
 
     def shown(self, result: RecordingNumbers) -> RecordingNumbers:
-        """All of it, once it is added up."""
+        """Add the numbers to those of the page."""
         self._totals.add(result)
         return result
 
     def failed(self, line: str) -> None:
-        """Keep it for the page."""
+        """Keep the line for the page."""
         self._totals.failures.add(line)
 
     def sum(self) -> str:

@@ -280,7 +280,7 @@ def _action(
 
 
 def _list(arguments: argparse.Namespace) -> int:
-    """One line each; those that cannot be read are named, and cost only themselves."""
+    """A line for each incident; one that cannot be read is named, and costs only itself."""
     if arguments.connect and arguments.folder is None:
         return list_remote(arguments)
     if arguments.connect or arguments.folder is None:

@@ -102,12 +102,11 @@ class LinkWarnings:
         self._say: Callable[[str], None] = warn
 
     def __call__(self, sentence: str) -> None:
-        """Say it."""
         self._say(sentence)
 
     @contextmanager
     def logged(self, log: RobotLog) -> Iterator[None]:
-        """Say it in that log, which has time and node."""
+        """Warn in ``log``, which has time and node."""
         self._say = log.warning
         try:
             yield
@@ -132,7 +131,7 @@ def open_link(settings: Settings, warn: Callable[[str], None]) -> Iterator[Robot
 
 
 def add_connect(parser: argparse.ArgumentParser) -> None:
-    """Add ``--connect`` for who only watches and asks, and what goes with it."""
+    """Add ``--connect``, for commands that watch and ask robots, and the options that go with it."""
     group = parser.add_argument_group("robots over a link, without ROS here")
     group.add_argument(
         "--connect",

@@ -58,7 +58,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def smart_testudo(argv: Sequence[str] | None = None) -> int:
-    """Be ``testudo run``: the executable of ``ros2 run smarttestudo smart_testudo``."""
+    """Run ``testudo run``: the executable of ``ros2 run smarttestudo smart_testudo``."""
     return main(["run", *(sys.argv[1:] if argv is None else argv)])
 
 

@@ -65,7 +65,7 @@ class RecordingCommand(ABC, Generic[Result]):
 
     @abstractmethod
     def print_text(self, result: Result) -> None:
-        """Print it for people."""
+        """Print the result for people."""
 
     def notices(self, result: Result) -> Iterable[str]:
         """Losses and oddities, a line each."""

@@ -130,7 +130,7 @@ def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) 
 
 
 def _how_to_subscribe(status: RuntimeStatus, topics: Sequence[tuple[str, TopicStatus]]) -> list[Line]:
-    """Nothing for a robot with a link, whose operator's end is the subscriber."""
+    """How to get a subscriber; empty for a robot with a link, whose operator's end is one."""
     ready = [topic.output for _, topic in topics if topic.silence is Silence.NO_SUBSCRIBER]
     if not ready or status.link is not None or any(topic.subscribers for _, topic in topics):
         return []

@@ -92,7 +92,7 @@ class CompiledRelay(Protocol):
         """Follow another pace from now on."""
 
     def counts(self) -> RelayCounts:
-        """The counts as of now, those from before it began included."""
+        """The counts until now, with those from before the relay began."""
 
     def end(self) -> None:
         """Relay nothing more; messages that were not taken yet come to the subscription as before."""

@@ -23,7 +23,7 @@ class LevelledProperty(Enum):
 
     @property
     def unit(self) -> str:
-        """As a profile's keys spell it: m, deg or rad."""
+        """The unit in a profile's keys: m, deg or rad."""
         return {"position": "m", "orientation": "deg", "positions": "rad"}[self.value]
 
     @property

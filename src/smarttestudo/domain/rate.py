@@ -87,7 +87,7 @@ class Rate:
         return Rate(float(hz))
 
     def __str__(self) -> str:
-        """As a rule file writes it, with the unit."""
+        """The rate with its unit, as in a rule file."""
         if self.is_full:
             return "Full"
         return f"{self.hz:g} Hz" if self.yields_to_floor else "Off"

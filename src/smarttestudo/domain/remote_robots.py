@@ -36,11 +36,11 @@ class RuleTexts:
 
     @property
     def text(self) -> str:
-        """All of them as one text, which means the same."""
+        """The files as one text with the same meaning."""
         return "\n".join(text for _, text in self.files)
 
     def to_text(self) -> str:
-        """As JSON."""
+        """The record as a text of JSON."""
         return json.dumps(to_json(self), ensure_ascii=False)
 
     @staticmethod

@@ -391,5 +391,5 @@ def topic_types(robot: Robot) -> dict[str, str]:
 
 
 def is_visible(name: str) -> bool:
-    """Whether it is neither ROS's own nor hidden, as those of which a part begins with an underscore."""
+    """Whether a topic is neither ROS's own nor hidden; a part of a hidden name begins with an underscore."""
     return name not in _OF_ROS and "/_" not in name

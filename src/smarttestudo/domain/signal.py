@@ -18,7 +18,7 @@ class Signal(NamedTuple):
     property: str
 
     def __str__(self) -> str:
-        """As decisions name it."""
+        """The signal's name in decisions."""
         return f"{self.topic} {self.property}"
 
 

@@ -108,7 +108,7 @@ class ThinningDoubt(Enum):
 
     @property
     def details(self) -> str:
-        """Its consequence, and the remedy."""
+        """The consequence of the doubt, and the remedy."""
         return _DETAILS[self.name]
 
 

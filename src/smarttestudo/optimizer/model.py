@@ -172,7 +172,7 @@ class BoundNeeds:
 
     @property
     def ceiling_hz(self) -> float:
-        """The same, for the models without levels."""
+        """The highest rate of the models without levels."""
         return self.most_hz
 
     def bound(self, rate_hz: float, wanted: Tier, model: Model) -> float:

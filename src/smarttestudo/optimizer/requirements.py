@@ -71,7 +71,7 @@ class Subproblem:
         return {**others, **kept}
 
     def limited(self, defaults_hz: Mapping[str, float]) -> Subproblem:
-        """The same, with the rates that the defaults got as the ceilings of ``below_default``."""
+        """The subproblem with the rates that the defaults got as the ceilings of ``below_default``."""
         if not self.below_default:
             return self
         unlimited = self.unlimited or self

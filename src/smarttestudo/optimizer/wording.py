@@ -18,7 +18,7 @@ def kb_text(kb_per_s: float) -> str:
 
 
 def enough_kb_text(kb_per_s: float) -> str:
-    """The same, rounded up: what is needed fits a budget of the number that is named."""
+    """KB/s as ``kb_text``, rounded up: what is needed fits a budget of the number that is named."""
     nearest = round(kb_per_s, 2)
     return kb_text(nearest if fits(kb_per_s, nearest) else math.ceil(100 * kb_per_s) / 100)
 
