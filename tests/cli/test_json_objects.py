@@ -94,6 +94,7 @@ def desk(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: 
     return tmp_path
 
 
+@pytest.mark.contract
 def test_the_objects_and_columns_of_recordings_are_those_of_the_golden_files(
     desk: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
