@@ -36,11 +36,11 @@ from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Obstacle, ObstacleKind, Rectangle
 from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.remote_robots import RuleText
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.report.rule_timeline import by_topic
 from smarttestudo.report.run_report import (
     Fact,
-    RuleText,
     RunReport,
     TopicHistory,
     TopicSeries,
@@ -167,7 +167,7 @@ def demo_like_report() -> RunReport:
         loss=_loss(),
         accuracy_curve=demo_like_accuracy(),
         decisions=decisions,
-        rules=(RuleText(path="examples/warehouse.adirf", text=RULES),),
+        rules=(RuleText(name="examples/warehouse.adirf", text=RULES),),
         provenance=(
             Fact(label="Source recording", value="demo-out/baseline"),
             Fact(label="SmartTestudo recording", value="demo-out/adaptive"),

@@ -28,6 +28,7 @@ from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Rectangle
 from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.remote_robots import RuleText
 from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.report.document import render_report
@@ -36,7 +37,6 @@ from smarttestudo.report.page import style
 from smarttestudo.report.rule_timeline import DEFAULTS, OTHERS, STYLED_BLOCKS
 from smarttestudo.report.run_report import (
     Fact,
-    RuleText,
     RunReport,
     SeriesPoint,
     TopicHistory,
@@ -99,7 +99,7 @@ def hostile_report() -> RunReport:
         comparison=compare({HOSTILE: half}, {}),
         series=(TopicSeries(topic=HOSTILE, before=ONE_HZ, after=ONE_HZ),),
         decisions=(decision,),
-        rules=(RuleText(path=HOSTILE, text=f"// {HOSTILE}\n{HOSTILE}"),),
+        rules=(RuleText(name=HOSTILE, text=f"// {HOSTILE}\n{HOSTILE}"),),
         provenance=(Fact(label=HOSTILE, value=HOSTILE),),
         incident=IncidentMark(name=HOSTILE, at_s=5.0, text=HOSTILE),
         floor_plan=FloorPlan(
@@ -262,7 +262,7 @@ def test_a_long_run_makes_no_larger_page() -> None:
         decisions=decisions,
         series=tuple(TopicSeries(topic=topic, before=history, after=history) for topic in names),
         total=TopicSeries(topic="All topics", before=history, after=history),
-        rules=(RuleText(path="long.adirf", text="// word\n" * 100_000),),
+        rules=(RuleText(name="long.adirf", text="// word\n" * 100_000),),
     )
     html = render_report(report)
     assert "… and 12 760 more in the decisions file." in html

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
+from itertools import starmap
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -29,6 +30,7 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.remote_robots import RuleText
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.decision_log import with_run_starts
@@ -41,7 +43,6 @@ from smarttestudo.report.run_report import (
     Fact,
     FigureKind,
     LinkHistory,
-    RuleText,
     RunReport,
     TopicHistory,
     TopicSeries,
@@ -316,7 +317,7 @@ def _report(request: ReportRequest, runs: PairedRuns) -> RunReport:
         names=request.names,
         tables=() if runs.b else _tables_of_one(runs),
         budget_kb_per_s=request.budget_kb_per_s,
-        rules=tuple(RuleText(path=path, text=text) for path, text in request.rule_texts.items()),
+        rules=tuple(starmap(RuleText, request.rule_texts.items())),
         provenance=request.provenance,
         notices=(*runs.notices(), *decision_notices),
         incident=None if summary.incident is None else incident_mark(summary.incident, summary.span),

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from smarttestudo.bags.incident_mark import IncidentMark
 from smarttestudo.bags.targets import target_spans
 from smarttestudo.domain.decision import Decision, Reason
+from smarttestudo.domain.remote_robots import RuleText
 from smarttestudo.domain.units import grouped
 from smarttestudo.report.axes import label, number, percent_place, plot
 from smarttestudo.report.markup import Markup, name_parts, tag
@@ -25,7 +26,7 @@ from smarttestudo.report.rule_timeline import (
     deciding_spans,
     styled,
 )
-from smarttestudo.report.run_report import RuleText, RunReport
+from smarttestudo.report.run_report import RunReport
 from smarttestudo.report.styles import MAX_LANES, row_class
 from smarttestudo.report.table import format_number
 from smarttestudo.report.time_drawing import Frame, incident_line, time_svg
@@ -234,7 +235,7 @@ def _rule_files(rules: Sequence[RuleText]) -> Iterator[Markup]:
         lines = rule.text[:characters_left].splitlines()[:lines_left]
         lines_left -= len(lines)
         characters_left -= sum(map(len, lines))
-        yield tag("h4", rule.path, class_="words name")
+        yield tag("h4", rule.name, class_="words name")
         yield tag("pre", *_numbered(lines), tabindex="0")
         if len(lines) < len(rule.text.splitlines()):
             yield tag("p", "The file goes on; this is its beginning.", class_="note")

@@ -22,6 +22,7 @@ from smarttestudo.bags.trace import SecondBin, TraceAccumulator
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.link import StreamCounts
+from smarttestudo.domain.remote_robots import RuleText
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.report.comparison_tables import RunNames, bandwidth_table, frequency_table
 from smarttestudo.report.rule_timeline import by_topic
@@ -168,14 +169,6 @@ class LinkHistory:
     silences: tuple[tuple[float, float], ...]
     outages: int
     topics: tuple[TopicOverLink, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RuleText:
-    """A rule file as its author wrote it."""
-
-    path: str
-    text: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
