@@ -128,7 +128,7 @@ def _excluded_note(report: LossReport) -> tuple[str, ...]:
         for loss in report.fields
         if loss.excluded_sent or loss.excluded_received
     ]
-    return (f"Left out, because not a finite number: {'; '.join(parts)}.",) if parts else ()
+    return (f"Left out, as no value is known: {'; '.join(parts)}.",) if parts else ()
 
 
 def bound_table(report: LossReport) -> Table[BoundLoss]:
