@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the robot's end sends next, and when: the one place that owns window, outbox and requests."""
+"""The order and times of what the robot's end sends: the one place that owns window, outbox and requests."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class BudgetEstimator:
 
 
 class Scheduler(Generic[_Request]):
-    """What waits on one link and what is under way, in the time that is passed in.
+    """The messages that wait on one link and those under way, in the time that is passed in.
 
     The ``outbox`` says which message of the live streams is next, the ``window`` how many bytes may be under
     way, and ``requests`` are answered while both leave the link free. The ``budget`` is learned from all.
