@@ -11,7 +11,7 @@ from contextlib import contextmanager
 import zenoh
 
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.link.zenoh.session import is_heard
+from smarttestudo.link.zenoh.session import has_subscribers
 
 _KEY = "plain"
 
@@ -55,7 +55,7 @@ def plain_robot(
             for topic, priority in priorities.items()
         }
         puts = {topic: publisher.put for topic, publisher in publishers.items()}
-        yield puts, lambda: all(is_heard(one) for one in publishers.values())
+        yield puts, lambda: all(has_subscribers(one) for one in publishers.values())
 
 
 @contextmanager

@@ -30,8 +30,8 @@ from smarttestudo.accuracy.arms import Arm, Strategy
 from smarttestudo.accuracy.track import Message as Sent
 from smarttestudo.cli.main import main
 from smarttestudo.language.properties import gauges_for
+from smarttestudo.pacing.reckoning.estimate import Estimate
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3
-from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import StreamKind
 
 S = 1_000_000_000
@@ -188,7 +188,7 @@ def test_a_bound_is_never_broken_by_its_own_pacing(steps: list[tuple[int, int]],
 
     gauges = gauges_for("std_msgs/msg/Float64", ["data"])
     arms = [
-        Arm(Picture(gauges, reckons=False), "data", StreamKind.VOLATILE, strategy)
+        Arm(Estimate(gauges, reckons=False), "data", StreamKind.VOLATILE, strategy)
         for strategy in (Strategy(reckons=False, bound=bound), Strategy(reckons=False))
     ]
     now_ns = 0

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -25,6 +26,7 @@ from smarttestudo.incidents.options import (
     INCIDENTS_MAX,
 )
 from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.loop.step import Trigger
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
 from smarttestudo.robot.part import PartContext, RunView
@@ -78,9 +80,10 @@ class Run:
             self.part.on_wake(self.robot.now_ns())
 
     def trigger(self) -> None:
-        view = SimpleNamespace(loop=SimpleNamespace(triggered=None))
+        begin: list[Callable[[Trigger], None]] = []
+        view = SimpleNamespace(loop=SimpleNamespace(call_on_trigger=begin.append))
         self.part.begin(cast("RunView", view))
-        view.loop.triggered(trigger(self.rule_set, self.robot.now_ns()))
+        begin[0](trigger(self.rule_set, self.robot.now_ns()))
 
     def record(self) -> dict[str, Any]:
         """The record of the only incident, which is over."""

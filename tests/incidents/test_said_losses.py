@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -24,6 +25,7 @@ from smarttestudo.domain.units import grouped
 from smarttestudo.incidents.live_incidents import LiveIncidents
 from smarttestudo.incidents.missing import MOST_LOSSES, missing_text
 from smarttestudo.incidents.options import INCIDENT_MEMORY
+from smarttestudo.loop.step import Trigger
 from smarttestudo.robot.diagnostics import recording_text
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
@@ -56,11 +58,11 @@ def flooded(robot: Robot, folder: Path, memory_mb: float) -> tuple[LiveIncidents
     settings = Settings([INCIDENT_MEMORY], {INCIDENT_MEMORY.key: memory_mb})
     incidents = LiveIncidents(PartContext(robot=robot, settings=settings, resolve=str), folder)
     incidents.follow(LiveRules(rule_set=RULES), robot.now_ns())
-    run = SimpleNamespace(loop=SimpleNamespace(triggered=None))
+    begin: list[Callable[[Trigger], None]] = []
+    run = SimpleNamespace(loop=SimpleNamespace(call_on_trigger=begin.append))
     incidents.begin(cast("RunView", run))
     incidents.on_source("/odom", ODOMETRY, robot.now_ns())
-    assert run.loop.triggered is not None
-    run.loop.triggered(trigger(RULES, robot.now_ns()))
+    begin[0](trigger(RULES, robot.now_ns()))
     subscription = LosingSubscription()
     sent = 0
     for number in range(FLOOD_HZ // 2):

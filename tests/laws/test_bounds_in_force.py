@@ -22,7 +22,7 @@ from loop.loop_driver import LoopDriver
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
-from smarttestudo.loop.knowledge.knowledge import SettlingBounds
+from smarttestudo.loop.knowledge.knowledge import BoundHysteresis
 
 PROPERTIES = ("position", "orientation")
 CONDITIONS = ("/p", "/q", "/r")
@@ -143,7 +143,7 @@ def test_what_was_requested_in_the_settling_time_passes(
     requested: list[tuple[int, Bounds]], settle_ns: int
 ) -> None:
     requests = [_planned({}), *(_planned(within) for _, within in requested)]
-    settling, times_ns, now_ns = SettlingBounds(requests[0], settle_ns), [0], 0
+    settling, times_ns, now_ns = BoundHysteresis(requests[0], settle_ns), [0], 0
     for (gap_ns, _), request in zip(requested, requests[1:], strict=True):
         now_ns += gap_ns
         settling.on_request(request, now_ns)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rules that bound the receiver's picture: which bound holds when, and the bound as a law of the loop."""
+"""Rules that bound the receiver's estimate: which bound holds when, and the bound as a law of the loop."""
 
 from __future__ import annotations
 

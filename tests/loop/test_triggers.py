@@ -28,7 +28,7 @@ class Driver:
     def __init__(self, rules: str = RULES) -> None:
         self.loop = RelayLoop(rules_of(rules), Profile(), 0)
         self.triggers: list[Trigger] = []
-        self.loop.triggered = self.triggers.append
+        self.loop.call_on_trigger(self.triggers.append)
         self.now_s = 0.0
 
     def odom(self, x: float, *, after_s: float = 0.1) -> None:
@@ -58,7 +58,7 @@ EndIf""")
     assert driver.labels == ["Dead"]
     assert (driver.triggers[0].stamp_ns, driver.triggers[0].values) == (0, {"/scan rate": 0})
     others: list[Trigger] = []
-    driver.loop.triggered = others.append
+    driver.loop.call_on_trigger(others.append)
     for _ in range(50):
         driver.odom(1)
     assert others == []

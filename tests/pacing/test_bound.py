@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The law of a bound: after every message of the source, the receiver's picture is within it."""
+"""The law of a bound: after every message of the source, the receiver's estimate is within it."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from pacing.reckoning.ros_messages import ODOMETRY, TRANSFORMS, odometry, planar
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.properties import gauges_for
 from smarttestudo.pacing.bound import HEARTBEAT_HZ, MOST_BOUNDS, BoundRecords
+from smarttestudo.pacing.reckoning.estimate import Estimate
 from smarttestudo.pacing.reckoning.motion import (
     SpatialPose,
     Twist,
@@ -23,7 +24,6 @@ from smarttestudo.pacing.reckoning.motion import (
     position_distance_m,
     twist_between,
 )
-from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind
 from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
 
@@ -78,7 +78,7 @@ class Bench:
         kind = StreamKind.VOLATILE if is_odometry else StreamKind.NAMED
         self.pacer = TopicPacer(kind=kind)
         self.receiver = Receiver(reckons, is_odometry)
-        self.picture = Picture(gauges_for(type_name, ["position"]), reckons=reckons)
+        self.estimate = Estimate(gauges_for(type_name, ["position"]), reckons=reckons)
         self.records: BoundRecords = {}
         self.of_sample: dict[int, Sent] = {}
         self.passed_ns: list[int] = []
@@ -89,7 +89,7 @@ class Bench:
 
     def bind(self, bound_m: float, heartbeat_hz: float = HEARTBEAT_HZ) -> None:
         accuracy = Accuracy(
-            picture=self.picture,
+            estimate=self.estimate,
             bounds={"position": bound_m},
             heartbeat_hz=heartbeat_hz,
             records=self.records,
@@ -106,7 +106,7 @@ class Bench:
         sent = Sent(until_ns, poses, twist)
         payload = odometry(until_ns, poses[""], twist) if self._is_odometry else transforms(until_ns, poses)
         frames = () if self._is_odometry else tuple(poses)
-        readings = self.picture.read(payload, None, until_ns)
+        readings = self.estimate.read(payload, None, until_ns)
         sample = Sample(payload, len(payload), None, frames, None, readings)
         self._samples.append(sample)  # Kept, so that its identity stays its own.
         self.of_sample[id(sample)] = sent

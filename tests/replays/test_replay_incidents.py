@@ -176,8 +176,8 @@ def fail_within_a_window(folder: Path) -> None:
         assert cutter is not None
         loop = RelayLoop(rule_set, Profile(), START_NS)
         cutter.watch(loop)
-        assert loop.triggered is not None
-        loop.triggered(Trigger(stamp_ns=START_NS, block=rule_set.blocks[0], values={}))
+        assert loop.on_trigger is not None
+        loop.on_trigger(Trigger(stamp_ns=START_NS, block=rule_set.blocks[0], values={}))
         cutter.on_message(sources["/odom"], START_NS + 1, b"odometry")
         raise RecordingError("the recording ends here")
 

@@ -168,7 +168,7 @@ class Recording(Part):
         self.recorder = IncidentRecorder(rules.rule_set, self.sink, AMPLE_BYTES, now_ns)
 
     def begin(self, run: RunView) -> None:
-        run.loop.triggered = self._triggered
+        run.loop.call_on_trigger(self._triggered)
 
     def _triggered(self, trigger: Trigger) -> None:
         self.begun_ns.append(self.graph.passed_ns)

@@ -223,7 +223,7 @@ class Recording(Part):
         self.told: list[tuple[str, str, bytes, int]] = []
 
     def begin(self, run: RunView) -> None:
-        run.loop.triggered = self._triggered
+        run.loop.call_on_trigger(self._triggered)
 
     def follow(self, rules: LiveRules, now_ns: int) -> None:
         self.topics = frozenset(topic for topic in TOPICS if self.chance.random() < 0.7)

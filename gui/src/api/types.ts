@@ -133,9 +133,9 @@ export interface BoundReason {
  * How a bound was kept while it was in force, over the messages of the source that have a value.
  *
  * Of a property with many bounds, a record stands for several, and `bound` is the widest of them.
- * `worst` is the picture's largest finite error after one, `None` where it never had one. `broken`
- * counts those after which the picture was more than the bound off, or said nothing. `last` is the error
- * after the newest message, infinite where the picture, or the message, says nothing. A message without a
+ * `worst` is the estimate's largest finite error after one, `None` where it never had one. `broken`
+ * counts those after which the estimate was more than the bound off, or said nothing. `last` is the error
+ * after the newest message, infinite where the estimate, or the message, says nothing. A message without a
  * value is judged by no bound.
  */
 export interface BoundRecord {

@@ -24,8 +24,8 @@ from smarttestudo.domain.record import JsonEntry, derived
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.language.properties import needs_decoded, properties_for_bounds
+from smarttestudo.pacing.reckoning.estimate import MAX_PARTS, Estimate
 from smarttestudo.pacing.reckoning.gauges import Distance, MovingPart, Reading
-from smarttestudo.pacing.reckoning.picture import MAX_PARTS, Picture
 
 _SMALL_BOUNDS = (0.01, 0.02, 0.05, 0.1, 0.2)
 _BOUNDS_BY_UNIT: Mapping[str, tuple[float, ...]] = MappingProxyType(
@@ -199,11 +199,11 @@ def _curve(samples: TopicSamples, wanted: WantedProperty, end_ns: int) -> Accura
     kind, gauges = samples.kind, samples.track.gauges([wanted.name])
 
     def readable() -> Iterator[Message]:
-        picture = Picture(gauges, reckons=False)
+        picture = Estimate(gauges, reckons=False)
         return (one for one in samples.track.messages([wanted.name]) if picture.says_all(one.readings))
 
     def sent(strategies: Iterable[Strategy]) -> dict[Strategy, PacedPicture]:
-        arms = {one: Arm(Picture(gauges, reckons=one.reckons), wanted.name, kind, one) for one in strategies}
+        arms = {one: Arm(Estimate(gauges, reckons=one.reckons), wanted.name, kind, one) for one in strategies}
         for message in readable():
             for arm in arms.values():
                 arm.send(message)

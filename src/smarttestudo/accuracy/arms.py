@@ -13,8 +13,8 @@ from operator import attrgetter
 
 from smarttestudo.accuracy.track import Message
 from smarttestudo.pacing.bound import HEARTBEAT_HZ, BoundRecords
+from smarttestudo.pacing.reckoning.estimate import Estimate
 from smarttestudo.pacing.reckoning.gauges import Gauge
-from smarttestudo.pacing.reckoning.picture import Picture
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind
 from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
 
@@ -96,7 +96,7 @@ class Receiver:
     __slots__ = ("_coming", "_next", "_picture", "_reckons", "last", "messages")
 
     def __init__(self, gauges: Sequence[Gauge], received: Iterable[Message], *, reckons: bool) -> None:
-        self._picture = Picture(gauges, reckons=reckons)
+        self._picture = Estimate(gauges, reckons=reckons)
         self._reckons = reckons
         self._coming = iter(received)
         self._next = next(self._coming, None)
@@ -175,7 +175,7 @@ class Arm:
 
     __slots__ = ("_error", "_kept", "_messages", "_name", "_pacer", "_picture", "_strategy")
 
-    def __init__(self, picture: Picture, name: str, kind: StreamKind, strategy: Strategy) -> None:
+    def __init__(self, picture: Estimate, name: str, kind: StreamKind, strategy: Strategy) -> None:
         self._picture, self._name, self._strategy = picture, name, strategy
         self._pacer = TopicPacer(kind=kind)
         self._kept: BoundRecords = {}
@@ -213,7 +213,7 @@ class Arm:
         self._pacer.set_rate(strategy.rate_hz, now_ns)
         if strategy.bound is not None:
             accuracy = Accuracy(
-                picture=self._picture,
+                estimate=self._picture,
                 bounds={self._name: strategy.bound},
                 heartbeat_hz=HEARTBEAT_HZ,
                 records=self._kept,

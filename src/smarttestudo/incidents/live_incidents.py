@@ -134,7 +134,7 @@ class LiveIncidents(Part):
     def begin(self, run: RunView) -> None:
         """Begin an incident when a block of the loop does."""
         if self._recorder is not None:
-            run.loop.triggered = self._recorder.begin
+            run.loop.call_on_trigger(self._recorder.begin)
 
     def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:
         """Have the topic's type, and know from when on it is heard."""

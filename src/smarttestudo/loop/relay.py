@@ -20,7 +20,7 @@ from smarttestudo.pacing.bound import HEARTBEAT_HZ
 from smarttestudo.pacing.cdr import STAMPED_BYTES, STREAM_TYPES, StreamReader, header_stamp
 from smarttestudo.pacing.coded_video import VideoReader
 from smarttestudo.pacing.follower import Follower
-from smarttestudo.pacing.reckoning.picture import Picture
+from smarttestudo.pacing.reckoning.estimate import Estimate
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
 
@@ -40,8 +40,8 @@ class Relayed(NamedTuple):
     publisher: Hashable = None
 
 
-class ReckonedPicture(NamedTuple):
-    """Picture that receivers reckon of a topic, with bounds by property; infinite where there is none.
+class PredictedEstimate(NamedTuple):
+    """Estimate that receivers reckon of a topic, with bounds by property; infinite where there is none.
 
     ``number`` is another one when they have to begin anew with the next message. Where the motion comes from
     the last two messages, ``needs_every_message``.
@@ -62,11 +62,11 @@ class Relay:
 
     __slots__ = (
         "_accuracy",
+        "_estimate_number",
         "_floor_hz",
         "_is_reckoned",
         "_is_standard",
         "_level_unit",
-        "_picture_number",
         "_rate_hz",
         "_reader",
         "_stale_after_ns",
@@ -82,7 +82,7 @@ class Relay:
     )
 
     needs_decoded: bool
-    """Whether messages must be decoded, because the picture has bounds on fields that are read so."""
+    """Whether messages must be decoded, because the estimate has bounds on fields that are read so."""
 
     def __init__(
         self,
@@ -98,7 +98,7 @@ class Relay:
         self._accuracy: Accuracy | None = None
         self._floor_hz = 0.0
         self._is_reckoned = is_reckoned
-        self._picture_number = 0
+        self._estimate_number = 0
         self._level_unit = profile.level_unit
         self._type_name = profile.type_name or ""
         self._is_standard = True
@@ -127,18 +127,18 @@ class Relay:
             relay.statistics.target.change(relay.target_hz, now_ns)
 
     def set_floor(self, floor_hz: float, now_ns: int) -> None:
-        """The topic's KeepAtLeast, the heartbeat where its picture has bounds; 0 where there is none."""
+        """The topic's KeepAtLeast, the heartbeat where its estimate has bounds; 0 where there is none."""
         self._floor_hz = floor_hz
         heartbeat_hz = floor_hz or HEARTBEAT_HZ
         if self._accuracy is not None and self._accuracy.heartbeat_hz != heartbeat_hz:
             self._accuracy = replace(self._accuracy, heartbeat_hz=heartbeat_hz)
             self._apply_accuracy(now_ns)
             if self._is_reckoned:
-                # The heartbeat says which stamps have jumped, so no picture goes on from one to another.
-                self.begin_picture(now_ns)
+                # The heartbeat says which stamps have jumped, so no estimate goes on from one to another.
+                self.begin_estimate(now_ns)
 
     def set_within(self, within: Mapping[str, float], now_ns: int) -> Sequence[Relayed]:
-        """Keep the receiver's picture within these bounds, by property; what was held may pass then."""
+        """Keep the receiver's estimate within these bounds, by property; what was held may pass then."""
         accuracy = self._accuracy
         known = {} if accuracy is None else dict.fromkeys(accuracy.bounds, math.inf)
         if accuracy is None and not within:
@@ -146,11 +146,11 @@ class Relay:
         self._accuracy = None
         if within:
             is_same = accuracy is not None and known.keys() >= within.keys()
-            picture = (
-                accuracy.picture if accuracy is not None and is_same else self._picture((*known, *within))
+            estimate = (
+                accuracy.estimate if accuracy is not None and is_same else self._estimate((*known, *within))
             )
             self._accuracy = Accuracy(
-                picture=picture,
+                estimate=estimate,
                 bounds={**known, **within},
                 heartbeat_hz=self._floor_hz or HEARTBEAT_HZ,
                 records=self.statistics.bounds,
@@ -158,39 +158,42 @@ class Relay:
         self.needs_decoded = self.needs_decoded and self._accuracy is not None
         return self._apply_accuracy(now_ns)
 
-    def begin_picture(self, now_ns: int) -> None:
-        """Begin receivers' picture anew: the newest message is due where there are bounds."""
-        self._picture_number += 1
+    def begin_estimate(self, now_ns: int) -> None:
+        """Begin receivers' estimate anew: the newest message is due where there are bounds."""
+        self._estimate_number += 1
         if isinstance(self.pacer, TopicPacer):
             self.pacer.forget_receivers(now_ns)
 
     def set_reckoned(self, *, is_reckoned: bool, now_ns: int) -> Sequence[Relayed]:
-        """Whether receivers reckon the topic from now on; a change of that begins with a new picture."""
+        """Whether receivers reckon the topic from now on; a change of that begins with a new estimate."""
         if is_reckoned == self._is_reckoned:
             return ()
         self._is_reckoned = is_reckoned
         if self._accuracy is None:
             return ()
-        self._accuracy = replace(self._accuracy, picture=self._picture(self._accuracy.bounds))
+        self._accuracy = replace(self._accuracy, estimate=self._estimate(self._accuracy.bounds))
         return self._apply_accuracy(now_ns)
 
     @property
-    def reckoned_picture(self) -> ReckonedPicture | None:
-        """Picture that receivers reckon; ``None`` where they show the last value."""
+    def predicted_estimate(self) -> PredictedEstimate | None:
+        """Estimate that receivers reckon; ``None`` where they show the last value."""
         accuracy = self._accuracy
         if accuracy is None or not self._is_reckoned or isinstance(self.pacer, Follower):
             return None
-        return ReckonedPicture(
-            self._picture_number, accuracy.bounds, accuracy.heartbeat_hz, accuracy.picture.needs_every_message
+        return PredictedEstimate(
+            self._estimate_number,
+            accuracy.bounds,
+            accuracy.heartbeat_hz,
+            accuracy.estimate.needs_every_message,
         )
 
-    def _picture(self, names: Iterable[str]) -> Picture:
+    def _estimate(self, names: Iterable[str]) -> Estimate:
         gauges = gauges_for(
             self._type_name, dict.fromkeys(names), self._level_unit, is_standard=self._is_standard
         )
         self.needs_decoded = needs_decoded(gauges)
-        self._picture_number += 1
-        return Picture(gauges, reckons=self._is_reckoned)
+        self._estimate_number += 1
+        return Estimate(gauges, reckons=self._is_reckoned)
 
     def _apply_accuracy(self, now_ns: int) -> Sequence[Relayed]:
         if isinstance(self.pacer, Follower):
@@ -239,8 +242,8 @@ class Relay:
             frames = self.statistics.frames
             frames.record(frames.arrived, sample.frames, now_ns)
         if self._accuracy is not None:
-            sample.readings = self._accuracy.picture.read(payload[:], given.message, now_ns)
-            self.statistics.unreadable += not self._accuracy.picture.says_all(sample.readings)
+            sample.readings = self._accuracy.estimate.read(payload[:], given.message, now_ns)
+            self.statistics.unreadable += not self._accuracy.estimate.says_all(sample.readings)
         if self.followers or self.leader:
             sample.stamp = header_stamp(payload[:STAMPED_BYTES])
         passes = self.pacer.offer(sample, now_ns)
@@ -260,7 +263,7 @@ class Relay:
         has_other_type = has_other_type or change.is_standard is not self._is_standard
         self._type_name, self._is_standard = change.type_name or self._type_name, change.is_standard
         if has_other_type and self._accuracy is not None:
-            self._accuracy = replace(self._accuracy, picture=self._picture(self._accuracy.bounds))
+            self._accuracy = replace(self._accuracy, estimate=self._estimate(self._accuracy.bounds))
             self._apply_accuracy(now_ns)
         if has_other_type:
             self._reader = self._stream_reader()

@@ -61,23 +61,18 @@ class RelayLoop:
         self._sources: dict[str, SourceChanged] = {}
         self._decisions: list[Decision] = []
         self._first_triggers: list[Trigger] = []
-        self._triggered: Callable[[Trigger], None] | None = self._first_triggers.append
+        self.on_trigger: Callable[[Trigger], None] | None = self._first_triggers.append
         self._now_ns = start_ns
         self._step_ns: int | None = None
         self._step((), start_ns)
-        self._triggered = None
+        self.on_trigger = None
 
-    @property
-    def triggered(self) -> Callable[[Trigger], None] | None:
-        """Function told of each block that begins to record, at once, and of those that do from the start."""
-        return self._triggered
-
-    @triggered.setter
-    def triggered(self, told: Callable[[Trigger], None]) -> None:
-        self._triggered = told
+    def call_on_trigger(self, on_trigger: Callable[[Trigger], None]) -> None:
+        """Have each block that begins to record called for, at once, and those that do from the start."""
+        self.on_trigger = on_trigger
         first, self._first_triggers = self._first_triggers, []
         for trigger in first:
-            told(trigger)
+            on_trigger(trigger)
 
     @property
     def next_wake_ns(self) -> int | None:
@@ -127,7 +122,7 @@ class RelayLoop:
         return self._with_freed(())
 
     def needs_decoded(self, topic: str) -> bool:
-        """Whether messages of ``topic`` must come decoded: for a check, or for a bound of its picture."""
+        """Whether messages of ``topic`` must come decoded: for a check, or for a bound of its estimate."""
         return self.knowledge.reads(topic) or self.relays.needs_decoded(topic)
 
     @property
@@ -240,15 +235,15 @@ class RelayLoop:
         self,
         observations: Sequence[Observation],
         now_ns: int,
-        told: Callable[[Decision], Decision] | None = None,
+        relabel: Callable[[Decision], Decision] | None = None,
     ) -> None:
         result = step(self.knowledge, observations, now_ns)
         self._step_ns = result.next_wake_ns
-        if self._triggered is not None:
+        if self.on_trigger is not None:
             for trigger in result.triggers:
-                self._triggered(trigger)
+                self.on_trigger(trigger)
         if result.decisions:
-            self._decisions += map(told, result.decisions) if told else result.decisions
+            self._decisions += map(relabel, result.decisions) if relabel else result.decisions
             self._freed += self.relays.apply(result.decisions, now_ns)
 
     def _with_freed(self, relayed: Sequence[Relayed]) -> list[Relayed]:

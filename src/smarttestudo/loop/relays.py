@@ -12,7 +12,7 @@ from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.timing import AlarmClock
 from smarttestudo.loop.inputs import MessageInput
-from smarttestudo.loop.relay import ReckonedPicture, Relay, Relayed
+from smarttestudo.loop.relay import PredictedEstimate, Relay, Relayed
 from smarttestudo.loop.statistics import RelayStatistics
 from smarttestudo.pacing.follower import Follower, leaders
 from smarttestudo.pacing.sample import WhenSlow
@@ -111,17 +111,17 @@ class Relays:
                 self.arm(relay)
 
     def needs_decoded(self, topic: str) -> bool:
-        """Whether messages of ``topic`` must be decoded for the bounds of its picture."""
+        """Whether messages of ``topic`` must be decoded for the bounds of its estimate."""
         relay = self._relays.get(topic)
         return relay is not None and relay.needs_decoded
 
     @property
-    def pictures(self) -> Mapping[str, ReckonedPicture]:
-        """Picture that receivers reckon of each topic that has bounds and is reckoned."""
+    def estimates(self) -> Mapping[str, PredictedEstimate]:
+        """Estimate that receivers reckon of each topic that has bounds and is reckoned."""
         if not self._reckoned:
             return {}
-        found = {topic: relay.reckoned_picture for topic, relay in self._relays.items()}
-        return {topic: picture for topic, picture in found.items() if picture is not None}
+        found = {topic: relay.predicted_estimate for topic, relay in self._relays.items()}
+        return {topic: estimate for topic, estimate in found.items() if estimate is not None}
 
     def set_reckoned(self, topics: Collection[str], now_ns: int) -> list[Relayed]:
         """Receivers reckon these topics from now on, and no others; what was held may pass then."""
@@ -136,7 +136,7 @@ class Relays:
         """A receiver of ``topic`` came that has got nothing yet."""
         relay = self._relays.get(topic)
         if relay is not None:
-            relay.begin_picture(now_ns)
+            relay.begin_estimate(now_ns)
             self.arm(relay)
 
     def end_groups(self, topic: str) -> None:

@@ -46,10 +46,10 @@ def exchange_rules(
     knowledge.watch_alarms = AlarmClock()
     for topic in knowledge.watched:
         knowledge.watch_alarms.set(topic, now_ns)
-    _carry_on_settling(knowledge, prepared.same)
+    _carry_on_hysteresis(knowledge, prepared.same)
     knowledge.settle_alarms = AlarmClock()
     _keep_plan(knowledge, prepared.counterpart)
-    knowledge.unheard &= order_of.keys()
+    knowledge.without_subscribers &= order_of.keys()
     if knowledge.link is not None:
         knowledge.link.change_rules(rule_set, profile)
     return ended
@@ -88,16 +88,17 @@ def _watched(
     return watched
 
 
-def _carry_on_settling(knowledge: Knowledge, same: Mapping[str, SameRules]) -> None:
+def _carry_on_hysteresis(knowledge: Knowledge, same: Mapping[str, SameRules]) -> None:
     """Keep the requests that wait, of the topics whose rules stay the same."""
-    settling, settling_bounds = {}, {}
-    for topic, waiting in knowledge.settling.items():
-        if (rules := same.get(topic)) is not None:
-            settling[topic] = waiting.carried_on(partial(_renamed, rules.blocks), knowledge.settle_ns)
-            settling_bounds[topic] = knowledge.settling_bounds[topic].carried_on(
-                partial(_with_renamed_bounds, rules.named), knowledge.settle_ns
-            )
-    knowledge.settling, knowledge.settling_bounds = settling, settling_bounds
+    knowledge.hysteresis = {
+        topic: waiting.carried_on(
+            partial(_renamed, same[topic].blocks),
+            partial(_with_renamed_bounds, same[topic].named),
+            knowledge.settle_ns,
+        )
+        for topic, waiting in knowledge.hysteresis.items()
+        if topic in same
+    }
 
 
 def _renamed(new_blocks: Mapping[int, RuleBlock], request: RequestedRate) -> RequestedRate:

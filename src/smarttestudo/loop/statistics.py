@@ -123,7 +123,7 @@ class RelayStatistics:
     """The flows into and out of one relay, how many of the latter were repeated, and the target.
 
     ``frames`` are those of each stream that messages name, which the target is about then. ``bounds``
-    say how each bound of the receiver's picture was kept, ``unreadable`` how many messages of a topic with
+    say how each bound of the receiver's estimate was kept, ``unreadable`` how many messages of a topic with
     bounds lack a value of one, which is not judged by them. ``video`` is there of coded video.
     """
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -23,7 +23,7 @@ from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.evaluator import RequestedRate
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
-from smarttestudo.loop.knowledge.knowledge import Knowledge, Settling, SettlingBounds
+from smarttestudo.loop.knowledge.knowledge import Hysteresis, Knowledge
 from smarttestudo.loop.knowledge.watched_topic import Reading, WatchedTopic
 
 
@@ -62,7 +62,7 @@ def meter(knowledge: Knowledge, topic: str, size_bytes: int, clock_ns: int) -> b
     if knowledge.link is None:
         return False
     now_ns = knowledge.time.advance(clock_ns)
-    return topic not in knowledge.unheard and knowledge.link.record(topic, now_ns, size_bytes)
+    return topic not in knowledge.without_subscribers and knowledge.link.record(topic, now_ns, size_bytes)
 
 
 def _meter(
@@ -72,14 +72,14 @@ def _meter(
     topic, is_over = observation.topic, False
     match observation:
         case Arrival(size_bytes=size_bytes):
-            if knowledge.link is not None and topic not in knowledge.unheard:
+            if knowledge.link is not None and topic not in knowledge.without_subscribers:
                 knowledge.link.record(topic, now_ns, size_bytes)
         case SourceChanged(publishers=publishers):
             is_over = publishers == 0
         case ListenersChanged(are_there=True):
-            knowledge.unheard.discard(topic)
+            knowledge.without_subscribers.discard(topic)
         case ListenersChanged():
-            knowledge.unheard.add(topic)
+            knowledge.without_subscribers.add(topic)
             is_over = True
     if is_over and knowledge.link is not None:
         knowledge.link.end(topic, now_ns)
@@ -133,29 +133,18 @@ def plan(knowledge: Knowledge, changed: Iterable[str], now_ns: int) -> tuple[Dec
 
 def _take_request(knowledge: Knowledge, topic: str, now_ns: int) -> None:
     request = knowledge.evaluator.decide(topic)
-    settling = knowledge.settling.get(topic)
-    if settling is None:
-        knowledge.settling[topic] = Settling(request, knowledge.settle_ns)
+    known = knowledge.hysteresis.get(topic)
+    if known is None:
+        knowledge.hysteresis[topic] = Hysteresis.of(request, knowledge.settle_ns)
     else:
-        settling.on_request(request, now_ns)
-    bounds = knowledge.settling_bounds.get(topic)
-    if bounds is None:
-        knowledge.settling_bounds[topic] = SettlingBounds(request.planned, knowledge.settle_ns)
-    else:
-        bounds.on_request(request.planned, now_ns)
+        known.on_request(request, now_ns)
 
 
 def _settle(knowledge: Knowledge, topic: str, now_ns: int) -> bool:
     """Whether another rate, or other bounds, have settled for ``topic``."""
-    settling = knowledge.settling[topic]
-    before, after = knowledge.settled.get(topic), settling.effective(now_ns)
-    bounds = knowledge.settling_bounds[topic]
-    planned = bounds.effective(after.planned, now_ns)
-    if planned is not after.planned:
-        after = replace(after, planned=planned)
-    times_ns = (settling.next_change_ns, bounds.next_change_ns)
-    next_ns = min((at_ns for at_ns in times_ns if at_ns is not None), default=None)
-    knowledge.settle_alarms.set(topic, next_ns)
+    hysteresis = knowledge.hysteresis[topic]
+    before, after = knowledge.settled.get(topic), hysteresis.effective(now_ns)
+    knowledge.settle_alarms.set(topic, hysteresis.next_change_ns)
     knowledge.settled[topic] = after
     if before is None:
         return True

@@ -20,7 +20,7 @@ from smarttestudo.language.properties import gauges_for, properties_for_bounds
 from smarttestudo.optimizer.wording import kb_text
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
 from smarttestudo.pacing.cdr import STREAM_TYPES, StreamReader
-from smarttestudo.pacing.reckoning.picture import Picture
+from smarttestudo.pacing.reckoning.estimate import Estimate
 from smarttestudo.pacing.sample import Sample, StreamKind
 from smarttestudo.pacing.streams import MAX_STREAMS, messages_per_hz
 from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
@@ -101,12 +101,12 @@ class _Gauged:
         self.passed = [0] * len(bounds)
         self.unread = 0
         gauges = gauges_for(type_name, [levelled.value])
-        self._picture = Picture(gauges, reckons=False)
+        self._picture = Estimate(gauges, reckons=False)
         self._pacers = [TopicPacer(kind=_kind(type_name)) for _ in bounds]
         for pacer, bound in zip(self._pacers, bounds, strict=True):
-            picture = Picture(gauges, reckons=False)
+            picture = Estimate(gauges, reckons=False)
             accuracy = Accuracy(
-                picture=picture, bounds={levelled.value: bound}, heartbeat_hz=HEARTBEAT_HZ, records={}
+                estimate=picture, bounds={levelled.value: bound}, heartbeat_hz=HEARTBEAT_HZ, records={}
             )
             pacer.set_accuracy(accuracy, 0)
             pacer.set_rate(math.inf, 0)

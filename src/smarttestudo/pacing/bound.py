@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Streams of a topic whose receiver's picture is kept within bounds."""
+"""Streams of a topic whose receiver's estimate is kept within bounds."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Annotated
 
 from smarttestudo.domain.record import JsonEntry
 from smarttestudo.pacing.grid import NEVER_NS, Grid, Pace
-from smarttestudo.pacing.reckoning.picture import Picture
+from smarttestudo.pacing.reckoning.estimate import Estimate
 from smarttestudo.pacing.sample import Pass, Sample
 from smarttestudo.pacing.stream import VolatileStream
 from smarttestudo.pacing.streams import Streams
@@ -25,9 +25,9 @@ class BoundRecord:
     """How a bound was kept while it was in force, over the messages of the source that have a value.
 
     Of a property with many bounds, a record stands for several, and ``bound`` is the widest of them.
-    ``worst`` is the picture's largest finite error after one, ``None`` where it never had one. ``broken``
-    counts those after which the picture was more than the bound off, or said nothing. ``last`` is the error
-    after the newest message, infinite where the picture, or the message, says nothing. A message without a
+    ``worst`` is the estimate's largest finite error after one, ``None`` where it never had one. ``broken``
+    counts those after which the estimate was more than the bound off, or said nothing. ``last`` is the error
+    after the newest message, infinite where the estimate, or the message, says nothing. A message without a
     value is judged by no bound.
     """
 
@@ -56,7 +56,7 @@ def _new_record(by_bound: dict[float, BoundRecord], bound: float) -> BoundRecord
 class BoundStream(VolatileStream):
     """One stream of a bound topic: its grid is the heartbeat's, ``ceiling`` that of the topic's rate.
 
-    A held sample that is ``overdue``, because the picture is out of bounds without it, passes as soon as the
+    A held sample that is ``overdue``, because the estimate is out of bounds without it, passes as soon as the
     ceiling lets it.
     """
 
@@ -111,17 +111,17 @@ class BoundStream(VolatileStream):
 class BoundStreams(Streams[BoundStream]):
     """A stream for each name in the messages, such as a child frame, or for each publisher.
 
-    A message passes if the picture without it is more than a bound off, or if the heartbeat of any of its
+    A message passes if the estimate without it is more than a bound off, or if the heartbeat of any of its
     streams is due; in both cases only where the ceiling of any of them lets it. So after every message of the
-    source the picture is within the bounds, unless the ceiling forbids it, which is counted in ``records``.
-    There is a bound for each property that the picture measures, infinite where none is in force.
+    source the estimate is within the bounds, unless the ceiling forbids it, which is counted in ``records``.
+    There is a bound for each property that the estimate measures, infinite where none is in force.
     """
 
-    __slots__ = ("_heartbeat", "_picture", "bounds", "records")
+    __slots__ = ("_estimate", "_heartbeat", "bounds", "records")
 
     def __init__(
         self,
-        picture: Picture,
+        estimate: Estimate,
         bounds: Mapping[str, float],
         records: BoundRecords,
         *,
@@ -129,8 +129,8 @@ class BoundStreams(Streams[BoundStream]):
         heartbeat_hz: float,
     ) -> None:
         super().__init__(lambda pace, now_ns: BoundStream(self._heartbeat, pace, now_ns), ceiling)
-        self._picture = picture
-        picture.expect_heartbeat(heartbeat_hz)
+        self._estimate = estimate
+        estimate.expect_heartbeat(heartbeat_hz)
         self._heartbeat = Pace.at(heartbeat_hz)
         self.bounds = bounds
         self.records = records
@@ -138,7 +138,7 @@ class BoundStreams(Streams[BoundStream]):
     def offer(self, sample: Sample, now_ns: int) -> Sequence[Pass]:
         """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
         streams = self._streams_of(sample, now_ns)
-        errors = self._picture.errors(sample.readings, sample.publisher)
+        errors = self._estimate.errors(sample.readings, sample.publisher)
         is_off_bound = self._is_off_bound(errors)
         is_wanted, may_pass = is_off_bound, False
         for stream in streams:
@@ -161,9 +161,9 @@ class BoundStreams(Streams[BoundStream]):
         return any(stream.held is sample for stream in self._streams.values())
 
     def change_bounds(self, bounds: Mapping[str, float], heartbeat_hz: float, now_ns: int) -> None:
-        """Keep the picture within other ``bounds`` of the same properties from now on."""
+        """Keep the estimate within other ``bounds`` of the same properties from now on."""
         self.bounds = bounds
-        self._picture.expect_heartbeat(heartbeat_hz)
+        self._estimate.expect_heartbeat(heartbeat_hz)
         pace = Pace.at(heartbeat_hz)
         for stream in self._streams.values():
             if pace != self._heartbeat:
@@ -173,13 +173,13 @@ class BoundStreams(Streams[BoundStream]):
 
     def forget_receivers(self, now_ns: int) -> None:
         """A receiver came that has got nothing yet: the newest message is due at once."""
-        self._picture.forget()
+        self._estimate.forget()
         self._judge_again(now_ns)
 
     def _judge_again(self, now_ns: int) -> None:
         for stream in self._streams.values():
             if stream.held is not None:
-                errors = self._picture.errors(stream.held.readings, stream.held.publisher)
+                errors = self._estimate.errors(stream.held.readings, stream.held.publisher)
                 stream.overdue = self._is_off_bound(errors)
         self._arm(now_ns)
 
@@ -191,7 +191,7 @@ class BoundStreams(Streams[BoundStream]):
         # A finite error is one of two values, so who has none is only asked for where one is infinite.
         judged = errors
         if math.inf in errors.values():
-            judged = self._picture.judged_errors(sample.readings, sample.publisher)
+            judged = self._estimate.judged_errors(sample.readings, sample.publisher)
         for name in errors:
             bound = self.bounds[name]
             if bound == math.inf:
@@ -210,14 +210,14 @@ class BoundStreams(Streams[BoundStream]):
     def _pass(self, sample: Sample, streams: Sequence[BoundStream], now_ns: int) -> None:
         for stream in streams:
             stream.settle(now_ns)
-        self._picture.show(sample.readings, sample.publisher)
+        self._estimate.show(sample.readings, sample.publisher)
         self._arm(now_ns)
 
     def _release(self, stream: BoundStream, now_ns: int) -> Sequence[Pass]:
         sample = stream.held
         if sample is None:
             return ()
-        if not stream.overdue and self._picture.is_taken_over(sample.readings, sample.publisher):
+        if not stream.overdue and self._estimate.is_taken_over(sample.readings, sample.publisher):
             # Else the last word of a node that was restarted came after the first one of its successor.
             stream.held = None
             return ()
@@ -225,5 +225,5 @@ class BoundStreams(Streams[BoundStream]):
             other.charge(now_ns)
             if other.held is sample:
                 other.held, other.overdue = None, False
-        self._picture.show(sample.readings, sample.publisher)
+        self._estimate.show(sample.readings, sample.publisher)
         return (Pass(sample),)

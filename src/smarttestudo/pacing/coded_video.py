@@ -159,7 +159,7 @@ def _h264(data: bytes, size_bytes: int) -> VideoFrame:
         if kind == 5:
             return VideoFrame.KEY
         if 1 <= kind <= 4:
-            # Behind parameters a decoder may begin with a picture that refers to none before.
+            # Behind parameters a decoder may begin with an estimate that refers to none before.
             begins = has_parameters and _is_intra(data[at + 1 : at + 9])
             return VideoFrame.KEY if begins else VideoFrame.DIFFERENCE
     return _without_slice(data, has_parameters=has_parameters)

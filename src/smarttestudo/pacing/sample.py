@@ -68,8 +68,8 @@ class Sample:
     ``publisher`` tells publishers of one topic apart, where that can be told. ``frames`` are the names of
     the streams in it, such as the child frames of a TFMessage (``cdr.StreamReader``), ``deletion`` says
     whether it deletes markers, and ``frame`` what a message of coded video is to a decoder. ``stamp`` is
-    ``cdr.header_stamp`` where topics are paced together, ``readings`` what ``Picture.read`` made of it where
-    the picture of the topic has bounds. Treat it as immutable; frozen or keyword-only it would take two to
+    ``cdr.header_stamp`` where topics are paced together, ``readings`` what ``Estimate.read`` made of it where
+    the estimate of the topic has bounds. Treat it as immutable; frozen or keyword-only it would take two to
     four times as long to make, and one is made for every message.
     """
 

@@ -13,7 +13,7 @@ from typing import cast
 from smarttestudo.pacing.bound import BoundRecords, BoundStreams
 from smarttestudo.pacing.follower import Follower, FollowerNotifier
 from smarttestudo.pacing.grid import NEVER_NS, Pace
-from smarttestudo.pacing.reckoning.picture import Picture
+from smarttestudo.pacing.reckoning.estimate import Estimate
 from smarttestudo.pacing.sample import Pacer, Pass, Sample, StreamKind, WhenSlow
 from smarttestudo.pacing.stream import GroupStream, LatchedStream, PublisherStream, RepeatStream
 from smarttestudo.pacing.streams import NamedStreams, PublisherStreams, Streams
@@ -29,12 +29,12 @@ AnyStreams = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Accuracy:
-    """Accuracy of a topic's picture: a bound for each property that ``picture`` measures.
+    """Accuracy of a topic's estimate: a bound for each property that ``estimate`` measures.
 
     ``heartbeat_hz`` passes all the same; ``records`` are written to.
     """
 
-    picture: Picture
+    estimate: Estimate
     bounds: Mapping[str, float]
     heartbeat_hz: float
     records: BoundRecords
@@ -159,16 +159,16 @@ class TopicPacer(Pacer):
         self._notifier.pace_changed(pace, self._streams, now_ns)
 
     def set_accuracy(self, accuracy: Accuracy | None, now_ns: int, /) -> Sequence[Pass]:
-        """Keep a picture within bounds from now on, or none; with another picture, begin anew.
+        """Keep an estimate within bounds from now on, or none; with another estimate, begin anew.
 
-        What is held is read and offered again; samples that come must have readings of that picture.
+        What is held is read and offered again; samples that come must have readings of that estimate.
         """
         before, self._accuracy = self._accuracy, accuracy
         if before is None and accuracy is None:
             return ()
         self._see(now_ns)
         streams = self._streams
-        if accuracy is None or before is None or before.picture is not accuracy.picture:
+        if accuracy is None or before is None or before.estimate is not accuracy.estimate:
             return self._begin_anew(now_ns)
         if isinstance(streams, BoundStreams):
             streams.change_bounds(accuracy.bounds, accuracy.heartbeat_hz, now_ns)
@@ -226,7 +226,7 @@ class TopicPacer(Pacer):
     def _offer_again(self, held: Sequence[Sample], now_ns: int) -> Sequence[Pass]:
         if self._accuracy is not None:
             for sample in held:
-                sample.readings = self._accuracy.picture.read(sample.payload[:], None, now_ns)
+                sample.readings = self._accuracy.estimate.read(sample.payload[:], None, now_ns)
         return [passed for sample in held for passed in self.offer(sample, now_ns)]
 
     @property
@@ -247,7 +247,7 @@ class TopicPacer(Pacer):
         accuracy = self._accuracy
         if accuracy is not None:
             return BoundStreams(
-                accuracy.picture,
+                accuracy.estimate,
                 accuracy.bounds,
                 accuracy.records,
                 ceiling=self._pace,

@@ -69,7 +69,7 @@ class IncidentCutter:
 
     def watch(self, loop: RelayLoop) -> None:
         """Begin an incident when a block of the loop does."""
-        loop.triggered = self._recorder.begin
+        loop.call_on_trigger(self._recorder.begin)
 
     def keeps(self, topic: str) -> bool:
         """Whether messages of ``topic`` may go into an incident."""

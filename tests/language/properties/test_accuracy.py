@@ -25,8 +25,8 @@ from pacing.reckoning.ros_messages import (
 )
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.properties import gauges_for, needs_decoded
+from smarttestudo.pacing.reckoning.estimate import Estimate
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3
-from smarttestudo.pacing.reckoning.picture import Picture
 
 AT_NS = 5 * NS_PER_S
 ONE, OTHER = planar(1, 2, math.radians(179)), planar(4, 6, math.radians(-178))
@@ -41,7 +41,7 @@ def errors(
     decoded: tuple[object, object] = (None, None),
     reckons: bool = False,
 ) -> dict[str, float]:
-    picture = Picture(gauges_for(type_name, names), reckons=reckons)
+    picture = Estimate(gauges_for(type_name, names), reckons=reckons)
     picture.show(picture.read(shown, decoded[0], AT_NS), None)
     return picture.errors(picture.read(true, decoded[1], AT_NS + NS_PER_S), None)
 
@@ -106,7 +106,7 @@ def test_joints_move_on_with_the_velocity_of_their_message() -> None:
 
 
 def test_joints_without_velocities_move_on_as_between_the_last_two_messages() -> None:
-    picture = Picture(gauges_for(JOINTS, ["positions"]), reckons=True)
+    picture = Estimate(gauges_for(JOINTS, ["positions"]), reckons=True)
     for seconds in (0, 1):
         picture.show(picture.read(joints(AT_NS + seconds * NS_PER_S, {"hip": 0.25 * seconds}), None, 0), None)
     true = picture.read(joints(AT_NS + 3 * NS_PER_S, {"hip": 0.75}), None, 0)

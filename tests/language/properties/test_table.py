@@ -24,7 +24,7 @@ from smarttestudo.language.properties import (
     value_reader,
 )
 from smarttestudo.language.properties.table import MessagePart, MessageType, ValueProperty
-from smarttestudo.pacing.reckoning.picture import Picture
+from smarttestudo.pacing.reckoning.estimate import Estimate
 
 NAMED = sorted({*known_types(), *properties_for_bounds()})
 SPEC = PropertySpec(name="doubt", unit="m", meaning="how sure it is")
@@ -66,7 +66,7 @@ def test_a_bound_property_of_two_different_messages_is_off(type_name: str, *, is
     one, other = filled(type_name, chance), filled(type_name, chance)
     values = properties_of(type_name)
     names = accuracy_properties_of(type_name) if is_standard else values
-    picture = Picture(gauges_for(type_name, names, is_standard=is_standard), reckons=False)
+    picture = Estimate(gauges_for(type_name, names, is_standard=is_standard), reckons=False)
     picture.show(picture.read(cdr(type_name, one), one, NS_PER_S), None)
     errors = picture.errors(picture.read(cdr(type_name, other), other, 2 * NS_PER_S), None)
     assert set(errors) == set(names)

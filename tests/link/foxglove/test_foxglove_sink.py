@@ -218,8 +218,8 @@ def test_foxgloves_own_packages_decode_odometry_and_an_image(sink: FoxgloveSink)
     image = StreamInfo(topic="/image", type_name=IMAGE.type_name, qos=LATCHED, definition=definition)
     odom = StreamInfo(topic="/odom", type_name=ODOM.type_name, qos=LATCHED)
     pixels = np.arange(24, dtype=np.uint8)
-    picture = message_of(IMAGE.type_name, height=2, width=4, step=12, encoding="rgb8", data=pixels)
-    for stream, payload in ((odom, odometry(1.5, -2.0)), (image, cdr(IMAGE.type_name, picture))):
+    estimate = message_of(IMAGE.type_name, height=2, width=4, step=12, encoding="rgb8", data=pixels)
+    for stream, payload in ((odom, odometry(1.5, -2.0)), (image, cdr(IMAGE.type_name, estimate))):
         sink.open("ada", stream)
         take(sink, stream, payload)
     decoded = decoded_by_foxglove(sink.port, "/odom", "/image")

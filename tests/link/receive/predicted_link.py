@@ -3,8 +3,8 @@
 """A robot's end, a link and operator's ends that predict, in virtual time.
 
 After every message of the source it is judged what an operator's end shows at the stamp of that message. What
-it shows is judged as soon as it has what the robot's end had relayed by then: until that came, the picture is
-late by the link's delay, and how often it was so is counted.
+it shows is judged as soon as it has what the robot's end had relayed by then: until that came, the
+estimate is late by the link's delay, and how often it was so is counted.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from smarttestudo.link.protocol.receiver import LinkReceiver
 from smarttestudo.link.receive.prediction import Predictor
 from smarttestudo.link.zenoh.arrivals import RobotPresence, StreamSaid
 from smarttestudo.loop.inputs import MessageInput, WakeInput
+from smarttestudo.pacing.reckoning.estimate import Estimate, Shown
 from smarttestudo.pacing.reckoning.gauges import MovingPart, PoseState
-from smarttestudo.pacing.reckoning.picture import Picture, Shown
 
 Poses = Mapping[str, float]
 """The x of each part of a message."""
@@ -57,7 +57,7 @@ class Operator:
     source_hz: float | None = None
     hears: bool = True
     is_greeted: bool = False
-    """Whether the robot's end knows that it came; before that it has no picture to judge."""
+    """Whether the robot's end knows that it came; before that it has no estimate to judge."""
     newest: bytes | None = None
     late: int = 0
     waiting: dict[bytes, list[Sent]] = field(default_factory=lambda: defaultdict(list))
@@ -71,7 +71,7 @@ class Operator:
         self.predicted: list[tuple[int, bytes]] = []
         """What it predicted, with the time of that."""
         self.screen: dict[str, MovingPart] = {}
-        """What the last message, arrived or predicted, said of each part that the picture can have."""
+        """What the last message, arrived or predicted, said of each part that the estimate can have."""
         self._topics = topics
         self.meet("0")
 
@@ -85,9 +85,9 @@ class Operator:
         return self.predicts and any(info.prediction is not None for info in self.link.streams.values())
 
     @property
-    def picture(self) -> Picture | None:
+    def estimate(self) -> Estimate | None:
         """What it reckons with, if there is something."""
-        return next((topic.picture for topic in self.predictor._topics.values()), None)
+        return next((topic.estimate for topic in self.predictor._topics.values()), None)
 
     def take(self, data: bytes, now_ns: int) -> bytes | None:
         """A chunk arrived: the message that is whole with it."""
@@ -110,8 +110,8 @@ class Operator:
             self._see(message.payload)
 
     def _see(self, payload: bytes) -> None:
-        if self.picture is not None:
-            parts = self.picture._gauges[0].read(payload, None, 0) or ()
+        if self.estimate is not None:
+            parts = self.estimate._gauges[0].read(payload, None, 0) or ()
             self.screen |= {part.name: part for part in parts}
 
     def shows(self, stamps_ns: Mapping[str, int]) -> Poses:
@@ -119,9 +119,9 @@ class Operator:
         shown: dict[str, float] = {}
         for poses in self.got:
             shown |= poses
-        if self.is_told and self.picture is not None:
-            gauge = self.picture._gauges[0]
-            for parts in self.picture.moving().values():
+        if self.is_told and self.estimate is not None:
+            gauge = self.estimate._gauges[0]
+            for parts in self.estimate.moving().values():
                 for name in {one.part.name for one in parts} & stamps_ns.keys():
                     (one,) = (one for one in parts if one.part.name == name)
                     shown[name] = x_of(one.at(gauge, stamps_ns[name]))
@@ -136,9 +136,9 @@ def x_of(state: object) -> float:
     return float(state[0])
 
 
-def parts_of(picture: Picture) -> dict[Hashable, Shown]:
+def parts_of(estimate: Estimate) -> dict[Hashable, Shown]:
     """What is shown of each thing."""
-    known = picture._shown[0].values()
+    known = estimate._shown[0].values()
     return {one.part.name or one.part.frames: one for one in known}
 
 
@@ -236,7 +236,7 @@ class PredictedLink:
             self.read(payload),
             robot.stamps_ns(payload, self.now_ns),
             bound,
-            robot.picture is not None,
+            robot.estimate is not None,
         )
         for operator in self.operators:
             if not operator.is_greeted:

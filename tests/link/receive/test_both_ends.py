@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The law of dead reckoning: what an operator sees is what the robot's end believes, whatever happens.
 
-It is judged whenever all that the robot's end sent has arrived, by the pictures of both ends and by the
+It is judged whenever all that the robot's end sent has arrived, by the estimates of both ends and by the
 messages that a program at the operator's end would have got, predicted ones included.
 """
 
@@ -19,8 +19,8 @@ from link.protocol.simulated_link import MS, Link, S
 from link.receive.predicted_link import Operator, PredictedLink, parts_of, x_of
 from link.receive.virtual_source import START_NS, Source, read
 from pacing.reckoning.ros_messages import JOINTS, ODOMETRY, TRANSFORMS
-from smarttestudo.pacing.reckoning import picture as pictures
-from smarttestudo.pacing.reckoning.picture import Shown
+from smarttestudo.pacing.reckoning import estimate as estimates
+from smarttestudo.pacing.reckoning.estimate import Shown
 
 PERIOD_NS = 80 * MS
 SOURCE_HZ = 12.5
@@ -64,9 +64,9 @@ class Bench:
     def judge(self) -> None:
         """What is sent of a part, what is shown of it and what is believed of it agree."""
         run = self.run
-        believed = run.robot.picture
+        believed = run.robot.estimate
         for operator in run.operators:
-            seen = operator.picture
+            seen = operator.estimate
             if not operator.is_greeted or not run.robot.is_idle or believed is None or not operator.is_told:
                 continue
             assert seen is not None
@@ -85,7 +85,7 @@ class Bench:
             assert believed.part == shown.part
 
     def _seen(self, operator: Operator, believed: Shown) -> None:
-        run, gauge = self.run, self.run.robot.picture._gauges[0]  # type: ignore[union-attr]
+        run, gauge = self.run, self.run.robot.estimate._gauges[0]  # type: ignore[union-attr]
         part = operator.screen[believed.part.name]
         if not believed.moves:
             self.held += 1
@@ -97,7 +97,7 @@ class Bench:
             at_ns for at_ns, payload in reversed(run.robot.relays) if part.name in run.read(payload)
         )
         elapsed_ns = run.now_ns - relayed_ns
-        if elapsed_ns <= 2 * S / run.robot.loop.relays.pictures[run.topic].heartbeat_hz:
+        if elapsed_ns <= 2 * S / run.robot.loop.relays.estimates[run.topic].heartbeat_hz:
             # Until a first round trip is measured, the way back is not known to be in the age.
             late_ns = believed.part.at_ns + elapsed_ns - part.at_ns
             assert late_ns <= PERIOD_NS + 2 * self.delay_s * S + MS
@@ -254,7 +254,7 @@ def test_where_stamps_jump_what_is_predicted_has_the_new_ones_at_once_also_if_no
     stamps_s = [
         (at_ns / S, part.at_ns / S)
         for at_ns, payload in bench.operator.predicted
-        for part in bench.operator.picture._gauges[0].read(payload, None, 0) or ()  # type: ignore[union-attr]
+        for part in bench.operator.estimate._gauges[0].read(payload, None, 0) or ()  # type: ignore[union-attr]
     ]
     before = [stamp_s for at_s, stamp_s in stamps_s if at_s < 4.3]
     after = [stamp_s for at_s, stamp_s in stamps_s if at_s > 4.6]
@@ -271,7 +271,7 @@ def test_another_heartbeat_begins_another_picture_as_it_says_which_stamps_have_j
     for at_s, heartbeat_hz in ((3, 0.5), (4, 0.5), (5, 2.0)):
         bench.run.run(at_s * S)
         bench.run.reload(rules("/odom", heartbeat_hz=heartbeat_hz))
-        numbers.append(bench.run.robot.loop.relays.pictures["/odom"].number)
+        numbers.append(bench.run.robot.loop.relays.estimates["/odom"].number)
     assert numbers[0] == numbers[1] < numbers[2]
 
 
@@ -340,7 +340,7 @@ def test_at_every_instant_the_operator_sees_what_the_robots_end_believes(
     most_parts: int,
 ) -> None:
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(pictures, "MAX_PARTS", most_parts)
+        patched.setattr(estimates, "MAX_PARTS", most_parts)
         bench = Bench(topic, delay_s=delay_s)
         for number in range(END_S * S // PERIOD_NS):
             at_s = number * PERIOD_NS / S

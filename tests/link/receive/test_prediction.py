@@ -159,13 +159,13 @@ def test_an_operator_who_only_looks_on_has_all_shown_as_it_is_until_it_leaves() 
     looking = run.join(predicts=False)
     run.run(10 * S)
     assert not predicting.is_told
-    assert run.robot.picture is None
+    assert run.robot.estimate is None
     looking.hears = False
     run.run(15 * S)
     assert predicting.is_told
     predicting.hears = False
     run.run(20 * S)
-    assert run.robot.picture is None
+    assert run.robot.estimate is None
 
 
 TOLD = StreamInfo(

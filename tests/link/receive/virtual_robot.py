@@ -27,7 +27,7 @@ from smarttestudo.link.protocol.sender import LinkSender
 from smarttestudo.loop import RelayLoop
 from smarttestudo.loop.inputs import ChangeInput, LoopInput, RulesInput, WakeInput
 from smarttestudo.pacing.cdr import StreamReader
-from smarttestudo.pacing.reckoning.picture import Picture
+from smarttestudo.pacing.reckoning.estimate import Estimate
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.publisher_pool import PublisherPool
 
@@ -125,20 +125,20 @@ class Robot:
         self.take(ChangeInput(stamp_ns=now_ns, change=change))
 
     @property
-    def picture(self) -> Picture | None:
+    def estimate(self) -> Estimate | None:
         """What it believes that receivers reckon."""
-        return self._picture if self.topic in self.loop.relays.pictures else None
+        return self._estimate if self.topic in self.loop.relays.estimates else None
 
     def stamps_ns(self, payload: bytes, now_ns: int) -> Mapping[str, int]:
         """The stamps of the parts in ``payload``."""
-        (parts,) = self._picture.read(payload, None, now_ns)
+        (parts,) = self._estimate.read(payload, None, now_ns)
         return {part.name: part.at_ns for part in parts or ()}
 
     @property
-    def _picture(self) -> Picture:
+    def _estimate(self) -> Estimate:
         accuracy = self.loop.relays._relays[self.topic]._accuracy
         assert accuracy is not None
-        return accuracy.picture
+        return accuracy.estimate
 
     @property
     def is_idle(self) -> bool:
@@ -153,7 +153,7 @@ class Robot:
         relayed = self.loop.handle(given)
         if relayed:
             loop = self.loop
-            self.watch.tell_pictures(self.rules, loop.knowledge.plan, loop.relays.pictures)
+            self.watch.announce_estimates(self.rules, loop.knowledge.plan, loop.relays.estimates)
         for one in relayed:
             self.relayed = one.payload[:]
             self.passed += 1
@@ -165,7 +165,7 @@ class Robot:
         plan = self.loop.knowledge.plan
         for change in self.watch.changed_receivers(self.rules, plan, ()):
             self.take(ChangeInput(stamp_ns=now_ns, change=change))
-        self.watch.tell_pictures(self.rules, plan, self.loop.relays.pictures)
+        self.watch.announce_estimates(self.rules, plan, self.loop.relays.estimates)
         self.watch.follow(self.rules, plan)
 
     def _live(self, rules: str) -> LiveRules:

@@ -31,14 +31,14 @@ def write_incident(folder: Path, name: str = NAME, seconds: int = 6) -> Path:
     path = folder / name
     path.mkdir(parents=True)
     files: dict[str, FileContent] = {}
-    pictures = random.Random(1)
+    estimates = random.Random(1)
     for number in range(2):
         writer = McapWriter(path / f"{name}_{number}.mcap")
         for tick in range(number * seconds * 20, (number + 1) * seconds * 20):
             writer.write(ODOM, tick * S // 20, tick.to_bytes(8, "little") * 90)
             if tick % 10 == 0:
                 # No compression makes it smaller.
-                writer.write(IMAGE, tick * S // 20, pictures.randbytes(40_960))
+                writer.write(IMAGE, tick * S // 20, estimates.randbytes(40_960))
         files[f"{name}_{number}.mcap"] = writer.close()
     (path / METADATA_NAME).write_text(metadata_text(files, [ODOM, IMAGE]))
     record = IncidentRecord(

@@ -17,7 +17,7 @@ from smarttestudo.domain.robot import Robot, topic_types
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.loop.inputs import ChangeInput, WakeInput
-from smarttestudo.loop.relay import ReckonedPicture
+from smarttestudo.loop.relay import PredictedEstimate
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.part import Part, RunView
 
@@ -139,7 +139,7 @@ class LinkWatch:
         self._has_risen = False
         self._sessions = 0
         self._reckoned: frozenset[str] = frozenset()
-        self._pictures: Mapping[str, ReckonedPicture] = {}
+        self._estimates: Mapping[str, PredictedEstimate] = {}
 
     def follow(self, rules: LiveRules, plan: Mapping[str, PlannedRate]) -> None:
         """Have topics served by the floors of ``rules``, their priorities and the planned rates."""
@@ -150,7 +150,7 @@ class LinkWatch:
                     rules.rule_set.floors_hz.get(topic, 0.0), rules.profile.topic(topic).min_hz or 0.0
                 ),
                 is_full=(topic in plan and math.isinf(plan[topic].rate.hz))
-                or (topic in self._pictures and self._pictures[topic].needs_every_message),
+                or (topic in self._estimates and self._estimates[topic].needs_every_message),
             )
             for topic, output in rules.output_topics.items()
         }
@@ -184,26 +184,26 @@ class LinkWatch:
             ]
         return changes
 
-    def tell_pictures(
-        self, rules: LiveRules, plan: Mapping[str, PlannedRate], pictures: Mapping[str, ReckonedPicture]
+    def announce_estimates(
+        self, rules: LiveRules, plan: Mapping[str, PlannedRate], estimates: Mapping[str, PredictedEstimate]
     ) -> None:
         """Have receivers reckon these topics; to be called before what is made from them goes out."""
-        before, self._pictures = self._pictures, pictures
-        if before == pictures:
+        before, self._estimates = self._estimates, estimates
+        if before == estimates:
             return
-        # From its first message on, none of a picture that needs every message may give way to a newer one.
+        # From its first message on, none of an estimate that needs every message may give way to a newer one.
         self.follow(rules, plan)
         outputs = rules.output_topics
         predictions = {
-            outputs[topic]: Prediction(within=bounds, heartbeat_hz=picture.heartbeat_hz)
-            for topic, picture in pictures.items()
+            outputs[topic]: Prediction(within=bounds, heartbeat_hz=estimate.heartbeat_hz)
+            for topic, estimate in estimates.items()
             if topic in outputs
-            and (bounds := {name: bound for name, bound in picture.within.items() if bound < math.inf})
+            and (bounds := {name: bound for name, bound in estimate.within.items() if bound < math.inf})
         }
         anew = {
             outputs[topic]
-            for topic, picture in pictures.items()
-            if topic in outputs and (topic not in before or before[topic].number != picture.number)
+            for topic, estimate in estimates.items()
+            if topic in outputs and (topic not in before or before[topic].number != estimate.number)
         }
         self._link.predict(predictions, anew)
 
@@ -268,12 +268,12 @@ class LinkPart(Part):
         if run is None:
             return
         now_ns, rules = self._robot.now_ns(), run.rules
-        # What is due goes out before a picture begins anew, of which it is no part.
+        # What is due goes out before an estimate begins anew, of which it is no part.
         run.give(WakeInput(stamp_ns=now_ns))
         plan = run.loop.knowledge.plan
         for change in self._watch.changed_receivers(rules, plan, run.heard_here()):
             run.give(ChangeInput(stamp_ns=now_ns, change=change))
-        self._watch.tell_pictures(rules, plan, run.loop.relays.pictures)
+        self._watch.announce_estimates(rules, plan, run.loop.relays.estimates)
         self._watch.follow(rules, plan)
         budget = self._watch.changed_budget(self._robot.steady_ns())
         if budget is not None:
@@ -283,7 +283,7 @@ class LinkPart(Part):
         """Have receivers reckon what is about to go out."""
         if self._run is not None:
             loop = self._run.loop
-            self._watch.tell_pictures(self._run.rules, loop.knowledge.plan, loop.relays.pictures)
+            self._watch.announce_estimates(self._run.rules, loop.knowledge.plan, loop.relays.estimates)
 
     def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
         """``status`` with the state of the link and of each topic on it."""

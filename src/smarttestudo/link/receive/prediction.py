@@ -12,8 +12,8 @@ from smarttestudo.domain.link import Prediction, ReceivedMessage, StreamInfo
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.properties import gauges_for, properties_for_bounds
 from smarttestudo.link.zenoh.arrivals import LinkEvent, RobotPresence, StreamSaid
+from smarttestudo.pacing.reckoning.estimate import Estimate, silent_after_ns
 from smarttestudo.pacing.reckoning.gauges import can_be_reckoned
-from smarttestudo.pacing.reckoning.picture import Picture, silent_after_ns
 
 SOURCE_HZ = 10.0
 """The rate of a source while the robot has not told one of ``LEAST_HZ``."""
@@ -49,7 +49,7 @@ class _Topic:
     """
 
     type_name: str
-    picture: Picture
+    estimate: Estimate
     predictions: dict[_Source, Prediction | None] = field(default_factory=dict)
     due_ns: int | None = None
 
@@ -57,7 +57,7 @@ class _Topic:
 class Predictor:
     """Reckons ``topics``, by the robots' names, where the robot's end says that it does so too.
 
-    Its picture is made of the same messages in the same order as the robot's, by the same function, and
+    Its estimate is made of the same messages in the same order as the robot's, by the same function, and
     forgets where the robot's does. What cannot be reckoned is held at both ends, which ``warn`` is told once
     a topic. Times are ns of a clock that never jumps.
     """
@@ -102,7 +102,7 @@ class Predictor:
                 continue
             topic.due_ns = None
             period_ns = self._period_ns(robot, name)
-            for arrived, parts in topic.picture.moving().items():
+            for arrived, parts in topic.estimate.moving().items():
                 assert isinstance(arrived, _Arrived)
                 message, elapsed_ns = arrived.message, now_ns - arrived.at_ns
                 prediction = topic.predictions.get(_source_of(message))
@@ -112,7 +112,7 @@ class Predictor:
                     continue
                 if now_ns >= arrived.due_ns:
                     arrived.due_ns = now_ns + period_ns
-                    payload = topic.picture.written(message.payload, parts, elapsed_ns, prediction.within)
+                    payload = topic.estimate.written(message.payload, parts, elapsed_ns, prediction.within)
                     if payload is not None:
                         yield replace(message, payload=payload, age_ns=0, is_predicted=True)
                 topic.due_ns = _earlier(topic.due_ns, arrived.due_ns)
@@ -131,12 +131,12 @@ class Predictor:
             return
         topic = self._topics.get((robot, info.topic))
         if topic is None or topic.type_name != info.type_name:
-            picture = Picture(gauges_for(info.type_name, properties), reckons=True)
-            topic = self._topics[robot, info.topic] = _Topic(info.type_name, picture)
+            estimate = Estimate(gauges_for(info.type_name, properties), reckons=True)
+            topic = self._topics[robot, info.topic] = _Topic(info.type_name, estimate)
         self._streams[key] = info
         topic.predictions[_Source(boot, info.publisher)] = info.prediction
         if info.prediction is not None:
-            topic.picture.expect_heartbeat(info.prediction.heartbeat_hz)
+            topic.estimate.expect_heartbeat(info.prediction.heartbeat_hz)
             topic.due_ns = 0
 
     def _forget_earlier(self, robot: str) -> None:
@@ -150,12 +150,12 @@ class Predictor:
         if source not in topic.predictions:
             return
         if message.begins_anew:
-            topic.picture.forget_publisher(source)
+            topic.estimate.forget_publisher(source)
         robot, name = message.robot, message.stream.topic
-        readings = topic.picture.read(message.payload, None, now_ns)
+        readings = topic.estimate.read(message.payload, None, now_ns)
         due_ns = now_ns + self._period_ns(robot, name)
         arrived = _Arrived(message=message, at_ns=now_ns - (message.age_ns or 0), due_ns=due_ns)
-        topic.picture.show(readings, source, arrived)
+        topic.estimate.show(readings, source, arrived)
         topic.due_ns = _earlier(topic.due_ns, due_ns)
         if topic.predictions[source] and readings[0] and not can_be_reckoned(readings[0]):
             self._say_held(robot, name)

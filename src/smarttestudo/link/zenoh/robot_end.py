@@ -36,7 +36,7 @@ from smarttestudo.link.zenoh.commands import CommandInbox
 from smarttestudo.link.zenoh.compression import Compressor
 from smarttestudo.link.zenoh.incidents import IncidentServer, WaitingAsk
 from smarttestudo.link.zenoh.queries import MAX_WAITING, QueryServer, WaitingQuestion
-from smarttestudo.link.zenoh.session import OPERATOR, LinkSession, OtherVersions, is_heard
+from smarttestudo.link.zenoh.session import OPERATOR, LinkSession, OtherVersions, has_subscribers
 from smarttestudo.link.zenoh.statuses import StatusServer
 from smarttestudo.pacing.cdr import STREAM_TYPES, StreamReader
 
@@ -244,7 +244,7 @@ class RobotEnd:
         if str(sample.key_expr) != self.boot.report_key:
             return
         # What an operator's end said last may come after the news that it left.
-        if self._has_left and not is_heard(self._data):
+        if self._has_left and not has_subscribers(self._data):
             return
         data = sample.payload.to_bytes()
         try:

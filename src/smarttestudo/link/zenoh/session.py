@@ -206,7 +206,7 @@ def _await_callbacks() -> None:
             thread.join(max(end_s - time.monotonic(), 0.0))
 
 
-def is_heard(publisher: zenoh.Publisher) -> bool:
+def has_subscribers(publisher: zenoh.Publisher) -> bool:
     """Whether somebody subscribes to what it publishes."""
     # Zenoh's type stubs call it a bool.
     status: Any = publisher.matching_status

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.observation import LinkBudget
@@ -21,7 +21,7 @@ from smarttestudo.loop.knowledge.link_use import LinkUse
 from smarttestudo.loop.knowledge.watched_topic import WatchedTopic
 
 
-class SettlingBounds:
+class BoundHysteresis:
     """The effective bounds of a topic: those that let pass all that was requested in ``settle_ns``.
 
     A request that another one replaces keeps counting for so long, unless the other lets as much pass. Of
@@ -54,11 +54,11 @@ class SettlingBounds:
             return planned
         return replace(planned, within=within, bound_reasons=reasons)
 
-    def carried_on(self, rename: Callable[[PlannedRate], PlannedRate], settle_ns: int) -> SettlingBounds:
+    def carried_on(self, rename: Callable[[PlannedRate], PlannedRate], settle_ns: int) -> BoundHysteresis:
         """The same requests by other names, where what lets less pass waits for ``settle_ns`` from now on."""
-        settling = SettlingBounds(rename(self._request), settle_ns)
-        settling._replaced = [(end_ns, rename(request)) for end_ns, request in self._replaced]
-        return settling
+        carried_on = BoundHysteresis(rename(self._request), settle_ns)
+        carried_on._replaced = [(end_ns, rename(request)) for end_ns, request in self._replaced]
+        return carried_on
 
     @property
     def next_change_ns(self) -> int | None:
@@ -85,7 +85,7 @@ def _covers(request: Mapping[str, float], other: Mapping[str, float]) -> bool:
     return all(request.get(name, math.inf) <= bound for name, bound in other.items())
 
 
-class Settling:
+class RateHysteresis:
     """The effective request of a topic: the one with the greatest rate of the last ``settle_ns``.
 
     A request that another one replaces keeps counting for ``settle_ns``, and so a lower rate takes effect
@@ -114,11 +114,11 @@ class Settling:
             self._replaced.popleft()
         return self._replaced[0][1] if self._replaced else self._request
 
-    def carried_on(self, rename: Callable[[RequestedRate], RequestedRate], settle_ns: int) -> Settling:
+    def carried_on(self, rename: Callable[[RequestedRate], RequestedRate], settle_ns: int) -> RateHysteresis:
         """The same requests by other names, where lower rates wait for ``settle_ns`` from now on."""
-        settling = Settling(rename(self._request), settle_ns)
-        settling._replaced.extend((end_ns, rename(request)) for end_ns, request in self._replaced)
-        return settling
+        carried_on = RateHysteresis(rename(self._request), settle_ns)
+        carried_on._replaced.extend((end_ns, rename(request)) for end_ns, request in self._replaced)
+        return carried_on
 
     @property
     def next_change_ns(self) -> int | None:
@@ -126,14 +126,58 @@ class Settling:
         return self._replaced[0][0] if self._replaced else None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hysteresis:
+    """The effective request of a topic: its rate and its bounds fall only once they were low for a while."""
+
+    rate: RateHysteresis
+    bounds: BoundHysteresis
+
+    @staticmethod
+    def of(request: RequestedRate, settle_ns: int) -> Hysteresis:
+        """The state after the first request."""
+        return Hysteresis(
+            rate=RateHysteresis(request, settle_ns), bounds=BoundHysteresis(request.planned, settle_ns)
+        )
+
+    def on_request(self, request: RequestedRate, now_ns: int) -> None:
+        """The rules now request ``request``."""
+        self.rate.on_request(request, now_ns)
+        self.bounds.on_request(request.planned, now_ns)
+
+    def effective(self, now_ns: int) -> RequestedRate:
+        """The request that counts at ``now_ns``, which never goes back, with the bounds that do."""
+        request = self.rate.effective(now_ns)
+        planned = self.bounds.effective(request.planned, now_ns)
+        return request if planned is request.planned else replace(request, planned=planned)
+
+    def carried_on(
+        self,
+        rename: Callable[[RequestedRate], RequestedRate],
+        rename_bounds: Callable[[PlannedRate], PlannedRate],
+        settle_ns: int,
+    ) -> Hysteresis:
+        """The same requests by other names; what lets less pass waits for ``settle_ns`` from now on."""
+        return Hysteresis(
+            rate=self.rate.carried_on(rename, settle_ns),
+            bounds=self.bounds.carried_on(rename_bounds, settle_ns),
+        )
+
+    @property
+    def next_change_ns(self) -> int | None:
+        """When the effective request may change by itself."""
+        times_ns = (self.rate.next_change_ns, self.bounds.next_change_ns)
+        return min((at_ns for at_ns in times_ns if at_ns is not None), default=None)
+
+
 class Knowledge:
     """Rules, profile and everything remembered about the robot; the loop owns one and changes it in ``step``.
 
     Times inside are steady times. ``effective`` and ``plan`` hold the relayed topics, ``watched`` those that
     checks read; ``settled`` are the requests that settled, before ``link`` cuts them to a budget, if there is
-    one; ``unheard`` are the relayed topics without a subscriber. ``unknown_values`` counts messages that
-    left a signal unknown, ``undecodable`` those that could not be decoded, by topic. ``recording`` are the
-    blocks with recordings, by order, that began to hold and are not known to have ended.
+    one; ``without_subscribers`` are relayed topics. ``unknown_values`` counts messages that left a signal
+    unknown, ``undecodable`` those that could not be decoded, by topic. ``recording`` are the blocks with
+    recordings, by order, that began to hold and are not known to have ended.
     """
 
     def __init__(
@@ -149,14 +193,13 @@ class Knowledge:
         self.watch_alarms = AlarmClock()
         for topic in self.watched:
             self.watch_alarms.set(topic, start_ns)
-        self.settling: dict[str, Settling] = {}
-        self.settling_bounds: dict[str, SettlingBounds] = {}
+        self.hysteresis: dict[str, Hysteresis] = {}
         self.settle_alarms = AlarmClock()
         self.settled: dict[str, RequestedRate] = {}
         self.link: LinkUse | None = None
         self._budgets: dict[bool, float] = {}
         """What the relayed topics may take, by whether it was measured."""
-        self.unheard: set[str] = set()
+        self.without_subscribers: set[str] = set()
         if budget_kb_per_s is not None:
             self.set_budget(LinkBudget(link_kb_per_s=budget_kb_per_s))
         self.effective: dict[str, RequestedRate] = {}

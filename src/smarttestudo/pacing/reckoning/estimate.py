@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Picture that a receiver shows of a topic, made from the messages that it got."""
+"""Estimate that a receiver shows of a topic, made from the messages that it got."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ class Shown(NamedTuple):
         return gauge.after(self.part.state, self.motion, (at_ns - self.part.at_ns) / NS_PER_S)
 
 
-class Picture:
-    """The receiver's picture of one topic: the last value of each part, or what is reckoned from it.
+class Estimate:
+    """The receiver's estimate of one topic: the last value of each part, or what is reckoned from it.
 
     With ``reckons`` parts move on as ``Gauge.motion`` has it, at the time of the message that they are
     compared with, if their message ``can_be_reckoned``; else they are held. What is reckoned begins anew
-    where another publisher takes a part over, its frames change, or its stamps jump: a picture that would be
-    reckoned over that is none. All of it follows from the messages, so two pictures that were shown the
+    where another publisher takes a part over, its frames change, or its stamps jump: what would be reckoned
+    over that is no estimate. All of it follows from the messages, so two estimates that were shown the
     same ones are the same. A topic with several gauges has a reading for each.
     """
 
@@ -70,7 +70,7 @@ class Picture:
         return tuple(gauge.read(payload, message, now_ns) for gauge in self._gauges)
 
     def errors(self, readings: Sequence[Reading | None], publisher: Hashable) -> dict[str, float]:
-        """How far each property of the picture is from what was read: of the part that is farthest off.
+        """How far each property of the estimate is from what was read: of the part that is farthest off.
 
         It is infinite where nothing is shown of a part, or where one of the two is not known.
         """
@@ -91,7 +91,7 @@ class Picture:
         """The same by what the message says: without the parts and properties that it has no value of.
 
         ``errors`` are for who decides what passes: what is not known is news, too. These are for who judges
-        the picture, as nobody can tell how far it is from a truth that is not known.
+        the estimate, as nobody can tell how far it is from a truth that is not known.
         """
         errors: dict[str, float] = {}
         for gauge, part, state in self._compared(readings, publisher):
