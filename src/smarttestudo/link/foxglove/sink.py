@@ -209,18 +209,18 @@ def _send_latched(topic: _Topic) -> None:
 
 
 class _Replaced(logging.Filter):
-    """Tells of a line of the SDK's log, which is not logged."""
+    """Gives a line of the SDK's log to ``on_line``, in place of logging it."""
 
-    def __init__(self, line: re.Pattern[str], told: Callable[[re.Match[str]], None]) -> None:
+    def __init__(self, line: re.Pattern[str], on_line: Callable[[re.Match[str]], None]) -> None:
         super().__init__()
         self._line = line
-        self._told = told
+        self._on_line = on_line
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether the line is logged."""
         found = self._line.search(record.getMessage())
         if found is not None:
-            self._told(found)
+            self._on_line(found)
         return found is None
 
 

@@ -133,8 +133,8 @@ class LinkWatch:
     def __init__(self, link: OutgoingLink) -> None:
         self._link = link
         self._needs: Mapping[str, LinkNeeds] = {}
-        self._told_kb_per_s: float | None = None
-        self._told_ns = 0
+        self._given_kb_per_s: float | None = None
+        self._given_ns = 0
         self._wait_ns = _LEAST_WAIT_NS
         self._has_risen = False
         self._sessions = 0
@@ -226,20 +226,22 @@ class LinkWatch:
         ``now_ns`` is of a clock that never jumps. A fall counts at once. A rise waits, twice as long each
         time that a fall soon undid one: rates that the link nearly carries do not swing.
         """
-        budget_kb_per_s, told = self._link.budget_kb_per_s, self._told_kb_per_s
-        if budget_kb_per_s is None or (told is not None and not self._is_due(budget_kb_per_s, told, now_ns)):
+        budget_kb_per_s, given = self._link.budget_kb_per_s, self._given_kb_per_s
+        if budget_kb_per_s is None or (
+            given is not None and not self._is_due(budget_kb_per_s, given, now_ns)
+        ):
             return None
-        self._told_kb_per_s, self._told_ns = budget_kb_per_s, now_ns
+        self._given_kb_per_s, self._given_ns = budget_kb_per_s, now_ns
         return LinkBudget(link_kb_per_s=budget_kb_per_s, is_measured=True)
 
-    def _is_due(self, budget_kb_per_s: float, told: float, now_ns: int) -> bool:
-        has_held = now_ns - self._told_ns > _HOLDS_AFTER_NS
-        if budget_kb_per_s < _FALL * told:
+    def _is_due(self, budget_kb_per_s: float, given: float, now_ns: int) -> bool:
+        has_held = now_ns - self._given_ns > _HOLDS_AFTER_NS
+        if budget_kb_per_s < _FALL * given:
             if self._has_risen:
                 self._wait_ns = _LEAST_WAIT_NS if has_held else min(2 * self._wait_ns, _LONGEST_WAIT_NS)
             self._has_risen = False
             return True
-        if budget_kb_per_s <= _RISE * told or now_ns - self._told_ns < self._wait_ns:
+        if budget_kb_per_s <= _RISE * given or now_ns - self._given_ns < self._wait_ns:
             return False
         self._has_risen = True
         return True

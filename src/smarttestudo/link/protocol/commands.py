@@ -256,8 +256,8 @@ MAX_HZ = 100
 """Messages of one topic that are delivered in a second at most."""
 MAX_BURST = 20
 
-_TELL_NS = NS_PER_S
-_TELL_AGAIN_NS = 5 * NS_PER_S
+_REPORT_STREAMS_NS = NS_PER_S
+_REPEAT_STREAMS_NS = 5 * NS_PER_S
 _FORGET_NS = 10 * NS_PER_S
 _REVISIONS = 2**16
 
@@ -273,7 +273,7 @@ class Delivery(NamedTuple):
 class _Topic:
     """``credit_ns`` is the time for which messages may come at once at the highest rate."""
 
-    told: CommandTopic
+    state: CommandTopic
     revision: int = 0
     credit_ns: int = MAX_BURST * NS_PER_S // MAX_HZ
     credited_ns: int | None = None
@@ -290,7 +290,9 @@ class _Topic:
 
     def count(self, **counts: int) -> None:
         """Add to the counts of that name."""
-        self.told = replace(self.told, **{name: getattr(self.told, name) + n for name, n in counts.items()})
+        self.state = replace(
+            self.state, **{name: getattr(self.state, name) + n for name, n in counts.items()}
+        )
 
 
 @dataclass(slots=True, eq=False)
@@ -315,26 +317,26 @@ class CommandReceiver:
         """Frames that were no message, or one of no accepted topic."""
         self._topics = [_Topic(CommandTopic(topic=topic)) for topic in topics]
         self._senders: dict[int, _Sender] = {}
-        self._told: tuple[CommandTopic, ...] = ()
-        self._told_ns: int | None = None
+        self._reported: tuple[CommandTopic, ...] = ()
+        self._reported_streams_ns: int | None = None
         self._reported_ns: int | None = None
         self._has_news = False
 
     @property
     def topics(self) -> list[CommandTopic]:
         """The topics with their counts."""
-        return [topic.told for topic in self._topics]
+        return [topic.state for topic in self._topics]
 
     def follow(self, topic: str, type_name: str | None, problem: str | None = None) -> None:
         """From now on deliver messages of ``topic`` with that type; without one, none."""
         for one in self._topics:
-            known = (one.told.type_name, one.told.problem)
-            if one.told.topic != topic or known == (type_name, problem):
+            known = (one.state.type_name, one.state.problem)
+            if one.state.topic != topic or known == (type_name, problem):
                 continue
-            if one.told.type_name != type_name:
+            if one.state.type_name != type_name:
                 one.revision = (one.revision + 1) % _REVISIONS
-            one.told = replace(one.told, type_name=type_name, problem=problem)
-            self._told_ns = None
+            one.state = replace(one.state, type_name=type_name, problem=problem)
+            self._reported_streams_ns = None
             self._has_news = True
 
     def receive(self, data: bytes, now_ns: int) -> Delivery | None:
@@ -357,7 +359,7 @@ class CommandReceiver:
     def fail(self, topic: str) -> None:
         """The last message of ``topic`` could not be published."""
         for one in self._topics:
-            if one.told.topic == topic:
+            if one.state.topic == topic:
                 one.count(delivered=-1, refused=1)
 
     def sent_names(self, now_ns: int) -> list[tuple[str, ...]]:
@@ -378,12 +380,12 @@ class CommandReceiver:
     def next_report(self, now_ns: int) -> bytes:
         """The report to send now."""
         self._reported_ns, self._has_news = now_ns, False
-        told = tuple(self.topics)
-        after_ns = _TELL_AGAIN_NS if told == self._told else _TELL_NS
+        topics = tuple(self.topics)
+        after_ns = _REPEAT_STREAMS_NS if topics == self._reported else _REPORT_STREAMS_NS
         streams: list[AcceptedStream] = []
-        if self._told_ns is None or now_ns - self._told_ns >= after_ns:
-            self._told, self._told_ns = told, now_ns
-            streams = [AcceptedStream(topic=_short(one.told), revision=one.revision) for one in self._topics]
+        if self._reported_streams_ns is None or now_ns - self._reported_streams_ns >= after_ns:
+            self._reported, self._reported_streams_ns = topics, now_ns
+            streams = [AcceptedStream(topic=_short(one.state), revision=one.revision) for one in self._topics]
         acknowledged = {number: sender.number for number, sender in self._senders.items()}
         report = CommandReport(sent_ns=now_ns, acknowledged=acknowledged, streams=streams)
         return COMMAND_REPORTS.to_bytes(report)
@@ -397,17 +399,17 @@ class CommandReceiver:
         self._has_news = True
         topic.count(received=1)
         if age_ns >= 0:
-            topic.told = replace(topic.told, age_ms=age_ns / NS_PER_MS)
+            topic.state = replace(topic.state, age_ms=age_ns / NS_PER_MS)
         if age_ns > MAX_AGE_NS:
             topic.count(too_old=1)
             return None
         # A stamp is never later than its message: one of the future is of a clock that is not known.
-        is_of_type = topic.told.type_name is not None and command.revision == topic.revision
+        is_of_type = topic.state.type_name is not None and command.revision == topic.revision
         if age_ns < 0 or not is_new or not is_of_type or not topic.admits(now_ns):
             topic.count(refused=1)
             return None
         topic.count(delivered=1)
-        return Delivery(topic.told.topic, command.payload)
+        return Delivery(topic.state.topic, command.payload)
 
     def _sender(self, number: int, now_ns: int) -> _Sender:
         sender = self._senders.get(number)
@@ -416,7 +418,7 @@ class CommandReceiver:
                 del self._senders[min(self._senders, key=lambda one: self._senders[one].heard_ns)]
             sender = self._senders[number] = _Sender(now_ns)
             # Who has just come wants to know the topics.
-            self._told = ()
+            self._reported = ()
         sender.heard_ns = now_ns
         return sender
 

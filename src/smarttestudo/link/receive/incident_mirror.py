@@ -115,7 +115,7 @@ class IncidentMirror:
         self._warn = SayOnce(warn)
         self._steady_s = steady_s
         self._worker = Worker("link-mirror", lambda error: warn(said(error)), self.poll)
-        self._rests: dict[tuple[str, str], int] = {}
+        self._backoff_polls: dict[tuple[str, str], int] = {}
         self._there: frozenset[str] = frozenset()
         self._came_s: dict[str, float] = {}
         self._has_more = False
@@ -134,9 +134,9 @@ class IncidentMirror:
         before, self._there = self._there, frozenset(self._incidents.robots(0))
         now_s = self._steady_s()
         self._came_s = {robot: self._came_s.get(robot, now_s) for robot in self._there}
-        self._rests = {
+        self._backoff_polls = {
             (robot, name): polls - 1
-            for (robot, name), polls in self._rests.items()
+            for (robot, name), polls in self._backoff_polls.items()
             if polls > 1 and (robot in before or robot not in self._there)
         }
         self._has_more = False
@@ -164,24 +164,24 @@ class IncidentMirror:
         if path is not None:
             self._say(f"{one.robot}: {'outage' if one.is_outage else 'incident'} {path}")
         elif turn.is_stalled and one.robot in self._incidents.robots(0):
-            self._rest(one.robot, one.name, f"waits for {turn.waits_for}")
+            self._back_off(one.robot, one.name, f"waits for {turn.waits_for}")
 
     def _try(self, robot: str, name: str, act: Callable[[], None]) -> None:
-        if (robot, name) in self._rests or (robot, "") in self._rests:
+        if (robot, name) in self._backoff_polls or (robot, "") in self._backoff_polls:
             return
         try:
             act()
         except Exception as error:  # noqa: BLE001 - whatever one robot does, others are fetched from
             if robot not in self._incidents.robots(0) or self._may_start(robot, error):
                 return
-            self._rest(robot, name, said(error))
+            self._back_off(robot, name, said(error))
 
     def _may_start(self, robot: str, error: Exception) -> bool:
         """Whether ``error`` may come of a run that is still starting."""
         is_new = self._steady_s() - self._came_s[robot] < STARTS_WITHIN_S
         return is_new and isinstance(error, SilentRobotError)
 
-    def _rest(self, robot: str, name: str, why: str) -> None:
+    def _back_off(self, robot: str, name: str, why: str) -> None:
         """Try it again a minute later."""
-        self._rests[robot, name] = _AGAIN_AFTER_POLLS
+        self._backoff_polls[robot, name] = _AGAIN_AFTER_POLLS
         self._warn(f"{f'{robot} {name}'.rstrip()}: {why}")

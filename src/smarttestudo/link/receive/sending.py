@@ -70,7 +70,7 @@ class CommandRoute:
 
     source: str
     boot: Boot
-    told: CommandTopic
+    accepted: CommandTopic
     counts: SentCounts
     round_trip_ms: float | None
     suspect: int = 0
@@ -187,7 +187,7 @@ class Sending:
             CommandRoute(
                 source=name,
                 boot=robot.boot,
-                told=topic,
+                accepted=topic,
                 counts=robot.counts[topic.topic],
                 round_trip_ms=robot.round_trip_ms,
                 suspect=self._suspect[name],
@@ -203,13 +203,13 @@ class Sending:
 
     def _checked(self, route: CommandRoute, own_nodes: set[str]) -> CommandRoute:
         """``route`` with its source open, or why it is not."""
-        told, robot = route.told, route.boot.robot
+        accepted, robot = route.accepted, route.boot.robot
         # Another thread opens and forgets streams.
         if route.source in list(self._relayed.values()):
             return replace(route, problem="it comes from a robot under that name, so it would go round")
-        if told.problem is not None:
-            return replace(route, problem=f"at {robot}, {told.problem}")
-        if told.type_name is None:
+        if accepted.problem is not None:
+            return replace(route, problem=f"at {robot}, {accepted.problem}")
+        if accepted.type_name is None:
             return replace(route, problem=f"no node of {robot} subscribes to it", is_quiet=True)
         try:
             publishers = self._robot.publishers(route.source)
@@ -218,10 +218,10 @@ class Sending:
                 return replace(route, problem="SmartTestudo itself publishes it here, so it would go round")
             if not types:
                 return replace(route, problem="nobody publishes it here", is_quiet=True)
-            if types != [told.type_name]:
-                problem = f"it is {' and '.join(types)} here and {told.type_name} at {robot}"
+            if types != [accepted.type_name]:
+                problem = f"it is {' and '.join(types)} here and {accepted.type_name} at {robot}"
                 return replace(route, problem=problem)
-            self._subscribe(route.source, told.type_name)
+            self._subscribe(route.source, accepted.type_name)
         except TestudoError as error:
             return replace(route, problem=str(error))
         return route
@@ -250,7 +250,9 @@ class Sending:
             self._suspect[name] += 1
             return
         route = self._open_routes.get(name)
-        if route is not None and not self._commands.send(route.boot, route.told.topic, publisher, payload[:]):
+        if route is not None and not self._commands.send(
+            route.boot, route.accepted.topic, publisher, payload[:]
+        ):
             self._say(
                 f"{name}: a message of {len(payload)} bytes is too large to be sent; "
                 f"the largest has {MAX_COMMAND_BYTES}"

@@ -21,7 +21,7 @@ _WORTHWHILE = 0.9
 """The share of its size that a message may keep at most."""
 _PATIENCE = 3
 """Messages of a stream that may gain too little, one after the other."""
-_REST = 300
+_SKIPPED = 300
 """Messages of such a stream that then go as they are."""
 
 
@@ -31,15 +31,15 @@ class Compressor:
     def __init__(self) -> None:
         self._zstd = zstandard.ZstdCompressor(level=_LEVEL)
         self._misses: dict[int, int] = {}
-        self._resting: dict[int, int] = {}
+        self._skipping: dict[int, int] = {}
 
     def encode(self, stream: int, payload: bytes) -> Encoded:
         """Encode ``payload``."""
         if len(payload) < _LEAST_BYTES:
             return Encoded(payload)
-        resting = self._resting.get(stream, 0)
-        if resting:
-            self._resting[stream] = resting - 1
+        left = self._skipping.get(stream, 0)
+        if left:
+            self._skipping[stream] = left - 1
             return Encoded(payload)
         data = self._zstd.compress(payload)
         if len(data) <= _WORTHWHILE * len(payload):
@@ -47,7 +47,7 @@ class Compressor:
             return Encoded(data, is_compressed=True)
         self._misses[stream] = self._misses.get(stream, 0) + 1
         if self._misses[stream] >= _PATIENCE:
-            self._resting[stream] = _REST
+            self._skipping[stream] = _SKIPPED
         return Encoded(payload)
 
     def packed(self, frame: bytes) -> bytes:

@@ -152,7 +152,7 @@ class LinkIncidents:
         self._present: dict[Boot, None] = {}
         self._seen: set[str] = set()
         self._all_known = threading.Event()
-        self._client.begin(self._see, self._all_known.set)
+        self._client.begin(self._on_presence, self._all_known.set)
 
     def robots(self, within_s: float) -> Sequence[str]:
         """As ``RemoteIncidents.robots``."""
@@ -261,7 +261,7 @@ class LinkIncidents:
                 return boot
         return None
 
-    def _see(self, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - what a client calls
+    def _on_presence(self, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - what a client calls
         with self._lock:
             self._present.pop(boot, None)
             if is_present and len(self._present) < MAX_ROBOTS:

@@ -14,7 +14,7 @@ from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.protocol.status_stream import Record
 from smarttestudo.link.worker import Worker
-from smarttestudo.link.zenoh.queries import Present, QueryClient, Reply
+from smarttestudo.link.zenoh.queries import OnPresence, QueryClient, Reply
 from smarttestudo.link.zenoh.session import (
     POLL_PERIOD_S,
     OtherVersions,
@@ -22,7 +22,7 @@ from smarttestudo.link.zenoh.session import (
     is_connected,
     why_unreachable,
 )
-from smarttestudo.link.zenoh.statuses import Heard, StatusListener
+from smarttestudo.link.zenoh.statuses import OnStatus, StatusListener
 
 _TRY_AGAIN_S = 1.0
 
@@ -39,8 +39,8 @@ class LinkClient(QueryClient):
         self._is_refused = False
         self._versions = OtherVersions()
         self._listener: StatusListener | None = None
-        self._heard: Heard | None = None
-        self._present: Present = lambda *_: None
+        self._on_status: OnStatus | None = None
+        self._on_presence: OnPresence = lambda *_: None
         self._all_known: Callable[[], None] = lambda: None
         self._say_unreachable: Callable[[], None] = lambda: None
         self._worker = Worker("link-client", self._fail, self._poll)
@@ -62,17 +62,17 @@ class LinkClient(QueryClient):
 
     def begin(
         self,
-        present: Present,
+        on_presence: OnPresence,
         all_known: Callable[[], None],
-        heard: Heard | None = None,
+        on_status: OnStatus | None = None,
         unreachable: Callable[[], None] = lambda: None,
     ) -> None:
         """Connect; say who is there, and once that these are all who were there before.
 
-        Statuses are asked for, and given to ``heard``, where that is given. ``unreachable`` is told each time
-        that nobody answers.
+        Statuses are asked for, and given to ``on_status``, where that is given. ``unreachable`` is called
+        each time that nobody answers.
         """
-        self._present, self._all_known, self._heard = present, all_known, heard
+        self._on_presence, self._all_known, self._on_status = on_presence, all_known, on_status
         self._say_unreachable = unreachable
         self._worker.start()
 
@@ -97,17 +97,17 @@ class LinkClient(QueryClient):
             session = zenoh.open(self._config)
         except zenoh.ZError:
             return None
-        if self._heard is not None:
-            self._listener = StatusListener(session, self._heard, self._versions, self._worker.wake)
+        if self._on_status is not None:
+            self._listener = StatusListener(session, self._on_status, self._versions, self._worker.wake)
         self._session = session
         super().begin(self._follow, self._all_known)
         return session
 
-    def _follow(self, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - as Present
+    def _follow(self, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - as OnPresence
         """Hear the statuses of who is there, before that is said."""
         if self._listener is not None:
             (self._listener.add if is_present else self._listener.remove)(boot)
-        self._present(boot, is_present)
+        self._on_presence(boot, is_present)
 
     def _why(self) -> str:
         found = [why_unreachable(endpoint, self._known) for endpoint in self._endpoints]
@@ -131,8 +131,8 @@ class LinkClients(QueryClient):
     @property
     def problem(self) -> str | None:
         """Why nobody is connected at any place, or who is not understood."""
-        told = [client for client in self._clients if client.is_connected] or self._clients
-        return "; ".join(filter(None, (client.problem for client in told))) or None
+        asked = [client for client in self._clients if client.is_connected] or self._clients
+        return "; ".join(filter(None, (client.problem for client in asked))) or None
 
     @property
     def is_refused(self) -> bool:
@@ -141,14 +141,16 @@ class LinkClients(QueryClient):
             client.is_refused for client in self._clients
         )
 
-    def begin(self, present: Present, all_known: Callable[[], None], heard: Heard | None = None) -> None:
+    def begin(
+        self, on_presence: OnPresence, all_known: Callable[[], None], on_status: OnStatus | None = None
+    ) -> None:
         """Connect, as ``LinkClient.begin``; a place that cannot be reached now has nobody to be known."""
         for client in self._clients:
             settle = partial(self._settle, client, all_known)
             client.begin(
-                partial(self._see, client, present),
+                partial(self._presence_at, client, on_presence),
                 settle,
-                None if heard is None else partial(self._hear, client, heard),
+                None if on_status is None else partial(self._status_at, client, on_status),
                 unreachable=settle,
             )
 
@@ -178,7 +180,13 @@ class LinkClients(QueryClient):
     def _first(self, boot: Boot) -> LinkClient | None:
         return next(iter(self._reach.get(boot, ())), None)
 
-    def _see(self, client: LinkClient, present: Present, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - as Present
+    def _presence_at(
+        self,
+        client: LinkClient,
+        on_presence: OnPresence,
+        boot: Boot,
+        is_present: bool,  # noqa: FBT001 - as OnPresence
+    ) -> None:
         with self._lock:
             was_present = boot in self._reach
             if is_present and (was_present or len(self._reach) < MAX_ROBOTS):
@@ -188,13 +196,15 @@ class LinkClients(QueryClient):
                 if not self._reach[boot]:
                     del self._reach[boot]
             if was_present != (boot in self._reach):
-                present(boot, is_present)
+                on_presence(boot, is_present)
 
-    def _hear(self, client: LinkClient, heard: Heard, boot: Boot, record: Record, size_bytes: int) -> None:
+    def _status_at(
+        self, client: LinkClient, on_status: OnStatus, boot: Boot, record: Record, size_bytes: int
+    ) -> None:
         with self._lock:
             is_first = self._first(boot) is client
         if is_first:
-            heard(boot, record, size_bytes)
+            on_status(boot, record, size_bytes)
 
     def _settle(self, client: LinkClient, all_known: Callable[[], None]) -> None:
         with self._lock:

@@ -66,19 +66,15 @@ class LinkRobots:
         self._steady_s = steady_s
         self._inbox: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._robots: dict[Boot, _Robot] = {}
-        self._heard: Mapping[str, HeardStatus] = {}
+        self.heard: Mapping[str, HeardStatus] = {}
+        """The last status of each robot, those of one name apart by a number after it."""
         self._boots: Mapping[str, Boot] = {}
         self._knows_all = False
         client.begin(
-            heard=lambda *said: self._later(partial(self._hear, *said)),
-            present=lambda *said: self._later(partial(self._see, *said)),
+            on_status=lambda *said: self._later(partial(self._on_status, *said)),
+            on_presence=lambda *said: self._later(partial(self._on_presence, *said)),
             all_known=lambda: self._later(self._know_all),
         )
-
-    @property
-    def heard(self) -> Mapping[str, HeardStatus]:
-        """The last status of each robot, those of one name told apart by a number after it."""
-        return self._heard
 
     @property
     def has_heard_all(self) -> bool:
@@ -127,7 +123,7 @@ class LinkRobots:
         if robot_id is not None:
             self._ask(robot_id, GetTopics(), _texts, got)
             return
-        asked = [name for name, heard in self._heard.items() if heard.is_present]
+        asked = [name for name, heard in self.heard.items() if heard.is_present]
         answers: list[Mapping[str, str]] = []
 
         def collect(answer: Mapping[str, str] | TestudoError) -> None:
@@ -146,7 +142,7 @@ class LinkRobots:
         robot_id: str,
         question: Question,
         read: Callable[[bytes], _Read],
-        told: Callable[[_Read | TestudoError], None],
+        on_answer: Callable[[_Read | TestudoError], None],
     ) -> None:
         boot = self._boots.get(robot_id)
         asked_s = self._steady_s()
@@ -160,10 +156,10 @@ class LinkRobots:
                     answer = reply or self._silent(robot_id, asked_s)
             except LinkError as error:
                 answer = error
-            told(answer)
+            on_answer(answer)
 
         if boot is None:
-            self._later(lambda: told(self._silent(robot_id, asked_s)))
+            self._later(lambda: on_answer(self._silent(robot_id, asked_s)))
             return
         later = partial(self._answer_later, answered)
         try:
@@ -194,7 +190,7 @@ class LinkRobots:
     def _know_all(self) -> None:
         self._knows_all = True
 
-    def _see(self, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - what a client calls
+    def _on_presence(self, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - what a client calls
         if boot in self._robots:
             self._robots[boot].is_present = is_present
         elif is_present:
@@ -209,7 +205,7 @@ class LinkRobots:
         for boot in gone:
             del self._robots[boot]
 
-    def _hear(self, boot: Boot, record: Record, size_bytes: int) -> None:
+    def _on_status(self, boot: Boot, record: Record, size_bytes: int) -> None:
         robot = self._robots.get(boot)
         if robot is None:
             return
@@ -241,7 +237,7 @@ class LinkRobots:
                 size_bytes=round(sum(robot.sizes) / max(len(robot.sizes), 1)),
                 is_present=robot.is_present,
             )
-        self._heard, self._boots = heard, boots
+        self.heard, self._boots = heard, boots
 
 
 def _texts(data: bytes) -> Mapping[str, str]:

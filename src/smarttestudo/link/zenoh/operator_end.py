@@ -80,11 +80,11 @@ class OperatorEnd:
         self._said_twice: set[str] = set()
         self._was_full = False
         self._lock = threading.Lock()
-        self._told_status: set[Boot] = set()
+        self._has_status: set[Boot] = set()
         self._versions = OtherVersions(warn)
         self._poll_ns = 0
         self._worker = Worker("link-report", lambda error: warn(f"robots get no report: {error}"), self._poll)
-        self._statuses = StatusListener(session, self._hear, self._versions, self._worker.wake)
+        self._statuses = StatusListener(session, self._on_status, self._versions, self._worker.wake)
         # Kept alive: Zenoh undeclares on garbage collection.
         self._kept = (
             session.declare_subscriber(ALL_DATA, self._on_chunk),
@@ -132,11 +132,11 @@ class OperatorEnd:
         if wake_ns < self._poll_ns:
             self._worker.wake()
 
-    def _hear(self, boot: Boot, record: Record, _size_bytes: int) -> None:
+    def _on_status(self, boot: Boot, record: Record, _size_bytes: int) -> None:
         """A status is another message of the robot for who reads here."""
         name, number = boot
-        if boot not in self._told_status:
-            self._told_status.add(boot)
+        if boot not in self._has_status:
+            self._has_status.add(boot)
             said = StreamSaid(robot=name, boot=number, number=_STATUS_NUMBER, info=STATUS_STREAM)
             self._arrivals.put(said)
         text = json_text(record, ascii_only=False)
@@ -170,7 +170,7 @@ class OperatorEnd:
             self._say_streams(robot)
         (self._statuses.add if is_present else self._statuses.remove)(boot)
         if not is_present:
-            self._told_status.discard(boot)
+            self._has_status.discard(boot)
         self._worker.wake()
         if is_present:
             self._warn_of_namesakes(boot.robot)

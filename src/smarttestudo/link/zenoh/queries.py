@@ -149,7 +149,7 @@ class QueryServer:
 
 Reply = bytes | LinkError | None
 """The frame that a robot answered, why it did not, or nothing where it is silent."""
-Present = Callable[[Boot, bool], None]
+OnPresence = Callable[[Boot, bool], None]
 """Takes whether a run of a robot's end is there; called by threads of Zenoh."""
 
 
@@ -165,7 +165,7 @@ class QueryClient:
         """Why nobody is connected."""
         return None
 
-    def begin(self, present: Present, all_known: Callable[[], None]) -> None:
+    def begin(self, on_presence: OnPresence, all_known: Callable[[], None]) -> None:
         """Say who is there, and once that these are all who were there before."""
         assert self._session is not None
         liveliness = self._session.liveliness()
@@ -173,7 +173,7 @@ class QueryClient:
         def on_sample(sample: zenoh.Sample) -> None:
             boot = boot_of(str(sample.key_expr))
             if boot is not None:
-                present(boot, sample.kind == zenoh.SampleKind.PUT)
+                on_presence(boot, sample.kind == zenoh.SampleKind.PUT)
 
         def on_reply(reply: zenoh.Reply) -> None:
             if reply.ok is not None:

@@ -68,7 +68,7 @@ class StatusServer:
         query.reply(data)
 
 
-Heard = Callable[[Boot, Record, int], None]
+OnStatus = Callable[[Boot, Record, int], None]
 """Takes a robot's status and the size of what it travelled as; called by threads of Zenoh."""
 
 _AGAIN_S, _LONGEST_AGAIN_S = 1.0, 8.0
@@ -94,11 +94,11 @@ class StatusListener:
     """
 
     def __init__(
-        self, session: zenoh.Session, heard: Heard, versions: OtherVersions, wake: Callable[[], None]
+        self, session: zenoh.Session, on_status: OnStatus, versions: OtherVersions, wake: Callable[[], None]
     ) -> None:
         self.malformed = 0
         self._client = QueryClient(session)
-        self._heard = heard
+        self._on_status = on_status
         self._versions = versions
         self._wake = wake
         self._robots: dict[Boot, _Listening] = {}
@@ -159,6 +159,6 @@ class StatusListener:
                 self.malformed += 1
             if record is not None:
                 robot.again_s = _AGAIN_S
-                self._heard(robot.boot, record, len(data))
+                self._on_status(robot.boot, record, len(data))
         if robot.receiver.needs_full:
             self._wake()
