@@ -12,12 +12,13 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 
+import pytest
 import zenoh
 
 from first_free import first_free
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.robot import Qos
-from smarttestudo.link.zenoh import open_operator_end, open_robot_end
+from smarttestudo.link.zenoh import link_client, open_operator_end, open_robot_end, session
 from smarttestudo.link.zenoh.arrivals import LinkEvent
 from smarttestudo.link.zenoh.operator_end import OperatorEnd
 from smarttestudo.link.zenoh.robot_end import RobotEnd
@@ -39,6 +40,13 @@ MAP = StreamInfo(
     type_name="nav_msgs/msg/OccupancyGrid",
     qos=Qos(reliable=True, transient_local=True, depth=1),
 )
+
+
+@pytest.fixture
+def quick_watch(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have who is connected looked at often: a cause is said once it was there twice."""
+    for module in (link_client, session):
+        monkeypatch.setattr(module, "POLL_PERIOD_S", 0.2)
 
 
 def free_endpoint(protocol: str = "tcp", host: str = "127.0.0.1") -> str:

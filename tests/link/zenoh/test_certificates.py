@@ -11,13 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from link.zenoh.ends import ODOM, Reader, free_endpoint, refuse_warning, until
+from link.zenoh.ends import ODOM, Reader, free_endpoint, quick_watch, refuse_warning, until
 from made_once import made_once
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.zenoh import open_link_robots, open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.security import LinkOptions
 
-pytestmark = pytest.mark.full
+__all__ = ["quick_watch"]
+pytestmark = [pytest.mark.full, pytest.mark.usefixtures("quick_watch")]
 
 
 def make_certificates(folder: Path) -> None:

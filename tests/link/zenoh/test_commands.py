@@ -12,7 +12,6 @@ from contextlib import contextmanager
 import pytest
 
 from link.zenoh.ends import free_endpoint, refuse_warning, until
-from link.zenoh.slow_wire import slow_wire
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Payload
 from smarttestudo.link.protocol.commands import CommandedRobot
@@ -110,18 +109,3 @@ def test_what_waits_while_the_robot_is_away_is_never_delivered() -> None:
             boot = heard(outbox).boot
             until(lambda: bool(published.payloads), lambda: outbox.send(boot, JOY, b"", b"new"))
             assert {*published.payloads} == {b"new"}
-
-
-def test_where_the_way_takes_too_long_nothing_is_delivered_and_the_age_is_told() -> None:
-    endpoint = free_endpoint()
-    with (
-        sending(endpoint) as outbox,
-        slow_wire(endpoint, 0.3) as near,
-        accepting(near, warn=print) as (_, published),
-    ):
-        boot = heard(outbox).boot
-        until(lambda: heard(outbox).topics[JOY].too_old >= 3, lambda: outbox.send(boot, JOY, b"", b"late"))
-        assert published.payloads == []
-        age_ms = heard(outbox).topics[JOY].age_ms
-        assert age_ms is not None
-        assert age_ms >= 600

@@ -13,7 +13,16 @@ from typing import Any
 
 import pytest
 
-from link.zenoh.ends import Reader, free_endpoint, messages, operator_end, refuse_warning, robot_end, until
+from link.zenoh.ends import (
+    Reader,
+    free_endpoint,
+    messages,
+    operator_end,
+    quick_watch,
+    refuse_warning,
+    robot_end,
+    until,
+)
 from robot.status.statuses import STATUS
 from smarttestudo.cli.robots import wait_for_all
 from smarttestudo.domain.errors import TestudoError
@@ -24,6 +33,7 @@ from smarttestudo.link.zenoh.link_robots import LinkRobots
 from smarttestudo.link.zenoh.robot_end import RobotEnd
 from smarttestudo.link.zenoh.security import LinkOptions
 
+__all__ = ["quick_watch"]
 pytestmark = pytest.mark.full
 ID = "r1:/smarttestudo"
 NAMES = ("rules_hash",)
@@ -136,6 +146,7 @@ def test_a_robot_answers_what_it_is_asked() -> None:
             assert topics == {"/imu": "sensor_msgs/msg/Imu"}
 
 
+@pytest.mark.usefixtures("quick_watch")
 def test_watchers_that_nobody_answers_say_why_and_connect_once_somebody_does() -> None:
     endpoint = free_endpoint()
     with watching(endpoint) as robots:
