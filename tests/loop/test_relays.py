@@ -4,13 +4,16 @@
 
 from __future__ import annotations
 
+import random
 from dataclasses import dataclass, field
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rosbags.typesys import Stores
 
 from loop.loop_driver import MS, SECOND, LoopDriver
+from pacing.test_stream_reader import Written
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.robot import Payload
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind, WhenSlow
@@ -100,3 +103,21 @@ def test_what_waited_for_its_leader_under_another_type_never_goes_out() -> None:
     driver.source("/info", type_name="new_msgs/msg/New")
     driver.send("/image", 200 * MS, stamped)
     assert [one.topic for one in driver.relayed] == ["/image"]
+
+
+@pytest.mark.parametrize("version", [Stores.ROS2_FOXY, Stores.ROS2_JAZZY])
+@pytest.mark.parametrize("kind", ["marker", "markers"])
+@pytest.mark.parametrize("transient_local", [False, True])
+def test_each_deletion_passes(version: Stores, kind: str, transient_local: bool) -> None:
+    driver, chance, deletions = LoopDriver("begin SetFrequency /m 0.2 end"), random.Random(1), []
+    for number in range(300):
+        written = Written(version, chance, ["a"], [2, 3] if number % 50 == 20 else [0, 1])
+        type_name, payload, _ = written(kind)
+        if not number:
+            driver.source("/m", type_name=type_name, transient_local=transient_local)
+        at_ns = SECOND + number * SECOND // 10
+        driver.send("/m", at_ns, payload)
+        deletions += [at_ns] * (written.deletion > 0)
+    relayed = driver.stamps_of("/m")
+    assert len(deletions) == 6
+    assert set(deletions) <= set(relayed)

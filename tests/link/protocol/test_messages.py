@@ -1,13 +1,14 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Questions over a link and their answers arrive as they were sent, and nonsense is refused."""
+"""Messages of a link arrive as they were sent, reports in less time, and nonsense is refused."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.errors import LinkError, UsageError
@@ -19,14 +20,20 @@ from smarttestudo.domain.parameter import (
     SetParameters,
     Values,
 )
+from smarttestudo.link.protocol.chunks import Acknowledgement, LostSpan
 from smarttestudo.link.protocol.messages import (
     ANSWERS,
     CHANGING_QUESTIONS,
     MAX_QUESTION_BYTES,
     READING_QUESTIONS,
     REFUSALS,
+    REPORTS,
     NoAnswer,
+    Report,
+    ReportReader,
+    ReportWriter,
 )
+from smarttestudo.link.protocol.wire import Kind, frame, zigzag
 
 texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
 values = st.dictionaries(
@@ -111,3 +118,58 @@ def test_what_is_like_a_value_of_a_parameter_travels_as_one() -> None:
 
     like: Any = {"name": Name("x"), "list": ["a", "b"], "flag": True, "number": 2}
     assert ANSWERS.from_bytes(ANSWERS.to_bytes(like)) == {**like, "list": ("a", "b")}
+
+
+receivers = st.sampled_from((0, 5, 2**64 - 1))
+sessions = st.sampled_from((0, 1, 2**32 - 1))
+spans = st.lists(st.builds(LostSpan, st.integers(0, 9), st.integers(0, 2**40)), max_size=2).map(tuple)
+acknowledgements = st.builds(
+    Acknowledgement,
+    session=sessions,
+    received_bytes=st.integers(0, 2**64 - 1),
+    lost=st.just(()) | spans,
+    is_cut=st.booleans(),
+)
+ended = st.just(()) | st.lists(acknowledgements, max_size=2).map(tuple)
+plain_reports = st.builds(Report, receiver=receivers, received=acknowledgements, ended=ended)
+full_reports = st.builds(
+    Report,
+    receiver=receivers,
+    received=acknowledgements,
+    ended=ended,
+    ages_ms=st.dictionaries(st.integers(0, 9), st.floats(0, 1e9), max_size=2),
+    predicts=st.frozensets(st.sampled_from(("/odom", "/tf"))),
+)
+# The heads of two receivers, and anything behind them.
+forged = st.builds(
+    lambda receiver, session, rest: frame(Kind.REPORT, zigzag(receiver) + zigzag(session) + rest),
+    receivers,
+    st.sampled_from((-1, 0, 1, 2**32)),
+    st.binary(max_size=14) | st.integers(-(2**65), 2**65).map(lambda number: zigzag(number) + bytes(5)),
+)
+
+
+@given(receivers, st.lists(st.tuples(acknowledgements, ended)))
+def test_a_report_is_written_as_any_other(
+    receiver: int, said: list[tuple[Acknowledgement, tuple[Acknowledgement, ...]]]
+) -> None:
+    writer = ReportWriter(receiver)
+    for received, before in said:
+        report = Report(receiver=receiver, received=received, ended=before)
+        assert writer.to_bytes(received, before) == REPORTS.to_bytes(report)
+
+
+@given(st.lists(plain_reports.map(REPORTS.to_bytes) | full_reports.map(REPORTS.to_bytes) | forged))
+@example([b"", frame(Kind.REPORT, zigzag(0) + zigzag(0)), frame(Kind.REPORT, zigzag(0) * 3 + bytes(1))])
+def test_a_report_is_read_as_any_other_whatever_came_before(received: list[bytes]) -> None:
+    reader = ReportReader()
+    for data in received:
+        assert read(reader.from_bytes, data) == read(REPORTS.from_bytes, data)
+
+
+def read(from_bytes: Callable[[bytes], Report], data: bytes) -> Report | None:
+    """The report, or ``None`` where it is refused."""
+    try:
+        return from_bytes(data)
+    except LinkError:
+        return None
