@@ -59,7 +59,6 @@ class Worker:
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     def start(self) -> None:
-        """Begin."""
         self._thread.start()
 
     def give(self, task: Callable[[], None], *, most: int | None = None) -> bool:
@@ -71,7 +70,6 @@ class Worker:
         return True
 
     def wake(self) -> None:
-        """Have it poll now."""
         self._news.set()
 
     def close(self) -> None:

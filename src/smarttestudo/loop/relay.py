@@ -120,7 +120,6 @@ class Relay:
         return self.leader.target_hz
 
     def set_rate(self, rate_hz: float, now_ns: int) -> None:
-        """Take the plan's rate."""
         self._rate_hz = rate_hz
         self.pacer.set_rate(rate_hz, now_ns)
         for relay in (self, *self.followers):

@@ -48,7 +48,6 @@ class Relays:
 
     @property
     def statistics(self) -> Mapping[str, RelayStatistics]:
-        """Statistics of each relay so far."""
         return {topic: relay.statistics for topic, relay in self._relays.items()}
 
     @property
@@ -212,7 +211,6 @@ class Relays:
         return relayed
 
     def change_source(self, change: SourceChanged, now_ns: int) -> Sequence[Relayed]:
-        """Take a change of a source."""
         relay = self._relays.get(change.topic)
         if relay is None:
             return ()

@@ -31,7 +31,6 @@ class TargetRate:
         self._ns_at: Counter[float] = Counter()
 
     def change(self, rate_hz: float, now_ns: int) -> None:
-        """Aim at ``rate_hz`` from ``now_ns`` on."""
         self.account(now_ns)
         self.changes += rate_hz != self.rate_hz
         self.rate_hz = rate_hz
@@ -108,7 +107,6 @@ class VideoCounts:
         self.since_ns = now_ns
 
     def record(self, frame: VideoFrame | None, now_ns: int) -> None:
-        """Count a message."""
         self.messages += 1
         if frame is None or frame is VideoFrame.KEY:
             self.keys += 1

@@ -73,7 +73,6 @@ class BoundStream(VolatileStream):
         self.ceiling.charge(now_ns, self._ceiling_slack_ns)
 
     def settle(self, now_ns: int) -> None:
-        """Something passes now."""
         super().settle(now_ns)
         self.overdue = False
 
@@ -89,7 +88,6 @@ class BoundStream(VolatileStream):
         self.ceiling.change_pace(pace, now_ns, self._ceiling_slack_ns)
 
     def change_heartbeat(self, pace: Pace, now_ns: int) -> None:
-        """Another heartbeat."""
         self.grid.change_pace(pace, now_ns, self.slack_ns)
 
     def restart(self, now_ns: int) -> None:

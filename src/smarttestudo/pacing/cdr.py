@@ -67,7 +67,6 @@ def header_stamp_ns(payload: Payload) -> int | None:
 
 
 def string_message(text: str) -> bytes:
-    """A serialized std_msgs/msg/String."""
     data = text.encode() + b"\0"
     return _LITTLE_ENDIAN + bytes(2) + struct.pack("<I", len(data)) + data
 

@@ -87,12 +87,10 @@ class CdrWalk:
         return text_at(self.payload, start, self.at)
 
     def skip_texts(self, count: int = 1) -> None:
-        """Pass over so many texts."""
         for _ in range(count):
             self.skip(self.count(), 1)
 
     def header(self) -> None:
-        """Pass over a std_msgs/Header."""
         self.skip(STAMP_BYTES, 4)
         self.skip_texts()
 

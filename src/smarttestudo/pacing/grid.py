@@ -52,12 +52,10 @@ class Pace:
 
     @property
     def is_full(self) -> bool:
-        """Whether every message passes."""
         return self.period_ns == 0
 
     @property
     def is_off(self) -> bool:
-        """Whether nothing passes."""
         return self.period_ns == NEVER_NS
 
 

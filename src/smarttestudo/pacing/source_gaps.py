@@ -34,7 +34,6 @@ class Gaps:
     longest_ns: int = 0
 
     def numbers(self) -> GapNumbers:
-        """All four."""
         return self.count, self.total_ns, self.squares_us2, self.longest_ns
 
 

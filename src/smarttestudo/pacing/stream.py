@@ -76,7 +76,6 @@ class Stream(ABC):
         return () if sample is None else (Pass(sample),)
 
     def change_pace(self, pace: Pace, now_ns: int) -> None:
-        """Follow another pace from now on."""
         self.grid.change_pace(pace, now_ns, self.slack_ns)
 
     def restart(self, now_ns: int) -> None:
@@ -175,7 +174,6 @@ class PublisherStream(VolatileStream):
         return now_ns - self.source.lag_ns >= grid.due_ns or grid.pace.is_full
 
     def charge(self, now_ns: int) -> None:
-        """Something passes now."""
         super().charge(now_ns)
         if self.held is not None or self._has_skipped:
             self.grid.move_phase(self.source.step_ns)

@@ -72,7 +72,6 @@ class Streams(ABC, Generic[AnyStream]):
         return passes
 
     def change_pace(self, pace: Pace, now_ns: int) -> None:
-        """Follow another pace from now on."""
         self._pace = pace
         for stream in self._streams.values():
             stream.change_pace(pace, now_ns)
@@ -101,7 +100,6 @@ class Streams(ABC, Generic[AnyStream]):
         )
 
     def streams(self) -> Collection[AnyStream]:
-        """All there are."""
         return self._streams.values()
 
     def by_publisher(self) -> dict[bytes, AnyStream]:

@@ -215,7 +215,6 @@ class TopicPacer(Pacer):
         self._notifier.followers.remove(follower)
 
     def drop_followers(self) -> None:
-        """Remove all followers."""
         self._notifier.followers.clear()
 
     def _begin_anew(self, now_ns: int) -> Sequence[Pass]:

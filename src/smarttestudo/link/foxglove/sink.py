@@ -101,7 +101,6 @@ class FoxgloveSink:
 
     @property
     def port(self) -> int:
-        """Where it listens."""
         return self._server.port
 
     def open(self, robot: str, stream: StreamInfo) -> None:
@@ -145,7 +144,6 @@ class FoxgloveSink:
                 topic.latched.pop(stream.publisher, None)
 
     def close(self) -> None:
-        """Let all clients go."""
         self._server.stop()
         for log, replaced in self._logs.items():
             log.removeFilter(replaced)
@@ -217,7 +215,6 @@ class _Replaced(logging.Filter):
         self._on_line = on_line
 
     def filter(self, record: logging.LogRecord) -> bool:
-        """Whether the line is logged."""
         found = self._line.search(record.getMessage())
         if found is not None:
             self._on_line(found)

@@ -30,15 +30,12 @@ class RunMetrics(Part):
         self._decisions = 0
 
     def on_status(self, status: RuntimeStatus) -> None:
-        """Serve this status from now on."""
         self._status = status
 
     def on_decisions(self, decisions: Sequence[Decision]) -> None:
-        """Count decisions."""
         self._decisions += len(decisions)
 
     def metrics(self) -> list[Metric]:
-        """All that is known now."""
         status = self._status
         decisions = Metric(name=DECISIONS, samples=[((self._robot,), float(self._decisions))])
         return [decisions, *([] if status is None else status_metrics({self._robot: status}))]

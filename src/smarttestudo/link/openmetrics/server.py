@@ -51,11 +51,9 @@ class MetricsServer:
 
     @property
     def port(self) -> int:
-        """Where it listens."""
         return int(self._server.server_address[1])
 
     def close(self) -> None:
-        """Answer nothing more."""
         self._server.shutdown()
         self._server.server_close()
         self._thread.join(_END_WITHIN_S)
@@ -72,7 +70,6 @@ class _Families(Collector):
         self._metrics = metrics
 
     def collect(self) -> Iterator[MetricFamily]:
-        """Ask for the numbers now."""
         for metric in self._metrics():
             yield _family(metric)
 
@@ -121,7 +118,6 @@ class _Server(ThreadingHTTPServer):
             self.shutdown_request(request)
 
     def process_request_thread(self, request: Any, client_address: Any) -> None:
-        """Answer, in the thread."""
         try:
             super().process_request_thread(request, client_address)
         finally:
@@ -153,7 +149,6 @@ class _Handler(BaseHTTPRequestHandler):
         self._answer(200, way.CONTENT_TYPE_LATEST, body)
 
     def version_string(self) -> str:
-        """The name by which the server goes."""
         return "SmartTestudo"
 
     def log_message(self, *_: Any) -> None:

@@ -46,16 +46,13 @@ class CommandSubscribers(Part):
         self._without_ns: dict[str, int] = {}
 
     def follow(self, rules: LiveRules, now_ns: int) -> None:  # noqa: ARG002 - a part's
-        """Know the names of what goes to operators."""
         self._relayed = frozenset(rules.output_topics.values())
 
     def on_graph(self) -> None:
-        """Follow the graph."""
         is_connected = self._link is not None and self._link.state.is_connected
         self.poll_graph(self._relayed, is_connected=is_connected)
 
     def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
-        """``status`` with what is known of each topic."""
         return replace(status, accepted=tuple(self._commands.topics))
 
     def poll_graph(self, relayed: Collection[str], *, is_connected: bool) -> None:
@@ -69,7 +66,6 @@ class CommandSubscribers(Part):
         self._poll_operators(is_connected=is_connected)
 
     def close(self) -> None:
-        """Publish nothing more."""
         # What operators send is published by another thread, which must not outlive the node.
         for topic, served in self._served.items():
             self._serve(topic, served, None, None)

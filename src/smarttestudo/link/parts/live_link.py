@@ -43,7 +43,6 @@ class OperatorLog:
         """For how long there was none, until one came again of which nothing was said yet."""
 
     def look(self, there: frozenset[int], now_ns: int) -> None:
-        """These are there now."""
         self._lines = min(self._lines + (now_ns - self._looked_ns) / REFILL_NS, MOST_LINES)
         self._looked_ns = now_ns
         if there != self._there:
@@ -260,7 +259,6 @@ class LinkPart(Part):
         self._run: RunView | None = None
 
     def begin(self, run: RunView) -> None:
-        """Know the loop."""
         self._run = run
 
     def poll(self) -> None:

@@ -78,12 +78,10 @@ LINK_OPTIONS = (LINK, LINK_LISTEN, ROBOT_NAME, ACCEPT, FETCH_BUDGET, *SECURITY_O
 
 
 def has_link(settings: Settings) -> bool:
-    """Whether there is to be a link."""
     return bool(settings[LINK] or settings[LINK_LISTEN])
 
 
 def robot_name(settings: Settings) -> str:
-    """The robot's name for operators."""
     return settings[ROBOT_NAME] or re.sub(r"[^A-Za-z0-9_]", "_", platform.node()) or "robot"
 
 

@@ -103,7 +103,6 @@ class BackgroundRequests(Generic[_Request]):
 
     @property
     def is_empty(self) -> bool:
-        """Whether none waits."""
         return not any(client.waiting for client in self._clients.values())
 
     @property

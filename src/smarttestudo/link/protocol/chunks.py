@@ -54,7 +54,6 @@ class Chunk(NamedTuple):
     body: bytes
 
     def to_bytes(self) -> bytes:
-        """The chunk as it travels."""
         flags = _COMPRESSED * self.is_compressed | _KEPT * self.is_kept
         head = _HEADER.pack(
             _FRAME,
@@ -98,7 +97,6 @@ class Chunk(NamedTuple):
 
     @property
     def is_last(self) -> bool:
-        """Whether its message ends with it."""
         return self.offset + len(self.body) == self.size_bytes
 
 

@@ -165,7 +165,6 @@ class CommandSender:
         return True
 
     def next_command(self, now_ns: int) -> bytes | None:
-        """The frame to send now."""
         if not self.is_present(now_ns):
             self._expire(now_ns)
             return None
@@ -279,7 +278,6 @@ class _Topic:
     credited_ns: int | None = None
 
     def admits(self, now_ns: int) -> bool:
-        """Whether one more message is within the rate."""
         since_ns = 0 if self.credited_ns is None else now_ns - self.credited_ns
         self.credit_ns = min(self.credit_ns + since_ns, MAX_BURST * NS_PER_S // MAX_HZ)
         self.credited_ns = now_ns
@@ -289,7 +287,6 @@ class _Topic:
         return True
 
     def count(self, **counts: int) -> None:
-        """Add to the counts of that name."""
         self.state = replace(
             self.state, **{name: getattr(self.state, name) + n for name, n in counts.items()}
         )
@@ -324,7 +321,6 @@ class CommandReceiver:
 
     @property
     def topics(self) -> list[CommandTopic]:
-        """The topics with their counts."""
         return [topic.state for topic in self._topics]
 
     def follow(self, topic: str, type_name: str | None, problem: str | None = None) -> None:
@@ -372,13 +368,11 @@ class CommandReceiver:
 
     @property
     def wake_ns(self) -> int:
-        """When the next report is due."""
         if self._reported_ns is None:
             return 0
         return self._reported_ns + (ACKNOWLEDGE_NS if self._has_news else TICK_NS)
 
     def next_report(self, now_ns: int) -> bytes:
-        """The report to send now."""
         self._reported_ns, self._has_news = now_ns, False
         topics = tuple(self.topics)
         after_ns = _REPEAT_STREAMS_NS if topics == self._reported else _REPORT_STREAMS_NS

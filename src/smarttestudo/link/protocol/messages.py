@@ -151,7 +151,6 @@ class NoAnswer(NamedTuple):
 
     @staticmethod
     def of(error: TestudoError) -> NoAnswer:
-        """The refusal that says ``error``."""
         return NoAnswer(error.cause[:_MAX_TEXT], error.place, error.remedy)
 
     def error(self) -> LinkError:

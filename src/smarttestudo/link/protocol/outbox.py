@@ -112,7 +112,6 @@ class Outbox:
         open_stream.next_number = (open_stream.next_number + 1) % NUMBERS
 
     def set_needs(self, stream: int, needs: LinkNeeds) -> None:
-        """Serve a stream so from now on."""
         self._streams[stream].needs = needs
 
     def put(
@@ -147,7 +146,6 @@ class Outbox:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing waits."""
         return not self._active
 
     def next_chunk(self, session: int, body_bytes: int, now_ns: int) -> Chunk | None:
@@ -201,7 +199,6 @@ class Outbox:
             self._miss_given_up()
 
     def give_up_all(self) -> None:
-        """Nothing is sent any more."""
         for stream in self._streams.values():
             self._give_up(*stream.waiting)
         self._give_up(*(message for _, message in self._under_way))
@@ -243,7 +240,6 @@ class Outbox:
                 self._active[stream.number] = stream
 
     def counts(self, now_ns: int) -> Iterator[tuple[int, StreamCounts]]:
-        """The counts of each stream."""
         for number, stream in self._streams.items():
             yield number, stream.counts(now_ns)
 

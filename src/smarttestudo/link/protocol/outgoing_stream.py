@@ -29,7 +29,6 @@ Encode = Callable[[int, bytes], Encoded]
 
 
 def plain(_stream: int, payload: bytes) -> Encoded:
-    """Every message travels as it is."""
     return Encoded(payload)
 
 
@@ -56,7 +55,6 @@ class OutgoingMessage:
 
     @property
     def rest_bytes(self) -> int:
-        """How much of it is to be sent."""
         return len(self.payload if self.encoded is None else self.encoded.data) - self.offset
 
 
@@ -157,7 +155,6 @@ class OutgoingStream:
         self.queued_bytes += len(message.payload)
 
     def take_queued(self) -> OutgoingMessage:
-        """Have the first of these wait no more."""
         message = self.queue.popleft()
         self.queued_bytes -= len(message.payload)
         return message
@@ -169,7 +166,6 @@ class OutgoingStream:
         self.slots_bytes += len(message.payload)
 
     def take_slot(self, number: int) -> OutgoingMessage:
-        """Have it wait no more."""
         message = self.slots.pop(number)
         lane = self.lanes[message.lane]
         lane.remove(number)
@@ -179,7 +175,6 @@ class OutgoingStream:
         return message
 
     def counts(self, now_ns: int) -> StreamCounts:
-        """The counts of its messages."""
         return StreamCounts(
             sent=self.sent,
             replaced=self.replaced,

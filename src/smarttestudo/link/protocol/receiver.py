@@ -109,7 +109,6 @@ class LinkReceiver:
 
     @property
     def wake_ns(self) -> int:
-        """When the next report is due."""
         if self._reported_ns is None:
             return 0
         if self._sessions.received_bytes - self._reported_bytes >= ACKNOWLEDGE_BYTES:
@@ -117,7 +116,6 @@ class LinkReceiver:
         return self._reported_ns + (self.report_period_ns if self.has_news else KEEP_ALIVE_NS)
 
     def next_report(self, now_ns: int) -> bytes:
-        """The report to send now."""
         self._reported_ns, self._reported_bytes = now_ns, self._sessions.received_bytes
         self.has_news = False
         received, ended = self._sessions.newest, self._sessions.ended

@@ -46,11 +46,9 @@ class BudgetEstimator:
         self._payload_bytes = self._wire_bytes = 1.0
 
     def idle(self, now_ns: int) -> None:
-        """Nothing waits to be sent."""
         self._idle_since_ns = self._idle_since_ns or now_ns
 
     def sent(self, now_ns: int) -> None:
-        """Something was sent."""
         if self._idle_since_ns is not None:
             self._idle_ns += now_ns - self._idle_since_ns
             self._idle_since_ns = None

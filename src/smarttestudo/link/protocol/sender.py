@@ -70,11 +70,9 @@ class Receivers:
 
     @property
     def numbers(self) -> frozenset[int]:
-        """The numbers of the receivers that are there."""
         return frozenset(self._known)
 
     def present(self, now_ns: int) -> frozenset[int]:
-        """The numbers of those that are there now."""
         self._forget_lost(now_ns)
         return frozenset(self._known)
 
@@ -158,7 +156,6 @@ class LinkSender(Generic[_Request]):
             self._close(next(iter(self._ending)), now_ns)
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
-        """Serve topics so from now on."""
         self._needs = needs
         for number, info in self._infos.items():
             self._outbox.set_needs(number, needs.get(info.topic, LinkNeeds()))
@@ -238,7 +235,6 @@ class LinkSender(Generic[_Request]):
         self._outbox.cut()
 
     def state(self, now_ns: int) -> LinkState:
-        """The state of the link."""
         window = self.scheduler.window
         is_limit = self.scheduler.budget.is_limit(window)
         return LinkState(
@@ -257,7 +253,6 @@ class LinkSender(Generic[_Request]):
         return self.scheduler.budget.kb_per_s
 
     def counts(self, now_ns: int) -> dict[str, StreamCounts]:
-        """Messages by topic."""
         counts = {**self._counts_closed}
         for number, one in self._outbox.counts(now_ns):
             info = self._infos.get(number)

@@ -233,7 +233,6 @@ class Window:
 
     @property
     def in_flight_bytes(self) -> int:
-        """Bytes that were sent and not acknowledged."""
         return self.sent_bytes - self.acknowledged_bytes
 
     @property
@@ -258,7 +257,6 @@ class Window:
 
     @property
     def size_bytes(self) -> int:
-        """How many bytes may be under way now."""
         if self._size_bytes is None:
             self._size_bytes = max(_LEAST_WINDOW_BYTES, int(self._rate.bytes_per_s * self._ahead_s))
         return self._size_bytes
@@ -304,7 +302,6 @@ class Window:
         self._rate.was_idle = True
 
     def sent(self, size_bytes: int, now_ns: int) -> None:
-        """Bytes were sent."""
         is_after_pause = self._rate.was_idle and not self._flights
         has_paused = is_after_pause and now_ns - self._acknowledged_ns > _LEAST_PAUSE_NS
         if self._rate.begun_ns is None or has_paused:

@@ -83,7 +83,6 @@ def malformed(what: str) -> LinkError:
 
 
 def frame(kind: Kind, body: bytes) -> bytes:
-    """``body`` as it travels."""
     return bytes((WIRE_VERSION, kind)) + body
 
 
@@ -126,7 +125,6 @@ class Reader:
 
     @property
     def is_at_end(self) -> bool:
-        """Whether nothing is left."""
         return self._at >= len(self._data)
 
     def varint(self) -> int:
@@ -154,7 +152,6 @@ class Reader:
         return count
 
     def read(self, size_bytes: int) -> bytes:
-        """The next bytes."""
         end = self._at + size_bytes
         if end > len(self._data):
             raise malformed("an end that comes too early")
@@ -162,7 +159,6 @@ class Reader:
         return data
 
     def rest(self) -> bytes:
-        """All that is left."""
         return self.read(len(self._data) - self._at)
 
 

@@ -27,7 +27,6 @@ class ArrivalLog:
         self._robots: dict[str, _Robot] = {}
 
     def handle(self, event: LinkEvent) -> None:
-        """Something arrived."""
         robot = self._robots.setdefault(event.robot, _Robot())
         match event:
             case RobotPresence():

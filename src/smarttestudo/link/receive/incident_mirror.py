@@ -75,19 +75,16 @@ class _Turn:
         self.waits_for = "the robot's answers"
 
     def note(self, progress: FetchProgress) -> None:
-        """See how far it is."""
         if progress.got_bytes > self._got_bytes:
             self._got_bytes, self._came_s = progress.got_bytes, self._steady_s()
         self.waits_for = progress.waits_for or self.waits_for
 
     @property
     def is_stalled(self) -> bool:
-        """Whether nothing came for long."""
         return self._steady_s() - self._came_s >= STALLED_AFTER_S
 
     @property
     def is_long(self) -> bool:
-        """Whether it had its share of time."""
         return self._steady_s() - self._began_s >= TURN_S
 
 

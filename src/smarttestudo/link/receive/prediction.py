@@ -72,7 +72,6 @@ class Predictor:
         self._said: set[tuple[str, str]] = set()
 
     def handle(self, event: LinkEvent, now_ns: int) -> None:
-        """Something arrived."""
         match event:
             case RobotPresence(robot=robot, boot=boot, is_present=True):
                 self._absent.discard((robot, boot))

@@ -91,7 +91,6 @@ class TopicStreams:
         return of_owner[-1] if of_owner else next(iter(counting), None)
 
     def counts(self, boot: str, info: StreamInfo) -> bool:
-        """Whether a stream of a run counts."""
         return self.owner is None or boot == self.owner or _kind(info) in self._kinds
 
     def refused(self) -> str | None:
@@ -210,7 +209,6 @@ class Reception:
         self._held_bytes = 0
 
     def handle(self, event: LinkEvent, now_ns: int) -> None:
-        """Something arrived."""
         robot = event.robot
         known = self.robots.setdefault(robot, ReceivedRobot())
         match event:

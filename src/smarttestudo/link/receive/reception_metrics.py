@@ -43,7 +43,6 @@ class StatusSink:
         """Any stream may come."""
 
     def write(self, message: ReceivedMessage) -> None:
-        """A message arrived."""
         if message.stream.topic == self._topic:
             self._newest[message.robot] = message.payload
 
@@ -57,7 +56,6 @@ class StatusSink:
         """Nothing is open."""
 
     def statuses(self) -> Mapping[str, RuntimeStatus]:
-        """The last status of each robot, by its name."""
         newest, self._newest = self._newest, {}
         for robot, payload in newest.items():
             status = _status(payload)
@@ -148,7 +146,6 @@ class ReceptionMetrics:
         self._counts: dict[Boot, ReceiverCounts] = {}
 
     def metrics(self) -> list[Metric]:
-        """As of the last poll."""
         return self._last
 
     def update(self, reception: Reception, end: OperatorEnd) -> None:

@@ -142,7 +142,6 @@ class Sending:
         self._relayed.pop((robot, stream.topic, stream.publisher), None)
 
     def close(self) -> None:
-        """Receive nothing more."""
         for name in list(self._sources):
             self._close(name)
 
@@ -158,7 +157,6 @@ class Sending:
         return 0.0
 
     def poll(self, now_ns: int) -> None:
-        """Follow the graph and what the robots accept."""
         robots = self._commands.robots()
         targets: dict[str, list[tuple[CommandedRobot, CommandTopic]]] = {}
         for robot in robots:

@@ -64,7 +64,6 @@ class CommandInbox:
 
     @property
     def topics(self) -> list[CommandTopic]:
-        """The accepted topics with their counts."""
         with self._lock:
             return self._receiver.topics
 
@@ -153,7 +152,6 @@ class CommandOutbox:
         self._kept = session.declare_subscriber(ALL_ACCEPTS, self._on_report)
 
     def robots(self) -> list[CommandedRobot]:
-        """The robots that were heard lately."""
         with self._lock:
             now_ns = self._clock()
             return [
@@ -176,7 +174,6 @@ class CommandOutbox:
         return is_taken
 
     def pump(self) -> None:
-        """Send what is due."""
         with self._lock:
             self._pump()
 

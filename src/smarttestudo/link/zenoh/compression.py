@@ -34,7 +34,6 @@ class Compressor:
         self._skipping: dict[int, int] = {}
 
     def encode(self, stream: int, payload: bytes) -> Encoded:
-        """Encode ``payload``."""
         if len(payload) < _LEAST_BYTES:
             return Encoded(payload)
         left = self._skipping.get(stream, 0)

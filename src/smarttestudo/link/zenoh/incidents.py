@@ -155,18 +155,15 @@ class LinkIncidents:
         self._client.begin(self._on_presence, self._all_known.set)
 
     def robots(self, within_s: float) -> Sequence[str]:
-        """As ``RemoteIncidents.robots``."""
         self._all_known.wait(within_s)
         with self._lock:
             return sorted({boot.robot for boot in self._present})
 
     @property
     def problem(self) -> str | None:
-        """Why nobody is connected."""
         return self._client.problem
 
     def list(self, robot: str) -> Sequence[RemoteIncident]:
-        """The incidents of a robot, oldest first."""
         data = self._answer(robot, AskList(), lambda: False)
         assert data is not None
         return list_from_bytes(data, robot)
@@ -197,7 +194,6 @@ class LinkIncidents:
             return partial_incident.finish() if fetch.run(on_progress, cancelled) else None
 
     def close(self) -> None:
-        """Leave."""
         self._client.close()
 
     def boot(self, robot: str) -> Boot | None:

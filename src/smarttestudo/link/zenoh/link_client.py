@@ -77,7 +77,6 @@ class LinkClient(QueryClient):
         self._worker.start()
 
     def close(self) -> None:
-        """Leave."""
         self._worker.close()
         session, self._session = self._session, None
         if session is not None:
@@ -173,7 +172,6 @@ class LinkClients(QueryClient):
         )
 
     def close(self) -> None:
-        """Leave all places."""
         for client in self._clients:
             client.close()
 

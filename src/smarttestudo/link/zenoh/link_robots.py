@@ -91,7 +91,6 @@ class LinkRobots:
 
     @property
     def problem(self) -> str | None:
-        """Why nobody is connected."""
         return self._client.problem
 
     def wait(self, timeout_s: float) -> None:

@@ -106,7 +106,6 @@ class OperatorEnd:
         return self._arrivals.dropped
 
     def counts(self) -> Mapping[Boot, ReceiverCounts]:
-        """The counts of each robot that is present."""
         return {robot.boot: replace(robot.receiver.counts) for robot in self._present()}
 
     def close(self) -> None:

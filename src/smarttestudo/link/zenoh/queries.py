@@ -52,7 +52,6 @@ class Query:
         return False
 
     def refuse(self, error: TestudoError) -> None:
-        """Say why there is no answer."""
         with self._query, suppress(zenoh.ZError):
             self._query.reply_err(packed(REFUSALS.to_bytes(NoAnswer.of(error))))
 
@@ -162,7 +161,6 @@ class QueryClient:
 
     @property
     def problem(self) -> str | None:
-        """Why nobody is connected."""
         return None
 
     def begin(self, on_presence: OnPresence, all_known: Callable[[], None]) -> None:

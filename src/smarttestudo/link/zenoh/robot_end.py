@@ -122,7 +122,6 @@ class RobotEnd:
         )
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
-        """Serve each topic by these needs from now on."""
         self._do(partial(self._sender.follow, needs))
 
     def predict(self, predictions: Mapping[str, Prediction], anew: Collection[str]) -> None:
@@ -150,12 +149,10 @@ class RobotEnd:
 
     @property
     def robot(self) -> str:
-        """The robot's name."""
         return self.boot.robot
 
     @property
     def is_watched(self) -> bool:
-        """Whether somebody receives statuses."""
         return self._status.is_watched
 
     def tell(self, status: Mapping[str, object]) -> None:
@@ -163,12 +160,10 @@ class RobotEnd:
         self._status.tell(status)
 
     def take_question(self) -> WaitingQuestion | None:
-        """The next question that waits for an answer."""
         return self._queries.take_question()
 
     @property
     def state(self) -> LinkState:
-        """The state of the link now."""
         self._poll()
         return self._state
 
@@ -179,7 +174,6 @@ class RobotEnd:
         return self._budget_kb_per_s
 
     def counts(self) -> dict[str, StreamCounts]:
-        """Messages by topic."""
         if self._lock.acquire(blocking=False):
             try:
                 self._counts = self._sender.counts(self._clock())
@@ -192,15 +186,12 @@ class RobotEnd:
         return self._sender.age_ms(topic)
 
     def send(self, stream: int, payload: bytes, lane: Hashable) -> None:
-        """Have a message of a stream sent."""
         self._do(partial(self._sender.put, stream, payload, self._clock(), lane, self._origin()))
 
     def end(self, stream: int) -> None:
-        """Send nothing more of a stream."""
         self._do(partial(self._sender.close, stream, self._clock()))
 
     def refuse(self, topic: str, size_bytes: int) -> None:
-        """Say that a message of ``topic`` is too large."""
         self._warn(
             f"{topic}: a message of {size_bytes} bytes is too large for the link; it takes up to 64 MiB"
         )
@@ -331,7 +322,6 @@ class RobotPublisher:
         self._end.send(self._number, data, lane)
 
     def close(self) -> None:
-        """Send nothing more."""
         if not self._is_closed:
             self._is_closed = True
             self._end.end(self._number)

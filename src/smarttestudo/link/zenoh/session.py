@@ -295,7 +295,6 @@ def _watch(
 
 
 def is_connected(session: zenoh.Session) -> bool:
-    """Whether another end is there."""
     return bool(session.info.routers_zid() or session.info.peers_zid())
 
 
@@ -326,5 +325,4 @@ class OtherVersions:
             self._warn(sentence)
 
     def leave(self, peer: str) -> None:
-        """A peer is gone."""
         self.present.pop(peer, None)

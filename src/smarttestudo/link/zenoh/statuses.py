@@ -112,7 +112,6 @@ class StatusListener:
             self._wake()
 
     def remove(self, boot: Boot) -> None:
-        """Hear it no more."""
         self._robots.pop(boot, None)
         self._versions.leave(robot_peer(boot))
 

@@ -102,7 +102,6 @@ class RateHysteresis:
         self._replaced: deque[tuple[int, RequestedRate]] = deque()
 
     def on_request(self, request: RequestedRate, now_ns: int) -> None:
-        """The rules now request ``request``."""
         self._replaced.append((now_ns + self._settle_ns, self._request))
         self._request = request
         while self._replaced and self._replaced[-1][1].planned.rate <= request.planned.rate:
@@ -141,7 +140,6 @@ class Hysteresis:
         )
 
     def on_request(self, request: RequestedRate, now_ns: int) -> None:
-        """The rules now request ``request``."""
         self.rate.on_request(request, now_ns)
         self.bounds.on_request(request.planned, now_ns)
 

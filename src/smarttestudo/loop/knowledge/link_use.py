@@ -190,7 +190,6 @@ class LinkUse:
 
     @property
     def budget_kb_per_s(self) -> float:
-        """Bandwidth that the topics may take."""
         return self._keeper.budget_kb_per_s
 
     @property

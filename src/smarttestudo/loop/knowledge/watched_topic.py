@@ -32,7 +32,6 @@ class ArrivalWindow:
         self._bytes_gone = 0
 
     def record(self, now_ns: int, size_bytes: int) -> None:
-        """Count a message."""
         self.forget(now_ns)
         self._bytes_seen += size_bytes
         self._arrivals.append((now_ns, self._bytes_seen))
@@ -95,7 +94,6 @@ class Arrivals:
             self._window = before._window
 
     def record(self, now_ns: int, size_bytes: int) -> None:
-        """Count a message."""
         if self._window_is_read:
             self._window.record(now_ns, size_bytes)
 
@@ -186,7 +184,6 @@ class Fields:
         return [signal for signal, value in self._readings if value is None]
 
     def readings(self) -> list[Reading]:
-        """The last values."""
         return self._readings.copy()
 
     def unknown_readings(self) -> list[Reading]:
@@ -233,7 +230,6 @@ class SourceState:
         self._transient_local = before._transient_local
 
     def record(self, now_ns: int) -> None:
-        """Count an arrival."""
         self._period.record(now_ns)
         self._is_heard = True
 
@@ -293,7 +289,6 @@ class WatchedTopic:
         self.arrivals.restore_history(before.arrivals)
 
     def change_source(self, change: SourceChanged) -> None:
-        """Take a change of the source."""
         self.source.change(change)
         self.fields.change_type(change.type_name)
 

@@ -32,7 +32,6 @@ class Shown(NamedTuple):
     message: Hashable
 
     def at(self, gauge: Gauge, at_ns: int) -> Any:
-        """The state at ``at_ns``."""
         if not self.moves:
             return self.part.state
         return gauge.after(self.part.state, self.motion, (at_ns - self.part.at_ns) / NS_PER_S)
@@ -175,7 +174,6 @@ class Estimate:
             known.clear()
 
     def forget_publisher(self, publisher: Hashable) -> None:
-        """Forget all that ``publisher`` said."""
         for known in self._shown:
             for key in [key for key, shown in known.items() if shown.publisher == publisher]:
                 del known[key]

@@ -125,7 +125,6 @@ class PoseGauge:
         return state.twist
 
     def after(self, state: PoseState, motion: Twist | None, elapsed_s: float) -> PoseState:
-        """The pose moved by its twist."""
         return state if motion is None else PoseState(moved(state.pose, motion, elapsed_s), state.twist)
 
     def written(self, payload: bytes, parts: Reading, within: Mapping[str, float]) -> bytes | None:
@@ -171,11 +170,9 @@ class FrameGauge:
         return twist_between(before.state.pose, part.state.pose, (part.at_ns - before.at_ns) / NS_PER_S)
 
     def after(self, state: PoseState, motion: Twist | None, elapsed_s: float) -> PoseState:
-        """The frame moved by its twist."""
         return state if motion is None else PoseState(moved(state.pose, motion, elapsed_s), None)
 
     def written(self, payload: bytes, parts: Reading, _within: Mapping[str, float]) -> bytes | None:
-        """These frames elsewhere."""
         return self._reader.moved(payload, {part.name: (part.at_ns, _numbers(part.state)) for part in parts})
 
 
@@ -217,7 +214,6 @@ class JointGauge:
         return float((position - before.state[0]) * NS_PER_S / (part.at_ns - before.at_ns))
 
     def after(self, state: tuple[float, float], motion: float, elapsed_s: float) -> tuple[float, float]:
-        """The joint moved by its velocity."""
         return state[0] + motion * elapsed_s, state[1]
 
     def written(self, payload: bytes, parts: Reading, _within: Mapping[str, float]) -> bytes | None:
@@ -248,7 +244,6 @@ class FieldGauge:
         """None is known."""
 
     def after(self, state: object, _motion: None, _elapsed_s: float) -> object:
-        """The same."""
         return state
 
     def written(self, _payload: bytes, _parts: Reading, _within: Mapping[str, float]) -> bytes | None:
@@ -332,7 +327,6 @@ class FixGauge:
         """None is known."""
 
     def after(self, state: Place, _motion: None, _elapsed_s: float) -> Place:
-        """The same."""
         return state
 
     def written(self, _payload: bytes, _parts: Reading, _within: Mapping[str, float]) -> bytes | None:
