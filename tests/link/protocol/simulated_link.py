@@ -141,7 +141,7 @@ class Ends:
 
     def _take_report(self, report: Report, now_ns: int) -> None:
         self.sender.handle_report(report, now_ns)
-        self.budgets.append((now_ns, self.sender.budget_kb_per_s))
+        self.budgets.append((now_ns, self.sender.scheduler.budget.kb_per_s))
 
     def ages_s(self, topic: str, from_s: float = 0.0, to_s: float = float("inf")) -> list[float]:
         """How old the messages were that arrived in that time, by the times of the simulation."""

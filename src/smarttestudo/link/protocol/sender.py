@@ -247,11 +247,6 @@ class LinkSender(Generic[_Request]):
             operators=self._receivers.present(now_ns),
         )
 
-    @property
-    def budget_kb_per_s(self) -> float | None:
-        """The budget of all relayed topics now, as ``BudgetEstimator`` has it."""
-        return self.scheduler.budget.kb_per_s
-
     def counts(self, now_ns: int) -> dict[str, StreamCounts]:
         counts = {**self._counts_closed}
         for number, one in self._outbox.counts(now_ns):

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from smarttestudo.bags.incident_record import RECORD_NAME
-from smarttestudo.domain.errors import LinkError, testudo_error
+from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.incident import FetchProgress, OnProgress, RemoteIncident, SilentRobotError
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.domain.units import NS_PER_S
@@ -44,7 +44,7 @@ from smarttestudo.link.protocol.messages import (
     list_to_bytes,
     piece_from_bytes,
 )
-from smarttestudo.link.zenoh.compression import Compressor, sendable, unpacked
+from smarttestudo.link.zenoh.compression import Compressor, unpacked
 from smarttestudo.link.zenoh.queries import Query, QueryClient, QueryServer, Reply
 
 
@@ -102,18 +102,8 @@ class IncidentServer:
         is_known = isinstance(question, AskBytes) and self._catalog.known(question.name, question.token)
         if isinstance(question, AskBytes) and (is_known or not question.size_bytes):
             self._enqueue(WaitingAsk(question, query))
-        elif not self._later(partial(self._look_up, query, question)):
+        elif not self._later(partial(query.answer, partial(self._looked_up, question))):
             query.drop()
-
-    def _look_up(self, query: Query, question: TransferQuestion) -> None:
-        try:
-            answer = self._looked_up(question)
-            if answer is None:
-                query.drop()
-            else:
-                query.reply(sendable(answer))
-        except Exception as error:  # noqa: BLE001 - whatever a stranger asks, others are answered
-            query.refuse(testudo_error(error))
 
     def _looked_up(self, question: TransferQuestion) -> bytes | None:
         """The answer of the disk; ``None`` where an incident was forgotten: its bytes are asked for again."""

@@ -7,12 +7,13 @@ from __future__ import annotations
 import queue
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
 
 import zenoh
 
-from smarttestudo.domain.errors import LinkError, TestudoError, said
+from smarttestudo.domain.errors import LinkError, TestudoError, said, testudo_error
 from smarttestudo.domain.parameter import Answer, Question
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.domain.units import ns_from_s
@@ -44,6 +45,19 @@ class Query:
         self._query = query
         self._key = key
 
+    def answer(self, make: Callable[[], bytes | None]) -> None:
+        """Answer with the frame that ``make`` gives, with nothing if that is ``None``, or say why not."""
+        try:
+            frame = make()
+            sent = None if frame is None else sendable(frame)
+        except Exception as error:  # noqa: BLE001 - whatever a stranger asks, others are answered
+            self.refuse(testudo_error(error))
+            return
+        if sent is None:
+            self.drop()
+        else:
+            self.reply(sent)
+
     def reply(self, data: bytes, *, express: bool = False) -> bool:
         """Answer with a frame; whether that was possible. It waits where the link is thin."""
         with self._query, suppress(zenoh.ZError):
@@ -60,27 +74,24 @@ class Query:
         self._query.drop()
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class WaitingQuestion:
-    """A question that came at ``asked_ns``; answering it never waits."""
+    """A question that came at ``asked_ns``; ``later`` has the answer given, for which nobody waits here."""
 
-    def __init__(self, question: Question, asked_ns: int, query: Query, later: Callable[..., object]) -> None:
-        self.question = question
-        self.asked_ns = asked_ns
-        self._query = query
-        self._later = later
+    question: Question
+    asked_ns: int
+    query: Query
+    later: Callable[[Callable[[], None]], object]
 
     def answer(self, answer: Answer | TestudoError) -> None:
         """Answer it, or say why not; the session may be closed meanwhile."""
-        self._later(partial(self._reply, answer))
+        self.later(partial(self.query.answer, partial(_answer_frame, answer)))
 
-    def _reply(self, answer: Answer | TestudoError) -> None:
-        try:
-            if isinstance(answer, TestudoError):
-                self._query.refuse(answer)
-            else:
-                self._query.reply(sendable(ANSWERS.to_bytes(answer)))
-        except LinkError as error:
-            self._query.refuse(error)
+
+def _answer_frame(answer: Answer | TestudoError) -> bytes:
+    if isinstance(answer, TestudoError):
+        raise answer
+    return ANSWERS.to_bytes(answer)
 
 
 class QueryServer:
@@ -141,7 +152,11 @@ class QueryServer:
     def _keep(self, questions: FrameType[_Asked], query: Query) -> None:
         question = questions.from_bytes(unpacked(query.data, MAX_QUESTION_BYTES))
         try:
-            self._waiting.put_nowait(WaitingQuestion(question, self._clock(), query, self._worker.give))
+            self._waiting.put_nowait(
+                WaitingQuestion(
+                    question=question, asked_ns=self._clock(), query=query, later=self._worker.give
+                )
+            )
         except queue.Full:
             raise LinkError("too many questions wait for an answer", remedy="ask again later") from None
 

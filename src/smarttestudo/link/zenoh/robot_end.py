@@ -221,7 +221,7 @@ class RobotEnd:
         if self._lock.acquire(blocking=False):
             try:
                 self._state = self._sender.state(self._clock())
-                self._budget_kb_per_s = self._sender.budget_kb_per_s
+                self._budget_kb_per_s = self._sender.scheduler.budget.kb_per_s
             finally:
                 self._lock.release()
 
