@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The order and times of what the robot's end sends: the one place that owns window, outbox and requests."""
+"""The order in which the robot's end sends: the one place that owns window, outbox and requests."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class BudgetEstimator:
 
 
 class Scheduler(Generic[_Request]):
-    """The messages that wait on one link and those under way, in the time that is passed in.
+    """All that waits for one link and is under way on it, in the time that is passed in.
 
     The ``outbox`` says which message of the live streams is next, the ``window`` how many bytes may be under
     way, and ``requests`` are answered while both leave the link free. The ``budget`` is learned from all.
