@@ -14,7 +14,7 @@ from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RuleSet, compile_rules
 from smarttestudo.loop import Relayed, RelayLoop
 from smarttestudo.loop.inputs import ChangeInput, MessageInput, RulesInput, WakeInput
-from smarttestudo.loop.prepared_rules import PreparedRules
+from smarttestudo.loop.reload import PreparedRules
 from smarttestudo.pacing.sample import WhenSlow
 
 MS = 1_000_000

@@ -13,7 +13,7 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import JsonEntry
 from smarttestudo.domain.robot import Payload
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.prepared_rules import PreparedRules
+from smarttestudo.loop.reload import PreparedRules
 from smarttestudo.pacing.sample import WhenSlow
 
 

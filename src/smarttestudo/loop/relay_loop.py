@@ -22,10 +22,9 @@ from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.knowledge.knowledge import Knowledge
-from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relays import Relays
-from smarttestudo.loop.reload import exchange_rules, made_by_reload
+from smarttestudo.loop.reload import PreparedRules, exchange_rules, made_by_reload
 from smarttestudo.loop.step import Trigger, meter, step
 from smarttestudo.pacing.sample import WhenSlow
 

@@ -17,8 +17,8 @@ from smarttestudo.domain.texts import SayOnce
 from smarttestudo.files.own_process import read_own_process
 from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, MessageInput, RulesInput, WakeInput
-from smarttestudo.loop.prepared_rules import PreparedRules
 from smarttestudo.loop.relay import Relayed
+from smarttestudo.loop.reload import PreparedRules
 from smarttestudo.robot.clock_jumps import ClockJumps
 from smarttestudo.robot.compiled_topics import CompiledTopics
 from smarttestudo.robot.decisions import LiveDecisions

@@ -15,7 +15,7 @@ from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RulesInForce, RulesOrigin
 from smarttestudo.domain.texts import in_utf_8
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.loop.prepared_rules import PreparedRules
+from smarttestudo.loop.reload import PreparedRules
 from smarttestudo.robot.fallback import FallbackChoice, FallbackTopics
 from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules
 from smarttestudo.robot.live_run import POLL_PERIOD_S, LiveRun

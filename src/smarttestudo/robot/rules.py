@@ -17,7 +17,7 @@ from smarttestudo.domain.errors import RuleFileError, TestudoError, said, testud
 from smarttestudo.domain.timing import Rest
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.prepared_rules import PreparedRules
+from smarttestudo.loop.reload import PreparedRules
 from smarttestudo.robot.fallback import ReadableRates, readable_rates
 from smarttestudo.robot.live_rules import LiveRules, UncheckedRules, are_large
 from smarttestudo.robot.output_topics import OutputTopic, output_topics

@@ -277,7 +277,7 @@ class Window:
     @property
     def has_room(self) -> bool:
         """Whether another chunk may be sent now."""
-        return self.in_flight_bytes < self.size_bytes
+        return self.sent_bytes - self.acknowledged_bytes < self.size_bytes
 
     @property
     def chunk_bytes(self) -> int:
@@ -285,7 +285,7 @@ class Window:
 
         It is 20 ms of the link within 1.2 and 16 KB, or 128 KB where topics do not need all of the link.
         """
-        room_bytes = self.size_bytes - self.in_flight_bytes
+        room_bytes = self.size_bytes - (self.sent_bytes - self.acknowledged_bytes)
         # A small rest is used too: else a window of little more than a chunk never shows that there is more.
         if room_bytes <= 0:
             return 0
