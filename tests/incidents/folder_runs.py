@@ -101,9 +101,10 @@ def record_of(folder: Path) -> dict[str, Any]:
 
 
 def payloads(folder: Path) -> Counter[bytes]:
-    """The payloads of an incident with how often each is there."""
+    """The payloads of an incident with how often each is there; the clock may have been set back by 5 s."""
     found = read_bag(folder)
-    assert found.notices == ([] if found.messages else [f"{folder}: the recording holds no message"])
+    notices = [one for one in found.notices if "stamps go back by up to " not in one]
+    assert notices == ([] if found.messages else [f"{folder}: the recording holds no message"])
     return Counter(message.payload for message in found.messages)
 
 

@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.names import resolve_topic
-from smarttestudo.incidents.recorder import Incident, IncidentRecorder, Store
-from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
+from smarttestudo.incidents.recorder import Incident, IncidentRecorder, Past, Store
+from smarttestudo.incidents.topic_ring import GivenUp, IncidentMessage, SourceMessage
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RuleSet, compile_rules
 from smarttestudo.loop.step import Trigger
@@ -20,12 +20,20 @@ AMPLE_BYTES = 10_000_000
 
 @dataclass
 class Kept:
-    """One incident as its sink was told of it."""
+    """One incident as its sink was told of it; ``stamps_ns`` are its moments."""
 
     incident: Incident
     latched: list[SourceMessage]
     messages: list[IncidentMessage]
+    given_up: dict[str, list[GivenUp]]
+    stamps_ns: list[int]
+    to_ns: int
     missing: tuple[Missing, ...] | None = None
+
+    def take(self, past: Past) -> None:
+        self.messages += past.messages
+        for topic, given_up in past.given_up.items():
+            self.given_up.setdefault(topic, []).extend(given_up)
 
 
 @dataclass
@@ -34,10 +42,17 @@ class KeepingSink:
 
     kept: list[Kept] = field(default_factory=list)
 
-    def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
-    ) -> None:
-        self.kept.append(Kept(incident, list(latched), list(messages)))
+    def begin(self, incident: Incident, past: Past) -> None:
+        kept = Kept(incident, list(past.latched), [], {}, [incident.trigger.stamp_ns], incident.to_ns)
+        kept.take(past)
+        self.kept.append(kept)
+
+    def extend(self, incident: Incident, trigger: Trigger, to_ns: int, past: Past) -> None:
+        one = self._of(incident)
+        assert one.missing is None
+        one.stamps_ns.append(trigger.stamp_ns)
+        one.to_ns = to_ns
+        one.take(past)
 
     def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         for incident in incidents:
@@ -77,5 +92,21 @@ def recorder_for(
     return recorder, sink
 
 
-def trigger(rule_set: RuleSet, stamp_ns: int) -> Trigger:
-    return Trigger(stamp_ns=stamp_ns, block=rule_set.blocks[0], values={})
+def trigger(
+    rule_set: RuleSet, stamp_ns: int, block: int = 0, values: Mapping[str, float] | None = None
+) -> Trigger:
+    return Trigger(stamp_ns=stamp_ns, block=rule_set.blocks[block], values=values or {})
+
+
+def windows(begun_ms: Iterable[int], before_ms: int, after_ms: int) -> list[list[int]]:
+    """The moments of each window that blocks open which begin to hold then: a naive second opinion."""
+    found: list[list[int]] = []
+    for at_ms in begun_ms:
+        for moments_ms in found:
+            is_open = at_ms <= moments_ms[-1] + max(after_ms, min(before_ms, 500))
+            if is_open and at_ms + after_ms <= moments_ms[0] - before_ms + 10 * (before_ms + after_ms):
+                moments_ms.append(at_ms)
+                break
+        else:
+            found.append([at_ms])
+    return found

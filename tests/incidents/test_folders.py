@@ -1,14 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Incidents on disk: whole, each message once, what is missing named, and what they share stored once."""
+"""Incidents on disk: whole, each message once, with all moments of a rule, and what is missing named."""
 
 from __future__ import annotations
 
 import errno
-import gc
+import math
 import os
 import resource
 import tempfile
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -29,16 +30,13 @@ from incidents.folder_runs import (
     payloads,
     record_of,
 )
-from incidents.incident_runs import AMPLE_BYTES, recording_rules
+from incidents.incident_runs import AMPLE_BYTES, recording_rules, trigger, windows
+from smarttestudo.bags.incident_record import read_record
 from smarttestudo.files.whole_file import OutputFileError
 from smarttestudo.incidents.background import BackgroundSink
 from smarttestudo.incidents.folder_lock import FolderLock
 from smarttestudo.incidents.recorder import IncidentRecorder
 from smarttestudo.incidents.recovery import complete_incidents
-from smarttestudo.incidents.segments import Segment
-
-LONGEST_PART = 10
-"""A part of a window that incidents share is at most a tenth of it, or a second."""
 
 
 def random_run(seed: int, folder: Path, ring_bytes: int | None) -> FolderRun:
@@ -79,18 +77,30 @@ def expect_windows(run: FolderRun, ring_bytes: int | None) -> None:
     stamps = {payload: (clock_ms, steady_ms, topic) for clock_ms, steady_ms, topic, payload in run.came}
     found = sorted(run.folder.iterdir())
     recordings = run.rule_set.blocks[0].recordings
-    assert len(found) == len(run.begun_ms) * len(recordings) - run.recorder.refused
     steady_by_clock = dict(run.begun_ms)
+    expected = {
+        one.name: windows(
+            [steady_ms for _, steady_ms in run.begun_ms], one.before_ns // MS, one.after_ns // MS
+        )
+        for one in recordings
+    }
+    assert len(found) == sum(map(len, expected.values()))
     for path in found:
         record, held = record_of(path), payloads(path)
         assert set(held.values()) <= {1}
         recording = next(one for one in recordings if one.name == record["name"])
-        begun_ms = steady_by_clock[record["triggered_ns"] // 1_000_000]
-        if list(steady_by_clock).count(record["triggered_ns"] // 1_000_000) > 1:
+        begun_ms = steady_by_clock[record["triggered_ns"] // MS]
+        if [clock_ms for clock_ms, _ in run.begun_ms].count(record["triggered_ns"] // MS) > 1:
             continue
-        from_ms = begun_ms - recording.before_ns // 1_000_000
-        to_ms = begun_ms + recording.after_ns // 1_000_000
-        missing = {one["topic"]: one["messages"] for one in record["missing"] if one["reason"] == "memory"}
+        moments_ms = next(one for one in expected[recording.name] if one[0] == begun_ms)
+        assert record.get("moments", 1) == len(moments_ms)
+        assert len(record.get("further_moments", ())) == len(moments_ms) - 1
+        from_ms = begun_ms - recording.before_ns // MS
+        to_ms = moments_ms[-1] + recording.after_ns // MS
+        missing = Counter[str]()
+        for one in record["missing"]:
+            if one["reason"] == "memory":
+                missing[one["topic"]] += one["messages"]
         for topic in (*recording.topics, LATCHED):
             window = {
                 payload
@@ -101,22 +111,21 @@ def expect_windows(run: FolderRun, ring_bytes: int | None) -> None:
                 earlier = [one for one, came in stamps.items() if came[2] == LATCHED and came[1] < from_ms]
                 window |= set(earlier[-1:])
             lacking = window - set(held)
-            assert len(lacking) == missing.get(topic, 0)
+            assert len(lacking) == missing[topic]
             assert ring_bytes != AMPLE_BYTES or not lacking
-        part_ms = max(1000, (to_ms - from_ms) // LONGEST_PART)
         assert all(
-            steady_ms >= from_ms - part_ms
+            from_ms <= steady_ms <= to_ms
             for payload, (_, steady_ms, name) in stamps.items()
             if payload in held and name != LATCHED
         )
 
 
-def burst(folder: Path, *, before_s: int = 30, after_s: int = 10) -> FolderRun:
-    """A robot of 1.3 MB/s, 50 incidents in 10 s."""
+def burst(folder: Path, *, before_s: float = 30, after_s: float = 10) -> FolderRun:
+    """A robot of 1.3 MB/s whose rule begins to hold 50 times in 10 s."""
     rules = recording_rules(f'Record "burst" /odom /scan Before {before_s} s After {after_s} s')
     run = FolderRun(rules, folder, memory_bytes=100_000_000)
     run.message(LATCHED, 160_000)
-    for tick in range(20 * (before_s + after_s + 11)):
+    for tick in range(round(20 * (before_s + after_s + 11))):
         run.wait(50)
         run.message("/odom", 700)
         run.message("/scan", 64_000)
@@ -125,49 +134,72 @@ def burst(folder: Path, *, before_s: int = 30, after_s: int = 10) -> FolderRun:
     return run
 
 
-@pytest.mark.parametrize("after_s", [10, 0])
-def test_50_incidents_in_10_s_take_little_more_than_what_they_share(tmp_path: Path, after_s: int) -> None:
-    run = burst(tmp_path / "incidents", after_s=after_s)
-    folders = run.finish()
-    assert len(folders) == 50
-    # The first and the last window overlap, so that what they hold is what all of them do.
-    shared = {payload for folder in (folders[0], folders[-1]) for payload in payloads(folder)}
-    assert disk_bytes(tmp_path / "incidents") <= 1.2 * sum(map(len, shared))
+@pytest.mark.parametrize(
+    ("before_s", "after_s", "incidents"), [(30, 10, 1), (30, 0, 1), (3, 2, 1), (1, 0, 2), (0.5, 0.5, 2)]
+)
+def test_50_beginnings_in_10_s_take_little_more_than_the_messages_of_their_windows(
+    tmp_path: Path, before_s: float, after_s: float, incidents: int
+) -> None:
+    folders = burst(tmp_path / "incidents", before_s=before_s, after_s=after_s).finish()
+    assert len(folders) == incidents
+    assert sum(record_of(path)["moments"] for path in folders) == 50
+    in_any = {payload for path in folders for payload in payloads(path)}
+    assert disk_bytes(tmp_path / "incidents") <= 1.2 * sum(map(len, in_any))
 
 
-def test_one_of_many_is_read_alike_by_all(tmp_path: Path) -> None:
-    folders = burst(tmp_path / "incidents", before_s=3, after_s=2).finish()
-    for path in (folders[0], folders[17], folders[-1]):
-        messages = read_bag(path).messages
-        assert read_with_rosbags(path) == messages
-        with_mcap = [message for file in path.glob("*.mcap") for message in read_with_mcap(file)]
-        assert sorted(with_mcap, key=lambda one: one.stamp_ns) == messages
+def test_each_moment_of_an_incident_is_in_its_record_with_its_values(tmp_path: Path) -> None:
+    run = FolderRun(recording_rules('Record "one" /odom Before 1 s After 1 s'), tmp_path / "incidents")
+    for x in (1.5, math.inf, 2.5):
+        run.recorder.begin(trigger(run.rule_set, run.clock_ms * MS, values={"/odom speed": x}))
+        run.wait(100)
+    (path,) = run.finish()
+    record = record_of(path)
+    assert (record["triggered_ns"], record["values"]) == (START_MS * MS, {"/odom speed": 1.5})
+    assert (record["moments"], record["to_ns"]) == (3, (START_MS + 1200) * MS)
+    assert record["further_moments"] == [
+        {
+            "time": "1970-01-01 00:16:40.100 UTC",
+            "triggered_ns": (START_MS + 100) * MS,
+            "values": {"/odom speed": None},
+            "infinite": {"/odom speed": "inf"},
+        },
+        {
+            "time": "1970-01-01 00:16:40.200 UTC",
+            "triggered_ns": (START_MS + 200) * MS,
+            "values": {"/odom speed": 2.5},
+        },
+    ]
+    assert [one.values for one in read_record(path).further_moments] == [
+        {"/odom speed": math.inf},
+        {"/odom speed": 2.5},
+    ]
 
 
-def test_what_another_incident_shared_stays_when_that_is_deleted(tmp_path: Path) -> None:
-    folders = burst(tmp_path / "incidents", before_s=3, after_s=2).finish()
-    expected = payloads(folders[1])
-    for path in folders[0].iterdir():
-        path.unlink()
-    assert payloads(folders[1]) == expected
+def test_a_record_of_one_moment_is_what_earlier_versions_wrote(tmp_path: Path) -> None:
+    run = FolderRun(recording_rules('Record "one" /odom Before 1 s After 1 s'), tmp_path / "incidents")
+    run.trigger()
+    (path,) = run.finish()
+    assert not {"moments", "further_moments"} & record_of(path).keys()
+    assert read_record(path).moments == 1
 
 
-def test_a_chain_of_incidents_that_overlap_keeps_no_more_in_memory_than_a_few(tmp_path: Path) -> None:
-    run = FolderRun(recording_rules('Record "a" /odom Before 3 s After 0 s'), tmp_path / "incidents")
-    kept = []
-    # What was there before is of no interest, and takes long to look through.
-    gc.collect()
-    gc.freeze()
-    for _ in range(40):
-        for _ in range(20):
-            run.wait(50)
-            run.message("/odom")
-        run.trigger()
-        gc.collect()
-        kept.append(sum(isinstance(one, Segment) for one in gc.get_objects()))
-    gc.unfreeze()
-    assert len(run.finish()) == 40
-    assert max(kept) == max(kept[:10])
+def test_a_record_of_very_many_moments_counts_what_it_does_not_list(tmp_path: Path) -> None:
+    run = FolderRun(recording_rules('Record "one" /odom Before 10 s After 1 s'), tmp_path / "incidents")
+    values = {f"/odom {number}": 1.0 for number in range(4)}
+    for _ in range(1500):
+        run.recorder.begin(trigger(run.rule_set, run.clock_ms * MS, values=values))
+        run.wait(10)
+    (path,) = run.finish()
+    record = read_record(path)
+    assert (record.moments, len(record.further_moments)) == (1500, 999)
+
+
+def test_an_incident_of_many_moments_is_read_alike_by_all(tmp_path: Path) -> None:
+    (path,) = burst(tmp_path / "incidents", before_s=3, after_s=2).finish()
+    messages = read_bag(path).messages
+    assert read_with_rosbags(path) == messages
+    with_mcap = [message for file in path.glob("*.mcap") for message in read_with_mcap(file)]
+    assert sorted(with_mcap, key=lambda one: one.stamp_ns) == messages
 
 
 @pytest.mark.full
@@ -243,15 +275,13 @@ def test_what_cannot_be_written_ends_its_incidents_which_are_named_and_no_others
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-@pytest.mark.parametrize(
-    "refused", ["pathlib.Path.mkdir", "tempfile.mkstemp", "os.open", "os.writev", "os.link"]
-)
+@pytest.mark.parametrize("refused", ["pathlib.Path.mkdir", "tempfile.mkstemp", "os.open", "os.writev"])
 def test_a_disk_that_is_full_as_an_incident_begins_is_said_once_and_what_is_lost_is_counted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refused: str
 ) -> None:
     failed: list[str] = []
     run = FolderRun(
-        recording_rules('Record "one" /odom /scan Before 1 s After 1 s'),
+        recording_rules(*(f'Record "{name}" /odom /scan Before 1 s After 1 s' for name in ("one", "two"))),
         tmp_path / "incidents",
         failed=lambda name, error: failed.append(f"{name} {error}"),
     )
@@ -271,16 +301,16 @@ def test_a_disk_that_is_full_as_an_incident_begins_is_said_once_and_what_is_lost
     with monkeypatch.context() as patched:
         patched.setattr(refused, full)
         run.trigger()
-        run.trigger()
         fill()
     fill()
     run.wait(5000)
     run.trigger()
     run.message("/odom")
     paths = run.finish()
-    assert len(paths) == 3
+    assert len(paths) == 4
     in_window = [payload for _, _, _, payload in run.came[:-1]]
-    assert list(payloads(paths[2])) == [in_window[0], run.came[-1][3]]
+    for path in paths[2:]:
+        assert list(payloads(path)) == [in_window[0], run.came[-1][3]]
     names = [path.name for path in paths[:2]]
     assert [line.partition(" ")[0] for line in failed] == names
     assert all(
@@ -332,31 +362,13 @@ def test_one_run_at_a_time_records_into_a_folder(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["../../up", "/etc/passwd", "a/b", "x" * 10_000, "Größe ✗", "…"])
 def test_no_name_leads_out_of_the_folder(tmp_path: Path, name: str) -> None:
-    run = FolderRun(recording_rules(f'Record "{name}" /odom Before 1 s After 1 s'), tmp_path / "incidents")
+    records = 2 * [f'Record "{name}" /odom Before 1 s After 1 s']
+    run = FolderRun(recording_rules(*records), tmp_path / "incidents")
     run.trigger()
     run.message("/odom")
-    run.trigger()
     folders = run.finish()
     assert len(folders) == 2
     assert all(len(path.name) <= 82 and path.is_dir() for path in folders)
     assert {record_of(path)["name"] for path in folders} == {name}
     assert list(tmp_path.iterdir()) == [tmp_path / "incidents"]
     assert all(len(payloads(path)) == 1 for path in folders)
-
-
-@pytest.mark.full
-def test_without_hard_links_each_incident_has_its_own_files(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refused(*_: object) -> None:
-        raise PermissionError(1, "Operation not permitted")
-
-    monkeypatch.setattr("os.link", refused)
-    run = burst(tmp_path / "incidents", before_s=2, after_s=1)
-    folders = run.finish()
-    assert len(folders) == 50
-    monkeypatch.undo()
-    whole = burst(tmp_path / "linked", before_s=2, after_s=1).finish()
-    for one, other in zip(folders, whole, strict=True):
-        assert set(payloads(one)) <= set(payloads(other))
-        assert record_of(one)["missing"] == record_of(other)["missing"]

@@ -33,7 +33,6 @@ WRITES = (
     "write",
     "pwrite",
     "posix_fallocate",
-    "link",
     "rename",
     "replace",
 )
@@ -73,9 +72,11 @@ def refusing(monkeypatch: pytest.MonkeyPatch, first: int, count: int) -> Iterato
 
 
 def recorded(folder: Path, failed: list[str]) -> FolderRun:
-    """Two incidents whose windows overlap; the run ends within the second."""
+    """Two incidents of two moments each; the run ends within the second."""
     return FolderRun(
-        recording_rules('Record "one" /odom Before 1 s After 1 s'),
+        recording_rules(
+            'Record "one" /odom Before 1 s After 1 s', 'Record "two" /odom Before 900 ms After 1 s'
+        ),
         folder,
         failed=lambda name, error: failed.append(f"{name}: {error}"),
     )
@@ -121,7 +122,7 @@ def expect_the_disk(run: FolderRun, failed: list[str]) -> None:
         record, held = record_of(path), payloads(path)
         missing = [one for one in record["missing"] if one["reason"] not in {"ended", "late"}]
         assert {one["reason"] for one in missing} <= {"disk"}
-        began_ms = record["triggered_ns"] // 1_000_000 - 1000
+        began_ms = record["from_ns"] // 1_000_000
         window = {payload for clock_ms, _, topic, payload in run.came if clock_ms >= began_ms}
         lacking = len(window - set(held))
         assert not lacking or missing, "what is not there is told"
@@ -141,12 +142,13 @@ def test_a_disk_that_stays_full_takes_the_end_of_its_incidents_from_their_reserv
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     failed: list[str] = []
-    run = recorded(tmp_path / "incidents", failed)
+    rules = recording_rules('Record "one" /odom Before 1 s After 1 s')
+    run = FolderRun(rules, tmp_path / "incidents", failed=lambda name, _: failed.append(name))
     run.message("/odom", SIZE_BYTES)
     run.trigger()
     (partial,) = run.folder.iterdir()
     assert (partial / "reserve").stat().st_blocks * 512 >= 64_000
-    with refusing(monkeypatch, 1, 1):
+    with refusing(monkeypatch, 1, 2):
         run.message("/odom", SIZE_BYTES)
     assert len(failed) == 1
     (path,) = run.finish()
@@ -244,7 +246,7 @@ def test_an_outage_whose_disk_is_full_says_what_it_lacks(
 
 
 def test_a_record_of_an_older_version_that_a_killed_run_left_says_killed(tmp_path: Path) -> None:
-    run = recorded(tmp_path / "incidents", [])
+    run = FolderRun(recording_rules('Record "one" /odom Before 1 s After 1 s'), tmp_path / "incidents")
     run.trigger()
     (partial,) = run.folder.iterdir()
     record = partial / "incident.json"

@@ -73,8 +73,8 @@ def completed_as_left(
 
 
 def record_until_killed(folder: Path, messages: int) -> FolderRun:
-    """What lies on the disk after so many messages, 100 a second, with an incident every 300 ms."""
-    rules = recording_rules('Record "one" /odom Before 500 ms After 700 ms')
+    """What lies on the disk after so many messages, 100 a second: two incidents, a moment every 300 ms."""
+    rules = recording_rules(*(f'Record "{name}" /odom Before 500 ms After 700 ms' for name in ("one", "two")))
     run = FolderRun(rules, folder, topics=("/odom",))
     for number in range(messages):
         if number % 30 == 29:
@@ -94,6 +94,22 @@ def test_whenever_a_run_is_killed_all_that_it_wrote_is_completed(count: int) -> 
         assert left
         found = completed_as_left(folder, left, run.clock_ms * MS - LOST_NS)
         assert all(of_one[-1] == count - 1 for of_one in found.values())
+
+
+def test_a_killed_run_leaves_the_moments_until_half_a_second_before(tmp_path: Path) -> None:
+    run = FolderRun(recording_rules('Record "one" /odom Before 1 s After 10 s'), tmp_path, topics=("/odom",))
+    for number in range(40):
+        if number % 10 == 0:
+            run.trigger()
+        run.message("/odom")
+        run.wait(100)
+    (one,) = complete_incidents(tmp_path)
+    record = record_of(tmp_path / one.name)
+    assert (record["moments"], len(record["further_moments"])) == (4, 3)
+    assert record["to_ns"] == record["further_moments"][-1]["triggered_ns"] + 10_000 * MS
+    assert [missing["to_ns"] for missing in record["missing"] if missing["reason"] == "killed"] == [
+        record["to_ns"]
+    ]
 
 
 def test_a_file_that_is_cut_anywhere_is_completed_as_far_as_it_goes(tmp_path: Path) -> None:

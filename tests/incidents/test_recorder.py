@@ -2,23 +2,38 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+import pytest
+
 from incidents.incident_runs import recorder_for, recording_rules, rules_of, trigger
 from smarttestudo.domain.incident import MissingReason
+from smarttestudo.incidents.missing import unheard
 from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS
 from smarttestudo.incidents.topic_ring import HeldMessage
+from smarttestudo.language.rule_set import RuleSet
 
 S = 1_000_000_000
 MS = 1_000_000
 RULES = recording_rules('Record "near miss" /scan Before 10 s After 5 s')
 
 
-def test_fifty_overlapping_incidents_are_all_whole() -> None:
-    recorder, sink = recorder_for(RULES)
+def many_rules(count: int) -> RuleSet:
+    return rules_of(
+        "\n".join(
+            f'Rule "r{number}" If CheckValue /odom speed > {number + 1} Then '
+            f'Record "n{number}" /scan Before 10 s After 5 s EndIf'
+            for number in range(count)
+        )
+    )
+
+
+def test_overlapping_incidents_of_fifty_rules_are_all_whole() -> None:
+    rules = many_rules(50)
+    recorder, sink = recorder_for(rules)
     for tick in range(400):
         now_ns = 100 * S + tick * S // 10
         recorder.on_message("/scan", now_ns, b"%d" % tick)
         if 200 <= tick < 300 and tick % 2 == 0:
-            recorder.begin(trigger(RULES, now_ns))
+            recorder.begin(trigger(rules, now_ns, tick // 2 - 100))
     recorder.finish(200 * S)
     assert len(sink.kept) == 50
     assert {len(one.messages) for one in sink.kept} == {151}
@@ -31,11 +46,85 @@ def test_fifty_overlapping_incidents_are_all_whole() -> None:
 
 
 def test_no_more_windows_are_open_than_can_be_written() -> None:
-    recorder, sink = recorder_for(RULES)
+    rules = many_rules(MAX_OPEN_INCIDENTS + 3)
+    recorder, sink = recorder_for(rules)
     for number in range(MAX_OPEN_INCIDENTS + 3):
-        recorder.begin(trigger(RULES, 100 * S + number))
+        recorder.begin(trigger(rules, 100 * S + number, number))
     assert len(sink.kept) == MAX_OPEN_INCIDENTS
     assert recorder.refused == 3
+
+
+def test_a_rule_that_flickers_on_has_an_incident_of_ten_windows_and_then_another() -> None:
+    recorder, sink = recorder_for(RULES)
+    for second in range(100, 300):
+        recorder.on_message("/scan", second * S, b"%d" % second)
+        if second >= 110:
+            recorder.begin(trigger(RULES, second * S))
+    recorder.finish(400 * S)
+    # The first window began 10 s before 110, and ends 5 s after the last moment within 150 s of that.
+    assert [(one.stamps_ns[0] // S, one.stamps_ns[-1] // S) for one in sink.kept] == [(110, 245), (246, 299)]
+    assert [(one.incident.from_ns // S, one.to_ns // S) for one in sink.kept] == [(100, 250), (236, 304)]
+    assert [len(one.messages) for one in sink.kept] == [151, 64]
+
+
+@pytest.mark.parametrize(("gap_s", "incidents"), [(0.2, 1), (0.5, 1), (0.51, 2)])
+def test_a_window_without_an_after_is_extended_by_what_begins_within_half_a_second(
+    gap_s: float, incidents: int
+) -> None:
+    rules = recording_rules('Record "past" /scan Before 10 s After 0 s')
+    recorder, sink = recorder_for(rules)
+    times_ns = [round((100 + gap_s * number) * S) for number in range(4)]
+    recorder.on_message("/scan", times_ns[0] - 1, b"before")
+    for at_ns in times_ns[:2]:
+        recorder.on_message("/scan", at_ns - MS, b"between")
+        recorder.begin(trigger(rules, at_ns))
+        recorder.on_message("/scan", at_ns + MS, b"after")
+    recorder.advance(200 * S)
+    assert len(sink.kept) == incidents
+    # The last message came after the last window.
+    assert [message.payload for message in sink.kept[-1].messages][-1] == b"between"
+    assert sink.kept[-1].to_ns == times_ns[1]
+
+
+def test_a_reload_that_leaves_a_rule_as_it_is_leaves_its_open_window_to_be_extended() -> None:
+    other = 'Rule "other" If CheckValue /odom speed > 9 Then SetFrequency /scan 9 EndIf\n'
+    text = (
+        'Rule "near" If CheckValue /odom speed > 1 Then Record "near miss" /scan Before 10 s After 5 s EndIf'
+    )
+    longer = text.replace("After 5 s", "After 6 s")
+    before, moved, changed = rules_of(text), rules_of(other + text), rules_of(longer)
+    recorder, sink = recorder_for(before)
+    recorder.begin(trigger(before, 100 * S))
+    recorder.change_rules(moved)
+    recorder.begin(trigger(moved, 102 * S, 1))
+    recorder.change_rules(changed)
+    recorder.begin(trigger(changed, 104 * S))
+    recorder.finish(200 * S)
+    assert [[stamp_ns // S for stamp_ns in one.stamps_ns] for one in sink.kept] == [[100, 102], [104]]
+
+
+def test_records_of_one_rule_have_incidents_of_their_own() -> None:
+    rules = recording_rules(*2 * ['Record "same" /scan Before 10 s After 5 s'])
+    recorder, sink = recorder_for(rules)
+    recorder.begin(trigger(rules, 100 * S))
+    recorder.begin(trigger(rules, 101 * S))
+    recorder.finish(200 * S)
+    assert [len(one.stamps_ns) for one in sink.kept] == [2, 2]
+
+
+def test_a_topic_that_nobody_publishes_is_missing_once_until_the_last_moment() -> None:
+    rules = recording_rules('Record "near miss" /scan /odom Before 10 s After 5 s')
+    recorder, sink = recorder_for(rules, topics=("/scan",))
+    recorder.on_message("/scan", 99 * S, b"scan")
+    recorder.begin(trigger(rules, 100 * S))
+    recorder.begin(trigger(rules, 102 * S))
+    recorder.hear("/odom", 103 * S, transient_local=False)
+    recorder.begin(trigger(rules, 104 * S))
+    recorder.finish(200 * S)
+    assert sink.kept[0].missing == (
+        unheard("/odom", 90 * S, 102 * S, MissingReason.UNPUBLISHED),
+        unheard("/odom", 102 * S, 103 * S),
+    )
 
 
 def test_a_window_is_over_right_after_its_last_instant() -> None:

@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -17,7 +18,7 @@ from ruamel.yaml import YAML
 from bags.bag_factory import BagMessage
 from bags.bag_reading import read_with_mcap
 from incidents.folder_runs import record_of
-from incidents.incident_runs import rules_of
+from incidents.incident_runs import rules_of, windows
 from pacing.test_stream_reader import tf_message
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel
@@ -135,33 +136,20 @@ def in_order(path: Path) -> list[BagMessage]:
     return [message for name in names for message in read_with_mcap(path / name)]
 
 
-def expect_cut(path: Path, came: Sequence[Came], one: Recorded, trigger_ns: int, *, is_alone: bool) -> None:
-    from_ns, to_ns = trigger_ns - one.before_ms * MS, trigger_ns + one.after_ms * MS
+def expect_cut(path: Path, came: Sequence[Came], one: Recorded, moments_ns: Sequence[int]) -> None:
+    from_ns, to_ns = moments_ns[0] - one.before_ms * MS, moments_ns[-1] + one.after_ms * MS
     record, found = record_of(path), in_order(path)
-    assert (record["from_ns"], record["triggered_ns"], record["to_ns"]) == (from_ns, trigger_ns, to_ns)
-    kept = [each for each in came if each.topic in one.topics or each.topic in LATCHED]
+    assert (record["from_ns"], record["triggered_ns"], record["to_ns"]) == (from_ns, moments_ns[0], to_ns)
+    assert [each["triggered_ns"] for each in record.get("further_moments", [])] == moments_ns[1:]
     before = counting(came, from_ns)
     assert record["latched"] == [{"topic": each.topic, "stamp_ns": each.stamp_ns} for each in before]
-
-    stamps = [message.stamp_ns for message in found]
-    assert stamps == sorted(stamps)
-    as_they_came = [BagMessage(each.topic, each.stamp_ns, each.payload) for each in kept]
-    window = [message for message in as_they_came if from_ns <= message.stamp_ns <= to_ns]
-    # A file that is shared may begin a little before the window, with all that came from there on.
-    head = len(found)
-    while head and found[head - 1] in as_they_came:
-        head -= 1
-    rest = found[head:]
-    assert rest == as_they_came[as_they_came.index(rest[0]) :][: len(rest)] if rest else not window
-    assert [message for message in rest if message.stamp_ns >= from_ns] == window
-    assert not rest or rest[0].stamp_ns >= from_ns - max(1000 * MS, (to_ns - from_ns) // 10)
-    assert not is_alone or rest == window
-    # Before all of that is what counted then, and nothing else.
-    latched = [each for each in before if each.payload not in {message.payload for message in rest}]
-    assert [(message.topic, message.payload) for message in found[:head]] == [
-        (each.topic, each.payload) for each in latched
+    # Before the window is what counted then, and nothing else.
+    window = [
+        BagMessage(each.topic, each.stamp_ns, each.payload)
+        for each in came
+        if (each.topic in one.topics or each.topic in LATCHED) and from_ns <= each.stamp_ns <= to_ns
     ]
-    assert not is_alone or {message.stamp_ns for message in found[:head]} <= {from_ns}
+    assert found == [*(BagMessage(each.topic, from_ns, each.payload) for each in before), *window]
 
     missing = {(each["topic"], each["reason"], each["from_ns"], each["to_ns"]) for each in record["missing"]}
     end_ns = came[-1].stamp_ns
@@ -181,16 +169,26 @@ def test_every_incident_is_what_a_naive_second_opinion_cuts(
     came = recording_of(events)
     far = [Recorded("far", ("/odom", "/scan"), *far_span), Recorded("scan", ("/scan",), *scan_span)]
     near = [Recorded("near", ("/odom", "/scan"), *near_span)]
-    expected = [(stamp_ns, one) for stamp_ns, is_far in triggers(came) for one in (far if is_far else near)]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name, "incidents")
         cut(came, near, far, folder)
-        found: dict[tuple[int, str], list[Path]] = {}
-        for path in folder.iterdir():
-            record = record_of(path)
-            found.setdefault((record["triggered_ns"], record["name"]), []).append(path)
-        assert sorted(found) == sorted({(stamp_ns, one.name) for stamp_ns, one in expected})
-        assert sum(len(paths) for paths in found.values()) == len(expected)
-        for stamp_ns, one in expected:
-            for path in found[stamp_ns, one.name]:
-                expect_cut(path, came, one, stamp_ns, is_alone=len(expected) == 1)
+        found = {(record["triggered_ns"], record["name"]): path for path, record in records(folder)}
+        expected = {
+            (moments_ms[0] * MS, one.name): (one, [at_ms * MS for at_ms in moments_ms])
+            for of_side, is_far in ((far, True), (near, False))
+            for one in of_side
+            for moments_ms in windows(
+                [stamp_ns // MS for stamp_ns, side in triggers(came) if side is is_far],
+                one.before_ms,
+                one.after_ms,
+            )
+        }
+        assert found.keys() == expected.keys()
+        assert len(list(folder.iterdir())) == len(expected)
+        for key, (one, moments_ns) in expected.items():
+            expect_cut(found[key], came, one, moments_ns)
+
+
+def records(folder: Path) -> Iterator[tuple[Path, dict[str, Any]]]:
+    for path in folder.iterdir():
+        yield path, record_of(path)

@@ -8,6 +8,7 @@ import errno
 import json
 import math
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -79,6 +80,26 @@ def test_one_is_shown(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "rule Close call (rules.adirf:7), rules abababababab" in out
     assert "/scan distance = 0.4\n/odom speed = unknown or infinite" in out
     assert "missing: /scan: 2 messages from 1970-01-01" in out
+
+
+def test_moments_are_listed_counted_and_the_first_of_many_shown(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = RECORD
+    for number in range(1, 30):
+        record = record.extended(
+            RECORD.triggered_ns + number * 500_000_000, {"/scan distance": number / 2}, 10**11
+        )
+    (folder / NAME / "incident.json").write_text(incident_text(record))
+    assert main(["incidents", "list", str(folder)]) == 0
+    assert re.search(r"Close call +30 ", capsys.readouterr().out)
+    assert main(["incidents", "list", str(folder), "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    assert (found["moments"], len(found["further_moments"])) == (30, 29)
+    assert main(["incidents", "show", str(folder), NAME]) == 0
+    out = capsys.readouterr().out
+    assert "again after 0.5 s, /scan distance = 0.5\nagain after 1 s, /scan distance = 1\n" in out
+    assert "\nagain 9 times ('--json' shows 29 in all)\n" in out
 
 
 def test_an_infinite_value_is_shown_and_is_null_to_who_does_not_know_that(

@@ -26,7 +26,7 @@ begin
     Record "near miss" /odom /scan Before 3 s After 2 s
   EndIf
   Rule "Farther" If CheckValue /odom pose_y > 5.3 Then
-    Record "later" /odom /scan Before 3 s After 2 s
+    Record "later" /odom /scan Before 3280 ms After 2 s
   EndIf
 end
 """
@@ -44,10 +44,12 @@ def replayed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def incident(replayed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The second of two that overlap, which shares files with the first."""
+    """An incident as earlier versions wrote it: a file that others shared has more than its window."""
     shutil.copytree(replayed, tmp_path, symlinks=True, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     _, later = sorted(Path("found").iterdir())
+    record = json.loads((later / "incident.json").read_text())
+    (later / "incident.json").write_text(json.dumps({**record, "from_ns": record["from_ns"] + 280_000_000}))
     return later
 
 

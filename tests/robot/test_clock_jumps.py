@@ -162,7 +162,7 @@ class Recording(Part):
     def __init__(self, graph: JumpingClock) -> None:
         self.graph = graph
         self.sink = KeepingSink()
-        self.begun_ns: list[int] = []
+        self.begun_ns: list[list[int]] = []
 
     def follow(self, rules: LiveRules, now_ns: int) -> None:
         self.recorder = IncidentRecorder(rules.rule_set, self.sink, AMPLE_BYTES, now_ns)
@@ -171,8 +171,13 @@ class Recording(Part):
         run.loop.call_on_trigger(self._triggered)
 
     def _triggered(self, trigger: Trigger) -> None:
-        self.begun_ns.append(self.graph.passed_ns)
+        known = [len(one.stamps_ns) for one in self.sink.kept]
         self.recorder.begin(trigger)
+        if len(self.sink.kept) > len(known):
+            self.begun_ns.append([])
+        moments = [len(one.stamps_ns) for one in self.sink.kept]
+        (place,) = (place for place, count in enumerate(moments) if count != [*known, 0][place])
+        self.begun_ns[place].append(self.graph.passed_ns)
 
     def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:
         self.recorder.hear(topic, now_ns, transient_local=False)
@@ -263,7 +268,7 @@ def test_an_incident_has_its_whole_window_however_the_clock_jumps(seed: int, is_
             continue
         came_ns = {int.from_bytes(one.payload, "little") for one in kept.messages}
         small_ns = graph.small_ns
-        from_ns, to_ns = begun_ns - NS_PER_S + small_ns, begun_ns + 2 * NS_PER_S - small_ns
+        from_ns, to_ns = begun_ns[0] - NS_PER_S + small_ns, begun_ns[-1] + 2 * NS_PER_S - small_ns
         expected_ns = {
             at_ns for at_ns in range(0, to_ns, 10 * NS_PER_MS) if at_ns >= max(from_ns, 10 * NS_PER_S)
         }

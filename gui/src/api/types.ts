@@ -456,6 +456,13 @@ export interface FullRate {
   value?: null;
 }
 
+/** A moment after the first at which the rule began to hold, and what its condition read. */
+export interface FurtherMoment {
+  triggered_ns: number;
+  values: Record<string, number | null>;
+  time: string;
+}
+
 export type HealthLevel = "ok" | "warn" | "error" | "stale";
 
 /**
@@ -571,6 +578,8 @@ export interface IncidentCourseRequest {
  *
  * `rule` is the label of the block, in line `line` of the file `path`; `values` are what its
  * condition read. Stamps are the clock's, `rules_sha256` is that of the texts of all rules.
+ * It began to hold at so many `moments` of the incident; of a great many, not all are in
+ * `further_moments`.
  */
 export interface IncidentRecord {
   name: string;
@@ -585,6 +594,8 @@ export interface IncidentRecord {
   topics: Record<string, IncidentTopic>;
   latched: LatchedSample[];
   missing: Missing[];
+  moments?: number;
+  further_moments?: FurtherMoment[];
 }
 
 /**
@@ -1241,7 +1252,8 @@ export interface Refusal {
  * An incident on a robot, as its list says; `name` is that of its folder.
  *
  * `label` is the name in the `Record`, `rule` that of the block. Stamps are the robot's clock.
- * `missing` are the reasons (`MissingReason`) for which messages of the window are not there.
+ * It began to hold at so many `moments`, the first at `triggered_ns`. `missing` are the reasons
+ * (`MissingReason`) for which messages of the window are not there.
  */
 export interface RemoteIncident {
   robot: string;
@@ -1255,6 +1267,7 @@ export interface RemoteIncident {
   size_bytes: number;
   is_read: boolean;
   missing: string[];
+  moments: number;
 }
 
 /** `POST /api/file/rename` → `Project`: `base_hash` is what the page knows to be in `name`. */

@@ -5,13 +5,14 @@ import { href } from "../route";
 import { DataTable } from "../ui/data_table";
 import { counted, readable, sizeWords } from "../ui/numbers";
 import { moment, NS_PER_MS } from "../ui/times";
-import { missingWords, sinceTrigger, sumOf, windowWords } from "./missing_words";
+import { furtherWords, missingWords, sinceTrigger, sumOf, valueWords, windowWords } from "./missing_words";
 
 /** Why an incident was recorded, and what is missing of it. */
 export function IncidentFacts({ incident }: { incident: IncidentAnswer }) {
   const { record, units } = incident;
   const messages = sumOf(record.topics, "messages");
-  const values = Object.entries(record.values).map(([signal, value]) => valueWords(signal, value, units[signal] ?? ""));
+  const values = valueWords(record.values, units);
+  const further = furtherWords(record, units);
   return (
     <>
       <p class="headline">
@@ -20,6 +21,18 @@ export function IncidentFacts({ incident }: { incident: IncidentAnswer }) {
       <dl class="facts">
         <dt>Because</dt>
         <dd>{values.length === 0 ? "its condition reads no values" : values.join(", ")}</dd>
+        {further.length > 0 && (
+          <>
+            <dt>Again</dt>
+            <dd>
+              <ul class="moments" aria-label="Further moments">
+                {further.map((words, place) => (
+                  <li key={`${place} ${words}`}>{words}</li>
+                ))}
+              </ul>
+            </dd>
+          </>
+        )}
         <dt>Rule</dt>
         <dd>
           <RuleLink incident={incident} />
@@ -46,10 +59,6 @@ export function IncidentFacts({ incident }: { incident: IncidentAnswer }) {
       </dl>
     </>
   );
-}
-
-function valueWords(signal: string, value: number | null, unit: string): string {
-  return `${signal} was ${value === null ? "unknown or infinite" : `${readable(value)}${unit && ` ${unit}`}`}`;
 }
 
 /** Where the rule stands: in a file of the project, if it has that. */

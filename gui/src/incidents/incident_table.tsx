@@ -5,7 +5,7 @@ import type { ListedIncident, RemoteIncident } from "../api/types";
 import { href } from "../route";
 import { Button } from "../ui/button";
 import { ColumnHeads } from "../ui/data_table";
-import { sizeWords } from "../ui/numbers";
+import { counted, sizeWords } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
 import { ago, moment, NS_PER_MS } from "../ui/times";
 import { briefly, windowWords } from "./missing_words";
@@ -83,6 +83,7 @@ export function SummaryCells({ incident }: { incident: RemoteIncident }) {
     <>
       <td data-label="When">
         <time title={ago(triggeredMs, Date.now())}>{moment(triggeredMs)}</time>
+        {incident.moments > 1 && <span class="quiet"> and {counted(incident.moments - 1, "further moment")}</span>}
       </td>
       <td data-label="Rule">{incident.rule}</td>
       <td data-label="Kept">{windowWords(incident)}</td>

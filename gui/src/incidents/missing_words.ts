@@ -72,6 +72,24 @@ export function sinceTrigger(ns: number, triggeredNs: number): string {
   return sinceMoment(secondsTo(ns, triggeredNs));
 }
 
+/** What a condition read: `/scan distance was 0.41 m`, one for each value. */
+export function valueWords(values: IncidentRecord["values"], units: Readonly<Record<string, string>>): string[] {
+  return Object.entries(values).map(([signal, value]) => {
+    const unit = units[signal] ?? "";
+    return `${signal} was ${value === null ? "unknown or infinite" : `${readable(value)}${unit && ` ${unit}`}`}`;
+  });
+}
+
+/** The moments after the first at which the rule began to hold: `3.2 s after: /scan distance was 0.41 m`. */
+export function furtherWords(record: IncidentRecord, units: Readonly<Record<string, string>>): string[] {
+  const { triggered_ns, moments = 1, further_moments = [] } = record;
+  const listed = further_moments.map((one) =>
+    [sinceTrigger(one.triggered_ns, triggered_ns), valueWords(one.values, units).join(", ")].filter(Boolean).join(": "),
+  );
+  const more = moments - 1 - listed.length;
+  return more > 0 ? [...listed, `and ${counted(more, "time")} more`] : listed;
+}
+
 /** All that an incident holds of its topics. */
 export function sumOf(topics: IncidentRecord["topics"], what: "messages" | "bytes"): number {
   return Object.values(topics).reduce((sum, topic) => sum + topic[what], 0);

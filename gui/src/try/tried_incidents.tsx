@@ -41,7 +41,7 @@ export function TriedIncidents({ keepings, trial }: { keepings: Keepings; trial:
 function TriedIncident(props: { keepings: Keepings; trial: Trial; incident: TryIncident }) {
   const { keepings, trial, incident } = props;
   const { t, record } = incident;
-  const { rule, topics, missing } = record;
+  const { rule, topics, missing, moments = 1 } = record;
   const keep = keepings.of(trial, incident.number);
   const name = `${record.name} at ${t.toFixed(1)} s`;
   return (
@@ -52,6 +52,7 @@ function TriedIncident(props: { keepings: Keepings; trial: Trial; incident: TryI
         <span>
           by {rule}, {windowWords(record)}: {counted(sumOf(topics, "messages"), "message")},{" "}
           {sizeWords(sumOf(topics, "bytes") / 1000)}
+          {moments > 1 && `, ${counted(moments - 1, "further moment")}`}
         </span>
         {(keep === null || keep.state === "failed") && (
           <NeedsServer changes>

@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import type { Missing } from "../../src/api/types";
-import { briefly, missingWords, sinceMoment, sinceTrigger, windowWords } from "../../src/incidents/missing_words";
+import type { IncidentRecord, Missing } from "../../src/api/types";
+import {
+  briefly,
+  furtherWords,
+  missingWords,
+  sinceMoment,
+  sinceTrigger,
+  windowWords,
+} from "../../src/incidents/missing_words";
 import { sizeWords } from "../../src/ui/numbers";
 
 /** A stamp as the page has it, of so many seconds from the moment. */
@@ -57,4 +64,24 @@ test("a list has the reasons only", () => {
   expect(briefly([])).toBe("");
   expect(briefly(["ended", "of a later version", "ended"])).toBe("ended early");
   expect(briefly(["of a later version"])).toBe("something");
+});
+
+test("each further moment is said with what its condition read, and how many are not listed", () => {
+  const record: IncidentRecord = {
+    ...{ name: "near miss", rule: "Close call", file: "rules.adirf", line: 3, rules_sha256: "", topics: {} },
+    ...{ triggered_ns: TRIGGERED_NS, from_ns: stampNs(-3), to_ns: stampNs(9), latched: [], missing: [] },
+    values: { "/scan distance": 0.4 },
+    moments: 4,
+    further_moments: [
+      { time: "", triggered_ns: stampNs(1.5), values: { "/scan distance": 0.41, "/odom speed": null } },
+      { time: "", triggered_ns: stampNs(7), values: {} },
+    ],
+  };
+  expect(furtherWords(record, { "/scan distance": "m" })).toEqual([
+    "1.5 s after: /scan distance was 0.41 m, /odom speed was unknown or infinite",
+    "7.0 s after",
+    "and 1 time more",
+  ]);
+  const { moments, further_moments, ...alone } = record;
+  expect(furtherWords(alone, {})).toEqual([]);
 });

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -32,7 +32,7 @@ def incident_mark(record: IncidentRecord, span: RecordingSpan) -> IncidentMark:
 
 
 def incident_text(record: IncidentRecord) -> str:
-    """Its name, when it happened, the rule, and what its condition read."""
+    """Its name, when it happened, the rule, what its condition read, and how often it began to hold again."""
     return f"{record.name} at {utc_time(record.triggered_ns)}: {_reason(record)}"
 
 
@@ -42,12 +42,14 @@ def incident_subtitles(record: IncidentRecord | None) -> tuple[str, ...]:
 
 
 def _reason(record: IncidentRecord) -> str:
-    return ", ".join((f"rule {record.rule}", *signal_texts(record)))
+    further = record.moments - 1
+    more = (counted(further, "further moment"),) if further else ()
+    return ", ".join((f"rule {record.rule}", *signal_texts(record.values), *more))
 
 
-def signal_texts(record: IncidentRecord) -> Iterator[str]:
+def signal_texts(values: Mapping[str, float | None]) -> Iterator[str]:
     """Values that the condition read, a text each; former versions wrote infinite ones as unknown ones."""
-    for signal, value in record.values.items():
+    for signal, value in values.items():
         yield f"{signal} = {'unknown or infinite' if value is None else format(value, 'g')}"
 
 

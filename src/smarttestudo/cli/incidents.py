@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import chain
 from typing import TYPE_CHECKING, TextIO
 
 from smarttestudo.bags.incident_mark import missing_text, signal_texts
@@ -17,13 +18,14 @@ from smarttestudo.cli.arguments import file_path
 from smarttestudo.cli.bag_options import print_notice, print_notices
 from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
-from smarttestudo.cli.output import write_line, written_over
+from smarttestudo.cli.output import write_line, write_lines, written_over
 from smarttestudo.cli.robots import add_robot
 from smarttestudo.cli.tables import print_table
 from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import LinkError, RecordingError, UsageError, missing_package
 from smarttestudo.domain.incident import (
     FetchProgress,
+    IncidentRecord,
     IncidentTopic,
     OnProgress,
     RemoteIncident,
@@ -209,6 +211,7 @@ def _incident_columns(incidents: Sequence[RemoteIncident]) -> Iterator[Column[Re
         yield Column("Robot", "", lambda one: one.robot, is_text=True)
     yield Column("Incident", "", lambda one: one.name, is_text=True)
     yield Column("Rule", "", lambda one: one.rule, is_text=True)
+    yield Column("Moments", "", lambda one: one.moments, WHOLE)
     yield Column("Messages", "", lambda one: one.messages, WHOLE)
     yield Column("Size", "MB", lambda one: one.size_bytes / BYTES_PER_MB)
     yield Column("Read", "", lambda one: "yes" if one.is_read else "no", is_text=True)
@@ -216,6 +219,7 @@ def _incident_columns(incidents: Sequence[RemoteIncident]) -> Iterator[Column[Re
 
 
 EXIT_ERROR = 1
+_MOMENTS_SHOWN = 20
 
 
 def add_arguments(parser: CommandParser) -> None:
@@ -317,12 +321,10 @@ def _show(arguments: argparse.Namespace) -> int:
     record = stored.record
     before_s = (record.triggered_ns - record.from_ns) / NS_PER_S
     after_s = (record.to_ns - record.triggered_ns) / NS_PER_S
-    write_line(
-        f"{record.name}: {utc_time(record.triggered_ns)}, {before_s:g} s before to {after_s:g} s after"
-    )
+    window = f"{before_s:g} s before to {after_s:g} s after"
+    write_line(f"{record.name}: {utc_time(record.triggered_ns)}, {window}")
     write_line(f"rule {record.rule} ({record.path}:{record.line}), rules {record.rules_sha256[:12]}")
-    for text in signal_texts(record):
-        write_line(text)
+    write_lines(chain(signal_texts(record.values), _moment_texts(record)))
     print_table(_topic_table(stored))
     for missing in record.missing:
         write_line(f"missing: {missing_text(missing)}")
@@ -330,6 +332,16 @@ def _show(arguments: argparse.Namespace) -> int:
         write_line(f"latched: {latched.topic} of {utc_time(latched.stamp_ns)}")
     _tell_differences(stored)
     return 0
+
+
+def _moment_texts(record: IncidentRecord) -> Iterator[str]:
+    """Further moments at which the rule began to hold, with what its condition read; of many, the first."""
+    shown = record.further_moments[:_MOMENTS_SHOWN]
+    for moment in shown:
+        later_s = (moment.triggered_ns - record.triggered_ns) / NS_PER_S
+        yield ", ".join((f"again after {later_s:g} s", *signal_texts(moment.values)))
+    if more := record.moments - 1 - len(shown):
+        yield f"again {counted(more, 'time')} ('--json' shows {len(record.further_moments)} in all)"
 
 
 def _tell_differences(stored: StoredIncident) -> None:
@@ -368,6 +380,7 @@ def _json(stored: StoredIncident) -> dict[str, object]:
         "messages": listed.messages,
         "size_bytes": stored.size_bytes,
         "read": stored.is_read,
+        "moments": listed.moments,
         **incident_to_json(stored.record),
     }
 

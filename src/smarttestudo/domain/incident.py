@@ -9,7 +9,7 @@ import re
 import sys
 import unicodedata
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta, timezone
 from enum import Enum
 from pathlib import Path
@@ -18,7 +18,7 @@ from typing import Annotated, Protocol
 from smarttestudo.domain.errors import LinkError, RecordingError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.metric import Metered, MetricKind
-from smarttestudo.domain.record import AtMost, JsonEntry, from_json, to_json
+from smarttestudo.domain.record import AtMost, JsonEntry, derived, from_json, to_json
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_MS, utc_time
 
 DEFAULT_INCIDENT_MEMORY_MB = 256
@@ -28,6 +28,9 @@ DEFAULT_INCIDENT_RING_MAX_GB = 5
 """How much disk what does not fit into memory may take, unless told otherwise."""
 
 INCIDENT_VERSION = 1
+MAX_FURTHER_MOMENTS = 999
+_MAX_FURTHER_VALUES = 5_000
+"""How many values of further moments a record lists: it stays below the size that is read."""
 _MAX_NAME_CHARACTERS = 60
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+")
 _FOLDER_NAME = re.compile(r"(\d+T\d{9}Z|-?\d+ns)-[A-Za-z0-9_-]+\Z", re.ASCII)
@@ -93,11 +96,27 @@ class LatchedSample:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FurtherMoment:
+    """A moment after the first at which the rule began to hold, and what its condition read."""
+
+    triggered_ns: _Whole
+    values: Annotated[Mapping[str, _Finite | None], JsonEntry(has_infinite=True)]
+
+    @property
+    @derived()
+    def time(self) -> str:
+        """That moment in UTC."""
+        return utc_time(self.triggered_ns)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class IncidentRecord:
     """Which rule recorded what, when, and what is missing.
 
     ``rule`` is the label of the block, in line ``line`` of the file ``path``; ``values`` are what its
     condition read. Stamps are the clock's, ``rules_sha256`` is that of the texts of all rules.
+    It began to hold at so many ``moments`` of the incident; of a great many, not all are in
+    ``further_moments``.
     """
 
     name: str
@@ -112,6 +131,16 @@ class IncidentRecord:
     topics: Mapping[str, IncidentTopic]
     latched: tuple[LatchedSample, ...] = ()
     missing: tuple[Missing, ...] = ()
+    moments: Annotated[_Whole, JsonEntry(omits_default=True)] = 1
+    further_moments: Annotated[tuple[FurtherMoment, ...], JsonEntry(omits_default=True)] = ()
+
+    def extended(self, triggered_ns: int, values: Mapping[str, float | None], to_ns: int) -> IncidentRecord:
+        """The record of an incident with one moment more, whose window is open until ``to_ns``."""
+        further = self.further_moments
+        listed = sum(len(one.values) for one in further) + len(values)
+        if len(further) < MAX_FURTHER_MOMENTS and listed <= _MAX_FURTHER_VALUES:
+            further = (*further, FurtherMoment(triggered_ns=triggered_ns, values=values))
+        return replace(self, to_ns=to_ns, moments=self.moments + 1, further_moments=further)
 
 
 def incident_folder_name(name: str, stamp_ns: int) -> str:
@@ -211,16 +240,18 @@ def read_incident(text: bytes, place: str) -> IncidentRecord:
                 place=place,
                 remedy="read it with the SmartTestudo that wrote it",
             )
-        return _ordered(from_json(IncidentRecord, found))
+        return _checked(from_json(IncidentRecord, found))
     except (ValueError, RecursionError) as error:
         raise RecordingError(
             "does not hold the record of an incident", place=place, remedy="was it cut or edited?"
         ) from error
 
 
-def _ordered(incident: IncidentRecord) -> IncidentRecord:
+def _checked(incident: IncidentRecord) -> IncidentRecord:
     if not incident.from_ns <= incident.triggered_ns <= incident.to_ns:
         raise ValueError(incident.triggered_ns)
+    if incident.moments <= len(incident.further_moments):
+        raise ValueError(incident.moments)
     return incident
 
 
@@ -234,7 +265,8 @@ class RemoteIncident:
     """An incident on a robot, as its list says; ``name`` is that of its folder.
 
     ``label`` is the name in the ``Record``, ``rule`` that of the block. Stamps are the robot's clock.
-    ``missing`` are the reasons (``MissingReason``) for which messages of the window are not there.
+    It began to hold at so many ``moments``, the first at ``triggered_ns``. ``missing`` are the reasons
+    (``MissingReason``) for which messages of the window are not there.
     """
 
     robot: str
@@ -248,6 +280,7 @@ class RemoteIncident:
     size_bytes: int
     is_read: bool = False
     missing: tuple[str, ...] = ()
+    moments: int = 1
 
     @property
     def is_outage(self) -> bool:

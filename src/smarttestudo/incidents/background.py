@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from functools import partial
 
@@ -12,10 +12,11 @@ from smarttestudo.domain.errors import testudo_error
 from smarttestudo.domain.incident import Missing
 from smarttestudo.incidents.folders import Failed
 from smarttestudo.incidents.lost_messages import LostMessages
-from smarttestudo.incidents.recorder import Incident, IncidentSink, Store
+from smarttestudo.incidents.recorder import Incident, IncidentSink, Past, Store
 from smarttestudo.incidents.ring_files import RingFiles
 from smarttestudo.incidents.task_thread import TaskThread
-from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
+from smarttestudo.incidents.topic_ring import SourceMessage
+from smarttestudo.loop.step import Trigger
 
 
 class BackgroundSink:
@@ -42,12 +43,14 @@ class BackgroundSink:
         self.dropped = 0
         """Messages that came faster than they were written, for an incident or for the ring on disk."""
 
-    def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
-    ) -> None:
+    def begin(self, incident: Incident, past: Past) -> None:
         """Have it begun."""
         self._left_out[incident] = LostMessages()
-        self._thread.give(partial(self._sink.begin, incident, latched, messages))
+        self._thread.give(partial(self._sink.begin, incident, past))
+
+    def extend(self, incident: Incident, trigger: Trigger, to_ns: int, past: Past) -> None:
+        """Have it extended."""
+        self._thread.give(partial(self._sink.extend, incident, trigger, to_ns, past))
 
     def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         """Have it written, unless too much waits already."""

@@ -8,8 +8,10 @@ import errno
 import heapq
 import os
 import struct
+from array import array
+from bisect import bisect_left
 from collections import Counter
-from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -18,7 +20,7 @@ from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
-from smarttestudo.bags.mcap.writer import FileContent
+from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.bags.mcap.written_file import complete_files
 from smarttestudo.bags.metadata_text import METADATA_NAME, metadata_text
 from smarttestudo.domain.errors import TestudoError, testudo_error
@@ -32,32 +34,27 @@ from smarttestudo.domain.incident import (
     incident_text,
 )
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.files.removal import remove, temporary_folder
+from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written, whole_file
 from smarttestudo.incidents.lost_messages import LostMessages
 from smarttestudo.incidents.missing import missing_for_memory
-from smarttestudo.incidents.recorder import Incident
+from smarttestudo.incidents.recorder import Incident, Past
 from smarttestudo.incidents.ring_files import RingFiles
-from smarttestudo.incidents.segments import (
-    BagFolder,
-    ChannelOf,
-    Segment,
-    SharedMessages,
-    channel_of,
-    link_file,
-)
 from smarttestudo.incidents.store import RESERVE_NAME, remove_begun, remove_incident
-from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
+from smarttestudo.incidents.topic_ring import GivenUp, IncidentMessage, SourceMessage
+from smarttestudo.loop.step import Trigger
 
-SEGMENTS_OF_A_WINDOW = 10
-LEAST_SEGMENT_NS = NS_PER_S
+_NUMBER = attrgetter("number")
 _WRITE_ERRORS = (OSError, struct.error, TestudoError)
-
+_RECORD_NS = NS_PER_S // 2
+"""How long further moments may be missing in the record of an incident that is open."""
 _NO_RESERVES = (errno.EOPNOTSUPP, errno.EINVAL)
 """What disks answer that give none."""
 RESERVE_BYTES = 64_000
 """Room for the end of an incident beside the definitions of its messages."""
 
+ChannelOf = Callable[[str, int], StoredChannel | None]
+"""Channel of a topic's message of some number; ``None`` where the topic is not known."""
 Ended = Callable[[Path, IncidentRecord], None]
 """Takes the folder of an incident that ended, with its record.
 
@@ -69,15 +66,31 @@ Failed = Callable[[str, TestudoError], None]
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class _OpenFolder:
-    """An incident that is being written, or that was until it could not be: ``shared`` is ``None`` then.
+    """An incident that is being written, or that was until it could not be: ``writer`` is ``None`` then.
 
-    Messages that come later are ``lost``.
+    ``numbers`` are those of the messages in it, which rise; later ones than could be written are ``lost``.
+    ``record`` was written last at ``written_ns``, on the clock; ``is_noted`` says whether it still is that.
     """
 
-    bag: BagFolder
-    shared: SharedMessages | None
+    path: Path
+    name: str
     record: IncidentRecord
+    written_ns: int
+    is_noted: bool = True
+    writer: McapWriter | None = None
+    numbers: array[int] = field(default_factory=lambda: array("q"))
+    given_up: list[Mapping[str, Sequence[GivenUp]]] = field(default_factory=list)
     lost: LostMessages = field(default_factory=LostMessages)
+
+    @property
+    def file(self) -> Path:
+        """Its recording."""
+        return self.path / f"{self.name}_0.mcap"
+
+    def holds(self, number: int) -> bool:
+        """Whether the message of that number is in it."""
+        at = bisect_left(self.numbers, number)
+        return at < len(self.numbers) and self.numbers[at] == number
 
 
 class IncidentFolders:
@@ -85,14 +98,13 @@ class IncidentFolders:
 
     A folder has its name when its incident is whole; until then it is hidden, and a bag all the same.
     ``channels`` are the topics by name; messages of others are left out. ``of_message`` is the channel of
-    each message, where that of a topic may change. Incidents of the same topics share files where their
-    windows overlap, if the disk has hard links. What memory gave up is taken from ``ring``.
-    ``ended`` is told of each folder.
+    each message, where that of a topic may change. What memory gave up is taken from ``ring``. ``ended`` is
+    called with each folder.
 
-    What cannot be written ends the incidents concerned: ``failed`` is told once of each, or, where there is
-    none, it raises ``TestudoError``. When their windows end, they appear with what was written, and say how
+    What cannot be written ends the incident concerned: ``failed`` is called once with each, or, where there
+    is none, it raises ``TestudoError``. When its window ends, it appears with what was written, and says how
     many messages were lost: each has a reserve of the disk for that. If it cannot be written all the same,
-    they stay hidden for ``complete_incidents``, without their reserve, so that it knows that they did end.
+    it stays hidden for ``complete_incidents``, without its reserve, which says that it did end.
     """
 
     def __init__(
@@ -107,7 +119,6 @@ class IncidentFolders:
     ) -> None:
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self._shares = _has_hard_links(folder)
         except OSError as error:
             raise not_written(folder, "the incidents", error) from error
         self._folder = folder
@@ -117,164 +128,169 @@ class IncidentFolders:
         self._failed = failed
         self._ended = ended
         self._open: dict[Incident, _OpenFolder] = {}
-        self._shared: dict[Hashable, SharedMessages] = {}
 
-    def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
-    ) -> None:
-        """Write what came already; ``latched`` as from the window's start."""
-        shared = self._shared_of(incident)
-        taken = {found.bag.name for found in self._open.values()}
-        name = unused_name(self._folder, incident.recording.name, incident.trigger.stamp_ns, taken)
-        bag = BagFolder(path=self._folder / f".{name}{PARTIAL_SUFFIX}", name=name)
-        found = _OpenFolder(bag=bag, shared=shared, record=first_record(incident, latched))
+    def begin(self, incident: Incident, past: Past) -> None:
+        """Write what came already; latched messages as from the window's start."""
+        stored = self._stored(past)
+        was_latched = {one.number for one in chain.from_iterable(map(past.latched_of, past.given_up))}
+        latched = sorted((*past.latched, *(one for one in stored if one.number in was_latched)), key=_NUMBER)
+        taken = {found.name for found in self._open.values()}
+        stamp_ns = incident.trigger.stamp_ns
+        name = unused_name(self._folder, incident.recording.name, stamp_ns, taken)
+        found = _OpenFolder(
+            path=self._folder / f".{name}{PARTIAL_SUFFIX}",
+            name=name,
+            record=first_record(incident, latched),
+            written_ns=stamp_ns,
+            given_up=[past.given_up],
+        )
         self._open[incident] = found
         try:
-            bag.path.mkdir()
-            make_reserve(bag.path, self._channels)
+            found.path.mkdir()
+            make_reserve(found.path, self._channels)
             # What a killed run leaves says what it was.
-            write_record(bag.path, as_if_killed(found.record))
-            self._begin(incident, bag, shared, latched, messages)
+            write_record(found.path, as_if_killed(found.record))
+            found.writer = McapWriter(found.file)
+            # A window may begin before the simulated time does, and no stamp can.
+            from_ns = max(0, incident.from_ns)
+            for message in latched:
+                self._append(found, message, from_ns)
+            rest = [one for one in stored if one.number not in was_latched]
+            for one in heapq.merge(rest, past.messages, key=_NUMBER):
+                self._append(found, one, one.stamp_ns)
         except _WRITE_ERRORS as error:
-            self._give_up(shared, name, error)
-            for message in chain(latched, messages):
-                if not bag.holds(message.number):
-                    self._lose(found, message)
+            self._give_up(found, error)
+            self._lose(found, chain(past.latched, past.messages))
+
+    def extend(self, incident: Incident, trigger: Trigger, to_ns: int, past: Past) -> None:
+        """Note a further moment, and write what came since the window was over."""
+        found = self._open[incident]
+        found.record = found.record.extended(trigger.stamp_ns, trigger.values, to_ns)
+        found.is_noted = False
+        found.given_up.append(past.given_up)
+        if found.writer is not None:
+            try:
+                self._note(found, trigger.stamp_ns)
+                for message in heapq.merge(self._stored(past), past.messages, key=_NUMBER):
+                    self._append(found, message, message.stamp_ns)
+            except _WRITE_ERRORS as error:
+                self._give_up(found, error)
+        if found.writer is None:
+            self._lose(found, past.messages)
 
     def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         """Write one more, for ``incidents``."""
-        done: set[int] = set()
         for incident in incidents:
             found = self._open[incident]
-            if found.shared is None:
-                self._lose(found, message)
-            elif id(found.shared) not in done:
-                done.add(id(found.shared))
+            if found.writer is not None:
                 try:
-                    found.shared.write(message)
+                    self._append(found, message, message.stamp_ns)
+                    self._note(found, message.stamp_ns)
                 except _WRITE_ERRORS as error:
-                    self._give_up(found.shared, found.bag.name, error)
-                    self._lose(found, message)
+                    self._give_up(found, error)
+            if found.writer is None:
+                self._lose(found, [message])
 
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
         """Have the folder appear with its record."""
         found = self._open.pop(incident)
-        bag, shared = found.bag, found.shared
-        missing = (*self._still_missing(incident, bag, missing), *found.lost.missing())
+        missing = (*_still_missing(found, missing), *found.lost.missing())
         record = replace(found.record, missing=missing)
-        if shared is not None:
+        if found.writer is not None:
             try:
-                shared.end(bag)
-                self._finish(bag, record, bag.contents())
+                self._finish(found, record, {found.file.name: found.writer.close()})
             except _WRITE_ERRORS as error:
-                self._give_up(shared, bag.name, error)
+                self._give_up(found, error)
             else:
-                # Later folders that share its last file would keep all that is known of its first.
-                bag.files.clear()
                 return
         try:
-            self._finish_lost(bag, record)
+            self._finish_lost(found, record)
         except _WRITE_ERRORS:
             # Why it cannot be written was said.
-            self._ended(bag.path, record)
+            self._ended(found.path, record)
 
     def abort(self) -> None:
         """Leave nothing of incidents that have not ended."""
         for found in self._open.values():
-            if found.shared is not None:
-                found.shared.abandon()
-        for found in self._open.values():
+            if found.writer is not None:
+                found.writer.abandon()
             with suppress(OSError, TestudoError):
-                remove_incident(found.bag.path)
+                remove_incident(found.path)
         self._open.clear()
 
-    def _begin(
-        self,
-        incident: Incident,
-        bag: BagFolder,
-        shared: SharedMessages,
-        latched: Sequence[SourceMessage],
-        messages: Iterable[IncidentMessage],
-    ) -> None:
-        if self._ring is not None:
-            stored = self._ring.messages(incident.given_up)
-            messages = heapq.merge(stored, messages, key=attrgetter("number"))
-        shared.begin(bag, incident.from_number, messages)
-        shared.add_latched(bag, [one for one in latched if not bag.holds(one.number)], incident.from_ns)
+    def _stored(self, past: Past) -> Sequence[IncidentMessage]:
+        """Messages that memory gave up and the disk has."""
+        return () if self._ring is None else self._ring.messages(past.given_up)
 
-    def _shared_of(self, incident: Incident) -> SharedMessages:
-        recording = incident.recording
-        length_ns = max(LEAST_SEGMENT_NS, (recording.before_ns + recording.after_ns) // SEGMENTS_OF_A_WINDOW)
-        key: Hashable = recording.topics if self._shares else incident
-        shared = self._shared.get(key)
-        if shared is None:
-            shared = SharedMessages(self._channels, length_ns, self._of_message)
-            if self._shares:
-                self._shared[key] = shared
-        shared.forget_before(incident.trigger.stamp_ns, recording.before_ns)
-        return shared
+    def _append(self, found: _OpenFolder, message: IncidentMessage, stamp_ns: int) -> None:
+        assert found.writer is not None
+        channel = self._of_message(message.topic, message.number)
+        if channel is not None and message.topic in self._channels:
+            found.writer.write(channel, stamp_ns, message.payload)
+            found.numbers.append(message.number)
 
-    def _still_missing(
-        self, incident: Incident, bag: BagFolder, missing: Sequence[Missing]
-    ) -> tuple[Missing, ...]:
-        """``missing``, without what the memory lacked and the disk had."""
-        if not any(one.reason is MissingReason.MEMORY for one in missing):
-            return tuple(missing)
-        return (
-            *(one for one in missing if one.reason is not MissingReason.MEMORY),
-            *missing_for_memory(incident.given_up, bag.holds),
-        )
+    def _note(self, found: _OpenFolder, now_ns: int) -> None:
+        """Have the record say of further moments what a killed run leaves; not of each at once."""
+        if not found.is_noted and not 0 <= now_ns - found.written_ns < _RECORD_NS:
+            write_record(found.path, as_if_killed(found.record))
+            found.is_noted, found.written_ns = True, now_ns
 
-    def _lose(self, found: _OpenFolder, message: IncidentMessage) -> None:
-        if message.topic in self._channels:
-            found.lost.add(message.topic, message.stamp_ns)
+    def _lose(self, found: _OpenFolder, messages: Iterable[IncidentMessage]) -> None:
+        """Count those of ``messages`` that are not in the incident."""
+        for message in messages:
+            if message.topic in self._channels and not found.holds(message.number):
+                found.lost.add(message.topic, message.stamp_ns)
 
-    def _finish_lost(self, bag: BagFolder, record: IncidentRecord) -> None:
+    def _finish_lost(self, found: _OpenFolder, record: IncidentRecord) -> None:
         """Have what was written appear, if nothing was as an incident without messages."""
         try:
-            bag.path.mkdir(exist_ok=True)
-            free_reserve(bag.path)
+            found.path.mkdir(exist_ok=True)
+            free_reserve(found.path)
             # Whatever cannot be written from here on, the next run knows what is missing.
-            write_record(bag.path, finished_record(record, {}, self._channels))
-            files = complete_files(bag.path)
-            if not files:
-                Segment(bag).close()
-                files = bag.contents()
-            self._finish(bag, record, files)
+            write_record(found.path, finished_record(record, {}, self._channels))
+            # A bag without files is none.
+            files = complete_files(found.path) or {found.file.name: McapWriter(found.file).close()}
+            self._finish(found, record, files)
         except _WRITE_ERRORS:
-            if not (bag.path / RECORD_NAME).exists():
-                remove_begun(bag.path)
+            if not (found.path / RECORD_NAME).exists():
+                remove_begun(found.path)
             raise
 
-    def _finish(self, bag: BagFolder, record: IncidentRecord, files: Mapping[str, FileContent]) -> None:
+    def _finish(self, found: _OpenFolder, record: IncidentRecord, files: Mapping[str, FileContent]) -> None:
         record = finished_record(record, files, self._channels)
-        finish_folder(bag.path, record, files, self._channels)
+        finish_folder(found.path, record, files, self._channels)
         # Not before: of a run that is killed until here the next one is to say so.
-        free_reserve(bag.path)
-        bag.path = bag.path.rename(self._folder / bag.name)
-        self._ended(bag.path, record)
+        free_reserve(found.path)
+        self._ended(found.path.rename(self._folder / found.name), record)
 
-    def _give_up(self, shared: SharedMessages, name: str, error: Exception) -> None:
-        """End the incidents that share what cannot be written."""
+    def _give_up(self, found: _OpenFolder, error: Exception) -> None:
+        """End an incident that cannot be written."""
         problem = (
-            not_written(self._folder / name, "an incident", error)
+            not_written(self._folder / found.name, "an incident", error)
             if isinstance(error, OSError)
             else testudo_error(error)
         )
         if self._failed is None:
             raise problem from error
-        concerned = [found for found in self._open.values() if found.shared is shared]
-        shared.abandon()
-        for key, one in list(self._shared.items()):
-            if one is shared:
-                del self._shared[key]
-        for found in concerned:
-            found.shared = None
-        for one_name in dict.fromkeys((name, *(found.bag.name for found in concerned))):
-            self._failed(one_name, problem)
+        if found.writer is not None:
+            found.writer.abandon()
+            found.writer = None
+        self._failed(found.name, problem)
 
 
-def first_record(incident: Incident, latched: Sequence[SourceMessage]) -> IncidentRecord:
+def channel_of(channels: Mapping[str, StoredChannel]) -> ChannelOf:
+    """For topics that never change."""
+    return lambda topic, _: channels.get(topic)
+
+
+def _still_missing(found: _OpenFolder, missing: Sequence[Missing]) -> Iterator[Missing]:
+    """``missing``, without what the memory lacked and the disk had."""
+    yield from (one for one in missing if one.reason is not MissingReason.MEMORY)
+    for given_up in found.given_up:
+        yield from missing_for_memory(given_up, found.holds)
+
+
+def first_record(incident: Incident, latched: Sequence[IncidentMessage]) -> IncidentRecord:
     """Record of an incident as it begins."""
     trigger, recording = incident.trigger, incident.recording
     return IncidentRecord(
@@ -325,14 +341,6 @@ def make_reserve(folder: Path, channels: Mapping[str, StoredChannel]) -> None:
 def free_reserve(folder: Path) -> None:
     """Give that room back."""
     remove(folder, [RESERVE_NAME])
-
-
-def _has_hard_links(folder: Path) -> bool:
-    """Whether files in ``folder`` can have several names. Raises ``OSError`` where none can be made."""
-    with temporary_folder(folder, suffix=PARTIAL_SUFFIX) as workshop:
-        file = workshop / "file"
-        file.touch()
-        return link_file(file, workshop / "link") is None
 
 
 def unused_name(folder: Path, name: str, stamp_ns: int, taken: Collection[str] = ()) -> str:

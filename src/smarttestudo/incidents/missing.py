@@ -7,6 +7,7 @@ from __future__ import annotations
 from array import array
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.domain.units import NS_PER_S, counted, grouped
@@ -18,6 +19,15 @@ _MOST_NAMED = 3
 def unheard(topic: str, from_ns: int, to_ns: int, reason: MissingReason = MissingReason.LATE) -> Missing:
     """That nobody heard ``topic`` between two stamps."""
     return Missing(topic=topic, reason=reason, messages=None, from_ns=from_ns, to_ns=to_ns)
+
+
+def add_unheard(missing: list[Missing], one: Missing) -> None:
+    """Add that nobody heard a topic, together with the time right before it."""
+    for place, known in enumerate(missing):
+        if (known.topic, known.reason, known.to_ns) == (one.topic, one.reason, one.from_ns):
+            missing[place] = replace(known, to_ns=one.to_ns)
+            return
+    missing.append(one)
 
 
 def missing_for_memory(

@@ -17,6 +17,8 @@ from smarttestudo.domain.incident import OUTAGE_NAME, OUTAGE_RULE, IncidentRecor
 from smarttestudo.domain.link import MissedMessage
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written
 from smarttestudo.incidents.folders import (
+    ChannelOf,
+    channel_of,
     finish_folder,
     finished_record,
     free_reserve,
@@ -25,7 +27,6 @@ from smarttestudo.incidents.folders import (
     write_record,
 )
 from smarttestudo.incidents.lost_messages import LostMessages
-from smarttestudo.incidents.segments import ChannelOf, channel_of
 from smarttestudo.incidents.store import remove_begun
 
 

@@ -6,14 +6,15 @@ from __future__ import annotations
 
 import mmap
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from itertools import chain
+from dataclasses import dataclass, field, replace
+from itertools import chain, takewhile
 from typing import Protocol
 
 from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.domain.timing import SteadyTime
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.latched import Gone, LatchedSamples, holds_static_frames, nobody
-from smarttestudo.incidents.missing import add_loss, missing_for_memory, unheard, without
+from smarttestudo.incidents.missing import add_loss, add_unheard, missing_for_memory, unheard, without
 from smarttestudo.incidents.topic_ring import (
     BlockPool,
     GivenUp,
@@ -23,9 +24,13 @@ from smarttestudo.incidents.topic_ring import (
     TopicRing,
 )
 from smarttestudo.language.rule_set import RecordRequest, RuleSet
-from smarttestudo.loop.step import Trigger
+from smarttestudo.loop.step import Trigger, written
 
 MAX_OPEN_INCIDENTS = 100
+MAX_WINDOWS = 10
+"""To how many windows an incident is extended at most."""
+FLICKER_NS = NS_PER_S // 2
+"""How long after a beginning the next one extends its incident, though the window was shorter."""
 _UNCOUNTED = 1 / 20
 """What part of the memory is for what is not counted: ends of blocks, copies while an incident is written."""
 _MOST_TO_WRITE_BYTES = 1_000_000
@@ -41,10 +46,9 @@ Store = Callable[[SourceMessage, int, int], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Incident:
-    """Incident that one ``Record`` keeps for one trigger, between two stamps of the clock, both included.
+    """Incident that one ``Record`` keeps, as it begins: between two stamps of the clock, both included.
 
-    ``rules_sha256`` is that of the texts of the rules. ``from_number`` is that of the first message that came
-    in the window; ``given_up`` are those, by topic, that memory did not hold any more.
+    ``rules_sha256`` is that of the texts of the rules.
     """
 
     trigger: Trigger
@@ -52,19 +56,36 @@ class Incident:
     from_ns: int
     to_ns: int
     rules_sha256: str
-    from_number: int
-    given_up: Mapping[str, Sequence[GivenUp]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Past:
+    """Messages that came before a beginning and belong to its incident, in the order of their numbers.
+
+    ``latched`` came before the window, which began at the steady time ``from_ns``, and counted then.
+    ``given_up`` are those, by topic, that memory did not hold any more; latched ones come first.
+    """
+
+    from_ns: int = 0
+    latched: Sequence[SourceMessage] = ()
+    messages: Iterable[IncidentMessage] = ()
+    given_up: Mapping[str, Sequence[GivenUp]] = field(default_factory=dict)
+
+    def latched_of(self, topic: str) -> Iterator[GivenUp]:
+        """Messages of a topic among those given up that came before the window."""
+        return takewhile(lambda one: one.at_ns < self.from_ns, self.given_up[topic])
 
 
 class IncidentSink(Protocol):
-    """Where incidents go; what is told of one comes in the order of its messages."""
+    """Where incidents go; all calls for one incident come in the order of its messages."""
 
-    def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
-    ) -> None:
-        """A window opened, ``messages`` of which came already; ``latched`` came before it and counted then.
+    def begin(self, incident: Incident, past: Past) -> None:
+        """A window opened."""
 
-        Both are in the order of their numbers.
+    def extend(self, incident: Incident, trigger: Trigger, to_ns: int, past: Past) -> None:
+        """The block of ``incident`` began to hold once more, so that its window is open until ``to_ns``.
+
+        ``past`` are the messages since the window was over, if it was.
         """
 
     def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
@@ -74,18 +95,34 @@ class IncidentSink(Protocol):
         """The window is over."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _OpenIncident:
-    """``topics``, latched ones too, are kept until ``end_ns``, a steady time.
+@dataclass(slots=True, kw_only=True, eq=False)
+class _Window:
+    """Window of an incident until the steady time ``end_ns``, which beginnings extend as far as ``limit_ns``.
 
-    ``missing`` was known at the trigger, ``lost`` has since been lost, by topic.
+    ``recording`` is that of the rules in force, ``None`` where they have it no more. Its block began to hold
+    last at ``begun_ns``, on the clock at ``begun_stamp_ns``. ``topics``, latched ones too, are kept.
+    ``missing`` was known at a beginning, ``lost`` has since been lost, by topic.
     """
 
     incident: Incident
+    recording: RecordRequest | None
     topics: frozenset[str]
+    begun_ns: int
+    begun_stamp_ns: int
     end_ns: int
-    missing: Sequence[Missing]
+    to_ns: int
+    limit_ns: int
+    missing: list[Missing] = field(default_factory=list)
     lost: dict[str, list[Missing]] = field(default_factory=dict)
+
+    @property
+    def over_ns(self) -> int:
+        """The last time at which a beginning extends it: messages since its end are still in the rings."""
+        return max(self.end_ns, self.begun_ns + min(self.incident.recording.before_ns, FLICKER_NS))
+
+    def is_extended_by(self, recording: RecordRequest, now_ns: int) -> bool:
+        """Whether a beginning now is a further moment of its incident."""
+        return self.recording is recording and now_ns + recording.after_ns <= self.limit_ns
 
     def all_missing(self) -> tuple[Missing, ...]:
         return (*self.missing, *chain.from_iterable(self.lost.values()))
@@ -98,6 +135,9 @@ class IncidentRecorder:
     takes the most gives up its oldest message, so that small topics stay whole; what a window lacks of it
     is counted, for which 24 bytes of each message are kept. What is given up goes to ``store``, if there is
     one. Latched messages that count are never given up. A message of the window is in the incident once.
+
+    A block that begins to hold while the window of its incident is open, or within half a second of the
+    last beginning, extends that, to at most ``MAX_WINDOWS`` windows. A later one begins another incident.
 
     A clock that jumps back counts as one that stood still, so that a window keeps its length; a jump ahead is
     to be left out of ``time``. ``refused`` counts incidents not begun, as ``MAX_OPEN_INCIDENTS`` were open.
@@ -127,7 +167,7 @@ class IncidentRecorder:
         self._named: frozenset[str] = frozenset()
         self._ring_bytes = 0
         self._latched_bytes: dict[str, int] = {}
-        self._open: Sequence[_OpenIncident] = ()
+        self._open: Sequence[_Window] = ()
         self.open_topics: frozenset[str] = frozenset()
         """The topics that windows keep which are open, whatever the rules ask for by now."""
         self.refused = 0
@@ -163,11 +203,14 @@ class IncidentRecorder:
         """When, on the clock, the next window is over."""
         if not self._open:
             return None
-        return self.time.on_clock(min(one.end_ns for one in self._open) + 1)
+        return self.time.on_clock(min(one.over_ns for one in self._open) + 1)
 
     def change_rules(self, rule_set: RuleSet, rules_sha256: str = "") -> None:
         """Keep what these rules ask for; windows that are open stay so."""
         self._rules_sha256 = rules_sha256
+        for window in self._open:
+            if window.recording is not None:
+                window.recording = _recording_now(window.incident, rule_set)
         horizons: dict[str, int] = {}
         for block in rule_set.blocks:
             for recording in block.recordings:
@@ -229,7 +272,11 @@ class IncidentRecorder:
             self._make_room(now_ns)
         if self._open:
             is_latched = samples is not None
-            keeping = [one.incident for one in self._open if is_latched or topic in one.topics]
+            keeping = [
+                one.incident
+                for one in self._open
+                if now_ns <= one.end_ns and (is_latched or topic in one.topics)
+            ]
             if keeping:
                 self._sink.write(message, keeping)
 
@@ -243,14 +290,18 @@ class IncidentRecorder:
         if ring is not None:
             ring.lose(lost, self.time.now_ns)
         for one in self._open:
-            if topic in one.topics:
+            if topic in one.topics and self.time.now_ns <= one.end_ns:
                 add_loss(one.lost.setdefault(topic, []), lost)
 
     def begin(self, trigger: Trigger) -> None:
-        """Open the windows of a block that begins to hold; what it read was taken before."""
+        """Open or extend the windows of a block that begins to hold; what it read was taken before."""
         self.advance(trigger.stamp_ns)
+        now_ns = self.time.now_ns
         for recording in trigger.block.recordings:
-            if len(self._open) >= MAX_OPEN_INCIDENTS:
+            known = next((one for one in self._open if one.is_extended_by(recording, now_ns)), None)
+            if known is not None:
+                self._extend(known, trigger, recording)
+            elif len(self._open) >= MAX_OPEN_INCIDENTS:
                 self.refused += 1
             else:
                 self._begin(trigger, recording)
@@ -258,9 +309,9 @@ class IncidentRecorder:
     def advance(self, now_ns: int) -> None:
         """Time passed: close the windows that are over."""
         steady_ns = self.time.advance(now_ns)
-        if self._open and any(one.end_ns < steady_ns for one in self._open):
-            over = [one for one in self._open if one.end_ns < steady_ns]
-            self._note_open([one for one in self._open if one.end_ns >= steady_ns])
+        if self._open and any(one.over_ns < steady_ns for one in self._open):
+            over = [one for one in self._open if one.over_ns < steady_ns]
+            self._note_open([one for one in self._open if one.over_ns >= steady_ns])
             for one in over:
                 self._sink.end(one.incident, one.all_missing())
 
@@ -274,7 +325,7 @@ class IncidentRecorder:
                     reason=MissingReason.ENDED,
                     messages=None,
                     from_ns=now_ns,
-                    to_ns=one.incident.to_ns,
+                    to_ns=one.to_ns,
                 )
                 for topic in sorted(set(one.incident.recording.topics))
             )
@@ -283,7 +334,7 @@ class IncidentRecorder:
             )
         self._note_open(())
 
-    def _note_open(self, windows: Sequence[_OpenIncident]) -> None:
+    def _note_open(self, windows: Sequence[_Window]) -> None:
         self._open = windows
         self.open_topics = frozenset().union(*(one.topics for one in windows))
 
@@ -304,10 +355,55 @@ class IncidentRecorder:
     def _begin(self, trigger: Trigger, recording: RecordRequest) -> None:
         now_ns = self.time.now_ns
         from_ns = now_ns - recording.before_ns
-        rings = [(topic, self._rings[topic]) for topic in recording.topics if topic in self._rings]
-        held = {topic: ring.held_since(from_ns) for topic, ring in rings}
-        gone = {topic: ring.given_up_since(from_ns) for topic, ring in rings}
+        incident = Incident(
+            trigger=trigger,
+            recording=recording,
+            from_ns=trigger.stamp_ns - recording.before_ns,
+            to_ns=trigger.stamp_ns + recording.after_ns,
+            rules_sha256=self._rules_sha256,
+        )
+        window = _Window(
+            incident=incident,
+            recording=recording,
+            topics=frozenset((*recording.topics, *self._latched)),
+            begun_ns=now_ns,
+            begun_stamp_ns=trigger.stamp_ns,
+            end_ns=now_ns + recording.after_ns,
+            to_ns=incident.to_ns,
+            limit_ns=from_ns + MAX_WINDOWS * (recording.before_ns + recording.after_ns),
+        )
+        window.missing += self._unheard(recording, from_ns, incident.from_ns, trigger.stamp_ns)
+        for topic, samples in self._latched.items():
+            complete_ns = samples.complete_since_ns
+            if topic not in self._rings and complete_ns is not None and complete_ns > from_ns:
+                window.missing.append(unheard(topic, incident.from_ns, self.time.on_clock(complete_ns)))
+        past = self._past(window, from_ns, counting=True)
         latched = sorted(one for samples in self._latched.values() for one in samples.counting_at(from_ns))
+        self._sink.begin(incident, replace(past, latched=latched))
+        self._note_open((*self._open, window))
+
+    def _extend(self, window: _Window, trigger: Trigger, recording: RecordRequest) -> None:
+        now_ns = self.time.now_ns
+        for one in self._unheard(recording, window.begun_ns, window.begun_stamp_ns, trigger.stamp_ns):
+            add_unheard(window.missing, one)
+        past = Past()
+        if window.end_ns < now_ns:
+            past = self._past(window, window.end_ns + 1, counting=False)
+        window.begun_ns, window.begun_stamp_ns = now_ns, trigger.stamp_ns
+        window.end_ns = now_ns + recording.after_ns
+        # A clock that was set back makes no window shorter.
+        window.to_ns = max(window.to_ns, trigger.stamp_ns + recording.after_ns)
+        self._sink.extend(window.incident, trigger, window.to_ns, past)
+
+    def _past(self, window: _Window, from_ns: int, *, counting: bool) -> Past:
+        """Messages from ``from_ns`` on until a beginning of ``window``, which notes what it lacks of those.
+
+        That may be latched messages, too, which were ``counting`` at ``from_ns``.
+        """
+        rings = {
+            topic: self._rings[topic] for topic in window.incident.recording.topics if topic in self._rings
+        }
+        held = {topic: ring.held_since(from_ns) for topic, ring in rings.items()}
         # Latched ones of the window that no ring holds.
         inside = sorted(
             one
@@ -315,66 +411,46 @@ class IncidentRecorder:
             for one in samples.since(from_ns)
             if topic not in held or not held[topic].holds(one.number)
         )
-        given_up = self._given_up(gone, inside, from_ns)
-        firsts = [
-            *(one.first_number for one in held.values()),
-            *(next((one.number for one in each if one.at_ns >= from_ns), None) for each in given_up.values()),
-            *(one.number for one in inside[:1]),
-        ]
-        incident = Incident(
-            trigger=trigger,
-            recording=recording,
-            from_ns=trigger.stamp_ns - recording.before_ns,
-            to_ns=trigger.stamp_ns + recording.after_ns,
-            rules_sha256=self._rules_sha256,
-            from_number=min((one for one in firsts if one is not None), default=self._number + 1),
-            given_up=given_up,
-        )
-        missing = [
-            *self._unheard(incident, rings, from_ns),
-            *missing_for_memory(given_up),
-        ]
-        lost: dict[str, list[Missing]] = {}
-        for topic, ring in rings:
-            for one in ring.lost_since(from_ns):
-                add_loss(lost.setdefault(topic, []), one)
-        self._sink.begin(incident, latched, InOrder((*held.values(), inside)))
-        window = _OpenIncident(
-            incident=incident,
-            topics=frozenset((*recording.topics, *self._latched)),
-            end_ns=now_ns + recording.after_ns,
-            missing=missing,
-            lost=lost,
-        )
-        self._note_open((*self._open, window))
+        gone = {topic: ring.given_up_since(from_ns) for topic, ring in rings.items()}
+        given_up = self._given_up(gone, inside, from_ns, counting=counting)
+        window.missing += missing_for_memory(given_up)
+        for topic, ring in rings.items():
+            for lost in ring.lost_since(from_ns):
+                add_loss(window.lost.setdefault(topic, []), lost)
+        return Past(from_ns=from_ns, messages=InOrder((*held.values(), inside)), given_up=given_up)
 
     def _unheard(
-        self, incident: Incident, rings: Sequence[tuple[str, TopicRing]], from_ns: int
+        self, recording: RecordRequest, from_ns: int, from_stamp_ns: int, to_stamp_ns: int
     ) -> Iterator[Missing]:
-        """Parts of the window before its trigger in which nobody heard a topic, by topic."""
-        window_ns = incident.from_ns, incident.trigger.stamp_ns
-        for topic, ring in rings:
+        """Parts of the time before a beginning, from a steady time on, in which nobody heard a topic."""
+        for topic in recording.topics:
+            ring = self._rings.get(topic)
+            if ring is None:
+                continue
             if ring.since is not None:
                 if ring.since[0] > from_ns:
-                    yield unheard(topic, window_ns[0], ring.since[1])
+                    yield unheard(topic, from_stamp_ns, ring.since[1])
             elif self.time.now_ns == self._start_ns:
-                yield unheard(topic, *window_ns)
+                yield unheard(topic, from_stamp_ns, to_stamp_ns)
             else:
-                yield unheard(topic, *window_ns, MissingReason.UNPUBLISHED)
-        for topic, samples in self._latched.items():
-            complete_ns = samples.complete_since_ns
-            if topic not in self._rings and complete_ns is not None and complete_ns > from_ns:
-                yield unheard(topic, window_ns[0], self.time.on_clock(complete_ns))
+                yield unheard(topic, from_stamp_ns, to_stamp_ns, MissingReason.UNPUBLISHED)
 
     def _given_up(
-        self, gone: Mapping[str, Sequence[GivenUp]], inside: Sequence[SourceMessage], from_ns: int
+        self,
+        gone: Mapping[str, Sequence[GivenUp]],
+        inside: Sequence[SourceMessage],
+        from_ns: int,
+        *,
+        counting: bool,
     ) -> dict[str, Sequence[GivenUp]]:
         """Messages of a window that memory gave up, by topic: ``gone`` from the rings less ``inside``."""
         found = {topic: without(each, topic, inside) for topic, each in gone.items()}
         for topic, samples in self._latched.items():
             # A ring knows what came in the window.
             lacking = [
-                one for one in samples.given_up_of(from_ns) if one.at_ns < from_ns or topic not in gone
+                one
+                for one in samples.given_up_of(from_ns)
+                if (counting if one.at_ns < from_ns else topic not in gone)
             ]
             if lacking:
                 found[topic] = (*lacking, *found.get(topic, ()))
@@ -405,6 +481,13 @@ class IncidentRecorder:
         # What is in a ring goes to the store from there.
         if self._store is not None and topic not in self._rings:
             self._store(message, replaced_ns + self._longest_ns, now_ns)
+
+
+def _recording_now(incident: Incident, rule_set: RuleSet) -> RecordRequest | None:
+    """The recording of an incident in other rules, if its rule is written there as it was."""
+    former, form = replace(incident.recording, line=0), written(incident.trigger.block)
+    recordings = (one for block in rule_set.blocks if written(block) == form for one in block.recordings)
+    return next((one for one in recordings if replace(one, line=0) == former), None)
 
 
 def _block_bytes(memory_bytes: int) -> int:

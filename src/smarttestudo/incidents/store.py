@@ -64,6 +64,7 @@ class StoredIncident:
             size_bytes=self.size_bytes,
             is_read=self.is_read,
             missing=tuple(dict.fromkeys(one.reason.value for one in self.record.missing)),
+            moments=self.record.moments,
         )
 
 

@@ -214,11 +214,11 @@ def triggers(knowledge: Knowledge, now_ns: int) -> Iterator[Trigger]:
 
 def still_recording(knowledge: Knowledge, rule_set: RuleSet) -> set[int]:
     """The blocks of ``rule_set``, by order, that are written as those that hold: they do not begin again."""
-    holding = {_written(knowledge.rule_set.blocks[order]) for order in knowledge.recording}
-    return {block.order for block in rule_set.blocks if block.recordings and _written(block) in holding}
+    holding = {written(knowledge.rule_set.blocks[order]) for order in knowledge.recording}
+    return {block.order for block in rule_set.blocks if block.recordings and written(block) in holding}
 
 
-def _written(block: RuleBlock) -> object:
+def written(block: RuleBlock) -> object:
     """All that stays when other statements move the block, and comments change."""
     records = None if block.name is not None else tuple(one.name for one in block.recordings)
     return block.name, records, block.form

@@ -339,7 +339,11 @@ def _check_question(question: TransferQuestion) -> None:
 
 def _check_list(incidents: Sequence[RemoteIncident]) -> None:
     for one in incidents:
-        if not is_incident_name(one.name) or any(len(text) > _MAX_TEXT for text in _texts(one)):
+        if (
+            not is_incident_name(one.name)
+            or one.moments < 1
+            or any(len(text) > _MAX_TEXT for text in _texts(one))
+        ):
             raise ValueError("no incident")
 
 

@@ -17,7 +17,7 @@ from typing import Any, Generic, NamedTuple, TypeVar, Union, get_args, get_origi
 
 from smarttestudo.domain.errors import LinkError
 
-WIRE_VERSION = 5
+WIRE_VERSION = 6
 """Frames began with version 3: statuses of version 1 began with 1 or 2."""
 HEAD_BYTES = 2
 """The version and the kind."""

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -18,8 +18,9 @@ from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.profile import Profile
 from smarttestudo.files.whole_file import OutputFileError, not_written
 from smarttestudo.incidents.folders import IncidentFolders
-from smarttestudo.incidents.recorder import Incident, IncidentSink
-from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
+from smarttestudo.incidents.recorder import Incident, IncidentSink, Past
+from smarttestudo.incidents.topic_ring import SourceMessage
+from smarttestudo.loop.step import Trigger
 from smarttestudo.replays.incidents import IncidentRequest
 from smarttestudo.replays.replay import ReplayRequest, replay
 from smarttestudo.ruler.answers.replay_watch import WritesNothing
@@ -153,13 +154,15 @@ class _OnlyOne:
         self._left = number
         self._chosen: Incident | None = None
 
-    def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
-    ) -> None:
+    def begin(self, incident: Incident, past: Past) -> None:
         if self._left == 0:
             self._chosen = incident
-            self._sink.begin(incident, latched, messages)
+            self._sink.begin(incident, past)
         self._left -= 1
+
+    def extend(self, incident: Incident, trigger: Trigger, to_ns: int, past: Past) -> None:
+        if incident is self._chosen:
+            self._sink.extend(incident, trigger, to_ns, past)
 
     def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
         if self._chosen in incidents:

@@ -5,15 +5,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.domain.incident import IncidentRecord, Missing
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.folders import first_record, record_holding
-from smarttestudo.incidents.recorder import Incident
+from smarttestudo.incidents.recorder import Incident, Past
 from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
+from smarttestudo.loop.step import Trigger
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,14 +53,20 @@ class IncidentTally:
         self._channels = channels
         return self
 
-    def begin(
-        self, incident: Incident, latched: Sequence[SourceMessage], messages: Iterable[IncidentMessage]
-    ) -> None:
+    def begin(self, incident: Incident, past: Past) -> None:
         """As ``IncidentSink``."""
         self.count += 1
         if len(self._tallies) < self._most:
-            tally = self._tallies[incident] = _Tally(record=first_record(incident, latched))
-            for message in (*latched, *messages):
+            tally = self._tallies[incident] = _Tally(record=first_record(incident, past.latched))
+            for message in (*past.latched, *past.messages):
+                tally.add(message)
+
+    def extend(self, incident: Incident, trigger: Trigger, to_ns: int, past: Past) -> None:
+        """As ``IncidentSink``."""
+        if incident in self._tallies:
+            tally = self._tallies[incident]
+            tally.record = tally.record.extended(trigger.stamp_ns, trigger.values, to_ns)
+            for message in past.messages:
                 tally.add(message)
 
     def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
