@@ -4,10 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import pytest
 
@@ -26,10 +24,9 @@ from smarttestudo.incidents.options import (
     INCIDENTS_MAX,
 )
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.step import Trigger
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.part import PartContext, RunView
+from smarttestudo.robot.part import PartContext
 from smarttestudo.robot.source import LiveSource
 
 OPTIONS = (INCIDENTS, INCIDENT_MEMORY, INCIDENT_RING, INCIDENT_RING_MAX, INCIDENTS_MAX)
@@ -80,10 +77,7 @@ class Run:
             self.part.on_wake(self.robot.now_ns())
 
     def trigger(self) -> None:
-        begin: list[Callable[[Trigger], None]] = []
-        view = SimpleNamespace(loop=SimpleNamespace(call_on_trigger=begin.append))
-        self.part.begin(cast("RunView", view))
-        begin[0](trigger(self.rule_set, self.robot.now_ns()))
+        self.part.on_trigger(trigger(self.rule_set, self.robot.now_ns()))
 
     def record(self) -> dict[str, Any]:
         """The record of the only incident, which is over."""

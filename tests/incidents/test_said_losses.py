@@ -4,10 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 from typing import cast
 
 import pytest
@@ -25,11 +23,10 @@ from smarttestudo.domain.units import grouped
 from smarttestudo.incidents.live_incidents import LiveIncidents
 from smarttestudo.incidents.missing import MOST_LOSSES, missing_text
 from smarttestudo.incidents.options import INCIDENT_MEMORY
-from smarttestudo.loop.step import Trigger
 from smarttestudo.robot.diagnostics import recording_text
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.part import PartContext, RunView
+from smarttestudo.robot.part import PartContext
 from smarttestudo.robot.source import LiveSource
 
 FLOOD_HZ = 20_000
@@ -58,11 +55,8 @@ def flooded(robot: Robot, folder: Path, memory_mb: float) -> tuple[LiveIncidents
     settings = Settings([INCIDENT_MEMORY], {INCIDENT_MEMORY.key: memory_mb})
     incidents = LiveIncidents(PartContext(robot=robot, settings=settings, resolve=str), folder)
     incidents.follow(LiveRules(rule_set=RULES), robot.now_ns())
-    begin: list[Callable[[Trigger], None]] = []
-    run = SimpleNamespace(loop=SimpleNamespace(call_on_trigger=begin.append))
-    incidents.begin(cast("RunView", run))
     incidents.on_source("/odom", ODOMETRY, robot.now_ns())
-    begin[0](trigger(RULES, robot.now_ns()))
+    incidents.on_trigger(trigger(RULES, robot.now_ns()))
     subscription = LosingSubscription()
     sent = 0
     for number in range(FLOOD_HZ // 2):

@@ -99,11 +99,12 @@ def cut(came: Sequence[Came], near: Sequence[Recorded], far: Sequence[Recorded],
     request = IncidentRequest(into=folder, rules_sha256="ab")
     with incident_cutter(request, rules, sources, START_NS) as cutter:
         assert cutter is not None
-        cutter.watch(loop)
+        cutter.begin(loop.triggers)
         for one in came:
             cutter.on_message(sources[one.topic], one.stamp_ns, one.payload)
             decoded = SimpleNamespace(x=one.x)
             loop.handle(MessageInput(one.stamp_ns, one.topic, one.payload, len(one.payload), decoded))
+            cutter.begin(loop.triggers)
         cutter.finish(came[-1].stamp_ns)
 
 

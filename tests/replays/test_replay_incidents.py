@@ -15,11 +15,9 @@ from bags.bag_reading import read_bag, read_with_mcap, read_with_rosbags
 from smarttestudo.cli.main import main
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.names import resolve_topic
-from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import compile_rules
-from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.loop.step import Trigger
 from smarttestudo.replays.incidents import IncidentRequest, incident_cutter
 
@@ -174,10 +172,7 @@ def fail_within_a_window(folder: Path) -> None:
     request = IncidentRequest(into=folder, rules_sha256="")
     with incident_cutter(request, rule_set, sources, START_NS) as cutter:
         assert cutter is not None
-        loop = RelayLoop(rule_set, Profile(), START_NS)
-        cutter.watch(loop)
-        assert loop.on_trigger is not None
-        loop.on_trigger(Trigger(stamp_ns=START_NS, block=rule_set.blocks[0], values={}))
+        cutter.begin([Trigger(stamp_ns=START_NS, block=rule_set.blocks[0], values={})])
         cutter.on_message(sources["/odom"], START_NS + 1, b"odometry")
         raise RecordingError("the recording ends here")
 

@@ -26,7 +26,7 @@ from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.live_run import LiveRun
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.part import Part, RunView
+from smarttestudo.robot.part import Part
 from smarttestudo.robot.source import LiveSource
 
 YEARS_NS = 50 * 365 * 86_400 * NS_PER_S
@@ -167,10 +167,7 @@ class Recording(Part):
     def follow(self, rules: LiveRules, now_ns: int) -> None:
         self.recorder = IncidentRecorder(rules.rule_set, self.sink, AMPLE_BYTES, now_ns)
 
-    def begin(self, run: RunView) -> None:
-        run.loop.call_on_trigger(self._triggered)
-
-    def _triggered(self, trigger: Trigger) -> None:
+    def on_trigger(self, trigger: Trigger) -> None:
         known = [len(one.stamps_ns) for one in self.sink.kept]
         self.recorder.begin(trigger)
         if len(self.sink.kept) > len(known):

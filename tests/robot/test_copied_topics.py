@@ -32,7 +32,7 @@ from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.live_run import LiveRun
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.part import Part, RunView
+from smarttestudo.robot.part import Part
 from smarttestudo.robot.source import LiveSource
 
 TOPICS = ("/imu", "/odom", "/scan")
@@ -222,9 +222,6 @@ class Recording(Part):
         self.topics = frozenset(TOPICS[:2])
         self.told: list[tuple[str, str, bytes, int]] = []
 
-    def begin(self, run: RunView) -> None:
-        run.loop.call_on_trigger(self._triggered)
-
     def follow(self, rules: LiveRules, now_ns: int) -> None:
         self.topics = frozenset(topic for topic in TOPICS if self.chance.random() < 0.7)
         self.told.append(("follow", "", b"", now_ns))
@@ -250,7 +247,7 @@ class Recording(Part):
     def on_wake(self, now_ns: int) -> None:
         self.told.append(("wake", "", b"", now_ns))
 
-    def _triggered(self, trigger: Trigger) -> None:
+    def on_trigger(self, trigger: Trigger) -> None:
         raise AssertionError("no rule here records")
 
 

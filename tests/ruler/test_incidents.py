@@ -83,6 +83,7 @@ def test_all_are_listed_the_newest_first(page: Page, folder: Path) -> None:
         "size_bytes": size_bytes,
         "missing": [],
         "is_read": False,
+        "moments": 1,
     }
     assert near_miss["size_bytes"] == size_bytes
     assert found[3]["incident"]["missing"] == ["ended"]

@@ -33,10 +33,11 @@ from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
 from smarttestudo.incidents.recovery import complete_incidents
 from smarttestudo.incidents.ring_files import RingFiles
 from smarttestudo.incidents.space import make_room
+from smarttestudo.loop.step import Trigger
 from smarttestudo.robot.gone_publishers import GonePublishers
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
-from smarttestudo.robot.part import Part, PartContext, RunView
+from smarttestudo.robot.part import Part, PartContext
 from smarttestudo.robot.source import LiveSource
 
 WAITING_SHARE = 0.25
@@ -131,10 +132,10 @@ class LiveIncidents(Part):
             self._recorded_topics |= {self._static_topic}
         self.topics = self._recorded_topics | self._recorder.open_topics
 
-    def begin(self, run: RunView) -> None:
-        """Begin an incident when a block of the loop does."""
+    def on_trigger(self, trigger: Trigger) -> None:
+        """Begin an incident, or extend that of the block."""
         if self._recorder is not None:
-            run.loop.call_on_trigger(self._recorder.begin)
+            self._recorder.begin(trigger)
 
     def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:
         """Have the topic's type, and know from when on it is heard."""

@@ -59,19 +59,11 @@ class RelayLoop:
         self._watched = self.knowledge.watched.keys()
         self._sources: dict[str, SourceChanged] = {}
         self._decisions: list[Decision] = []
-        self._first_triggers: list[Trigger] = []
-        self.on_trigger: Callable[[Trigger], None] | None = self._first_triggers.append
+        self.triggers: list[Trigger] = []
+        """Blocks that began to record with the last input, or at the start."""
         self._now_ns = start_ns
         self._step_ns: int | None = None
         self._step((), start_ns)
-        self.on_trigger = None
-
-    def call_on_trigger(self, on_trigger: Callable[[Trigger], None]) -> None:
-        """Have each block that begins to record called for, at once, and those that do from the start."""
-        self.on_trigger = on_trigger
-        first, self._first_triggers = self._first_triggers, []
-        for trigger in first:
-            on_trigger(trigger)
 
     @property
     def next_wake_ns(self) -> int | None:
@@ -86,6 +78,8 @@ class RelayLoop:
 
         A message is itself paced by the plan that it may change.
         """
+        if self.triggers:
+            self.triggers = []
         if not isinstance(given, MessageInput):
             others = self._handle_other(given)
             return self._with_freed(others) if self._freed else others
@@ -113,6 +107,7 @@ class RelayLoop:
 
     def count(self, topic: str, size_bytes: int, stamp_ns: int) -> Sequence[Relayed]:
         """Count a message that is paced elsewhere for the budget, in the order of all inputs; what passes."""
+        self.triggers = []
         now_ns = max(stamp_ns, self._now_ns)
         if not meter(self.knowledge, topic, size_bytes, now_ns):
             return ()
@@ -238,9 +233,7 @@ class RelayLoop:
     ) -> None:
         result = step(self.knowledge, observations, now_ns)
         self._step_ns = result.next_wake_ns
-        if self.on_trigger is not None:
-            for trigger in result.triggers:
-                self.on_trigger(trigger)
+        self.triggers += result.triggers
         if result.decisions:
             self._decisions += map(relabel, result.decisions) if relabel else result.decisions
             self._freed += self.relays.apply(result.decisions, now_ns)

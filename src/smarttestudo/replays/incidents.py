@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +20,7 @@ from smarttestudo.incidents.folders import IncidentFolders
 from smarttestudo.incidents.latched import holds_static_frames
 from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder, IncidentSink
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.loop.step import Trigger
 
 OpenSink: TypeAlias = Callable[[Mapping[str, StoredChannel]], IncidentSink]
 """Makes what takes incidents of these topics, by name."""
@@ -67,9 +67,10 @@ class IncidentCutter:
         if self._folders is not None:
             self._folders.abort()
 
-    def watch(self, loop: RelayLoop) -> None:
-        """Begin an incident when a block of the loop does."""
-        loop.call_on_trigger(self._recorder.begin)
+    def begin(self, triggers: Iterable[Trigger]) -> None:
+        """Begin an incident for each block that begins to record, or extend that of the block."""
+        for trigger in triggers:
+            self._recorder.begin(trigger)
 
     def keeps(self, topic: str) -> bool:
         """Whether messages of ``topic`` may go into an incident."""

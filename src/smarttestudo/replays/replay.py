@@ -29,7 +29,7 @@ from smarttestudo.domain.recording import (
 from smarttestudo.domain.status import ThinningDoubt
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_S, counted
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.inputs import GraphInput, MessageInput, WakeInput
+from smarttestudo.loop.inputs import GraphInput, LoopInput, MessageInput, WakeInput
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.loop.statistics import RelayStatistics
@@ -211,7 +211,7 @@ class _Run:
         self._left_out: Counter[tuple[str, str]] = Counter()
         self._cutter = cutter
         if cutter is not None:
-            cutter.watch(loop)
+            cutter.begin(loop.triggers)
 
     def begin(self) -> None:
         """Say which sources there are."""
@@ -226,7 +226,7 @@ class _Run:
             for topic, channel in self._topics.sources.items()
         )
         start_ns = self._request.recording.start_ns
-        self._write(self._loop.handle(GraphInput(stamp_ns=start_ns, sources=sources)))
+        self._write(self._handled(GraphInput(stamp_ns=start_ns, sources=sources)))
         self._needed = self._sources_needed()
         self.decoded = frozenset(topic for topic in self._needed if self._loop.needs_decoded(topic))
 
@@ -250,11 +250,18 @@ class _Run:
             self._wake_before(stamp_ns)
         declared_bytes = self._declared_bytes
         size_bytes = declared_bytes[topic] if topic in declared_bytes else len(payload)
-        relayed = loop.handle(MessageInput(stamp_ns, topic, payload, size_bytes, message))
+        relayed = self._handled(MessageInput(stamp_ns, topic, payload, size_bytes, message))
         if relayed:
             self._write(relayed)
         if request.stepped is not None:
             request.stepped(stamp_ns, loop)
+
+    def _handled(self, given: LoopInput) -> Sequence[Relayed]:
+        """Relayed messages of an input, whose incidents have begun."""
+        relayed = self._loop.handle(given)
+        if self._cutter is not None and self._loop.triggers:
+            self._cutter.begin(self._loop.triggers)
+        return relayed
 
     def _cut(self, cutter: IncidentCutter, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """Let incidents have the message, if it means what they say of the topic."""
@@ -349,7 +356,7 @@ class _Run:
     def _wake_before(self, stamp_ns: int) -> None:
         """Let the loop do, each at its time, what it has to do before ``stamp_ns``."""
         while (wake_ns := self._loop.next_wake_ns) is not None and wake_ns < stamp_ns:
-            self._write(self._loop.handle(WakeInput(stamp_ns=wake_ns)))
+            self._write(self._handled(WakeInput(stamp_ns=wake_ns)))
             if self._request.stepped is not None:
                 self._request.stepped(wake_ns, self._loop)
 

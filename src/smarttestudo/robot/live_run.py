@@ -71,6 +71,7 @@ class LiveRun:
         self._follow_parts(now_ns)
         for part in parts:
             part.begin(self)
+        self._relay(())
         is_lazy = not inputs.is_recording and not any(part.needs_every_message for part in parts)
         self.topics: dict[str, Topic] = {}
         self._graph = LiveTopics(robot, self.topics, self._receive, self._priority_of, is_lazy=is_lazy)
@@ -304,6 +305,9 @@ class LiveRun:
             topic.meters = None
 
     def _relay(self, relayed: Sequence[Relayed]) -> None:
+        for trigger in self.loop.triggers:
+            for part in self._parts:
+                part.on_trigger(trigger)
         if relayed:
             for before_relays in self._before_relays:
                 before_relays()

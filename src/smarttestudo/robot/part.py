@@ -16,6 +16,7 @@ from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.loop.inputs import ChangeInput, WakeInput
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.loop.step import Trigger
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import AnyOption, Settings
 from smarttestudo.robot.source import LiveSource
@@ -86,6 +87,9 @@ class Part:
         If its topic is relayed without Python, this is told up to a fifth of a second later, but before
         anything else that happened after it.
         """
+
+    def on_trigger(self, trigger: Trigger) -> None:
+        """A block with recordings began to hold, because of the message or the time that came last."""
 
     def before_relays(self) -> None:
         """Messages are about to be published."""
