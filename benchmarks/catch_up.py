@@ -16,9 +16,9 @@ from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 
-from incidents.fetched_path import path_errors
-from incidents.simulated_fetch import GAP, LIVE, NEEDS, SPARE_LINK, Contents, FetchingEnds, spare_link
 from link.protocol.simulated_link import Ends, S, quantile
+from link.transfer.fetched_path import path_errors
+from link.transfer.simulated_fetch import GAP, LIVE, NEEDS, SPARE_LINK, Contents, FetchingEnds, spare_link
 
 GAP_S = 60.0
 FROM_S = 10.0

@@ -22,8 +22,11 @@ from link.zenoh.fetched_incidents import (
     write_incident,
 )
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.incidents.transfer_messages import MAX_ASK_BYTES, AskBytes
-from smarttestudo.link.protocol.messages import QUESTIONS
+from smarttestudo.link.transfer.messages import (
+    MAX_ASK_BYTES,
+    QUESTIONS,
+    AskBytes,
+)
 from smarttestudo.link.zenoh.incidents import LinkIncidents
 
 pytestmark = pytest.mark.full

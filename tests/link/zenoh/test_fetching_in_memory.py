@@ -17,16 +17,18 @@ from link.zenoh.fetched_incidents import NAME, contents, fetching_from, listenin
 from link.zenoh.memory_zenoh import VirtualTime, network, virtual_time
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.incident import FetchProgress
-from smarttestudo.incidents.transfer_messages import (
+from smarttestudo.link.protocol.wire import WIRE_VERSION
+from smarttestudo.link.transfer.messages import (
+    PIECES,
+    PLANS,
+    QUESTIONS,
     AskBytes,
     AskPlan,
     PlannedFile,
     TransferPiece,
     TransferPlan,
 )
-from smarttestudo.incidents.transfer_order import ByteRange, RangePart
-from smarttestudo.link.protocol.messages import PIECES, PLANS, QUESTIONS
-from smarttestudo.link.protocol.wire import WIRE_VERSION
+from smarttestudo.link.transfer.order import ByteRange, RangePart
 from smarttestudo.link.zenoh import open_robot_end
 from smarttestudo.link.zenoh.compression import packed
 from smarttestudo.link.zenoh.security import LinkOptions

@@ -11,12 +11,13 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.incidents.fetching import ANSWERED_WITHIN_NS
 from smarttestudo.link.protocol.window import Window
 
 MAX_CLIENTS = 16
 MAX_REQUESTS = 64
 """How many requests of one client may wait."""
+ANSWERED_WITHIN_NS = 10 * NS_PER_S
+"""After so long a request counts as lost; the robot's end answers none that is older than half of it."""
 KEPT_NS = ANSWERED_WITHIN_NS // 2
 """How long a request waits; then its client sends it again."""
 

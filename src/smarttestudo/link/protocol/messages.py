@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from smarttestudo.domain.errors import LinkError, TestudoError
-from smarttestudo.domain.incident import RemoteIncident
 from smarttestudo.domain.link import (
     MAX_COMMAND_BYTES,
     MAX_COMMAND_TOPICS,
@@ -21,20 +20,6 @@ from smarttestudo.domain.link import (
 from smarttestudo.domain.names import TypeName, has_topic_form
 from smarttestudo.domain.parameter import GetParameters, GetTopics, SetParameters, Values
 from smarttestudo.domain.texts import visible
-from smarttestudo.incidents.transfer_messages import (
-    MAX_ASK_BYTES,
-    MAX_FILES,
-    TOKEN_BYTES,
-    AskBytes,
-    AskList,
-    AskPlan,
-    TransferPiece,
-    TransferPlan,
-    TransferQuestion,
-    is_incident_file_name,
-    is_incident_name,
-)
-from smarttestudo.incidents.transfer_order import RangePart
 from smarttestudo.link.protocol.chunks import (
     MAX_ENDED,
     MAX_LOST_SPANS,
@@ -42,7 +27,7 @@ from smarttestudo.link.protocol.chunks import (
     NOTHING_RECEIVED,
     Acknowledgement,
 )
-from smarttestudo.link.protocol.wire import FrameType, Kind, Reader, frame, malformed, zigzag
+from smarttestudo.link.protocol.wire import FrameType, Kind, Reader, frame, zigzag
 
 MAX_SENDERS = 4
 """Operators that send at the same time."""
@@ -315,108 +300,3 @@ class ReportReader:
         report = REPORTS.from_bytes(data)
         self._frame = _Frame(report.receiver, report.received, report.ended)
         return report
-
-
-MAX_LISTED = 1_000
-MAX_LIST_BYTES = 800_000
-MAX_FILE_BYTES = 2**62
-MAX_PIECE_BYTES = 200_000
-"""The size of a piece with the places of its parts."""
-_MAX_LEVELS = 64
-_SHA256_BYTES = 32
-
-
-def _check_question(question: TransferQuestion) -> None:
-    if isinstance(question, AskList):
-        return
-    if not is_incident_name(question.name):
-        raise ValueError("no name of an incident")
-    if isinstance(question, AskBytes):
-        numbers = (question.got_bytes, question.cursor, question.asker)
-        if not 0 <= question.size_bytes <= MAX_ASK_BYTES or min(numbers) < 0:
-            raise ValueError("no range of bytes")
-
-
-def _check_list(incidents: Sequence[RemoteIncident]) -> None:
-    for one in incidents:
-        if (
-            not is_incident_name(one.name)
-            or one.moments < 1
-            or any(len(text) > _MAX_TEXT for text in _texts(one))
-        ):
-            raise ValueError("no incident")
-
-
-def _check_plan(plan: TransferPlan) -> None:
-    """Refuse names that lead out of a folder, or are there twice wherever capitals do not count."""
-    names = {one.name.lower() for one in plan.files}
-    if len(plan.token) != TOKEN_BYTES or len(plan.files) > MAX_FILES or len(names) != len(plan.files):
-        raise ValueError("files that are none or too many")
-    for one in plan.files:
-        if not is_incident_file_name(one.name) or not 0 <= one.size_bytes <= MAX_FILE_BYTES:
-            raise ValueError("no file")
-        if len(bytes.fromhex(one.sha256)) != _SHA256_BYTES:
-            raise ValueError("no digest of a file")
-    if len(plan.levels) > _MAX_LEVELS:
-        raise ValueError("too many levels")
-
-
-def _check_piece(piece: TransferPiece) -> None:
-    for part in piece.parts:
-        _check_part(part)
-    own_bytes = sum(part.size_bytes for part in piece.parts if part.whole.copy_of is None)
-    if len(piece.body) != own_bytes or not piece.covered_bytes > 0:
-        raise ValueError("other bytes than it says")
-    if piece.advised_bytes <= 0 or piece.waiting < 0:
-        raise ValueError("no advice")
-
-
-def _check_part(part: RangePart) -> None:
-    whole = part.whole
-    numbers = (*whole[:3], *(whole.copy_of or ()), part.skipped_bytes, part.size_bytes)
-    if min(numbers) < 0 or max(numbers) > MAX_FILE_BYTES or not part.size_bytes:
-        raise ValueError("a range that is none")
-    if part.skipped_bytes + part.size_bytes > whole.size_bytes:
-        raise ValueError("a part that is not in its range")
-
-
-QUESTIONS: FrameType[TransferQuestion] = FrameType(
-    Kind.INCIDENT_QUESTION, AskList | AskPlan | AskBytes, _check_question, most_bytes=1_000
-)
-LISTS: FrameType[tuple[RemoteIncident, ...]] = FrameType(
-    Kind.INCIDENT_LIST, tuple[RemoteIncident, ...], _check_list
-)
-PLANS: FrameType[TransferPlan] = FrameType(Kind.INCIDENT_PLAN, TransferPlan, _check_plan)
-PIECES: FrameType[TransferPiece] = FrameType(
-    Kind.INCIDENT_PIECE, TransferPiece, _check_piece, most_bytes=MAX_PIECE_BYTES
-)
-
-
-def list_to_bytes(incidents: Sequence[RemoteIncident]) -> bytes:
-    """The newest of the incidents, as many as may travel at once."""
-    newest: list[RemoteIncident] = []
-    size_bytes = 0
-    for one in reversed(incidents[-MAX_LISTED:]):
-        short = replace(one, label=one.label[:_MAX_TEXT], rule=one.rule[:_MAX_TEXT])
-        size_bytes += len(LISTS.to_bytes((short,)))
-        if size_bytes > MAX_LIST_BYTES:
-            break
-        newest.append(short)
-    return LISTS.to_bytes(tuple(reversed(newest)))
-
-
-def list_from_bytes(data: bytes, robot: str) -> list[RemoteIncident]:
-    """The incidents of ``list_to_bytes``. Raises ``LinkError``."""
-    return [replace(one, robot=robot) for one in LISTS.from_bytes(data)]
-
-
-def piece_from_bytes(data: bytes, most_bytes: int) -> TransferPiece:
-    """A piece of at most ``most_bytes`` of an order. Raises ``LinkError`` for anything else."""
-    piece = PIECES.from_bytes(data)
-    if piece.covered_bytes > most_bytes:
-        raise malformed("a piece that is larger than what was asked for")
-    return piece
-
-
-def _texts(one: RemoteIncident) -> Iterable[str]:
-    return (one.label, one.rule, *one.missing)

@@ -21,7 +21,7 @@ from smarttestudo.domain.incident import (
 )
 from smarttestudo.domain.texts import SayOnce
 from smarttestudo.files.whole_file import not_written
-from smarttestudo.incidents.partial_incident import incident_there, remove_begun_fetches
+from smarttestudo.link.transfer.partial_incident import incident_there, remove_begun_fetches
 from smarttestudo.link.worker import Worker
 
 POLL_PERIOD_S = 2.0

@@ -20,10 +20,16 @@ from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.incident import FetchProgress, OnProgress, RemoteIncident, SilentRobotError
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.incidents.catalog import IncidentCatalog
-from smarttestudo.incidents.fetching import ANSWERED_WITHIN_NS, Fetching, RangeAsk
-from smarttestudo.incidents.partial_incident import PartialIncident, incident_there
-from smarttestudo.incidents.transfer_messages import (
+from smarttestudo.link.protocol.background import ANSWERED_WITHIN_NS
+from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
+from smarttestudo.link.protocol.messages import MAX_QUESTION_BYTES
+from smarttestudo.link.transfer.catalog import IncidentCatalog
+from smarttestudo.link.transfer.fetching import Fetching, RangeAsk
+from smarttestudo.link.transfer.messages import (
+    MAX_PIECE_BYTES,
+    PIECES,
+    PLANS,
+    QUESTIONS,
     AskBytes,
     AskList,
     AskPlan,
@@ -31,19 +37,12 @@ from smarttestudo.incidents.transfer_messages import (
     TransferPlan,
     TransferQuestion,
     is_incident_name,
-    no_incident,
-)
-from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
-from smarttestudo.link.protocol.messages import (
-    MAX_PIECE_BYTES,
-    MAX_QUESTION_BYTES,
-    PIECES,
-    PLANS,
-    QUESTIONS,
     list_from_bytes,
     list_to_bytes,
+    no_incident,
     piece_from_bytes,
 )
+from smarttestudo.link.transfer.partial_incident import PartialIncident, incident_there
 from smarttestudo.link.zenoh.compression import Compressor, unpacked
 from smarttestudo.link.zenoh.queries import Query, QueryClient, QueryServer, Reply
 

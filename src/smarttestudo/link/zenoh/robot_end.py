@@ -25,12 +25,12 @@ from smarttestudo.domain.link import (
 )
 from smarttestudo.domain.robot import Payload
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
-from smarttestudo.incidents.catalog import IncidentCatalog
 from smarttestudo.link.protocol.background import Grant
 from smarttestudo.link.protocol.chunks import MAX_MESSAGE_BYTES
 from smarttestudo.link.protocol.keys import new_boot
 from smarttestudo.link.protocol.messages import ReportReader
 from smarttestudo.link.protocol.sender import LinkSender
+from smarttestudo.link.transfer.catalog import IncidentCatalog
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.commands import CommandInbox
 from smarttestudo.link.zenoh.compression import Compressor

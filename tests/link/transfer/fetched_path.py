@@ -9,11 +9,11 @@ from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from incidents.simulated_fetch import Contents
 from link.protocol.simulated_link import S
+from link.transfer.simulated_fetch import Contents
 from smarttestudo.accuracy.reconstruction import field_error
 from smarttestudo.accuracy.samples import Series
-from smarttestudo.incidents.transfer_order import MessageRange
+from smarttestudo.link.transfer.order import MessageRange
 
 
 def path(stamp_ns: int) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from itertools import accumulate
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.incidents.transfer_order import ByteRange, MessageRange, TransferOrder
+from smarttestudo.link.transfer.order import ByteRange, MessageRange, TransferOrder
 
 S = 1_000_000_000
 

@@ -12,9 +12,9 @@ import pytest
 
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.files.whole_file import OutputFileError
-from smarttestudo.incidents.partial_incident import STATE_NAME, PartialIncident
-from smarttestudo.incidents.transfer_messages import PlannedFile, TransferPiece, TransferPlan
-from smarttestudo.incidents.transfer_order import ByteRange, RangePart
+from smarttestudo.link.transfer.messages import PlannedFile, TransferPiece, TransferPlan
+from smarttestudo.link.transfer.order import ByteRange, RangePart
+from smarttestudo.link.transfer.partial_incident import STATE_NAME, PartialIncident
 
 NAME = "20260102T030405678Z-near_miss"
 DATA = bytes(range(200))

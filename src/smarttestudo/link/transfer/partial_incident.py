@@ -20,7 +20,7 @@ from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.units import BYTES_PER_MB, grouped
 from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, OutputFileError, not_written, whole_file
-from smarttestudo.incidents.transfer_messages import (
+from smarttestudo.link.transfer.messages import (
     TransferPiece,
     TransferPlan,
     is_incident_file_name,

@@ -8,11 +8,9 @@ import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.incidents.transfer_messages import MAX_ASK_BYTES, TransferPiece
+from smarttestudo.domain.units import NS_PER_MS
+from smarttestudo.link.transfer.messages import MAX_ASK_BYTES, TransferPiece
 
-ANSWERED_WITHIN_NS = 10 * NS_PER_S
-"""After so long an ask counts as lost; the robot's end answers none that is older than half of it."""
 _FIRST_ASK_BYTES = 1_200
 _FIRST_WIDTH = 2
 _MOST_WIDTH = 64

@@ -12,26 +12,24 @@ from hypothesis import strategies as st
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.incident import RemoteIncident
-from smarttestudo.incidents.transfer_messages import (
+from smarttestudo.link.protocol.wire import FrameType, Kind, frame
+from smarttestudo.link.transfer.messages import (
+    LISTS,
+    MAX_LIST_BYTES,
+    PIECES,
+    PLANS,
+    QUESTIONS,
     AskBytes,
     AskList,
     AskPlan,
     PlannedFile,
     TransferPiece,
     TransferPlan,
-)
-from smarttestudo.incidents.transfer_order import ByteRange, Level, RangePart
-from smarttestudo.link.protocol.messages import (
-    LISTS,
-    MAX_LIST_BYTES,
-    PIECES,
-    PLANS,
-    QUESTIONS,
     list_from_bytes,
     list_to_bytes,
     piece_from_bytes,
 )
-from smarttestudo.link.protocol.wire import FrameType, Kind, frame
+from smarttestudo.link.transfer.order import ByteRange, Level, RangePart
 
 TOKEN = bytes(range(16))
 SHA = "00" * 32

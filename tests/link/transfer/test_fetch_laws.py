@@ -13,8 +13,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from incidents.fetched_path import path_errors
-from incidents.simulated_fetch import (
+from link.protocol.simulated_link import Ends, Link, S, Source, quantile
+from link.transfer.fetched_path import path_errors
+from link.transfer.simulated_fetch import (
     GAP,
     LIVE,
     NEEDS,
@@ -25,9 +26,8 @@ from incidents.simulated_fetch import (
     Recorded,
     spare_link,
 )
-from link.protocol.simulated_link import Ends, Link, S, Source, quantile
-from smarttestudo.incidents.fetching import RangeAsk
 from smarttestudo.link.protocol.sender import LinkSender
+from smarttestudo.link.transfer.fetching import RangeAsk
 
 GAP_S = 60.0
 FROM_S = 10.0

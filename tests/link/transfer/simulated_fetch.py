@@ -12,16 +12,16 @@ from functools import partial
 
 from link.protocol.simulated_link import Ends, Link, S, Source
 from smarttestudo.domain.link import LinkNeeds
-from smarttestudo.incidents.fetching import ANSWERED_WITHIN_NS, Fetching, RangeAsk
-from smarttestudo.incidents.transfer_messages import TransferPiece
-from smarttestudo.incidents.transfer_order import (
+from smarttestudo.link.protocol.background import ANSWERED_WITHIN_NS
+from smarttestudo.link.protocol.sender import LinkSender
+from smarttestudo.link.transfer.fetching import Fetching, RangeAsk
+from smarttestudo.link.transfer.messages import PIECES, TransferPiece, piece_from_bytes
+from smarttestudo.link.transfer.order import (
     ByteRange,
     MessageRange,
     RangePart,
     TransferOrder,
 )
-from smarttestudo.link.protocol.messages import PIECES, piece_from_bytes
-from smarttestudo.link.protocol.sender import LinkSender
 
 FRAMING_BYTES = 100
 """What goes with a piece on the wire beside what it is."""
