@@ -20,7 +20,7 @@ import zstandard
 
 from bags.bag_factory import small_mission, write_bag
 from smarttestudo.files.whole_file import OutputFileError, not_written, whole_file
-from smarttestudo.incidents.folder_lock import FolderLock
+from smarttestudo.incidents.live_incidents import FolderLock
 from smarttestudo.loop.decision_log import decision_log
 from smarttestudo.loop.input_log import input_log
 from smarttestudo.loop.inputs import WakeInput

@@ -15,7 +15,7 @@ from incidents.test_store import NAME, RECORD
 from smarttestudo.cli.main import main
 from smarttestudo.domain.incident import incident_text
 from smarttestudo.files.removal import ForeignFilesError, remove, temporary_folder
-from smarttestudo.incidents.space import make_room
+from smarttestudo.incidents.store import make_room
 
 Trees = Callable[[Path], list[tuple[str, str]]]
 """Makes a folder of somebody; what may be named as DIR and NAME there."""

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 
 from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.names import resolve_topic
-from smarttestudo.incidents.recorder import Incident, IncidentRecorder, Past, Store
+from smarttestudo.incidents.recorder import IncidentRecorder
+from smarttestudo.incidents.sink import Incident, Past, Store
 from smarttestudo.incidents.topic_ring import GivenUp, IncidentMessage, SourceMessage
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RuleSet, compile_rules

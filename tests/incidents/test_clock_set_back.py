@@ -10,7 +10,7 @@ import pytest
 
 from incidents.folder_runs import LATCHED, MS, FolderRun, payloads, record_of
 from incidents.incident_runs import recording_rules
-from smarttestudo.incidents.recovery import complete_incidents
+from smarttestudo.incidents.folder import complete_incidents
 
 RULES = recording_rules('Record "near miss" /odom Before 30 s After 2 s')
 

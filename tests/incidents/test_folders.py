@@ -34,9 +34,9 @@ from incidents.incident_runs import AMPLE_BYTES, recording_rules, trigger, windo
 from smarttestudo.bags.incident_record import read_record
 from smarttestudo.files.whole_file import OutputFileError
 from smarttestudo.incidents.background import BackgroundSink
-from smarttestudo.incidents.folder_lock import FolderLock
+from smarttestudo.incidents.folder import complete_incidents
+from smarttestudo.incidents.live_incidents import FolderLock
 from smarttestudo.incidents.recorder import IncidentRecorder
-from smarttestudo.incidents.recovery import complete_incidents
 
 
 def random_run(seed: int, folder: Path, ring_bytes: int | None) -> FolderRun:

@@ -22,8 +22,8 @@ from smarttestudo.bags.mcap.record_bytes import file_start
 from smarttestudo.domain.incident import MissingReason
 from smarttestudo.domain.link import MessageOrigin, MissedMessage
 from smarttestudo.files.whole_file import OutputFileError
-from smarttestudo.incidents.outage_folder import OutageFolder
-from smarttestudo.incidents.recovery import complete_incidents
+from smarttestudo.incidents.folder import complete_incidents
+from smarttestudo.incidents.live_outages import OutageFolder
 
 WRITES = (
     "mkdir",

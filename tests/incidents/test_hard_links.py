@@ -18,15 +18,15 @@ from incidents.folder_runs import channel, disk_bytes
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.cli.main import main
 from smarttestudo.domain.incident import IncidentRecord, IncidentTopic
-from smarttestudo.incidents.folders import (
+from smarttestudo.incidents.folder import (
     as_if_killed,
+    complete_incidents,
     finish_folder,
     finished_record,
     make_reserve,
     write_record,
 )
-from smarttestudo.incidents.recovery import complete_incidents
-from smarttestudo.incidents.space import make_room
+from smarttestudo.incidents.store import make_room
 
 S = 1_000_000_000
 ODOM = channel("/odom")

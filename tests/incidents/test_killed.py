@@ -22,7 +22,7 @@ from smarttestudo.bags.mcap.record_bytes import StoredChannel, file_start
 from smarttestudo.bags.mcap.writer import McapWriter
 from smarttestudo.bags.mcap.written_file import complete_file, complete_files
 from smarttestudo.domain.errors import RecordingError
-from smarttestudo.incidents.recovery import complete_incidents
+from smarttestudo.incidents.folder import complete_incidents
 
 LOST_NS = 500_000_000
 CHANNEL = StoredChannel(topic="/odom", type_name="std_msgs/msg/String", definition="string data\n")

@@ -19,9 +19,8 @@ from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.domain.link import LinkState, MessageOrigin, MissedMessage
 from smarttestudo.domain.robot import Qos
 from smarttestudo.domain.status import RulesInForce
-from smarttestudo.incidents.live_outages import FOLDER_NS, MAX_FOLDERS, LiveOutages
-from smarttestudo.incidents.outage_folder import OutageFolder
-from smarttestudo.incidents.recovery import complete_incidents
+from smarttestudo.incidents.folder import complete_incidents
+from smarttestudo.incidents.live_outages import FOLDER_NS, MAX_FOLDERS, LiveOutages, OutageFolder
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings

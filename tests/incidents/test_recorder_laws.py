@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from incidents.incident_runs import AMPLE_BYTES, Kept, recorder_for, recording_rules, trigger, windows
 from smarttestudo.domain.incident import Missing, MissingReason
-from smarttestudo.incidents.recorder import Store
+from smarttestudo.incidents.sink import Store
 from smarttestudo.incidents.topic_ring import SourceMessage
 
 RULES = recording_rules(

@@ -16,7 +16,7 @@ from smarttestudo.domain.incident import MissingReason
 from smarttestudo.domain.robot import Qos
 from smarttestudo.incidents.live_incidents import LiveIncidents
 from smarttestudo.incidents.missing import unheard
-from smarttestudo.incidents.options import (
+from smarttestudo.incidents.part_kinds import (
     INCIDENT_MEMORY,
     INCIDENT_RING,
     INCIDENT_RING_MAX,

@@ -22,7 +22,7 @@ from smarttestudo.domain.robot import Qos, Subscription
 from smarttestudo.domain.units import grouped
 from smarttestudo.incidents.live_incidents import LiveIncidents
 from smarttestudo.incidents.missing import MOST_LOSSES, missing_text
-from smarttestudo.incidents.options import INCIDENT_MEMORY
+from smarttestudo.incidents.part_kinds import INCIDENT_MEMORY
 from smarttestudo.robot.diagnostics import recording_text
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings

@@ -11,7 +11,7 @@ from pathlib import Path
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.incidents.space import RemovedIncident, make_room
+from smarttestudo.incidents.store import RemovedIncident, make_room
 
 FILE_BYTES = 8192
 

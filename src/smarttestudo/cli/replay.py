@@ -36,7 +36,7 @@ from smarttestudo.domain.recording import RecordingReader, Storage, types_of_top
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import make_folder, require_separate
 from smarttestudo.files.whole_file import whole_file
-from smarttestudo.incidents.options import INCIDENT_MEMORY
+from smarttestudo.incidents.part_kinds import INCIDENT_MEMORY
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.decision_log import decision_log
 from smarttestudo.loop.input_log import holds_inputs

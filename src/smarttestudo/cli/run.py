@@ -27,8 +27,7 @@ from smarttestudo.domain.names import TOPIC_PLACEHOLDER
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import DataPathKind
 from smarttestudo.files.outputs import require_separate
-from smarttestudo.incidents.options import CATCH_UP, INCIDENT_RING, INCIDENTS
-from smarttestudo.incidents.part_kinds import INCIDENTS_PART, OUTAGES_PART
+from smarttestudo.incidents.part_kinds import CATCH_UP, INCIDENT_RING, INCIDENTS, INCIDENTS_PART, OUTAGES_PART
 from smarttestudo.link.parts import COMMANDS_PART, LINK_PART
 from smarttestudo.link.parts.options import LINK, LINK_LISTEN, LINK_OPTIONS, has_link, robot_name
 from smarttestudo.loop.decision_log import growing_decision_log

@@ -4,17 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from contextlib import AbstractContextManager
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
+from queue import SimpleQueue
 
 from smarttestudo.domain.errors import testudo_error
 from smarttestudo.domain.incident import Missing
 from smarttestudo.incidents.folders import Failed
-from smarttestudo.incidents.lost_messages import LostMessages
-from smarttestudo.incidents.recorder import Incident, IncidentSink, Past, Store
+from smarttestudo.incidents.missing import LostMessages
 from smarttestudo.incidents.ring_files import RingFiles
-from smarttestudo.incidents.task_thread import TaskThread
+from smarttestudo.incidents.sink import Incident, IncidentSink, Past, Store
 from smarttestudo.incidents.topic_ring import SourceMessage
 from smarttestudo.loop.step import Trigger
 
@@ -90,3 +91,42 @@ class BackgroundSink:
     def _store(self, ring: RingFiles, message: SourceMessage, until_ns: int, now_ns: int) -> None:
         self._done_bytes += message.held_bytes
         ring.store(message, until_ns, now_ns)
+
+
+class TaskThread:
+    """Does what it is given, in order, on a thread named ``name``.
+
+    ``failed`` is told what a task raises; the next is done all the same.
+    """
+
+    def __init__(self, name: str, failed: Callable[[Exception], None]) -> None:
+        self._name = name
+        self._failed = failed
+        self._tasks: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
+
+    def give(self, task: Callable[[], None]) -> None:
+        """Have it done after all that was given before."""
+        self._tasks.put(task)
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Work during the block, and on what is left after it."""
+        thread = threading.Thread(target=self._run, name=self._name, daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            self._tasks.put(None)
+            thread.join()
+
+    def _run(self) -> None:
+        while (task := self._tasks.get()) is not None:
+            self._do(task)
+            # What it holds is free while the thread waits for the next.
+            del task
+
+    def _do(self, task: Callable[[], None]) -> None:
+        try:
+            task()
+        except Exception as error:  # noqa: BLE001 - whatever a task fails of, the thread goes on
+            self._failed(error)

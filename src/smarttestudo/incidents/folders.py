@@ -4,14 +4,11 @@
 
 from __future__ import annotations
 
-import errno
 import heapq
-import os
 import struct
 from array import array
 from bisect import bisect_left
-from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -22,25 +19,30 @@ from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.bags.mcap.written_file import complete_files
-from smarttestudo.bags.metadata_text import METADATA_NAME, metadata_text
 from smarttestudo.domain.errors import TestudoError, testudo_error
 from smarttestudo.domain.incident import (
     IncidentRecord,
-    IncidentTopic,
-    LatchedSample,
     Missing,
     MissingReason,
-    incident_folder_name,
-    incident_text,
 )
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.files.removal import remove
-from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written, whole_file
-from smarttestudo.incidents.lost_messages import LostMessages
-from smarttestudo.incidents.missing import missing_for_memory
-from smarttestudo.incidents.recorder import Incident, Past
+from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written
+from smarttestudo.incidents.folder import (
+    ChannelOf,
+    as_if_killed,
+    channel_of,
+    finish_folder,
+    finished_record,
+    first_record,
+    free_reserve,
+    make_reserve,
+    unused_name,
+    write_record,
+)
+from smarttestudo.incidents.missing import LostMessages, missing_for_memory
 from smarttestudo.incidents.ring_files import RingFiles
-from smarttestudo.incidents.store import RESERVE_NAME, remove_begun, remove_incident
+from smarttestudo.incidents.sink import Incident, Past
+from smarttestudo.incidents.store import remove_begun, remove_incident
 from smarttestudo.incidents.topic_ring import GivenUp, IncidentMessage, SourceMessage
 from smarttestudo.loop.step import Trigger
 
@@ -48,13 +50,6 @@ _NUMBER = attrgetter("number")
 _WRITE_ERRORS = (OSError, struct.error, TestudoError)
 _RECORD_NS = NS_PER_S // 2
 """How long further moments may be missing in the record of an incident that is open."""
-_NO_RESERVES = (errno.EOPNOTSUPP, errno.EINVAL)
-"""What disks answer that give none."""
-RESERVE_BYTES = 64_000
-"""Room for the end of an incident beside the definitions of its messages."""
-
-ChannelOf = Callable[[str, int], StoredChannel | None]
-"""Channel of a topic's message of some number; ``None`` where the topic is not known."""
 Ended = Callable[[Path, IncidentRecord], None]
 """Takes the folder of an incident that ended, with its record.
 
@@ -278,136 +273,8 @@ class IncidentFolders:
         self._failed(found.name, problem)
 
 
-def channel_of(channels: Mapping[str, StoredChannel]) -> ChannelOf:
-    """For topics that never change."""
-    return lambda topic, _: channels.get(topic)
-
-
 def _still_missing(found: _OpenFolder, missing: Sequence[Missing]) -> Iterator[Missing]:
     """``missing``, without what the memory lacked and the disk had."""
     yield from (one for one in missing if one.reason is not MissingReason.MEMORY)
     for given_up in found.given_up:
         yield from missing_for_memory(given_up, found.holds)
-
-
-def first_record(incident: Incident, latched: Sequence[IncidentMessage]) -> IncidentRecord:
-    """Record of an incident as it begins."""
-    trigger, recording = incident.trigger, incident.recording
-    return IncidentRecord(
-        name=recording.name,
-        rule=trigger.block.label,
-        path=trigger.block.path,
-        line=recording.line,
-        triggered_ns=trigger.stamp_ns,
-        from_ns=incident.from_ns,
-        to_ns=incident.to_ns,
-        values=trigger.values,
-        rules_sha256=incident.rules_sha256,
-        topics={topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in recording.topics},
-        latched=tuple(LatchedSample(topic=one.topic, stamp_ns=one.stamp_ns) for one in latched),
-    )
-
-
-def as_if_killed(record: IncidentRecord) -> IncidentRecord:
-    """``record`` of an incident that begins, as it stays if the run is killed."""
-    killed = (
-        Missing(
-            topic=topic,
-            reason=MissingReason.KILLED,
-            messages=None,
-            from_ns=record.triggered_ns,
-            to_ns=record.to_ns,
-        )
-        for topic in record.topics
-    )
-    return replace(record, missing=tuple(killed))
-
-
-def make_reserve(folder: Path, channels: Mapping[str, StoredChannel]) -> None:
-    """Have room on the disk for the end of a recording in ``folder``. Raises ``OSError``."""
-    # Topics may join meanwhile, on another thread.
-    size_bytes = RESERVE_BYTES + sum(len(one.definition) for one in list(channels.values()))
-    file = os.open(folder / RESERVE_NAME, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o644)
-    try:
-        if hasattr(os, "posix_fallocate"):
-            os.posix_fallocate(file, 0, size_bytes)
-    except OSError as error:
-        if error.errno not in _NO_RESERVES:
-            raise
-    finally:
-        os.close(file)
-
-
-def free_reserve(folder: Path) -> None:
-    """Give that room back."""
-    remove(folder, [RESERVE_NAME])
-
-
-def unused_name(folder: Path, name: str, stamp_ns: int, taken: Collection[str] = ()) -> str:
-    """The name of a folder in ``folder`` for the incident ``name``, with a number where others have it.
-
-    ``taken`` are names of incidents whose folders could not be made.
-    """
-    plain = incident_folder_name(name, stamp_ns)
-    found, number = plain, 1
-    while found in taken or any(
-        os.path.lexists(folder / one) for one in (found, f".{found}{PARTIAL_SUFFIX}")
-    ):
-        number += 1
-        found = f"{plain}-{number}"
-    return found
-
-
-def finished_record(
-    record: IncidentRecord, files: Mapping[str, FileContent], channels: Mapping[str, StoredChannel]
-) -> IncidentRecord:
-    """``record`` with what its files hold of each topic."""
-    messages, size_bytes = Counter[str](), Counter[str]()
-    for content in files.values():
-        messages.update(content.messages)
-        size_bytes.update(content.size_bytes)
-    of_files = {one.topic: one for content in files.values() for one in content.channels}
-    return record_holding(record, messages, size_bytes, {**channels, **of_files})
-
-
-def record_holding(
-    record: IncidentRecord,
-    messages: Counter[str],
-    size_bytes: Counter[str],
-    channels: Mapping[str, StoredChannel],
-) -> IncidentRecord:
-    """``record`` with so many messages and bytes of each topic."""
-    return replace(
-        record,
-        topics={
-            topic: IncidentTopic(
-                type_name=channels[topic].type_name if topic in channels else "",
-                messages=messages[topic],
-                size_bytes=size_bytes[topic],
-            )
-            for topic in sorted({*record.topics, *messages})
-        },
-    )
-
-
-def finish_folder(
-    path: Path,
-    record: IncidentRecord,
-    files: Mapping[str, FileContent],
-    channels: Mapping[str, StoredChannel],
-) -> None:
-    """Write what names the files of a bag, and the record. Raises ``OutputFileError``."""
-    listed = {(one.topic, one.type_name): one for content in files.values() for one in content.channels}
-    heard = {one.topic for one in listed.values()}
-    listed |= {
-        (topic, ""): channels[topic] for topic in record.topics if topic in channels and topic not in heard
-    }
-    with whole_file(path / METADATA_NAME, "the metadata of an incident") as write:
-        write(metadata_text(files, [listed[key] for key in sorted(listed)]))
-    write_record(path, record)
-
-
-def write_record(path: Path, record: IncidentRecord) -> None:
-    """Write the record into the folder ``path``. Raises ``OutputFileError``."""
-    with whole_file(path / RECORD_NAME, "the record of an incident") as write:
-        write(incident_text(record))

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
 from collections import defaultdict
 from collections.abc import Hashable, Iterator
 from contextlib import contextmanager
@@ -11,18 +13,19 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from smarttestudo.bags.mcap.record_bytes import StoredChannel
+from smarttestudo.bags.metadata_text import offered_qos
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.incident import IncidentRecord, IncidentState
-from smarttestudo.domain.robot import Payload, Robot, Subscription
+from smarttestudo.domain.robot import Payload, Qos, Robot, Subscription
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import BYTES_PER_GB, BYTES_PER_MB, NS_PER_S, grouped
-from smarttestudo.files.whole_file import PARTIAL_SUFFIX
+from smarttestudo.files.whole_file import PARTIAL_SUFFIX, OutputFileError, not_written
 from smarttestudo.incidents.background import BackgroundSink
-from smarttestudo.incidents.folder_lock import FolderLock
+from smarttestudo.incidents.folder import complete_incidents
 from smarttestudo.incidents.folders import IncidentFolders
-from smarttestudo.incidents.heard_channels import HeardChannels
 from smarttestudo.incidents.missing import missing_text
-from smarttestudo.incidents.options import (
+from smarttestudo.incidents.part_kinds import (
     INCIDENT_MEMORY,
     INCIDENT_RING,
     INCIDENT_RING_MAX,
@@ -30,9 +33,8 @@ from smarttestudo.incidents.options import (
     INCIDENTS_MAX,
 )
 from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
-from smarttestudo.incidents.recovery import complete_incidents
 from smarttestudo.incidents.ring_files import RingFiles
-from smarttestudo.incidents.space import make_room
+from smarttestudo.incidents.store import make_room
 from smarttestudo.loop.step import Trigger
 from smarttestudo.robot.gone_publishers import GonePublishers
 from smarttestudo.robot.live_rules import LiveRules
@@ -271,3 +273,77 @@ def delete_for_room(robot: Robot, settings: Settings, newest: str | None = None)
             robot.log.warning(f"incident {one.name}: deleted to make room, {read}")
     except TestudoError as error:
         robot.log.warning(str(error))
+
+
+LOCK_NAME = ".lock"
+
+
+class FolderLock:
+    """``folder``, which is made where there is none, until ``release`` or the end of the process.
+
+    ``option`` is what names it.
+
+    Raises ``OutputFileError`` where it cannot be made, or another run has it: completing what a killed run
+    left would cut the files of one that lives.
+    """
+
+    def __init__(self, folder: Path, option: str) -> None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._file = os.open(folder / LOCK_NAME, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        except OSError as error:
+            raise not_written(folder, f"the folder of {option}", error) from error
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            os.close(self._file)
+            remedy = f"name another folder with {option}"
+            raise OutputFileError("another run records here", place=str(folder), remedy=remedy) from error
+        except OSError:
+            # A disk that knows no locks.
+            return
+
+    def release(self) -> None:
+        """Let another run have it."""
+        os.close(self._file)
+
+
+_MOST_CHANGES = 100
+
+
+class HeardChannels:
+    """The channels in ``by_topic``, with the type and QoS of the source that was heard last.
+
+    Types before that are kept for their messages.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._heard: dict[str, tuple[str, Qos]] = {}
+        # Another thread reads these: what is in them is replaced, not changed.
+        self._since: dict[str, tuple[tuple[int, StoredChannel], ...]] = {}
+        self.by_topic: dict[str, StoredChannel] = {}
+
+    def hear(self, topic: str, source: LiveSource, number: int) -> None:
+        """Messages of ``source`` are received from ``number`` on, if they were not before."""
+        heard = source.type_name, source.qos
+        if self._heard.get(topic) != heard:
+            self._heard[topic] = heard
+            channel = StoredChannel(
+                topic=topic,
+                type_name=source.type_name,
+                definition=self._robot.definition(source.type_name),
+                qos_text=offered_qos(source.qos),
+            )
+            before = self._since.get(topic, ())
+            if before and before[-1][1].type_name == channel.type_name:
+                # Not all readers bear two channels of one topic and type.
+                number, before = before[-1][0], before[:-1]
+            self._since[topic] = (*before[-_MOST_CHANGES:], (number, channel))
+            self.by_topic[topic] = channel
+
+    def of(self, topic: str, number: int) -> StoredChannel | None:
+        """The channel as it was when the message of that number came."""
+        since = self._since.get(topic, ())
+        found = (channel for first, channel in reversed(since) if first <= number)
+        return next(found, since[0][1] if since else None)

@@ -4,20 +4,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from smarttestudo.domain.errors import said
+from smarttestudo.bags.mcap.record_bytes import StoredChannel
+from smarttestudo.bags.mcap.writer import McapWriter
+from smarttestudo.bags.mcap.written_file import complete_files
+from smarttestudo.domain.errors import TestudoError, said
+from smarttestudo.domain.incident import OUTAGE_NAME, OUTAGE_RULE, IncidentRecord, IncidentTopic, Missing
 from smarttestudo.domain.link import MessageOrigin, MissedMessage, OutgoingLink
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.incidents.heard_channels import HeardChannels
-from smarttestudo.incidents.live_incidents import delete_for_room
-from smarttestudo.incidents.missing import missing_text
-from smarttestudo.incidents.outage_folder import OutageFolder
-from smarttestudo.incidents.task_thread import TaskThread
+from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written
+from smarttestudo.incidents.background import TaskThread
+from smarttestudo.incidents.folder import (
+    ChannelOf,
+    channel_of,
+    finish_folder,
+    finished_record,
+    free_reserve,
+    make_reserve,
+    spanning,
+    unused_name,
+    write_record,
+)
+from smarttestudo.incidents.live_incidents import HeardChannels, delete_for_room
+from smarttestudo.incidents.missing import LostMessages, missing_text
+from smarttestudo.incidents.store import remove_begun
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
@@ -128,3 +144,102 @@ class LiveOutages(Part):
 
     def _failed(self, error: Exception) -> None:
         self._robot.log.warning(f"an outage is not kept any further: {said(error)}")
+
+
+class OutageFolder:
+    """A rosbag2 of the messages from ``from_ns`` on that an operator's end missed, below ``folder``.
+
+    They come in the order in which they were missed; in the one file, readers find that of their stamps. It
+    has its name when the outage is over; until then it is hidden, and a killed run's is completed by the
+    next. ``channels`` are the topics by name, which may grow; ``of_message`` is the channel of a topic's
+    message of some stamp, where that may change. What cannot be written ends it: messages after that are
+    counted. Raises ``OutputFileError``.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        channels: Mapping[str, StoredChannel],
+        from_ns: int,
+        rules_sha256: str,
+        *,
+        of_message: ChannelOf | None = None,
+    ) -> None:
+        name = unused_name(folder, OUTAGE_NAME, from_ns)
+        self._channels = channels
+        self._of_message = of_message or channel_of(channels)
+        self._lost = LostMessages()
+        self._has_failed = False
+        self._target = folder / name
+        self._path = folder / f".{name}{PARTIAL_SUFFIX}"
+        self._file_name = f"{name}_0.mcap"
+        self._record = IncidentRecord(
+            name=OUTAGE_NAME,
+            rule=OUTAGE_RULE,
+            path="",
+            line=0,
+            triggered_ns=from_ns,
+            from_ns=from_ns,
+            to_ns=from_ns,
+            values={},
+            rules_sha256=rules_sha256,
+            topics={},
+        )
+        try:
+            self._path.mkdir(parents=True)
+            make_reserve(self._path, channels)
+            # What a killed run leaves says what it was.
+            write_record(self._path, self._record)
+            self._writer = McapWriter(self._path / self._file_name)
+        except (OSError, TestudoError) as error:
+            with suppress(OSError):
+                remove_begun(self._path)
+            if isinstance(error, TestudoError):
+                raise
+            raise not_written(self._target, "an outage", error) from error
+
+    def write(self, message: MissedMessage) -> None:
+        """Keep a message."""
+        channel = self._of_message(message.origin.topic, message.origin.stamp_ns)
+        if channel is None:
+            return
+        topic, stamp_ns = message.origin.topic, message.origin.stamp_ns
+        if self._has_failed:
+            self._lost.add(topic, stamp_ns)
+            return
+        try:
+            self._writer.write(channel, stamp_ns, message.payload)
+        except OSError as error:
+            self._has_failed = True
+            self._writer.abandon()
+            self._lost.add(topic, stamp_ns)
+            raise not_written(self._target, "an outage", error) from error
+
+    @property
+    def missing(self) -> tuple[Missing, ...]:
+        """Messages that could not be written."""
+        return self._lost.missing()
+
+    def end(self) -> Path:
+        """The outage is over; where its folder is."""
+        try:
+            if self._has_failed:
+                free_reserve(self._path)
+            contents = (
+                complete_files(self._path) if self._has_failed else {self._file_name: self._writer.close()}
+            )
+            (content,) = contents.values()
+            record = replace(
+                spanning(self._record, [content] if content.message_count else []),
+                topics={
+                    topic: IncidentTopic(type_name="", messages=0, size_bytes=0)
+                    for topic in (*content.messages, *(one.topic for one in self.missing))
+                },
+                missing=self.missing,
+            )
+            record = finished_record(record, contents, self._channels)
+            finish_folder(self._path, record, contents, self._channels)
+            free_reserve(self._path)
+            return self._path.rename(self._target)
+        except OSError as error:
+            raise not_written(self._target, "an outage", error) from error

@@ -80,3 +80,23 @@ def without(given_up: Sequence[GivenUp], topic: str, messages: Sequence[SourceMe
     """``given_up`` of ``topic``, without what is in ``messages``."""
     found = {message.number for message in messages if message.topic == topic}
     return [one for one in given_up if one.number not in found] if found else given_up
+
+
+class LostMessages:
+    """Counts messages by topic, from the first to the last."""
+
+    def __init__(self) -> None:
+        self._topics: dict[str, Missing] = {}
+
+    def add(self, topic: str, stamp_ns: int) -> None:
+        """One more was lost."""
+        known = self._topics.get(topic)
+        if known is None:
+            known = Missing(
+                topic=topic, reason=MissingReason.DISK, messages=0, from_ns=stamp_ns, to_ns=stamp_ns
+            )
+        self._topics[topic] = replace(known, messages=(known.messages or 0) + 1, to_ns=stamp_ns)
+
+    def missing(self) -> tuple[Missing, ...]:
+        """Losses for the record of an incident."""
+        return tuple(self._topics.values())

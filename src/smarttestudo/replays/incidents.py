@@ -18,7 +18,8 @@ from smarttestudo.domain.units import BYTES_PER_MB, counted
 from smarttestudo.files.outputs import require_new
 from smarttestudo.incidents.folders import IncidentFolders
 from smarttestudo.incidents.latched import holds_static_frames
-from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder, IncidentSink
+from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS, IncidentRecorder
+from smarttestudo.incidents.sink import IncidentSink
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.step import Trigger
 

@@ -18,7 +18,7 @@ from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.profile import Profile
 from smarttestudo.files.whole_file import OutputFileError, not_written
 from smarttestudo.incidents.folders import IncidentFolders
-from smarttestudo.incidents.recorder import Incident, IncidentSink, Past
+from smarttestudo.incidents.sink import Incident, IncidentSink, Past
 from smarttestudo.incidents.topic_ring import SourceMessage
 from smarttestudo.loop.step import Trigger
 from smarttestudo.replays.incidents import IncidentRequest

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.domain.incident import IncidentRecord, Missing
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.incidents.folders import first_record, record_holding
-from smarttestudo.incidents.recorder import Incident, Past
+from smarttestudo.incidents.folder import first_record, record_holding
+from smarttestudo.incidents.sink import Incident, Past
 from smarttestudo.incidents.topic_ring import IncidentMessage, SourceMessage
 from smarttestudo.loop.step import Trigger
 
