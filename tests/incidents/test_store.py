@@ -99,7 +99,7 @@ def test_moments_are_listed_counted_and_the_first_of_many_shown(
     assert main(["incidents", "show", str(folder), NAME]) == 0
     out = capsys.readouterr().out
     assert "again after 0.5 s, /scan distance = 0.5\nagain after 1 s, /scan distance = 1\n" in out
-    assert "\nagain 9 times ('--json' shows 29 in all)\n" in out
+    assert "\nand 9 times more ('--json' shows 29 in all)\n" in out
 
 
 def test_an_infinite_value_is_shown_and_is_null_to_who_does_not_know_that(

@@ -341,7 +341,7 @@ def _moment_texts(record: IncidentRecord) -> Iterator[str]:
         later_s = (moment.triggered_ns - record.triggered_ns) / NS_PER_S
         yield ", ".join((f"again after {later_s:g} s", *signal_texts(moment.values)))
     if more := record.moments - 1 - len(shown):
-        yield f"again {counted(more, 'time')} ('--json' shows {len(record.further_moments)} in all)"
+        yield f"and {counted(more, 'time')} more ('--json' shows {len(record.further_moments)} in all)"
 
 
 def _tell_differences(stored: StoredIncident) -> None:
