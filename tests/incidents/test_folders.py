@@ -225,6 +225,27 @@ def test_a_topic_without_messages_or_definition_is_listed(tmp_path: Path) -> Non
     assert set(record_of(path)["topics"]) == {"/odom"}
 
 
+def test_a_latched_message_that_memory_gave_up_stands_at_the_start_of_the_window(tmp_path: Path) -> None:
+    rules = recording_rules('Record "one" /odom Before 5 s After 1 s')
+    run = FolderRun(rules, tmp_path / "incidents", memory_bytes=3000, ring_bytes=AMPLE_BYTES)
+    run.message(LATCHED, 2000)
+    run.wait(3000)
+    run.message(LATCHED, 2000)
+    run.wait(2500)
+    run.message("/odom", 500)
+    run.wait(500)
+    run.trigger()
+    (path,) = run.finish()
+    record, messages = record_of(path), read_bag(path).messages
+    assert record["missing"] == [one for one in record["missing"] if one["reason"] == "ended"]
+    assert record["latched"] == [{"topic": LATCHED, "stamp_ns": START_MS * MS}]
+    assert [(one.topic, one.stamp_ns - record["from_ns"]) for one in messages] == [
+        (LATCHED, 0),
+        (LATCHED, 2000 * MS),
+        ("/odom", 4500 * MS),
+    ]
+
+
 @contextmanager
 def files_of_at_most(size_bytes: int) -> Iterator[None]:
     """The system refuses to let a file grow further."""

@@ -45,16 +45,16 @@ class BackgroundSink:
         """Messages that came faster than they were written, for an incident or for the ring on disk."""
 
     def begin(self, incident: Incident, past: Past) -> None:
-        """Have it begun."""
+        """Begin the incident on the thread."""
         self._left_out[incident] = LostMessages()
         self._thread.give(partial(self._sink.begin, incident, past))
 
     def extend(self, incident: Incident, trigger: Trigger, to_ns: int, past: Past) -> None:
-        """Have it extended."""
+        """Extend the incident on the thread."""
         self._thread.give(partial(self._sink.extend, incident, trigger, to_ns, past))
 
     def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
-        """Have it written, unless too much waits already."""
+        """Write the message on the thread, unless too much waits already."""
         if self._given_bytes - self._done_bytes > self._max_waiting_bytes:
             self.dropped += 1
             for incident in incidents:
@@ -69,7 +69,7 @@ class BackgroundSink:
         return None if self._ring is None else partial(self._have_stored, self._ring)
 
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
-        """Have it ended."""
+        """End the incident on the thread."""
         left_out = self._left_out.pop(incident)
         self._thread.give(partial(self._sink.end, incident, (*missing, *left_out.missing())))
 
@@ -105,7 +105,7 @@ class TaskThread:
         self._tasks: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
 
     def give(self, task: Callable[[], None]) -> None:
-        """Have it done after all that was given before."""
+        """Do ``task`` after those that were given before."""
         self._tasks.put(task)
 
     @contextmanager

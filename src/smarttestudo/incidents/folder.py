@@ -84,7 +84,7 @@ def as_if_killed(record: IncidentRecord) -> IncidentRecord:
 
 
 def make_reserve(folder: Path, channels: Mapping[str, StoredChannel]) -> None:
-    """Have room on the disk for the end of a recording in ``folder``. Raises ``OSError``."""
+    """Reserve room on the disk for the end of a recording in ``folder``. Raises ``OSError``."""
     # Topics may join meanwhile, on another thread.
     size_bytes = RESERVE_BYTES + sum(len(one.definition) for one in list(channels.values()))
     file = os.open(folder / RESERVE_NAME, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o644)
@@ -99,7 +99,7 @@ def make_reserve(folder: Path, channels: Mapping[str, StoredChannel]) -> None:
 
 
 def free_reserve(folder: Path) -> None:
-    """Give that room back."""
+    """Give the reserved room back."""
     remove(folder, [RESERVE_NAME])
 
 

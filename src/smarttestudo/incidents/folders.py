@@ -20,11 +20,7 @@ from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.mcap.writer import FileContent, McapWriter
 from smarttestudo.bags.mcap.written_file import complete_files
 from smarttestudo.domain.errors import TestudoError, testudo_error
-from smarttestudo.domain.incident import (
-    IncidentRecord,
-    Missing,
-    MissingReason,
-)
+from smarttestudo.domain.incident import IncidentRecord, Missing, MissingReason
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, not_written
 from smarttestudo.incidents.folder import (
@@ -79,7 +75,7 @@ class _OpenFolder:
 
     @property
     def file(self) -> Path:
-        """Its recording."""
+        """Path of the recording."""
         return self.path / f"{self.name}_0.mcap"
 
     def holds(self, number: int) -> bool:
@@ -187,7 +183,7 @@ class IncidentFolders:
                 self._lose(found, [message])
 
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
-        """Have the folder appear with its record."""
+        """Give the folder its name, with the record."""
         found = self._open.pop(incident)
         missing = (*_still_missing(found, missing), *found.lost.missing())
         record = replace(found.record, missing=missing)
@@ -225,7 +221,7 @@ class IncidentFolders:
             found.numbers.append(message.number)
 
     def _note(self, found: _OpenFolder, now_ns: int) -> None:
-        """Have the record say of further moments what a killed run leaves; not of each at once."""
+        """Write further moments into the record as a killed run leaves it, at most twice a second."""
         if not found.is_noted and not 0 <= now_ns - found.written_ns < _RECORD_NS:
             write_record(found.path, as_if_killed(found.record))
             found.is_noted, found.written_ns = True, now_ns
@@ -237,7 +233,7 @@ class IncidentFolders:
                 found.lost.add(message.topic, message.stamp_ns)
 
     def _finish_lost(self, found: _OpenFolder, record: IncidentRecord) -> None:
-        """Have what was written appear, if nothing was as an incident without messages."""
+        """Give the folder its name with what was written; if nothing was, without messages."""
         try:
             found.path.mkdir(exist_ok=True)
             free_reserve(found.path)

@@ -94,7 +94,7 @@ class LatchedSamples:
         return () if self._frames is not None else tuple(self._counting)
 
     def end(self, publishers: Iterable[Hashable], now_ns: int) -> None:
-        """Let messages of these count no more."""
+        """Count messages of ``publishers`` no more."""
         for publisher in publishers:
             self._replace(publisher, now_ns)
 

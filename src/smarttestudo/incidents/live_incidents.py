@@ -93,10 +93,7 @@ class LiveIncidents(Part):
             ended=self._ended,
         )
         self._background = BackgroundSink(
-            folders,
-            round(WAITING_SHARE * self._memory_bytes),
-            failed=self._failed,
-            ring=self._ring,
+            folders, round(WAITING_SHARE * self._memory_bytes), failed=self._failed, ring=self._ring
         )
 
     @contextmanager
@@ -140,7 +137,7 @@ class LiveIncidents(Part):
             self._recorder.begin(trigger)
 
     def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:
-        """Have the topic's type, and know from when on it is heard."""
+        """Note the topic's type, and from when on it is received."""
         if self._recorder is None:
             return
         gone = partial(
@@ -304,7 +301,7 @@ class FolderLock:
             return
 
     def release(self) -> None:
-        """Let another run have it."""
+        """Give the folder to other runs."""
         os.close(self._file)
 
 

@@ -17,7 +17,7 @@ _MOST_NAMED = 3
 
 
 def unheard(topic: str, from_ns: int, to_ns: int, reason: MissingReason = MissingReason.LATE) -> Missing:
-    """That nobody heard ``topic`` between two stamps."""
+    """Entry for ``topic``, which nobody heard between two stamps."""
     return Missing(topic=topic, reason=reason, messages=None, from_ns=from_ns, to_ns=to_ns)
 
 
@@ -89,7 +89,7 @@ class LostMessages:
         self._topics: dict[str, Missing] = {}
 
     def add(self, topic: str, stamp_ns: int) -> None:
-        """One more was lost."""
+        """Count a lost message."""
         known = self._topics.get(topic)
         if known is None:
             known = Missing(

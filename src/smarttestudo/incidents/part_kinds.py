@@ -103,7 +103,6 @@ def _outages(context: PartContext) -> Part | None:
 
 
 INCIDENTS_PART = PartKind(
-    make=_incidents,
-    options=(INCIDENTS, INCIDENT_MEMORY, INCIDENT_RING, INCIDENT_RING_MAX, INCIDENTS_MAX),
+    make=_incidents, options=(INCIDENTS, INCIDENT_MEMORY, INCIDENT_RING, INCIDENT_RING_MAX, INCIDENTS_MAX)
 )
 OUTAGES_PART = PartKind(make=_outages, options=(CATCH_UP,))

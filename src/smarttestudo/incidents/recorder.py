@@ -15,13 +15,7 @@ from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.latched import Gone, LatchedSamples, holds_static_frames, nobody
 from smarttestudo.incidents.missing import add_loss, add_unheard, missing_for_memory, unheard, without
 from smarttestudo.incidents.sink import Incident, IncidentSink, Past, Store
-from smarttestudo.incidents.topic_ring import (
-    BlockPool,
-    GivenUp,
-    InOrder,
-    SourceMessage,
-    TopicRing,
-)
+from smarttestudo.incidents.topic_ring import BlockPool, GivenUp, InOrder, SourceMessage, TopicRing
 from smarttestudo.language.rule_set import RecordRequest, RuleSet
 from smarttestudo.loop.step import Trigger, written
 
@@ -266,11 +260,7 @@ class IncidentRecorder:
         for one in self._open:
             ended = (
                 Missing(
-                    topic=topic,
-                    reason=MissingReason.ENDED,
-                    messages=None,
-                    from_ns=now_ns,
-                    to_ns=one.to_ns,
+                    topic=topic, reason=MissingReason.ENDED, messages=None, from_ns=now_ns, to_ns=one.to_ns
                 )
                 for topic in sorted(set(one.incident.recording.topics))
             )

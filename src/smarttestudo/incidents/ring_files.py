@@ -33,7 +33,7 @@ class StoredMessage:
 
     @property
     def payload(self) -> bytes:
-        """Its bytes, from the disk."""
+        """Bytes of the message, from the disk."""
         return self.file.read(self.index)
 
 

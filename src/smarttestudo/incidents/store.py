@@ -164,9 +164,7 @@ class IncidentStore:
         path = self._folder / name
         if _NAME.match(name) is None or not _is_folder(path):
             raise RecordingError(
-                f"there is no incident {name!r:.80}",
-                place=str(self._folder),
-                remedy=_INCIDENTS_ARE_LISTED,
+                f"there is no incident {name!r:.80}", place=str(self._folder), remedy=_INCIDENTS_ARE_LISTED
             )
         return path
 

@@ -31,11 +31,11 @@ class IncidentMessage(Protocol):
 
     @property
     def number(self) -> int:
-        """Its place among all messages."""
+        """Place among all messages."""
 
     @property
     def topic(self) -> str:
-        """Its topic."""
+        """Topic of the message."""
 
     @property
     def stamp_ns(self) -> int:
@@ -43,7 +43,7 @@ class IncidentMessage(Protocol):
 
     @property
     def payload(self) -> bytes:
-        """Its bytes. Raises ``OSError`` where they are on a disk that fails."""
+        """Bytes of the message. Raises ``OSError`` where they are on a disk that fails."""
 
 
 class SourceMessage(NamedTuple):
@@ -241,7 +241,7 @@ class HeldMessage:
 
     @property
     def payload(self) -> bytes:
-        """Its bytes."""
+        """Bytes of the message."""
         return self.blocks.read(self.start, self.end)
 
 

@@ -121,9 +121,7 @@ def _index_of(folder: Path, name: str) -> IncidentIndex:
         planned = tuple(PlannedFile(one.name, one.stat().st_size, sha256_of_files(one)) for one in files)
         head = _with_copies([one for each in ranges for one in each.head], files)
     order = TransferOrder(
-        head,
-        [one for each in ranges for one in each.messages],
-        [one for each in ranges for one in each.tail],
+        head, [one for each in ranges for one in each.messages], [one for each in ranges for one in each.tail]
     )
     digest = hashlib.sha256(_ORDER_VERSION + repr(planned).encode()).digest()
     plan = TransferPlan(token=digest[:TOKEN_BYTES], files=planned, levels=order.levels)

@@ -84,7 +84,7 @@ class TransferPlan:
 
     @property
     def size_bytes(self) -> int:
-        """All of them together."""
+        """Size of all files together."""
         return sum(one.size_bytes for one in self.files)
 
 

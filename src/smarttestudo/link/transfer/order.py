@@ -64,11 +64,7 @@ class TransferOrder:
         self, head: Sequence[ByteRange], messages: Sequence[MessageRange], tail: Sequence[ByteRange] = ()
     ) -> None:
         ranked = sorted(_ranked(messages))
-        self._ranges = [
-            *head,
-            *(ByteRange(one.file, one.offset, one.size_bytes) for _, one in ranked),
-            *tail,
-        ]
+        self._ranges = [*head, *(ByteRange(one.file, one.offset, one.size_bytes) for _, one in ranked), *tail]
         self._ends = list(accumulate(one.size_bytes for one in self._ranges))
         self.size_bytes = self._ends[-1] if self._ends else 0
         self.levels = tuple(self._levels([rank for rank, _ in ranked], len(head)))

@@ -83,10 +83,7 @@ class PartialIncident:
         return self
 
     def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         self.close()
 
@@ -110,14 +107,14 @@ class PartialIncident:
         self.cursor += piece.covered_bytes
 
     def save(self) -> None:
-        """Have another fetch go on from here, whatever happens to this process."""
+        """Write how far the fetch is, for another that goes on from here."""
         files = [one.name for one in self._plan.files]
         state = {"token": self._plan.token.hex(), "cursor": self.cursor, "files": files}
         with whole_file(self.path / STATE_NAME, "the state of a fetch") as write:
             write(json_text(state))
 
     def finish(self) -> Path:
-        """Have the incident under its name, if its files are those of the robot; where it is then.
+        """Give the incident its name, if its files are those of the robot: return its path.
 
         Raises ``LinkError`` where they are not: what was fetched is deleted then.
         """
