@@ -9,6 +9,7 @@ from pathlib import Path
 from bags.bag_reading import read_bag, read_with_rosbags
 from incidents.test_live_outages import types_of
 from incidents.test_reloads import TEXT, Run, rules
+from robot.status.statuses import STATUS
 
 SCAN = "sensor_msgs/msg/LaserScan"
 
@@ -24,6 +25,9 @@ def test_a_message_from_before_a_change_of_type_has_the_former_type(tmp_path: Pa
         run.hear("/scan", TEXT)
         run.send("/scan", bytes([3]))
         run.trigger()
+        state = run.part.added_to(STATUS).incidents
+        assert state is not None
+        assert (state.open, state.further_moments) == (1, 1)
         run.hear("/scan", "sensor_msgs/msg/Image")
         run.pass_time(40)
     expected = {(SCAN, 1), (SCAN, 2), (TEXT, 3)}

@@ -605,7 +605,8 @@ export interface IncidentRecord {
  * `ring_bytes` of at most `ring_max_bytes` on disk, which is `None` if memory is all there is.
  * Incidents are `open` now, were `recorded` whole, or `failed` since the start; `problem` says why
  * the last one could not be written, until the next one can. Of their messages, `dropped` came faster than
- * the disk took them, and so many are `missing` in those that ended, whatever the reason.
+ * the disk took them, and so many are `missing` in those that ended, whatever the reason. At so many
+ * `further_moments` a rule began to hold again and extended its incident.
  */
 export interface IncidentState {
   held_bytes: number;
@@ -619,6 +620,7 @@ export interface IncidentState {
   ring_max_bytes: number | null;
   dropped?: number;
   missing?: number;
+  further_moments?: number;
 }
 
 /** Content of an incident for one topic. */

@@ -172,7 +172,8 @@ class IncidentState:
     ``ring_bytes`` of at most ``ring_max_bytes`` on disk, which is ``None`` if memory is all there is.
     Incidents are ``open`` now, were ``recorded`` whole, or ``failed`` since the start; ``problem`` says why
     the last one could not be written, until the next one can. Of their messages, ``dropped`` came faster than
-    the disk took them, and so many are ``missing`` in those that ended, whatever the reason.
+    the disk took them, and so many are ``missing`` in those that ended, whatever the reason. At so many
+    ``further_moments`` a rule began to hold again and extended its incident.
     """
 
     held_bytes: Annotated[
@@ -210,6 +211,16 @@ class IncidentState:
             "incident_missing",
             "messages",
             "Messages that are missing in the incidents that ended, as far as they were counted.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
+    further_moments: Annotated[
+        int,
+        JsonEntry(is_lenient=True, omits_default=True),
+        Metered(
+            "extended",
+            "incidents",
+            "How often a rule began to hold again and extended its incident.",
             MetricKind.COUNTER,
         ),
     ] = 0

@@ -208,6 +208,7 @@ class LiveIncidents(Part):
             ring_max_bytes=None if ring is None else self._ring_max_bytes,
             dropped=self._background.dropped,
             missing=self._missing,
+            further_moments=recorder.further_moments,
         )
         return replace(status, incidents=state)
 

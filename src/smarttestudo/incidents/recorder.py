@@ -79,7 +79,8 @@ class IncidentRecorder:
     last beginning, extends that, to at most ``MAX_WINDOWS`` windows. A later one begins another incident.
 
     A clock that jumps back counts as one that stood still, so that a window keeps its length; a jump ahead is
-    to be left out of ``time``. ``refused`` counts incidents not begun, as ``MAX_OPEN_INCIDENTS`` were open.
+    to be left out of ``time``. ``refused`` counts incidents not begun, as ``MAX_OPEN_INCIDENTS`` were open,
+    ``further_moments`` beginnings that extended one.
     """
 
     def __init__(
@@ -110,6 +111,7 @@ class IncidentRecorder:
         self.open_topics: frozenset[str] = frozenset()
         """The topics that windows keep which are open, whatever the rules ask for by now."""
         self.refused = 0
+        self.further_moments = 0
         self.change_rules(rule_set, rules_sha256)
 
     @property
@@ -319,6 +321,7 @@ class IncidentRecorder:
 
     def _extend(self, window: _Window, trigger: Trigger, recording: RecordRequest) -> None:
         now_ns = self.time.now_ns
+        self.further_moments += 1
         for one in self._unheard(recording, window.begun_ns, window.begun_stamp_ns, trigger.stamp_ns):
             add_unheard(window.missing, one)
         past = Past()

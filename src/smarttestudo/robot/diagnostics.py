@@ -191,13 +191,14 @@ def recording_text(state: IncidentState) -> str:
     if state.ring_max_bytes is not None:
         on_disk, most = state.ring_bytes / BYTES_PER_MB, state.ring_max_bytes / BYTES_PER_MB
         ring = f", on disk {grouped(on_disk, 1)} of {grouped(most)} MB"
+    further = f", {counted(state.further_moments, 'further moment')}" if state.further_moments else ""
     failed = f", {state.failed} failed" if state.failed else ""
     problem = f": {state.problem}" if state.problem else ""
     missing = f", {counted(state.missing, 'message')} missing" if state.missing else ""
     dropped = f", {counted(state.dropped, 'message')} faster than the disk" if state.dropped else ""
     return (
         f"{counted(state.topics, 'topic')} in {grouped(held, 1)} of {grouped(limit)} MB{ring}; "
-        f"incidents: {state.open} open, {state.recorded} recorded{failed}{missing}{dropped}{problem}"
+        f"incidents: {state.open} open, {state.recorded} recorded{further}{failed}{missing}{dropped}{problem}"
     )
 
 

@@ -21,7 +21,7 @@ from smarttestudo.domain.status import (
     RuntimeStatus,
     TopicStatus,
 )
-from smarttestudo.robot.diagnostics import diagnostics
+from smarttestudo.robot.diagnostics import diagnostics, recording_text
 
 
 def named(name: str, status: RuntimeStatus = STATUS) -> Diagnostic:
@@ -171,6 +171,10 @@ def test_the_node_says_what_recording_costs_and_that_it_fails() -> None:
         "incidents_ring_bytes": "0",
         "incidents_ring_max_bytes": "N/A",
     }
+    flickering = replace(state, further_moments=49)
+    values = named("smarttestudo", replace(STATUS, incidents=flickering)).values
+    assert values["incidents_further_moments"] == "49"
+    assert "incidents: 1 open, 3 recorded, 49 further moments" in recording_text(flickering)
     with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
     values = named("smarttestudo", replace(STATUS, incidents=with_ring)).values
     assert values["incidents_ring_bytes"] == "40120000"

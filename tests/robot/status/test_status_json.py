@@ -187,7 +187,7 @@ def test_what_recording_costs_is_read_and_left_out_where_nothing_is_recorded() -
         held_bytes=12, memory_bytes=256_000_000, topics=5, open=1, recorded=3, failed=2, problem="full"
     )
     with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
-    for incidents in (state, replace(state, problem=None), with_ring):
+    for incidents in (state, replace(state, problem=None), with_ring, replace(state, further_moments=4)):
         status = replace(STATUS, incidents=incidents)
         assert status_from_text(json.dumps(to_json(status))) == status
     assert "incidents" not in RECORD
