@@ -290,7 +290,9 @@ def make_room(folder: Path, max_bytes: int, newest: str | None = None) -> Iterat
                 and (path / RECORD_NAME).is_file()
                 and not path.is_symlink()
             ):
-                incidents.append(_folder(path, files))
+                written_ns = (path / RECORD_NAME).stat().st_mtime_ns
+                is_read = (path / READ_NAME).exists()
+                incidents.append(_Folder(path=path, is_read=is_read, written_ns=written_ns, files=files))
         taken = sum(sizes.values())
         incidents.sort(key=lambda one: (one.path.name == newest, one.written_ns))
         # The newest stays: it is what just happened.
@@ -307,15 +309,6 @@ def make_room(folder: Path, max_bytes: int, newest: str | None = None) -> Iterat
             yield RemovedIncident(name=one.path.name, was_read=one.is_read)
     except OSError as error:
         raise not_written(folder, "room for more incidents", error) from error
-
-
-def _folder(path: Path, files: dict[_FileKey, int]) -> _Folder:
-    return _Folder(
-        path=path,
-        is_read=(path / READ_NAME).exists(),
-        written_ns=(path / RECORD_NAME).stat().st_mtime_ns,
-        files=files,
-    )
 
 
 def _disk_files(folder: Path) -> dict[_FileKey, int]:
