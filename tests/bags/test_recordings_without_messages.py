@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -23,6 +24,7 @@ from bags.recorded_by_others import (
     write_records,
     write_tables,
 )
+from smarttestudo.bags.magic import ZSTD
 from smarttestudo.cli.main import main
 
 RULES = (
@@ -43,6 +45,15 @@ def table_folder(folder: Path, *, promised: int = 0) -> Path:
     write_tables(folder / "a_0.db3", [Table("/odom", ODOM.type_name, [])])
     topics = {"/odom": (ODOM.type_name, promised)}
     return write_metadata(folder, ["a_0.db3"], topics, storage="sqlite3")
+
+
+def packed_junk(folder: Path) -> Path:
+    """The metadata say that messages are packed one by one, and none is."""
+    rows = [(stamp_of(number), b"\xff" * 40) for number in range(COUNT)]
+    write_tables(folder / "a_0.db3", [Table("/odom", ODOM.type_name, rows)])
+    packing: dict[str, Any] = {"compression_format": "zstd", "compression_mode": "MESSAGE"}
+    topics = {"/odom": (ODOM.type_name, COUNT)}
+    return write_metadata(folder, ["a_0.db3"], topics, storage="sqlite3", **packing)
 
 
 def altered(path: Path, alter: Callable[[bytes], bytes]) -> Path:
@@ -81,6 +92,11 @@ LOST: dict[str, Callable[[Path], Path]] = {
     "zeros after the header": lambda at: altered(
         write_records(at / "a.mcap", *chunk(*ODOMETRY, *drive())), zeros_after(80)
     ),
+    "broken bytes for the chunk": lambda at: altered(
+        write_records(at / "a.mcap", *chunk(*ODOMETRY, *drive(), frames=1)),
+        lambda data: data.replace(ZSTD, b"\xff" * len(ZSTD)),
+    ),
+    "messages that are not packed as the metadata say": packed_junk,
     "zeros for the chunk": lambda at: altered(
         write_records(at / "a.mcap", *chunk(*ODOMETRY, *drive(), frames=1)), without_payloads
     ),

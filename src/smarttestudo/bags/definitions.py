@@ -51,6 +51,7 @@ _STORES = (
 # Registering a definition runs rosbags' parser and code generator, which fail in these ways on a broken one.
 _BROKEN_DEFINITION = (TypesysError, ValueError, KeyError, SyntaxError, AssertionError, RecursionError)
 _DECODED_FORMAT = "cdr"
+_NO_TYPE_NAME = re.compile(r"[^A-Za-z0-9_/]")
 
 
 class TypeLibrary:
@@ -105,6 +106,8 @@ def _known(channel: Channel) -> Typesdict | str:
         return f"recorded as {form or 'no known format'}, not as cdr"
     if not name:
         return "recorded without a type"
+    if _NO_TYPE_NAME.search(name):
+        return "its type has letters that no type of ROS 2 has"
     own = None if definition is None else _types_in(definition, name)
     if own is not None and not isinstance(own, str):
         return own

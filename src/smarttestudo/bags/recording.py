@@ -27,6 +27,7 @@ from smarttestudo.domain.recording import Channel, RecordedHead, RecordedMessage
 from smarttestudo.domain.units import NS_PER_S, counted
 
 _LOOKED_AT = 20
+_PLAIN_CDR = (b"\0\0", b"\0\1")
 HOLDS_NOTHING = "the recording holds no message"
 
 DECLARED_BYTES_KEY = "smarttestudo.declared_bytes"
@@ -350,8 +351,10 @@ class RosbagRecording:
     def _is_packed(self, file: StoredFile) -> bool:
         """Whether messages are packed one by one: rosbag2 packs all of a file or none; one may be damaged."""
         if file not in self._packed:
-            first = islice(file.messages(file.channels), _LOOKED_AT if self._says_packed else 1)
-            self._packed[file] = any(payload.startswith(magic.ZSTD) for *_, payload in first)
+            looked_at = _LOOKED_AT if self._says_packed else 1
+            first = [payload for *_, payload in islice(file.messages(file.channels), looked_at)]
+            is_plain = not self._says_packed or not first or any(_begins_as_cdr(one) for one in first)
+            self._packed[file] = not is_plain or any(one.startswith(magic.ZSTD) for one in first)
         return self._packed[file]
 
     def _channels_of(self, file: StoredFile) -> ChannelsByNumber:
@@ -376,6 +379,10 @@ class RosbagRecording:
         except RecordingError as error:
             self._notices.append(f"{error.cause}; the sizes in the recording are used")
             return {}
+
+
+def _begins_as_cdr(payload: bytes) -> bool:
+    return payload[:2] in _PLAIN_CDR and any(payload)
 
 
 def _first_of(paths: Sequence[Path]) -> str:

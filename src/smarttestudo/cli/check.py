@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -127,9 +128,13 @@ def _with_recording(context: CheckContext, bag: Path, results: Sequence[ParseRes
     signals = {Signal(resolve_topic(check.topic.text), check.property) for check in checks}
     with open_recording(bag) as recording:
         observed = observed_values(recording, signals, context.profile)
+        # Damage of what no rule reads is met only where it is read, too.
+        deque(recording.sizes(), maxlen=0)
         undecodable = MessageTypes().notices(recording.channels, "checks of its fields stay unknown")
-        print_notices((*recording.notices(), *undecodable))
-        return replace(context, bag_topics=types_of_topics(recording.channels), observed=observed)
+        notices = (*recording.notices(), *undecodable)
+        context = replace(context, bag_topics=types_of_topics(recording.channels), observed=observed)
+    print_notices(notices)
+    return context
 
 
 def _profile_of(path: Path) -> Profile:

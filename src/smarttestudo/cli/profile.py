@@ -91,7 +91,8 @@ def _of_recording(arguments: argparse.Namespace, levels: Profile | None) -> str:
         text = profile_of_recording(
             recording, name=arguments.bag.name, patterns=arguments.topics, proposals=proposals, levels=levels
         )
-        _note([*profile_notices(recording), *recording.notices()])
+        notices = [*profile_notices(recording), *recording.notices()]
+    _note(notices)
     return text
 
 
