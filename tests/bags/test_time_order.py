@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.bags.mcap.time_order import FoundMessage, in_time_order
+from smarttestudo.bags.mcap.recovered import FoundMessage, in_time_order
 
 PAYLOAD = b"payload"
 

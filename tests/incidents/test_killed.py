@@ -19,8 +19,7 @@ from bags.bag_reading import read_bag, read_with_mcap, read_with_rosbags
 from incidents.folder_runs import MS, FolderRun, record_of
 from incidents.incident_runs import recording_rules
 from smarttestudo.bags.mcap.record_bytes import StoredChannel, file_start
-from smarttestudo.bags.mcap.writer import McapWriter
-from smarttestudo.bags.mcap.written_file import complete_file, complete_files
+from smarttestudo.bags.mcap.writer import McapWriter, complete_file, complete_files
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.incidents.folder import complete_incidents
 
