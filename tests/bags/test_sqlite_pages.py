@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from smarttestudo.bags.sqlite.pages import DamagedRowError, SqlitePages
+from smarttestudo.bags.sqlite.recovered import DamagedRowError, SqlitePages
 
 INTEGERS = st.integers(-(2**63), 2**63 - 1)
 BLOBS = st.one_of(
