@@ -8,9 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.bags.comparison import Comparison, change_percent, compare
+from smarttestudo.bags.comparison import (
+    Comparison,
+    Target,
+    change_percent,
+    compare,
+    mean_target,
+    target_spans,
+)
 from smarttestudo.bags.statistics import TopicStatistics
-from smarttestudo.bags.targets import Target, mean_target, target_spans
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
 from smarttestudo.report.summary import bandwidth_text, length_text, summary_sentence

@@ -7,13 +7,13 @@ from __future__ import annotations
 import pytest
 from rosbags.typesys import get_types_from_msg
 
-from smarttestudo.bags.definition_limits import (
+from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.bags.readable_types import (
     MAX_STATEMENTS,
     MAX_VALUES,
     require_few_statements,
     require_few_values,
 )
-from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.domain.recording import Channel
 
 SEPARATOR = "=" * 80 + "\n"

@@ -17,9 +17,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from bags.bag_factory import START_NS
 from smarttestudo.bags.definition_text import SEPARATOR, sections, stored_definition
-from smarttestudo.bags.definitions import RosbagDecoder, TypeLibrary
+from smarttestudo.bags.definitions import RosbagDecoder, TypeLibrary, msg_fields
 from smarttestudo.bags.measure import measure_bag, measure_run
-from smarttestudo.bags.msg_fields import msg_fields
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.names import ros_type_name

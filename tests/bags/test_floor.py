@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from smarttestudo.bags.floor import PathPoint, rule_zones
-from smarttestudo.bags.robot_path import PosePlaces, TransformPlaces, places_in
+from smarttestudo.bags.robot_path import PathPoint, PosePlaces, TransformPlaces, places_in, rule_zones
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, OccupancyMap, Rectangle
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.recording import Channel

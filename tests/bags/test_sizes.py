@@ -30,8 +30,7 @@ from bags.bag_factory import (
 )
 from smarttestudo.bags.measure import measure_bag
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.bags.statistics import RecordingSpan, topic_statistics
-from smarttestudo.bags.trace import TraceAccumulator
+from smarttestudo.bags.statistics import RecordingSpan, TraceAccumulator, topic_statistics
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.rate_meter import Intervals
 

@@ -12,8 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.bags.statistics import LatencyAccumulator, RecordingSpan, topic_statistics
-from smarttestudo.bags.trace import TraceAccumulator
+from smarttestudo.bags.statistics import LatencyAccumulator, RecordingSpan, TraceAccumulator, topic_statistics
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.report.run_report import MAX_POINTS, bandwidth_series, coarser, rate_series

@@ -17,7 +17,7 @@ from mcap.writer import CompressionType
 
 from bags.bag_factory import small_mission, write_mcap_file
 from bags.bag_reading import read_bag
-from smarttestudo.bags import zstd_files
+from smarttestudo.bags import unpacking
 from smarttestudo.bags.mcap.record_bytes import FRAME
 from smarttestudo.bags.mcap.records import chunk_content
 from smarttestudo.bags.mcap.whole_file import full_index
@@ -94,10 +94,10 @@ def test_a_chunk_that_holds_more_than_it_declares_costs_itself(
 @pytest.mark.parametrize("declares", [False, True])
 def test_a_message_is_not_unpacked_beyond_the_limit(declares: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     packed = zstd_of_zeros(BOMB_BYTES, declares=declares)
-    monkeypatch.setattr(zstd_files, "MAX_UNPACKED_BYTES", 1_000_000)
+    monkeypatch.setattr(unpacking, "MAX_UNPACKED_BYTES", 1_000_000)
     tracemalloc.start()
     try:
-        assert zstd_files.unpack_message(packed) is None
+        assert unpacking.unpack_message(packed) is None
         _, peak_bytes = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
@@ -109,7 +109,7 @@ def test_a_message_is_not_unpacked_beyond_the_limit(declares: bool, monkeypatch:
 def test_a_file_that_unpacks_to_thousands_of_times_its_length_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, declares: bool, name: str
 ) -> None:
-    monkeypatch.setattr(zstd_files, "MAX_UNPACKED_BYTES", 1_000_000)
+    monkeypatch.setattr(unpacking, "MAX_UNPACKED_BYTES", 1_000_000)
     path = tmp_path / name
     path.write_bytes(zstd_of_zeros(BOMB_BYTES, declares=declares))
     cause = "is not decompressed: its content is longer than"

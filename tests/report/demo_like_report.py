@@ -28,11 +28,9 @@ from smarttestudo.accuracy.loss_report import (
     TopicArm,
     TopicLoss,
 )
-from smarttestudo.bags.comparison import compare
-from smarttestudo.bags.floor import PathPoint
-from smarttestudo.bags.statistics import RecordingSpan, topic_statistics
-from smarttestudo.bags.targets import mean_target, target_spans
-from smarttestudo.bags.trace import TraceAccumulator
+from smarttestudo.bags.comparison import compare, mean_target, target_spans
+from smarttestudo.bags.robot_path import PathPoint
+from smarttestudo.bags.statistics import RecordingSpan, TraceAccumulator, topic_statistics
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Obstacle, ObstacleKind, Rectangle
 from smarttestudo.domain.rate import Rate

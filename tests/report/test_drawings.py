@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.bags.comparison import Comparison
-from smarttestudo.bags.floor import PathPoint
+from smarttestudo.bags.robot_path import PathPoint
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Rectangle
 from smarttestudo.domain.rate import Rate

@@ -21,10 +21,9 @@ from hypothesis import strategies as st
 from report.demo_like_report import SOURCES, demo_like_report, small_report
 from report.golden_files import assert_reads_as, page_lines
 from smarttestudo.bags.comparison import Comparison, compare
-from smarttestudo.bags.floor import PathPoint
-from smarttestudo.bags.incident_mark import IncidentMark
-from smarttestudo.bags.statistics import RecordingSpan, TopicStatistics
-from smarttestudo.bags.trace import TraceAccumulator
+from smarttestudo.bags.incident_record import IncidentMark
+from smarttestudo.bags.robot_path import PathPoint
+from smarttestudo.bags.statistics import RecordingSpan, TopicStatistics, TraceAccumulator
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, Rectangle
 from smarttestudo.domain.rate import Rate

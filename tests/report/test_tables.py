@@ -17,9 +17,8 @@ from hypothesis import strategies as st
 
 from report.demo_like_report import demo_like_report
 from report.golden_files import assert_reads_as
-from smarttestudo.bags.comparison import Comparison, TopicComparison, compare
+from smarttestudo.bags.comparison import Comparison, Target, TopicComparison, compare
 from smarttestudo.bags.statistics import TopicStatistics
-from smarttestudo.bags.targets import Target
 from smarttestudo.cli.tables import print_table
 from smarttestudo.report.comparison_tables import RunNames, bandwidth_table, frequency_table
 from smarttestudo.report.table import (

@@ -36,8 +36,8 @@ from smarttestudo.accuracy.recorded_samples import (
     require_numbers,
 )
 from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
-from smarttestudo.bags.bag_comparison import compare_bags
 from smarttestudo.bags.bag_summary import BagSummary
+from smarttestudo.bags.comparison import compare_bags
 from smarttestudo.bags.measure import measure_bag
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.topic_selection import is_selected, select_topics

@@ -5,17 +5,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_typestore
 
-from smarttestudo.bags.definition_limits import require_few_statements, require_few_values
 from smarttestudo.bags.definition_text import Section, is_idl_definition, sections
-from smarttestudo.bags.generated_types import generated_sections, messages_within
-from smarttestudo.bags.msg_fields import DefinitionError, msg_fields
 from smarttestudo.bags.readable_types import (
     BROKEN_MESSAGE,
     ReadableType,
@@ -23,6 +20,8 @@ from smarttestudo.bags.readable_types import (
     layout,
     nest_at_most,
     other_encapsulation,
+    require_few_statements,
+    require_few_values,
     types_within,
     with_inner,
 )
@@ -31,8 +30,120 @@ from smarttestudo.domain.names import TypeName, full_type_name
 from smarttestudo.domain.recording import Channel
 
 if TYPE_CHECKING:
-    from rosbags.interfaces.typing import FieldDesc, Typesdict
+    from rosbags.interfaces.typing import Fielddefs, FieldDesc, Typesdict
     from rosbags.typesys.store import Typestore
+
+_NAME = r"[A-Za-z]\w*"
+_FIELD = re.compile(
+    rf"(?:@\w+[ \t]+)*(?P<type>{_NAME}(?:/{_NAME}){{0,2}})(?:<=(?P<characters>\d+))?"
+    rf"(?:\[[ \t]*(?P<bounded><=)?[ \t]*(?P<length>\d*)[ \t]*\])?[ \t]+(?P<field>{_NAME})"
+    r"(?:[ \t]*(?P<constant>=)|[ \t#]|\Z)",
+    re.ASCII,
+)
+_NOTHING = re.compile(r"(?:#.*|@\w+|=*)\Z")
+_TEXTS = frozenset({"string", "wstring"})
+_BASE_TYPES = _TEXTS.union(
+    ("bool", "byte", "char", "float32", "float64"),
+    (f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)),
+)
+_ALIASES = {
+    "Header": "std_msgs/msg/Header",
+    "time": "builtin_interfaces/msg/Time",
+    "duration": "builtin_interfaces/msg/Duration",
+}
+_SHOWN = 40
+
+
+class DefinitionError(ValueError):
+    """Text that defines no type; its message says where."""
+
+
+def msg_fields(section: Section, package: str, kind: str) -> Fielddefs:
+    """The fields in ``section``, in which types without one are those of ``package``.
+
+    Types of that ``kind``, such as srv, are among those that it names. Raises ``DefinitionError`` for a line
+    that is none.
+    """
+    fields: dict[str, FieldDesc] = {}
+    for number, line in enumerate(section.text.split("\n"), section.line):
+        text = line.strip()
+        if _NOTHING.match(text):
+            continue
+        match = _FIELD.match(text)
+        if match is None or (match["characters"] and match["type"] not in _TEXTS):
+            shown = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
+            raise DefinitionError(f"line {number}: {shown!r} is no field")
+        name = match["field"]
+        if name in fields:
+            raise DefinitionError(f"line {number}: a second field {name}")
+        if match["constant"] is None:
+            fields[name] = _desc(match, package, kind)
+    return [*fields.items()]
+
+
+def _desc(match: re.Match[str], package: str, kind: str) -> FieldDesc:
+    name = match["type"]
+    inner: FieldDesc = (Nodetype.NAME, _ALIASES.get(name) or full_type_name(name, package, kind))
+    if name in _BASE_TYPES:
+        inner = cast("FieldDesc", (Nodetype.BASE, (name, int(match["characters"] or 0))))
+    if match["length"] is None:
+        return inner
+    is_array = match["length"] and not match["bounded"]
+    node = Nodetype.ARRAY if is_array else Nodetype.SEQUENCE
+    return cast("FieldDesc", (node, (inner, int(match["length"] or 0))))
+
+
+_PARTS = re.compile(r"^---[ \t]*$", re.MULTILINE)
+_NAMES = {2: ("Request", "Response"), 3: ("Goal", "Result", "Feedback")}
+_UUID = "unique_identifier_msgs/UUID"
+_KNOWN = {
+    "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
+    _UUID: "uint8[16] uuid\n",
+    "service_msgs/ServiceEventInfo": "uint8 REQUEST_SENT = 0\nuint8 REQUEST_RECEIVED = 1\n"
+    "uint8 RESPONSE_SENT = 2\nuint8 RESPONSE_RECEIVED = 3\nuint8 event_type\n"
+    "builtin_interfaces/Time stamp\nchar[16] client_gid\nint64 sequence_number\n",
+}
+
+
+def messages_within(section: Section, name: TypeName) -> Iterator[Section]:
+    """The parts of a section that is the file of a service or action, that of ``name``; else the section."""
+    parts = _PARTS.split(section.text)
+    if len(parts) not in _NAMES:
+        yield section
+        return
+    line = section.line
+    for part, text in zip(_NAMES[len(parts)], parts, strict=True):
+        yield Section(name=f"{name.package}/{name.defined_in}_{part}", text=text, line=line, is_idl=False)
+        line += text.count("\n")
+
+
+def generated_sections(name: TypeName) -> list[Section]:
+    """Texts of what rosidl adds to the parts of the service or action of ``name``, and of the types in it.
+
+    There are none for a message.
+    """
+    of = f"{name.package}/{name.defined_in}"
+    texts = {"msg": {}, "srv": _of_service(of), "action": _of_action(of)}[name.kind]
+    texts = {**_KNOWN, **texts} if texts else {}
+    return [Section(name=one, text=text, line=1, is_idl=False) for one, text in texts.items()]
+
+
+def _of_service(of: str) -> dict[str, str]:
+    event = f"service_msgs/ServiceEventInfo info\n{of}_Request[<=1] request\n{of}_Response[<=1] response\n"
+    return {f"{of}_Event": event}
+
+
+def _of_action(of: str) -> dict[str, str]:
+    return {
+        f"{of}_FeedbackMessage": f"{_UUID} goal_id\n{of}_Feedback feedback\n",
+        f"{of}_SendGoal_Request": f"{_UUID} goal_id\n{of}_Goal goal\n",
+        f"{of}_SendGoal_Response": "bool accepted\nbuiltin_interfaces/Time stamp\n",
+        f"{of}_GetResult_Request": f"{_UUID} goal_id\n",
+        f"{of}_GetResult_Response": f"int8 status\n{of}_Result result\n",
+        **_of_service(f"{of}_SendGoal"),
+        **_of_service(f"{of}_GetResult"),
+    }
+
 
 _DEFINITIONS_KEPT = 256
 _DEEPEST = 64

@@ -1,19 +1,22 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The record of an incident, in the folder of its recording."""
+"""The record of an incident in the folder of its recording, and what it says, in words."""
 
 from __future__ import annotations
 
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from smarttestudo.bags.statistics import RecordingSpan
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.units import NS_PER_S, counted, grouped, utc_time
 
 if TYPE_CHECKING:
-    from smarttestudo.domain.incident import IncidentRecord
+    from smarttestudo.domain.incident import IncidentRecord, Missing
 
 RECORD_NAME = "incident.json"
 
@@ -50,3 +53,60 @@ def errors_at(path: Path) -> Iterator[None]:
             "check its permissions and those of its folder" if isinstance(error, PermissionError) else None
         )
         raise RecordingError(error.strerror or str(error), place=str(path), remedy=remedy) from error
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentMark:
+    """The moment at which a rule began to hold, in s since the start of its recording, and it in words."""
+
+    name: str
+    at_s: float
+    text: str
+
+
+def incident_mark(record: IncidentRecord, span: RecordingSpan) -> IncidentMark:
+    """Where in ``span`` the incident is."""
+    at_s = (record.triggered_ns - span.start_ns) / NS_PER_S
+    text = f"{record.name} at {grouped(at_s, 1)} s, {utc_time(record.triggered_ns)}: {_reason(record)}"
+    return IncidentMark(name=record.name, at_s=at_s, text=text)
+
+
+def incident_text(record: IncidentRecord) -> str:
+    """Its name, when it happened, the rule, what its condition read, and how often it began to hold again."""
+    return f"{record.name} at {utc_time(record.triggered_ns)}: {_reason(record)}"
+
+
+def incident_subtitles(record: IncidentRecord | None) -> tuple[str, ...]:
+    """The line that follows the name of a recording that is an incident; none for any other."""
+    return () if record is None else (f"incident {incident_text(record)}",)
+
+
+def _reason(record: IncidentRecord) -> str:
+    further = record.moments - 1
+    more = (counted(further, "further moment"),) if further else ()
+    return ", ".join((f"rule {record.rule}", *signal_texts(record.values), *more))
+
+
+def signal_texts(values: Mapping[str, float | None]) -> Iterator[str]:
+    """Values that the condition read, a text each; former versions wrote infinite ones as unknown ones."""
+    for signal, value in values.items():
+        yield f"{signal} = {'unknown or infinite' if value is None else format(value, 'g')}"
+
+
+def incident_notices(record: IncidentRecord, span: RecordingSpan) -> Iterator[str]:
+    """Notices on an incident: what numbers over ``span`` hold beside the window, and what they lack of it."""
+    extra_s = (record.from_ns - span.start_ns) / NS_PER_S
+    if extra_s > 0:
+        yield (
+            f"the first {grouped(extra_s, 1)} s are from before the window of {record.name}: "
+            "they share a file with an earlier incident"
+        )
+    for missing in record.missing:
+        yield f"missing: {missing_text(missing)}"
+
+
+def missing_text(missing: Missing) -> str:
+    """Of which topic, how much, from when to when, and why."""
+    messages = "what came" if missing.messages is None else counted(missing.messages, "message")
+    between = f"{utc_time(missing.from_ns)} to {utc_time(missing.to_ns)}"
+    return f"{missing.topic}: {messages} from {between} ({missing.reason.value})"

@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarttestudo.bags.bag_summary import BagSummary, BagTopic
-from smarttestudo.bags.incident_mark import incident_notices
-from smarttestudo.bags.incident_record import record_beside
+from smarttestudo.bags.incident_record import incident_notices, record_beside
 from smarttestudo.bags.message_types import MessageTypes
 from smarttestudo.bags.qos import qos_in_words
 from smarttestudo.bags.reader import open_recording
@@ -22,17 +21,16 @@ from smarttestudo.bags.statistics import (
     IntervalHistogram,
     LatencyAccumulator,
     RecordingSpan,
+    TraceAccumulator,
     topic_statistics,
 )
-from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.rate_meter import Intervals
 from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader
 from smarttestudo.pacing.cdr import STAMPED_BYTES, header_stamp_ns
 
 if TYPE_CHECKING:
-    from smarttestudo.bags.floor import PathPoint
-    from smarttestudo.bags.robot_path import PathReader
+    from smarttestudo.bags.robot_path import PathPoint, PathReader
     from smarttestudo.domain.incident import IncidentRecord
 
 

@@ -5,21 +5,26 @@
 from __future__ import annotations
 
 import errno
+import shutil
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
+from tempfile import gettempdir
 
-from smarttestudo.bags.bag_files import BagFiles, find_bag_files, require_bag_file
-from smarttestudo.bags.message_counts import MessageCounts
-from smarttestudo.bags.metadata import BagMetadata, embedded_metadata
+from smarttestudo.bags import unpacking
+from smarttestudo.bags.bag_files import BagFiles, find_bag_files, is_packed, require_bag_file
+from smarttestudo.bags.metadata import BagMetadata, MessageCounts, embedded_metadata
 from smarttestudo.bags.recording import RecordingPart, RosbagRecording
 from smarttestudo.bags.remote_path import fetched_in_full, is_remote
-from smarttestudo.bags.storage_files import open_storage_file
+from smarttestudo.bags.stored_file import StoredFile
+from smarttestudo.bags.unpacking import MAX_RATIO, TooLargeError
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordingReader, Storage
+from smarttestudo.files.removal import temporary_folder
 
 _NO_DESCRIPTOR = (errno.EMFILE, errno.ENFILE)
+_COPIED_BYTES = 1 << 20
 
 
 @contextmanager
@@ -71,8 +76,6 @@ def _open_part(path: Path, name: str, opened: ExitStack, notices: list[str]) -> 
     try:
         storage_path, whole_bytes, storage = path, None, require_bag_file(path)
         if storage is None or (storage is not Storage.MCAP and is_remote(path)):
-            from smarttestudo.bags.file_copies import readable_copy  # noqa: PLC0415  most are read where they are
-
             storage_path, whole_bytes = readable_copy(path, opened, notices)
             storage = require_bag_file(storage_path)
         assert storage is not None
@@ -96,3 +99,82 @@ def _metadata_within(parts: Sequence[RecordingPart]) -> BagMetadata:
             counts = MessageCounts(total=metadata.counts.total, topics=metadata.counts.topics)
             return replace(metadata, file_names=(), counts=counts if is_of_one else MessageCounts())
     return BagMetadata()
+
+
+def open_storage_file(path: Path, storage: Storage, whole_bytes: int | None = None) -> StoredFile:
+    """The file at ``path``: by its index if it is whole, else as far as it goes.
+
+    ``whole_bytes`` is how long it was before it was cut off, where that is known.
+    Raises ``RecordingError`` where nothing of it can be read.
+    """
+    return _open_mcap(path, whole_bytes) if storage is Storage.MCAP else _open_sqlite(path)
+
+
+def _open_mcap(path: Path, whole_bytes: int | None) -> StoredFile:
+    from smarttestudo.bags.mcap.whole_file import McapFile, full_index  # noqa: PLC0415  slow to import
+
+    index = full_index(path)
+    if index is not None:
+        return McapFile(path, index)
+    from smarttestudo.bags.mcap.recovered import RecoveredMcapFile  # noqa: PLC0415
+
+    return RecoveredMcapFile(path, whole_bytes)
+
+
+def _open_sqlite(path: Path) -> StoredFile:
+    from smarttestudo.bags.sqlite.file import SqliteFile  # noqa: PLC0415  as above
+    from smarttestudo.bags.sqlite.log import read_log  # noqa: PLC0415
+
+    log = read_log(path)
+    with suppress(RecordingError):
+        return SqliteFile(path, log)
+    from smarttestudo.bags.sqlite.recovered import RecoveredSqliteFile  # noqa: PLC0415
+
+    return RecoveredSqliteFile(path, log)
+
+
+def readable_copy(path: Path, opened: ExitStack, notices: list[str]) -> tuple[Path, int | None]:
+    """A copy of a file that is packed or remote, which goes with ``opened``, and how long the whole file was.
+
+    Raises ``RecordingError`` for one that cannot be decompressed, and ``OSError``.
+    """
+    if is_packed(path):
+        return _unpacked(path, opened, notices), unpacking.unpacked_file_bytes(path)
+    return _fetched(path, opened), None
+
+
+def _fetched(path: Path, opened: ExitStack) -> Path:
+    """A copy of a file that cannot be read by ranges, with the log beside it; it goes with ``opened``."""
+    folder = opened.enter_context(temporary_folder(prefix="testudo-"))
+    for one in (path, path.with_name(f"{path.name}-wal")):
+        if one.is_file():
+            with one.open("rb") as file, (folder / one.name).open("wb") as copy:
+                shutil.copyfileobj(file, copy, _COPIED_BYTES)
+    return folder / path.name
+
+
+def _unpacked(path: Path, opened: ExitStack, notices: list[str]) -> Path:
+    try:
+        folder = opened.enter_context(temporary_folder(prefix="testudo-"))
+        target = folder / path.with_suffix("").name
+        is_whole = unpacking.unpack(path, target)
+    except OSError as error:
+        cause = f"it cannot be decompressed into {gettempdir()}: {error.strerror}"
+        remedy = "free some space there, or set TMPDIR to a folder that has more"
+        raise RecordingError(cause, place=str(path), remedy=remedy) from error
+    except TooLargeError as error:
+        raise RecordingError(
+            f"it is not decompressed: {error} and than {MAX_RATIO} times the file",
+            place=str(path),
+            remedy="unpack it with zstd -d if it is right",
+        ) from error
+    try:
+        is_recording = require_bag_file(target) is not None
+    except RecordingError:
+        is_recording = False
+    if not is_recording:
+        cause = "its compressed content is no recording" if is_whole else "no part of it can be decompressed"
+        raise RecordingError(cause, place=str(path))
+    if not is_whole:
+        notices.append(f"{path}: its compressed data are truncated or damaged; read as far as possible")
+    return target

@@ -18,8 +18,7 @@ from typing import TypeVar
 
 from smarttestudo.bags import magic
 from smarttestudo.bags.channel_reader import ChannelKey, MergedChannels, key_of
-from smarttestudo.bags.message_counts import MessageCounts
-from smarttestudo.bags.metadata import BagMetadata, file_key
+from smarttestudo.bags.metadata import BagMetadata, MessageCounts, file_key
 from smarttestudo.bags.stored_file import ChannelsByNumber, OutlineError, StoredFile, left_out
 from smarttestudo.bags.stray_stamps import LEAST_BACK_NS, LEAST_STRAY_NS, YEAR_NS, StrayStamps, stray_stamps
 from smarttestudo.domain.errors import RecordingError
@@ -361,7 +360,7 @@ class RosbagRecording:
         return {number: self._channels.of(channel) for number, channel in file.channels.items()}
 
     def _unpacked(self, file: StoredFile, messages: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
-        from smarttestudo.bags.zstd_files import unpack_message  # noqa: PLC0415  few are packed
+        from smarttestudo.bags.unpacking import unpack_message  # noqa: PLC0415  few are packed
 
         broken: Counter[str] = Counter()
         for channel, stamp_ns, packed in messages:

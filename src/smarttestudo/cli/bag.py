@@ -10,9 +10,9 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from smarttestudo.bags.bag_comparison import BagComparison, ComparisonRow, compare_bags
 from smarttestudo.bags.bag_summary import BagSummary, RecordedTopicRow
-from smarttestudo.bags.incident_mark import incident_subtitles
+from smarttestudo.bags.comparison import BagComparison, ComparisonRow, compare_bags
+from smarttestudo.bags.incident_record import incident_subtitles
 from smarttestudo.bags.topic_selection import is_selected, select_topics
 from smarttestudo.cli import bag_figures
 from smarttestudo.cli.bag_options import (

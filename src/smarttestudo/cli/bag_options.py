@@ -12,8 +12,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from smarttestudo.bags.incident_mark import incident_text
-from smarttestudo.bags.incident_record import record_beside
+from smarttestudo.bags.incident_record import incident_text, record_beside
 from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S
 from smarttestudo.cli.arguments import duration_s, file_path, whole_number_type
 from smarttestudo.cli.output import write_file_text, write_line, write_lines

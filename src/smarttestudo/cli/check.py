@@ -117,8 +117,7 @@ def _robot_topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
 
 def _with_recording(context: CheckContext, bag: Path, results: Sequence[ParseResult]) -> CheckContext:
     """``context`` with topics and types of a recording, and the values in it of what the rules read."""
-    from smarttestudo.bags.message_types import MessageTypes  # noqa: PLC0415  as the next
-    from smarttestudo.bags.observed_values import observed_values  # noqa: PLC0415  as the next
+    from smarttestudo.bags.message_types import MessageTypes, observed_values  # noqa: PLC0415  as the next
     from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
     from smarttestudo.cli.bag_options import print_notices  # noqa: PLC0415  loads what tables need
     from smarttestudo.domain.recording import types_of_topics  # noqa: PLC0415  as above

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from itertools import chain
 from typing import TYPE_CHECKING, TextIO
 
-from smarttestudo.bags.incident_mark import missing_text, signal_texts
+from smarttestudo.bags.incident_record import missing_text, signal_texts
 from smarttestudo.cli.arguments import file_path
 from smarttestudo.cli.bag_options import print_notice, print_notices
 from smarttestudo.cli.commands import CommandParser

@@ -17,14 +17,20 @@ from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, ComparisonMeasurement
 from smarttestudo.accuracy.recorded_loss import LossMeasurement, LossQuestion
 from smarttestudo.accuracy.recorded_samples import RecordedSamples, TopicReading, joined, read_samples
-from smarttestudo.bags.bag_comparison import compare_bags, shorter_notices
-from smarttestudo.bags.comparison import Comparison, TopicComparison, compare
-from smarttestudo.bags.floor import rule_zones
-from smarttestudo.bags.incident_mark import incident_mark
+from smarttestudo.bags.comparison import (
+    Comparison,
+    TopicComparison,
+    compare,
+    compare_bags,
+    mean_target,
+    shorter_notices,
+    target_spans,
+)
+from smarttestudo.bags.incident_record import incident_mark
 from smarttestudo.bags.measure import MeasuredRun, measure_run
 from smarttestudo.bags.reader import open_recording
+from smarttestudo.bags.robot_path import rule_zones
 from smarttestudo.bags.statistics import RecordingSpan
-from smarttestudo.bags.targets import mean_target, target_spans
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError

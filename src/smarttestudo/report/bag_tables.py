@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from smarttestudo.bags.bag_summary import BagSummary, BagTopic
-from smarttestudo.bags.incident_mark import incident_subtitles
+from smarttestudo.bags.incident_record import incident_subtitles
 from smarttestudo.bags.statistics import LONGEST_LATENCY_S
 from smarttestudo.domain.recording import readable_until
 from smarttestudo.domain.units import BYTES_PER_KB, counted, grouped, utc_time

@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from smarttestudo.bags.incident_mark import IncidentMark
-from smarttestudo.bags.targets import target_spans
+from smarttestudo.bags.comparison import target_spans
+from smarttestudo.bags.incident_record import IncidentMark
 from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.remote_robots import RuleText
 from smarttestudo.domain.units import grouped

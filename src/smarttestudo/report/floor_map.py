@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, groupby, pairwise
 
-from smarttestudo.bags.floor import PathPoint
-from smarttestudo.bags.incident_mark import IncidentMark
+from smarttestudo.bags.incident_record import IncidentMark
+from smarttestudo.bags.robot_path import PathPoint
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, OccupancyMap, Rectangle
 from smarttestudo.report.axes import Scale, foot_axis, label, multiples, round_step, value_axis
 from smarttestudo.report.markup import Markup, coordinate, tag

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from smarttestudo.bags.targets import TargetSpan
+from smarttestudo.bags.comparison import TargetSpan
 from smarttestudo.domain.decision import Decision, Reason
 
 

@@ -15,10 +15,9 @@ from smarttestudo.accuracy.accuracy_curve import AccuracyCurve
 from smarttestudo.accuracy.comparison import AccuracyComparison
 from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.bags.comparison import Comparison
-from smarttestudo.bags.floor import PathPoint
-from smarttestudo.bags.incident_mark import IncidentMark
-from smarttestudo.bags.statistics import IntervalBin, RecordingSpan
-from smarttestudo.bags.trace import SecondBin, TraceAccumulator
+from smarttestudo.bags.incident_record import IncidentMark
+from smarttestudo.bags.robot_path import PathPoint
+from smarttestudo.bags.statistics import IntervalBin, RecordingSpan, SecondBin, TraceAccumulator
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.link import StreamCounts

@@ -10,8 +10,8 @@ from enum import Enum
 from itertools import accumulate
 from statistics import fmean, median
 
-from smarttestudo.bags.incident_mark import IncidentMark
-from smarttestudo.bags.targets import TargetSpan, target_spans
+from smarttestudo.bags.comparison import TargetSpan, target_spans
+from smarttestudo.bags.incident_record import IncidentMark
 from smarttestudo.domain.decision import Decision
 from smarttestudo.report.axes import Scale, multiples, round_step
 from smarttestudo.report.rule_timeline import (

@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.bags.incident_mark import IncidentMark
+from smarttestudo.bags.incident_record import IncidentMark
 from smarttestudo.domain.texts import visible
 from smarttestudo.report.axes import (
     DIGITS,

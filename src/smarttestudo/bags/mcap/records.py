@@ -32,8 +32,13 @@ from smarttestudo.bags.mcap.record_bytes import (
 )
 from smarttestudo.bags.mcap.summary import ChannelEntry, SchemaEntry, read_channel, read_schema
 from smarttestudo.bags.stored_file import OutlineError
-from smarttestudo.bags.unpacking import MAX_UNPACKED_BYTES, Buffer, TooLargeError, unpacked_content
-from smarttestudo.bags.zstd_files import begin_frame
+from smarttestudo.bags.unpacking import (
+    MAX_UNPACKED_BYTES,
+    Buffer,
+    TooLargeError,
+    begin_frame,
+    unpacked_content,
+)
 from smarttestudo.domain.units import grouped
 
 _CONTENT = frozenset({Op.SCHEMA, Op.CHANNEL, Op.MESSAGE, Op.CHUNK})

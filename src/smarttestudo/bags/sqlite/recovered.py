@@ -23,10 +23,10 @@ from smarttestudo.bags.stored_file import (
     HOMELESS,
     ChannelsByNumber,
     Outline,
+    TimeIndex,
     left_out,
     read_so_far,
 )
-from smarttestudo.bags.time_index import TimeIndex
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import grouped

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, LogLocator, NullLocator
 
-from smarttestudo.bags.incident_mark import IncidentMark
+from smarttestudo.bags.incident_record import IncidentMark
 from smarttestudo.bags.statistics import IntervalBin
 from smarttestudo.report.accuracy_curve import Sent, accuracy_chart
 from smarttestudo.report.axes import LogScale, tick_label

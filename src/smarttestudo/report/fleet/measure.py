@@ -14,13 +14,12 @@ from smarttestudo.accuracy.bounds import BoundLoss
 from smarttestudo.accuracy.loss_report import LossReport, TopicLoss
 from smarttestudo.accuracy.recorded_loss import LossMeasurement, LossQuestion
 from smarttestudo.accuracy.recorded_samples import read_samples
-from smarttestudo.bags.bag_comparison import compare_bags
 from smarttestudo.bags.bag_summary import BagSummary
+from smarttestudo.bags.comparison import compare_bags
 from smarttestudo.bags.measure import measure_bag, measure_run
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.bags.statistics import RecordingSpan
+from smarttestudo.bags.statistics import RecordingSpan, TraceAccumulator
 from smarttestudo.bags.topic_selection import is_selected
-from smarttestudo.bags.trace import TraceAccumulator
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.units import NS_PER_S

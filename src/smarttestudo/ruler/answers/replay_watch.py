@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from smarttestudo.bags.floor import PathPoint
-from smarttestudo.bags.trace import TraceAccumulator
+from smarttestudo.bags.robot_path import PathPoint
+from smarttestudo.bags.statistics import TraceAccumulator
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, MessageDecoder, RecordingReader, first_of_topics
 from smarttestudo.domain.signal import Truth

@@ -11,7 +11,7 @@ from pathlib import Path
 from smarttestudo.accuracy.reconstruction import TimeBins
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.bags.trace import TraceAccumulator
+from smarttestudo.bags.statistics import TraceAccumulator
 from smarttestudo.checks import CheckContext, check_rules
 from smarttestudo.domain.decision import Decision, Reason, bound_texts
 from smarttestudo.domain.names import resolve_topic
