@@ -27,7 +27,7 @@ from pacing.reckoning.ros_messages import (
 from replays.replay_runs import replay_content
 from replays.test_replay_bounds import recorded
 from smarttestudo.accuracy.arms import Arm, Strategy
-from smarttestudo.accuracy.track import Message as Sent
+from smarttestudo.accuracy.samples import Message as Sent
 from smarttestudo.cli.main import main
 from smarttestudo.language.properties import gauges_for
 from smarttestudo.pacing.reckoning.estimate import Estimate

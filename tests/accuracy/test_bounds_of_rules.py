@@ -24,7 +24,7 @@ from replays.test_replay_bounds import driven, recorded
 from report.golden_files import assert_reads_as
 from smarttestudo.accuracy.arms import Receiver, with_later
 from smarttestudo.accuracy.bounds import BoundLoss, BoundWatch
-from smarttestudo.accuracy.track import Message
+from smarttestudo.accuracy.samples import Message
 from smarttestudo.cli.main import main
 from smarttestudo.language.properties import gauges_for
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3

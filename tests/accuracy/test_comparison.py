@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from pacing.reckoning.ros_messages import ODOMETRY, odometry, planar
 from smarttestudo.accuracy.arms import PacedPicture, Receiver, picture_errors
-from smarttestudo.accuracy.track import Message
+from smarttestudo.accuracy.samples import Message
 from smarttestudo.language.properties import gauges_for
 from smarttestudo.pacing.reckoning.motion import Twist, Vector3
 

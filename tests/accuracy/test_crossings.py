@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from accuracy.loss_signals import sent_and_received, series
-from smarttestudo.accuracy.crossings import Threshold, changes, crossing_loss, thresholds_of
 from smarttestudo.accuracy.loss_report import CrossingLoss, Sightings
+from smarttestudo.accuracy.measure import Threshold, changes, crossing_loss, thresholds_of
 from smarttestudo.accuracy.samples import Series
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.signal import Signal

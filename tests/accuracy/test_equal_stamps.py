@@ -17,8 +17,7 @@ from hypothesis import strategies as st
 from bags.bag_factory import START_NS, BagContent, BagMessage, BagTopic
 from pacing.reckoning.ros_messages import ODOMETRY, TRANSFORMS, odometry, planar, transforms
 from replays.replay_runs import ReplayRun, replay_content
-from smarttestudo.accuracy.comparison import View
-from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules, compare_accuracy
+from smarttestudo.accuracy.comparison import AccuracyRequest, NamedRules, View, compare_accuracy
 from smarttestudo.accuracy.recorded_loss import LossQuestion, measure_loss
 from smarttestudo.rules.rule_sets import load_rules
 

@@ -9,7 +9,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.accuracy.fixed_rates import Source, best_fixed_rates
+from smarttestudo.accuracy.arms import Source, best_fixed_rates
 from smarttestudo.domain.profile import TopicProfile
 
 TIERS = TopicProfile(tiers_hz=(1, 2, 3, 4, 5, 10))

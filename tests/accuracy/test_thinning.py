@@ -9,7 +9,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.accuracy.track import thinned
+from smarttestudo.accuracy.samples import thinned
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.pacing.sample import StreamKind
 

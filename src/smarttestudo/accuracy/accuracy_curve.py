@@ -12,11 +12,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated
 
-from smarttestudo.accuracy.arms import Arm, PacedPicture, Strategy
-from smarttestudo.accuracy.fixed_rates import rate_of_messages
+from smarttestudo.accuracy.arms import Arm, PacedPicture, Strategy, rate_of_messages
 from smarttestudo.accuracy.recorded_samples import TopicReading, read_samples
-from smarttestudo.accuracy.samples import TopicSamples
-from smarttestudo.accuracy.track import Message
+from smarttestudo.accuracy.samples import Message, TopicSamples
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate_meter import mean_hz

@@ -11,7 +11,7 @@ from operator import itemgetter
 from typing import Annotated
 
 from smarttestudo.accuracy.arms import Later, Receiver
-from smarttestudo.accuracy.track import Message
+from smarttestudo.accuracy.samples import Message
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.record import JsonEntry, derived
 from smarttestudo.domain.units import FIRST_STAMP_NS, NS_PER_S

@@ -1,26 +1,31 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The measures of what an operator lost of a topic."""
+"""What an operator misses of a topic whose values count by their fields: errors, ages and thresholds."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
-from smarttestudo.accuracy.crossings import Threshold, crossing_loss
 from smarttestudo.accuracy.loss_report import (
     Age,
     CrossingLoss,
     FieldLoss,
     Frames,
     ImageLoss,
+    Sightings,
     TopicArm,
     TopicLoss,
 )
 from smarttestudo.accuracy.reconstruction import field_error
 from smarttestudo.accuracy.samples import IMAGE_TYPES, Field, Series, TopicSamples
+from smarttestudo.domain.signal import ArrivalProperty, Signal
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.language.normal_form import reads
+from smarttestudo.language.region import Region
+from smarttestudo.language.rule_set import RuleSet
 
 _PERCENTILE = 0.95
 
@@ -141,3 +146,136 @@ def _frames(arm: TopicSamples, shared: SharedTopic) -> Frames:
     seen_ns = [start_ns, *(stamp_ns for stamp_ns in arm.stamps_ns if start_ns < stamp_ns < end_ns), end_ns]
     longest_ns = max(after - before for before, after in itertools.pairwise(seen_ns))
     return Frames(frames=len(arm.stamps_ns), longest_blind_s=longest_ns / NS_PER_S)
+
+
+Change = tuple[int, bool]
+"""A stamp in ns, and whether the check holds from then on."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Threshold:
+    """A check of a field: it holds in ``region``."""
+
+    signal: Signal
+    region: Region
+
+    def __str__(self) -> str:
+        """``/odom pose_y > 5.4``."""
+        comparison = self.region.comparison
+        if comparison is None:
+            raise ValueError(f"no comparison holds in {self.region}")
+        operator, value = comparison
+        return f"{self.signal} {operator.value} {value:g}"
+
+
+def thresholds_of(rule_set: RuleSet) -> tuple[Threshold, ...]:
+    """The checks of ``rule_set`` that read a field, sorted; a check and its negation are one threshold."""
+    found: dict[tuple[Signal, frozenset[Region]], Threshold] = {}
+    for block in rule_set.blocks:
+        for within in reads(block.form):
+            if within.region.comparison is not None and ArrivalProperty.named(within.signal.property) is None:
+                sides = frozenset({within.region, within.region.complement()})
+                found.setdefault(
+                    (within.signal, sides), Threshold(signal=within.signal, region=within.region)
+                )
+    return tuple(sorted(found.values(), key=lambda one: (one.signal, one.region.cuts)))
+
+
+def crossing_loss(
+    threshold: Threshold, sent: Series, received: Series, fixed: Series, end_ns: int
+) -> CrossingLoss:
+    """How the crossings of ``sent`` until ``end_ns`` were seen in the other two."""
+    crossings = _crossings(threshold.region, sent, end_ns)
+    return CrossingLoss(
+        check=str(threshold),
+        crossings=len(crossings),
+        received=_sightings(crossings, changes(threshold.region, received), end_ns),
+        fixed=_sightings(crossings, changes(threshold.region, fixed), end_ns),
+    )
+
+
+def changes(region: Region, series: Series) -> list[Change]:
+    """The first known truth of a check and each change of it; a value that is unknown changes nothing.
+
+    Nor does one that is replaced at the same stamp.
+    """
+    found: list[Change] = []
+    stamps_ns = series.stamps_ns
+    for stamp_ns, value, next_ns in zip_longest(stamps_ns, series.values, stamps_ns[1:]):
+        if stamp_ns == next_ns:
+            continue
+        holds = region.contains(value)
+        if value == value and (not found or found[-1][1] != holds):  # noqa: PLR0124 - NaN differs from itself
+            found.append((stamp_ns, holds))
+    return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Crossing:
+    """A change at ``stamp_ns``; ``before_ns`` is the sample before, ``after_ns`` when the next one comes.
+
+    After the last sample, the next one counts as due after the same time once more.
+    """
+
+    stamp_ns: int
+    holds: bool
+    before_ns: int
+    after_ns: int
+
+
+def _crossings(region: Region, sent: Series, end_ns: int) -> list[_Crossing]:
+    crossed = {stamp_ns: holds for stamp_ns, holds in changes(region, sent)[1:] if stamp_ns <= end_ns}
+    stamps_ns = sorted(set(sent.stamps_ns)) if crossed else []
+    return [
+        _Crossing(
+            stamp_ns=stamp_ns,
+            holds=crossed[stamp_ns],
+            before_ns=stamps_ns[index - 1],
+            after_ns=(*stamps_ns[index + 1 : index + 2], 2 * stamp_ns - stamps_ns[index - 1])[0],
+        )
+        for index, stamp_ns in enumerate(stamps_ns)
+        if stamp_ns in crossed
+    ]
+
+
+def _sightings(crossings: Sequence[_Crossing], seen: Sequence[Change], end_ns: int) -> Sightings:
+    """Match each crossing with the first change to the same side before the robot crosses that way again.
+
+    It is in time before the robot's next message. One that follows a missed one is missed too: it leads back
+    to where the operator believes the robot to be.
+    """
+    in_time, delays_ns, place = 0, [], 0
+    for crossing, again_ns in _with_deadlines(crossings, end_ns):
+        found = _first_sight(crossing, again_ns, seen, place)
+        if found is None:
+            continue
+        place = found + 1
+        if seen[found][0] < crossing.after_ns:
+            in_time += 1
+        else:
+            delays_ns.append(seen[found][0] - crossing.stamp_ns)
+    late = len(delays_ns)
+    return Sightings(
+        in_time=in_time,
+        late=late,
+        missed=len(crossings) - in_time - late,
+        late_mean_s=sum(delays_ns) / late / NS_PER_S if late else None,
+        late_max_s=max(delays_ns) / NS_PER_S if late else None,
+    )
+
+
+def _first_sight(crossing: _Crossing, again_ns: int, seen: Sequence[Change], place: int) -> int | None:
+    """Where in ``seen``, from ``place`` on, the crossing is seen; ``None`` if not before ``again_ns``."""
+    while place < len(seen) and seen[place][0] <= again_ns:
+        stamp_ns, holds = seen[place]
+        if holds == crossing.holds and stamp_ns > crossing.before_ns:
+            return place
+        place += 1
+    return None
+
+
+def _with_deadlines(crossings: Sequence[_Crossing], end_ns: int) -> Iterator[tuple[_Crossing, int]]:
+    """Pair each crossing with the last moment before the robot crosses the same way again."""
+    for index, crossing in enumerate(crossings):
+        again = index + 2
+        yield crossing, crossings[again].stamp_ns - 1 if again < len(crossings) else end_ns

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from smarttestudo.accuracy.arms import Receiver, with_later
+from smarttestudo.accuracy.arms import Receiver, Source, best_fixed_rates, with_later
 from smarttestudo.accuracy.bounds import (
     BoundLoss,
     BoundsFrom,
@@ -19,14 +19,13 @@ from smarttestudo.accuracy.bounds import (
     bounds_of,
     needs_decisions,
 )
-from smarttestudo.accuracy.crossings import thresholds_of
-from smarttestudo.accuracy.fixed_rates import Source, best_fixed_rates
 from smarttestudo.accuracy.loss_report import Carried, LossReport, TopicLoss
 from smarttestudo.accuracy.measure import (
     SharedTopic,
     crossing_losses,
     field_losses,
     image_losses,
+    thresholds_of,
     topic_loss,
 )
 from smarttestudo.accuracy.recorded_samples import (

@@ -83,7 +83,7 @@ class _Accuracies(RecordingCommand["AccuracyComparison"]):
 
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> AccuracyComparison:
-        from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules, compare_accuracy  # noqa: PLC0415  needs packages a robot lacks
+        from smarttestudo.accuracy.comparison import AccuracyRequest, NamedRules, compare_accuracy  # noqa: PLC0415  needs packages a robot lacks
 
         comparison = compare_accuracy(
             AccuracyRequest(

@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, accuracies, position_wanted, readings_for
-from smarttestudo.accuracy.comparison import AccuracyComparison
+from smarttestudo.accuracy.comparison import AccuracyComparison, AccuracyRequest, ComparisonMeasurement
 from smarttestudo.accuracy.loss_report import LossReport
-from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, ComparisonMeasurement
 from smarttestudo.accuracy.recorded_loss import LossMeasurement, LossQuestion
 from smarttestudo.accuracy.recorded_samples import RecordedSamples, TopicReading, joined, read_samples
 from smarttestudo.bags.comparison import (

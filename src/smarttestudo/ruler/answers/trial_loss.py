@@ -8,13 +8,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from smarttestudo.accuracy.crossings import thresholds_of
 from smarttestudo.accuracy.loss_report import ErrorSize, FieldLoss, Frames, Sightings, TopicArm
 from smarttestudo.accuracy.measure import (
     SharedTopic,
     crossing_losses,
     field_losses,
     image_losses,
+    thresholds_of,
     topic_loss,
 )
 from smarttestudo.accuracy.reconstruction import BinnedSeries, TimeBins, binned_age, binned_error

@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarttestudo import __version__
-from smarttestudo.accuracy.comparison import View
-from smarttestudo.accuracy.recorded_comparison import AccuracyRequest, NamedRules
+from smarttestudo.accuracy.comparison import AccuracyRequest, NamedRules, View
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.record import to_json
