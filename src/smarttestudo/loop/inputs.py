@@ -11,6 +11,7 @@ from typing import Annotated
 from smarttestudo.domain.observation import Change, ListenersChanged, SourceChanged
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import JsonEntry
+from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.robot import Payload
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.reload import PreparedRules
@@ -22,8 +23,9 @@ class MessageInput:
     """A message arrived.
 
     ``message`` is its decoded form, or ``Undecodable``, where a check reads fields of the topic.
-    ``publisher`` tells publishers of one topic apart, where that can be told. Treat it as immutable; frozen
-    or keyword-only it would take two to four times as long to make, and one is made for every message.
+    ``publisher`` tells publishers of one topic apart, where that can be told. ``channel`` says how to decode
+    it where that is another way than the topic's first. Treat it as immutable; frozen or keyword-only it
+    would take two to four times as long to make, and one is made for every message.
     """
 
     stamp_ns: int
@@ -32,6 +34,7 @@ class MessageInput:
     size_bytes: int
     message: object | None = None
     publisher: Hashable = None
+    channel: Channel | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import TopicProfile
+from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.robot import Payload
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.properties import gauges_for, needs_decoded
@@ -28,8 +29,8 @@ from smarttestudo.pacing.topic_pacer import Accuracy, TopicPacer
 class Relayed(NamedTuple):
     """A message to publish now on the output topic of ``topic``; ``repeated``: it was relayed before.
 
-    ``payload``, ``size_bytes`` and ``publisher`` are those of its arrival. A tuple, because one is made for
-    all that passes.
+    ``payload``, ``size_bytes``, ``publisher`` and ``channel`` are those of its arrival. A tuple, because one
+    is made for all that passes.
     """
 
     topic: str
@@ -38,6 +39,7 @@ class Relayed(NamedTuple):
     size_bytes: int
     repeated: bool
     publisher: Hashable = None
+    channel: Channel | None = None
 
 
 class PredictedEstimate(NamedTuple):
@@ -232,7 +234,7 @@ class Relay:
         """Pace a message that arrived: return what passes now."""
         now_ns, payload, size_bytes = given.stamp_ns, given.payload, given.size_bytes
         self.statistics.arrived.record(now_ns, size_bytes)
-        sample = Sample(payload, size_bytes, given.publisher)
+        sample = Sample(payload, size_bytes, given.publisher, channel=given.channel)
         freed: Sequence[Relayed] = ()
         if self._video is not None:
             freed = self._read_video(self._video, sample, now_ns)
@@ -317,8 +319,9 @@ class Relay:
             statistics.repeated += repeated
             if sample.frames:
                 statistics.frames.record(statistics.frames.relayed, sample.frames, now_ns)
+            payload, size_bytes, publisher = sample.payload, sample.size_bytes, sample.publisher
             relayed.append(
-                Relayed(self.topic, now_ns, sample.payload, sample.size_bytes, repeated, sample.publisher)
+                Relayed(self.topic, now_ns, payload, size_bytes, repeated, publisher, sample.channel)
             )
         return relayed
 

@@ -10,6 +10,7 @@ from enum import Enum
 from typing import NamedTuple, Protocol
 
 from smarttestudo.domain.names import short_type_name
+from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.robot import Payload
 from smarttestudo.pacing.cdr import STREAM_TYPES
 from smarttestudo.pacing.coded_video import VideoFrame, is_coded_video
@@ -69,8 +70,9 @@ class Sample:
     the streams in it, such as the child frames of a TFMessage (``cdr.StreamReader``), ``deletion`` says
     whether it deletes markers, and ``frame`` what a message of coded video is to a decoder. ``stamp`` is
     ``cdr.header_stamp`` where topics are paced together, ``readings`` what ``Estimate.read`` made of it where
-    the estimate of the topic has bounds. Treat it as immutable; frozen or keyword-only it would take two to
-    four times as long to make, and one is made for every message.
+    the estimate of the topic has bounds, ``channel`` says how to decode it where that is another way than the
+    topic's first. Treat it as immutable; frozen or keyword-only it would take two to four times as long to
+    make, and one is made for every message.
     """
 
     payload: Payload
@@ -81,6 +83,7 @@ class Sample:
     readings: tuple[Reading | None, ...] = ()
     frame: VideoFrame | None = None
     deletion: int = 0
+    channel: Channel | None = None
 
 
 class Pass(NamedTuple):

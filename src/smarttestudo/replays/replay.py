@@ -146,17 +146,6 @@ def _output(
     )
 
 
-class _Redefined(bytes):
-    """A message that means what another definition says than the first one of its topic."""
-
-    channel: Channel
-
-    def __new__(cls, payload: bytes, channel: Channel) -> _Redefined:
-        made = super().__new__(cls, payload)
-        made.channel = channel
-        return made
-
-
 class _Run:
     """Drives the loop of one request with the messages of the recording and the time between them."""
 
@@ -238,11 +227,9 @@ class _Run:
         if self._cutter is not None:
             self._cut(self._cutter, channel, stamp_ns, payload)
         source = self._needed.get(topic)
-        if source is not channel:
-            if source is None or source.type_name != channel.type_name:
-                self._left_out[topic, TWO_TYPES] += source is not None
-                return
-            payload = _Redefined(payload, channel)
+        if source is None or source.type_name != channel.type_name:
+            self._left_out[topic, TWO_TYPES] += source is not None
+            return
         if stamp_ns >= self._report_ns:
             self._report_ns = stamp_ns + self._report(stamp_ns)
         wake_ns = loop.next_wake_ns
@@ -250,7 +237,10 @@ class _Run:
             self._wake_before(stamp_ns)
         declared_bytes = self._declared_bytes
         size_bytes = declared_bytes[topic] if topic in declared_bytes else len(payload)
-        relayed = self._handled(MessageInput(stamp_ns, topic, payload, size_bytes, message))
+        redefined = None if source is channel else channel
+        relayed = self._handled(
+            MessageInput(stamp_ns, topic, payload, size_bytes, message, None, redefined)
+        )
         if relayed:
             self._write(relayed)
         if request.stepped is not None:
@@ -361,10 +351,10 @@ class _Run:
                 self._request.stepped(wake_ns, self._loop)
 
     def _write(self, relayed: Iterable[Relayed]) -> None:
-        for topic, stamp_ns, payload, *_ in relayed:
+        for topic, stamp_ns, payload, *_, redefined in relayed:
             output = self._topics.outputs[topic]
-            if isinstance(payload, _Redefined):
-                output = replace(payload.channel, topic=output.topic)
+            if redefined is not None:
+                output = replace(redefined, topic=output.topic)
             # What was held back goes out after the last message, where there may be no time left.
             self._writer.write(output, min(stamp_ns, LAST_STAMP_NS), payload[:])
 
