@@ -13,7 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bags.bag_factory import START_NS, BagContent, BagMessage, BagTopic, cdr, message_of, write_bag
-from smarttestudo.bags.qos import stored_qos
+from smarttestudo.bags.metadata_text import offered_qos
+from smarttestudo.bags.qos import qos_profiles
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.cli.main import main
 from smarttestudo.domain.recording import Channel, Storage
@@ -97,7 +98,8 @@ def test_the_profile_of_a_recording_with_a_strange_name_reads_back(tmp_path: Pat
 def test_publishers_are_said_where_the_recording_lists_what_each_of_them_offered(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path, offered = tmp_path / "two", stored_qos(Qos(reliable=True, transient_local=False, depth=10))
+    path = tmp_path / "two"
+    (offered,) = qos_profiles(offered_qos(Qos(reliable=True, transient_local=False, depth=10)))
     with create_recording(path) as writer:
         writer.write(replace(SCAN, qos=(offered, offered)), S, bytes(1000))
         writer.write(replace(MAP, qos=(offered,)), S, bytes(1000))

@@ -22,16 +22,36 @@ _TRANSIENT_LOCAL, _VOLATILE = 1, 2
 
 def offered_qos(qos: Qos) -> str:
     """Entry for a publisher with ``qos`` in a bag's metadata."""
+    return qos_entry(
+        depth=qos.depth,
+        reliability=_RELIABLE if qos.reliable else _BEST_EFFORT,
+        durability=_TRANSIENT_LOCAL if qos.transient_local else _VOLATILE,
+    )
+
+
+def qos_entry(
+    *,
+    history: int = _KEEP_LAST,
+    depth: int,
+    reliability: int,
+    durability: int,
+    deadline: str = _UNLIMITED,
+    lifespan: str = _UNLIMITED,
+    liveliness: int = _AUTOMATIC,
+    liveliness_lease_duration: str = _UNLIMITED,
+    avoid_ros_namespace_conventions: bool = False,
+) -> str:
+    """Entry for a profile, with its policies as rmw numbers them."""
     return (
-        f"- history: {_KEEP_LAST}\n"
-        f"  depth: {qos.depth}\n"
-        f"  reliability: {_RELIABLE if qos.reliable else _BEST_EFFORT}\n"
-        f"  durability: {_TRANSIENT_LOCAL if qos.transient_local else _VOLATILE}\n"
-        f"  deadline: {_UNLIMITED}\n"
-        f"  lifespan: {_UNLIMITED}\n"
-        f"  liveliness: {_AUTOMATIC}\n"
-        f"  liveliness_lease_duration: {_UNLIMITED}\n"
-        "  avoid_ros_namespace_conventions: false"
+        f"- history: {history}\n"
+        f"  depth: {depth}\n"
+        f"  reliability: {reliability}\n"
+        f"  durability: {durability}\n"
+        f"  deadline: {deadline}\n"
+        f"  lifespan: {lifespan}\n"
+        f"  liveliness: {liveliness}\n"
+        f"  liveliness_lease_duration: {liveliness_lease_duration}\n"
+        f"  avoid_ros_namespace_conventions: {str(avoid_ros_namespace_conventions).lower()}"
     )
 
 

@@ -7,33 +7,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from enum import Enum
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
-if TYPE_CHECKING:
-    from smarttestudo.domain import robot
+from smarttestudo.bags.metadata_text import qos_entry
 
 _Policy = TypeVar("_Policy", bound=Enum)
 _TEXTS_KEPT = 64
 _UNLIMITED = QosTime(9223372036, 854775807)
-
-
-def stored_qos(qos: robot.Qos) -> Qos:
-    """Stored form of a publisher's ``qos``, as a bag has it."""
-    return Qos(
-        history=QosHistory.KEEP_LAST,
-        depth=qos.depth,
-        reliability=QosReliability.RELIABLE if qos.reliable else QosReliability.BEST_EFFORT,
-        durability=QosDurability.TRANSIENT_LOCAL if qos.transient_local else QosDurability.VOLATILE,
-        deadline=_UNLIMITED,
-        lifespan=_UNLIMITED,
-        liveliness=QosLiveliness.AUTOMATIC,
-        liveliness_lease_duration=_UNLIMITED,
-        avoid_ros_namespace_conventions=False,
-    )
 
 
 def qos_profiles(stored: object) -> tuple[Qos, ...]:
@@ -87,6 +71,29 @@ def _policy(kind: type[_Policy], entry: Mapping[str, Any], name: str) -> _Policy
 
 def _time(entry: Mapping[str, Any] | None) -> QosTime:
     return _UNLIMITED if entry is None else QosTime(int(entry["sec"]), int(entry["nsec"]))
+
+
+def qos_text(profiles: Iterable[object]) -> str:
+    """``profiles`` as version 8 of the metadata has them."""
+    return "\n".join(_entry(profile) for profile in profiles if isinstance(profile, Qos))
+
+
+def _entry(profile: Qos) -> str:
+    return qos_entry(
+        history=profile.history.value,
+        depth=profile.depth,
+        reliability=profile.reliability.value,
+        durability=profile.durability.value,
+        deadline=_time_text(profile.deadline),
+        lifespan=_time_text(profile.lifespan),
+        liveliness=profile.liveliness.value,
+        liveliness_lease_duration=_time_text(profile.liveliness_lease_duration),
+        avoid_ros_namespace_conventions=profile.avoid_ros_namespace_conventions,
+    )
+
+
+def _time_text(time: QosTime) -> str:
+    return f"{{sec: {time.sec}, nsec: {time.nsec}}}"
 
 
 def is_transient_local(profiles: Iterable[object]) -> bool:

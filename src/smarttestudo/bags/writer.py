@@ -17,6 +17,8 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 from smarttestudo.bags.channel_reader import ChannelKey, key_of
 from smarttestudo.bags.definitions import TypeLibrary
+from smarttestudo.bags.mcap.record_bytes import StoredChannel
+from smarttestudo.bags.qos import qos_text
 from smarttestudo.bags.recording import with_declared_bytes
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel, ForeignSchema, RecordingWriter, Storage
@@ -264,3 +266,21 @@ class RosbagWriter(Writer):
         self.counts[connection.id] += 1
         self.min_timestamp = min(self.min_timestamp, timestamp)
         self.max_timestamp = max(self.max_timestamp, timestamp)
+
+
+def stored_channels(channels: Mapping[str, Channel]) -> dict[str, StoredChannel]:
+    """``channels``, with definitions where the recording has none and ROS 2 knows the type."""
+    types = TypeLibrary()
+    return {topic: _stored(channel, types) for topic, channel in channels.items()}
+
+
+def _stored(channel: Channel, types: TypeLibrary) -> StoredChannel:
+    definition, digest = types.definition_and_digest(channel)
+    return StoredChannel(
+        topic=channel.topic,
+        type_name=channel.type_name,
+        definition=definition,
+        digest=digest,
+        qos_text=qos_text(channel.qos),
+        serialization_format=channel.serialization_format,
+    )

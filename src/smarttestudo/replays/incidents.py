@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
-from smarttestudo.bags.stored_channels import stored_channels
+from smarttestudo.bags.writer import stored_channels
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.units import BYTES_PER_MB, counted

@@ -21,7 +21,8 @@ from rosbags.typesys.store import Typestore
 from rosbags.typesys.stores import ros2_humble as ros
 from rosbags.typesys.stores import ros2_jazzy
 
-from smarttestudo.bags.qos import stored_qos
+from smarttestudo.bags.metadata_text import offered_qos
+from smarttestudo.bags.qos import qos_profiles
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.robot import Payload, Qos
 from smarttestudo.domain.units import NS_PER_S
@@ -138,7 +139,7 @@ class RobotMessages:
             type_name=type_name,
             definition=types.generate_msgdef(type_name, ros_version=2)[0],
             digest=types.hash_rihs01(type_name),
-            qos=(stored_qos(qos_of(topic)),),
+            qos=qos_profiles(offered_qos(qos_of(topic))),
             serialization_format="cdr",
             transient_local=qos_of(topic).transient_local,
         )
