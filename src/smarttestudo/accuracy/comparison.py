@@ -13,12 +13,7 @@ from typing import Annotated
 
 from smarttestudo.accuracy.arms import PacedPicture, Receiver, picture_errors, rate_of_bytes
 from smarttestudo.accuracy.bounds import bounds_of
-from smarttestudo.accuracy.recorded_samples import (
-    RecordedSamples,
-    SampleTaker,
-    TopicReading,
-    read_samples,
-)
+from smarttestudo.accuracy.recorded_samples import RecordedSamples, SampleTaker, TopicReading, read_samples
 from smarttestudo.accuracy.samples import IMAGE_TYPES, TopicSamples
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.profile import Profile

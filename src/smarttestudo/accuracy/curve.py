@@ -11,21 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from smarttestudo.accuracy.accuracy_curve import (
-    AccuracyCurve,
-    accuracies,
-    accuracy_wanted,
-    geometry_of,
-)
+from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, accuracies, accuracy_wanted, geometry_of
 from smarttestudo.accuracy.loss_report import Age, ErrorSize, FieldError
 from smarttestudo.accuracy.measure import age_of
 from smarttestudo.accuracy.reconstruction import field_error
-from smarttestudo.accuracy.recorded_samples import (
-    TopicReading,
-    joined,
-    read_samples,
-    require_numbers,
-)
+from smarttestudo.accuracy.recorded_samples import TopicReading, joined, read_samples, require_numbers
 from smarttestudo.accuracy.samples import BULK_TYPES, Field, TopicSamples, fields_of
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
@@ -66,8 +56,7 @@ def proposed_breakpoints(losses: Sequence[Loss], source_hz: float) -> TierPropos
     worst = ", ".join(dict.fromkeys(field for _, field in found))
     levels = ", ".join(f"{100 * level:g}" for level in LEVELS)
     return TierProposal(
-        tiers_hz=tiers_hz,
-        origin=f"RMSE of holding: {levels} % of the range (worst: {worst}), 0 at source_hz",
+        tiers_hz=tiers_hz, origin=f"RMSE of holding: {levels} % of the range (worst: {worst}), 0 at source_hz"
     )
 
 

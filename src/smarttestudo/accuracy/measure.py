@@ -76,7 +76,6 @@ class SharedTopic:
 
     @property
     def topic(self) -> str:
-        """Its name as sent."""
         return self.sent.channel.topic
 
     def series(self, field: Field) -> tuple[Series, Series, Series]:

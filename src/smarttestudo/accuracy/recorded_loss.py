@@ -71,10 +71,7 @@ class LossQuestion:
 
 
 def measure_loss(
-    a: Path,
-    b: Path,
-    question: LossQuestion | None = None,
-    report: Callable[[float], None] = lambda _: None,
+    a: Path, b: Path, question: LossQuestion | None = None, report: Callable[[float], None] = lambda _: None
 ) -> LossReport:
     """The loss between ``a``, as sent, and ``b``, as received, in the time of ``a``.
 
@@ -164,12 +161,7 @@ class LossMeasurement:
                 fixed_bytes=sum(shared.fixed.size_bytes for shared in topics),
             ),
             after_end=self._after_end(received.after_end),
-            notices=(
-                *sent.notices,
-                *received.notices,
-                *self._notices(topics),
-                *_late_notices(carried),
-            ),
+            notices=(*sent.notices, *received.notices, *self._notices(topics), *_late_notices(carried)),
         )
 
     def _bounds_in_force(self) -> dict[str, Sequence[BoundsFrom]]:
@@ -245,11 +237,7 @@ class LossMeasurement:
         }
         with open_recording(self._path) as recording:
             return read_samples(
-                recording,
-                readings,
-                start_ns=self._a.span.start_ns,
-                end_ns=self._a.span.end_ns,
-                report=report,
+                recording, readings, start_ns=self._a.span.start_ns, end_ns=self._a.span.end_ns, report=report
             )
 
     def _shared(

@@ -372,7 +372,6 @@ class RosbagDecoder:
         return self._library.why_undecodable(channel)
 
     def is_standard(self, channel: Channel) -> bool:
-        """As ``TypeLibrary``."""
         return self._library.is_standard(channel)
 
     def unread(self, channel: Channel) -> Sequence[str]:

@@ -164,7 +164,6 @@ class _Robot:
         return tuple(self._places.path) if self._places else ()
 
     def sizes(self) -> Iterator[RecordedSize]:
-        """As ``RecordingReader.sizes``."""
         if self._places is None:
             yield from self._recording.sizes()
             return
@@ -220,10 +219,7 @@ def _count(
 
 
 def _summary(
-    path: Path,
-    recording: RecordingReader,
-    counters: Mapping[str, TopicCounter],
-    more_notices: Iterable[str],
+    path: Path, recording: RecordingReader, counters: Mapping[str, TopicCounter], more_notices: Iterable[str]
 ) -> BagSummary:
     """The summary of a recording that was counted."""
     span = RecordingSpan(

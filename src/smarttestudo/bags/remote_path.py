@@ -72,30 +72,24 @@ class RemotePath:
 
     @property
     def name(self) -> str:
-        """The last part."""
         return self._url.rstrip("/").rpartition("/")[2]
 
     @property
     def parent(self) -> RemotePath:
-        """The folder that it is in."""
         return self._at(self._url.rstrip("/").rpartition("/")[0])
 
     @property
     def stem(self) -> str:
-        """The last part without its suffix."""
         return Path(self.name).stem
 
     @property
     def suffix(self) -> str:
-        """The end of the last part, from its last point."""
         return Path(self.name).suffix
 
     def with_name(self, name: str) -> RemotePath:
-        """The same with another last part."""
         return self._at(f"{self._url.rstrip('/').rpartition('/')[0]}/{name}")
 
     def with_suffix(self, suffix: str) -> RemotePath:
-        """The same with another suffix."""
         return self.with_name(Path(self.name).with_suffix(suffix).name)
 
     def is_absolute(self) -> bool:
@@ -107,15 +101,12 @@ class RemotePath:
         return False
 
     def exists(self) -> bool:
-        """Whether there is something."""
         return self.is_file() or self.is_dir()
 
     def is_file(self) -> bool:
-        """Whether there is a file."""
         return self._kind() == "file"
 
     def is_dir(self) -> bool:
-        """Whether there is a folder."""
         return self._kind() == "directory"
 
     def stat(self) -> os.stat_result:
@@ -127,7 +118,6 @@ class RemotePath:
     lstat = stat
 
     def iterdir(self) -> Iterator[RemotePath]:
-        """The content of the folder."""
         # An object store may list the folder itself.
         for found in self._call(
             lambda fs, path: [
@@ -138,7 +128,6 @@ class RemotePath:
             yield self._at(f"{self._url.rstrip('/')}/{name}", found)
 
     def relative_to(self, folder: RemotePath) -> PurePosixPath:
-        """Its place in ``folder``."""
         return PurePosixPath(self._url.removeprefix(folder._url).lstrip("/"))
 
     def matches(self) -> list[RemotePath]:
@@ -148,7 +137,6 @@ class RemotePath:
         )
 
     def open(self, _mode: str = "rb") -> BinaryIO:
-        """The file, to read."""
         size_bytes = self.stat().st_size
 
         def fetch(start: int, end: int) -> bytes:
@@ -157,12 +145,10 @@ class RemotePath:
         return io.BufferedReader(_Ranges(fetch, size_bytes), _LEAST_BYTES)
 
     def read_bytes(self) -> bytes:
-        """All of it."""
         with self.open() as file:
             return file.read()
 
     def read_text(self, encoding: str | None = None) -> str:
-        """All of it as text."""
         return self.read_bytes().decode(encoding or "utf-8")
 
     def refuse_failures(self) -> None:

@@ -125,11 +125,9 @@ class PosePlaces:
 
     @property
     def source(self) -> str:
-        """As ``PathReader``."""
         return self._channel.topic
 
     def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
-        """As ``PathReader``."""
         if stamp_ns < self._due_ns or channel.topic != self._channel.topic:
             return
         if channel.type_name != self._channel.type_name:
@@ -158,21 +156,17 @@ class BestPlaces:
 
     @property
     def path(self) -> Sequence[PathPoint]:
-        """As ``PathReader``."""
         return self._best.path
 
     @property
     def source(self) -> str:
-        """As ``PathReader``."""
         return self._best.source
 
     @property
     def frame(self) -> str:
-        """As ``PathReader``."""
         return self._best.frame
 
     def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
-        """As ``PathReader``."""
         for reader in self._readers:
             reader.on_message(channel, stamp_ns, payload)
 
@@ -200,11 +194,9 @@ class TransformPlaces:
 
     @property
     def source(self) -> str:
-        """As ``PathReader``."""
         return self._channels[0].topic
 
     def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
-        """As ``PathReader``."""
         if not any(channel is one for one in self._channels):
             return
         message = _decoded(self._decoder, channel, payload)

@@ -46,7 +46,6 @@ class TraceAccumulator:
         self._last_ns = 0
 
     def add(self, stamp_ns: int, size_bytes: int) -> None:
-        """Count one message."""
         second = stamp_ns // NS_PER_S
         if second != self._current:
             if self._current is None:
@@ -90,12 +89,10 @@ class TraceAccumulator:
 
     @property
     def messages(self) -> int:
-        """Messages counted so far."""
         return sum(self._messages)
 
     @property
     def size_bytes(self) -> int:
-        """Their bytes."""
         return sum(self._bytes)
 
     def bins(self) -> Iterator[SecondBin]:

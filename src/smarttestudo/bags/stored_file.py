@@ -39,7 +39,6 @@ class TimeIndex:
         return iter(self._database.execute("SELECT stamp_ns, offset FROM place ORDER BY stamp_ns, key"))
 
     def close(self) -> None:
-        """Drop the index."""
         self._database.close()
 
 

@@ -48,11 +48,7 @@ class ParquetFolder:
 
         Raises ``TestudoError`` for what cannot be written.
         """
-        common = {
-            "run": self._run,
-            "written_at": datetime.now(tz=timezone.utc),
-            "version": __version__,
-        }
+        common = {"run": self._run, "written_at": datetime.now(tz=timezone.utc), "version": __version__}
         schema = pa.schema([(name, _TYPES[of]) for name, of in {**OF_EACH_TABLE, **columns}.items()])
         content = pa.Table.from_pylist([{**common, **_in_unicode(row)} for row in rows], schema=schema)
         if not content.num_rows:

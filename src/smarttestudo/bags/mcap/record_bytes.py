@@ -100,12 +100,10 @@ class ChunkPlace:
 
     @property
     def first_ns(self) -> int:
-        """The least stamp in it."""
         return 0 if self.span_ns is None else self.span_ns[0]
 
     @property
     def last_ns(self) -> int:
-        """The greatest stamp in it."""
         return 0 if self.span_ns is None else self.span_ns[1]
 
 

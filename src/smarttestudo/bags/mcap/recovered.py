@@ -259,7 +259,6 @@ class RecoveredMcapFile:
         return 1 - self._records.lost_bytes / self._records.file_bytes
 
     def close(self) -> None:
-        """Let go of the file."""
         self._resources.close()
 
     @property

@@ -27,13 +27,7 @@ from smarttestudo.bags.mcap.record_bytes import (
 )
 from smarttestudo.bags.mcap.recovered import FoundMessage, in_time_order
 from smarttestudo.bags.mcap.summary import ChunkEntry, McapSummary, StatisticsEntry, read_summary
-from smarttestudo.bags.stored_file import (
-    ChannelsByNumber,
-    ContinuedFile,
-    Outline,
-    OutlineError,
-    StoredFile,
-)
+from smarttestudo.bags.stored_file import ChannelsByNumber, ContinuedFile, Outline, OutlineError, StoredFile
 from smarttestudo.bags.stray_stamps import LEAST_BACK_NS
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 from smarttestudo.domain.units import LAST_STAMP_NS
@@ -193,7 +187,6 @@ class McapFile(ContinuedFile):
         return [*dict.fromkeys((*self._reader.notices, *super().notices()))]
 
     def close(self) -> None:
-        """Let go of the file."""
         if self._opened is not None:
             self._opened.close()
             self._opened = None

@@ -62,7 +62,6 @@ class FileContent:
 
     @property
     def message_count(self) -> int:
-        """All messages."""
         return sum(self.messages.values())
 
 
@@ -150,7 +149,6 @@ class McapWriter:
         return self._state.channels.get(channel) or self._add(channel)
 
     def write(self, channel: StoredChannel, stamp_ns: int, payload: bytes) -> None:
-        """Append one message."""
         state = self._state
         chunk = state.chunk or self._open_chunk()
         number = state.channels.get(channel) or self._add(channel)

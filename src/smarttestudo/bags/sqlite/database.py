@@ -61,7 +61,6 @@ class DatabaseFile:
         return data
 
     def close(self) -> None:
-        """Let go of both files."""
         self._file.close()
         if self._log_file is not None:
             self._log_file.close()

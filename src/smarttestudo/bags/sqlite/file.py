@@ -15,13 +15,7 @@ import apsw
 from smarttestudo.bags.channel_reader import ChannelReader
 from smarttestudo.bags.sqlite.database import BROKEN, open_database, read_topics
 from smarttestudo.bags.sqlite.log import WriteAheadLog
-from smarttestudo.bags.stored_file import (
-    ChannelsByNumber,
-    ContinuedFile,
-    Outline,
-    OutlineError,
-    StoredFile,
-)
+from smarttestudo.bags.stored_file import ChannelsByNumber, ContinuedFile, Outline, OutlineError, StoredFile
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import RecordedMessage, RecordedSize
 

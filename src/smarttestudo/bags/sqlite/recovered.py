@@ -326,7 +326,6 @@ class RecoveredSqliteFile:
         return self.message_count / self.promised_messages if self.promised_messages else None
 
     def close(self) -> None:
-        """Let go of the file."""
         self._resources.close()
 
     @property
