@@ -42,10 +42,10 @@ MISSION = small_mission()
 ODD = Channel(topic="/odd", type_name="nobody_msgs/msg/Odd")
 
 
-def copy_bag(source: Path, target: Path, storage: Storage, **options: object) -> Path:
+def copy_bag(source: Path, target: Path, storage: Storage) -> Path:
     with (
         open_recording(source) as recording,
-        create_recording(target, storage=storage, custom_data=recording.custom_data, **options) as writer,  # type: ignore[arg-type]
+        create_recording(target, storage=storage, custom_data=recording.custom_data) as writer,
     ):
         for channel in recording.channels:
             writer.add(channel)
@@ -59,12 +59,11 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_bag(tmp_path_factory.mktemp("source") / "mission", MISSION, custom_data={"operator": "Ada"})
 
 
-@pytest.mark.parametrize("version", [8, 9])
 @pytest.mark.parametrize("storage", Storage)
 def test_a_copy_holds_the_same_bytes_for_our_reader_and_for_others(
-    source: Path, tmp_path: Path, storage: Storage, version: int
+    source: Path, tmp_path: Path, storage: Storage
 ) -> None:
-    copy = copy_bag(source, tmp_path / "copy", storage, version=version)
+    copy = copy_bag(source, tmp_path / "copy", storage)
     assert read_bag(copy).messages == list(MISSION.messages)
     assert read_with_rosbags(copy) == list(MISSION.messages)
     if storage is Storage.MCAP:
@@ -110,18 +109,6 @@ def test_the_metadata_are_what_humble_reads(source: Path, tmp_path: Path, storag
     )
     assert profile["deadline"] == {"sec": 9223372036, "nsec": 854775807}
     assert profile["avoid_ros_namespace_conventions"] is False
-
-
-def test_version_9_names_its_qos_policies(source: Path, tmp_path: Path) -> None:
-    copy = copy_bag(source, tmp_path / "copy", Storage.SQLITE3, version=9)
-    information = read_yaml(copy / "metadata.yaml")["rosbag2_bagfile_information"]
-    (map_name,) = (
-        entry["topic_metadata"]
-        for entry in information["topics_with_message_count"]
-        if entry["topic_metadata"]["name"] == "/map_name"
-    )
-    assert information["version"] == 9
-    assert map_name["offered_qos_profiles"][0]["durability"] == "transient_local"
 
 
 def test_an_mcap_copy_is_what_foxglove_reads(source: Path, tmp_path: Path) -> None:

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from rosbags.rosbag2.writer import StorageWriter
 
 
+_VERSION: Literal[8] = 8
+"""Of the metadata, which ``ros2 bag play`` reads from Humble on."""
 _PLUGINS = {Storage.SQLITE3: StoragePlugin.SQLITE3, Storage.MCAP: StoragePlugin.MCAP}
 
 
@@ -40,12 +42,10 @@ def create_recording(
     storage: Storage = Storage.SQLITE3,
     declared_bytes: Mapping[str, int] | None = None,
     custom_data: Mapping[str, str] | None = None,
-    version: Literal[8, 9] = 8,
 ) -> Iterator[RecordingWriter]:
     """A new rosbag2 folder at ``path``, in place once the block ends well, and gone if it does not.
 
     ``declared_bytes`` are the sizes that messages of a topic stand for, and go into ``custom_data``.
-    Version 8 of the metadata is what ``ros2 bag play`` reads from Humble on.
 
     Raises:
         RecordingError: ``path`` exists, cannot be written, or the disk is full.
@@ -56,7 +56,7 @@ def create_recording(
             path.parent.mkdir(parents=True, exist_ok=True)
             made = temporary_folder(path.parent, prefix=f".{path.name}-", suffix=PARTIAL_SUFFIX)
             workshop = opened.enter_context(made)
-            writer = RosbagWriter(workshop / path.name, version=version, storage_plugin=_PLUGINS[storage])
+            writer = RosbagWriter(workshop / path.name, version=_VERSION, storage_plugin=_PLUGINS[storage])
             for key, value in with_declared_bytes(custom_data or {}, declared_bytes or {}).items():
                 writer.set_custom_data(key, value)
             writer.open()
