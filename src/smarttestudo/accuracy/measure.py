@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an operator misses of a topic whose values count by their fields: errors, ages and thresholds."""
+"""The loss of an operator in a topic whose values count by their fields: errors, ages and thresholds."""
 
 from __future__ import annotations
 
