@@ -15,8 +15,7 @@ from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME, read_record
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
-from smarttestudo.bags.mcap.writer import FileContent, McapWriter
-from smarttestudo.bags.mcap.written_file import complete_files
+from smarttestudo.bags.mcap.writer import FileContent, McapWriter, complete_files
 from smarttestudo.bags.metadata_text import METADATA_NAME, metadata_text
 from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.incident import (

@@ -17,8 +17,7 @@ from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
-from smarttestudo.bags.mcap.writer import FileContent, McapWriter
-from smarttestudo.bags.mcap.written_file import complete_files
+from smarttestudo.bags.mcap.writer import FileContent, McapWriter, complete_files
 from smarttestudo.domain.errors import TestudoError, testudo_error
 from smarttestudo.domain.incident import IncidentRecord, Missing, MissingReason
 from smarttestudo.domain.units import NS_PER_S

@@ -11,8 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
-from smarttestudo.bags.mcap.writer import McapWriter
-from smarttestudo.bags.mcap.written_file import complete_files
+from smarttestudo.bags.mcap.writer import McapWriter, complete_files
 from smarttestudo.domain.errors import TestudoError, said
 from smarttestudo.domain.incident import OUTAGE_NAME, OUTAGE_RULE, IncidentRecord, IncidentTopic, Missing
 from smarttestudo.domain.link import MessageOrigin, MissedMessage, OutgoingLink

@@ -313,9 +313,7 @@ class _Run:
         declared_bytes = self._declared_bytes
         size_bytes = declared_bytes[topic] if topic in declared_bytes else len(payload)
         redefined = None if source is channel else channel
-        relayed = self._handled(
-            MessageInput(stamp_ns, topic, payload, size_bytes, message, None, redefined)
-        )
+        relayed = self._handled(MessageInput(stamp_ns, topic, payload, size_bytes, message, None, redefined))
         if relayed:
             self._write(relayed)
         if request.stepped is not None:
