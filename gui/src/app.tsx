@@ -156,7 +156,7 @@ interface Props {
 }
 
 /** The page of a file that is there, or of none; the address of one that is not there leads home. */
-export function KnownFile({ Page, route, props, onMissing }: Props) {
+function KnownFile({ Page, route, props, onMissing }: Props) {
   const [isThere, setIsThere] = useState(mayBeNew(route, props));
   useEffect(() => {
     if (isThere) return;

@@ -5,7 +5,6 @@ import type { Operator, TimeWord } from "../api/types";
 import { type ClockState, type TimePart, timeFields, timesOn } from "./conditions";
 import { button, choiceField, MINUS, numberField, operatorField, timeUnitField } from "./fields";
 import { openField } from "./open_field";
-import { type Choice, openMenu } from "./open_menu";
 
 const TIME_WORDS: [string, TimeWord][] = [
   ["for", "For"],
@@ -121,4 +120,20 @@ function change(block: Blockly.BlockSvg, act: () => void): void {
 function focus(block: Blockly.BlockSvg, name: string): void {
   const field = block.getField(name);
   if (field) Blockly.getFocusManager().focusNode(field);
+}
+
+/** A line of a menu. */
+export interface Choice {
+  text: string;
+  enabled: boolean;
+  callback: () => void;
+}
+
+/** Opens a menu below a place of the page; Enter takes its first line. */
+function openMenu(choices: readonly Choice[], workspace: Blockly.WorkspaceSvg, below: DOMRect | undefined): void {
+  const place = new Blockly.utils.Coordinate(below?.left ?? 0, below?.bottom ?? 0);
+  Blockly.ContextMenu.show(new Event("click"), [...choices], false, workspace, place);
+  const menu = Blockly.ContextMenu.getMenu();
+  menu?.setHighlighted(null);
+  menu?.highlightNext();
 }

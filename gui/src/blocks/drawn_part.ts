@@ -7,12 +7,11 @@ import { statementsIn } from "../state/statements";
 import { DEFAULT_TYPES } from "./actions";
 import { showRawText } from "./block_types";
 import { type Column, GAP, HEADING } from "./column";
+import { parseBound } from "./field_text";
 import type { Suggestions } from "./fields";
 import { FOLDED } from "./folded_type";
-import { showJoins } from "./joins";
 import { checksOf } from "./live_states";
 import { fingerprint, toBlock } from "./model";
-import { covers, follow, inPart, offsetsOf, type Part, partAround, partAt } from "./part";
 import { newSlot, printOf, type Slot, statementOf } from "./slots";
 
 type Print = (slot: Slot) => string | null;
@@ -243,4 +242,85 @@ export class Rows {
 
 function isDefault({ kind }: Statement): boolean {
   return DEFAULT_TYPES.has(`adirf_${kind}`);
+}
+
+/** A text with no more statements than this is shown whole: Blockly keeps every block drawn. */
+const WHOLE = 40;
+
+/** The statements that are blocks now, of a longer text those near the view; counted from 0 in the order of the text. */
+export interface Part {
+  readonly first: number;
+  readonly count: number;
+  readonly total: number;
+}
+
+export function partAround(index: number, total: number): Part {
+  if (total <= WHOLE) return { first: 0, count: total, total };
+  const first = Math.max(0, Math.min(index - WHOLE / 4, total - WHOLE / 2));
+  return { first, count: Math.min(WHOLE / 2, total - first), total };
+}
+
+/** The same part of a text that changed, by the keys of its statements: what comes or goes in it makes it longer or shorter. */
+export function follow(part: Part, before: readonly string[], after: readonly string[]): Part {
+  const total = after.length;
+  if (total <= WHOLE || part.total === 0) return partAround(0, total);
+  const more = total - part.total;
+  const changed = before.findIndex((key, index) => key !== after[index]);
+  const at = changed < 0 ? before.length : changed;
+  const first = at < part.first ? part.first + more : part.first;
+  const isIn = at >= part.first && at <= part.first + part.count;
+  const count = isIn ? part.count + more : part.count;
+  const isPart = first >= 0 && count > 0 && first + count <= total;
+  return isPart ? { first, count, total } : partAround(Math.min(at, total - 1), total);
+}
+
+/** The tops of rows with these heights, the end of the last one included. */
+export function offsetsOf(heights: readonly number[]): number[] {
+  let y = 0;
+  return [0, ...heights.map((height) => (y += height))];
+}
+
+/** The rows that a stretch of the column needs; of a short text all. */
+export function partAt(offsets: readonly number[], top: number, bottom: number): Part {
+  const total = offsets.length - 1;
+  if (total <= WHOLE) return { first: 0, count: total, total };
+  const above = offsets.findLastIndex((y) => y <= top);
+  const below = offsets.findIndex((y) => y >= bottom);
+  const first = Math.min(Math.max(above, 0), total - 1);
+  const last = below < 0 ? total : Math.max(below, first + 1);
+  return { first, count: last - first, total };
+}
+
+export function covers(part: Part, other: Part): boolean {
+  return part.first <= other.first && other.first + other.count <= part.first + part.count;
+}
+
+/** The statements of a part. */
+function inPart<T>(all: readonly T[], { first, count }: Part): T[] {
+  return all.slice(first, first + count);
+}
+
+const CONDITIONS = new Set(["adirf_check", "adirf_all", "adirf_any", "adirf_not"]);
+
+/** Writes AND or OR before every check that stands below another, and units behind values and bounds. */
+export function showJoins(workspace: Blockly.WorkspaceSvg, suggest: Suggestions): void {
+  for (const block of workspace.getAllBlocks(false)) {
+    if (block.isInsertionMarker()) continue;
+    if (CONDITIONS.has(block.type)) write(block, "JOIN", joinOf(block));
+    if (block.type !== "adirf_check" && block.type !== "adirf_within") continue;
+    const unit = suggest.unit(String(block.getFieldValue("TOPIC")), String(block.getFieldValue("PROPERTY")));
+    const isLevel = typeof parseBound(String(block.getFieldValue("BOUND"))) === "string";
+    write(block, "UNIT", isLevel ? "" : unit);
+    write(block, "UNTIL_UNIT", unit);
+  }
+}
+
+function write(block: Blockly.Block, name: string, text: string): void {
+  if (block.getField(name) && block.getFieldValue(name) !== text) block.setFieldValue(text, name);
+}
+
+function joinOf(block: Blockly.Block): string {
+  const above = block.getPreviousBlock();
+  if (!above || above === block.getSurroundParent()) return "";
+  return block.getSurroundParent()?.type === "adirf_any" ? "OR" : "AND";
 }

@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import type { BlockButtons, RuleAct, RuleBlock } from "./block_types";
-import { timeChoices } from "./clocks";
+import { type Choice, timeChoices } from "./clocks";
 import { FOLDED } from "./folded_type";
-import type { Choice } from "./open_menu";
 
 type Block = Blockly.BlockSvg;
 

@@ -3,14 +3,13 @@
 import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Statement } from "../api/types";
+import type { PickerChoice } from "../ui/picker_matches";
 import { isNarrow } from "../ui/watch";
-import { addBound, addCheck, addRate, addRecord, toggleElse } from "./block_buttons";
-import { type BlockButtons, defineBlocks } from "./block_types";
+import { type BlockButtons, defineBlocks, type RuleBlock } from "./block_types";
+import { stacked } from "./conditions";
 import type { Suggestions } from "./fields";
-import { scrollByFinger } from "./finger";
 import { type MenuPage, useOwnMenus } from "./menus";
-import { blocklyTheme } from "./palette";
-import { addAnotherOnShiftEnter, useOwnKeys } from "./shortcuts";
+import { isTyped, openField } from "./open_field";
 import { offerRecipes, toolbox } from "./toolbox";
 
 const SCALE = 0.72;
@@ -109,5 +108,208 @@ function keepFocus(host: HTMLElement): void {
       const isLost = document.activeElement === document.body;
       if (isLost && focused instanceof SVGElement && focused.isConnected) focused.focus({ preventScroll: true });
     });
+  });
+}
+
+/**
+ * Adds a check below the last one: the other bound of it, as most zones have two; where it has both already, one of
+ * the topic's next property.
+ */
+export function addCheck(block: Blockly.BlockSvg, suggest: Suggestions): void {
+  const input = block.getInput("IF") ? "IF" : "TERMS";
+  const last = lastIn(block, input);
+  const model = last?.type === "adirf_check" ? last : null;
+  const topic = String(model?.getFieldValue("TOPIC") ?? "/odom");
+  const property = String(model?.getFieldValue("PROPERTY") ?? "pose_x");
+  const bounded = model?.getPreviousBlock();
+  const hasBoth = bounded?.type === "adirf_check" && bounded.getFieldValue("PROPERTY") === property;
+  const isBelow = model !== null && !hasBoth && model.getFieldValue("OP") === ">";
+  const fields = {
+    TOPIC: topic,
+    PROPERTY: hasBoth ? after(property, suggest.properties(topic)) : property,
+    OP: isBelow ? "<" : ">",
+    VALUE: 0,
+  };
+  append(block, input, "adirf_check", fields, "VALUE");
+}
+
+/** The word behind another one; that itself where there is none. */
+function after(word: string, all: readonly PickerChoice[]): string {
+  const at = all.findIndex((each) => each.word === word);
+  return (at < 0 ? undefined : all[at + 1]?.word) ?? word;
+}
+
+/** Adds a rate for a topic that the part does not set yet. */
+export function addRate(block: Blockly.BlockSvg, input: string, topics: readonly string[]): void {
+  const sets = stacked(block, input).filter(({ type }) => type === "adirf_set");
+  const topic = topics.find((each) => sets.every((set) => set.getFieldValue("TOPIC") !== each)) ?? "/topic";
+  const rate = sets.at(-1)?.getFieldValue("RATE") ?? "10";
+  append(block, input, "adirf_set", { TOPIC: topic, RATE: rate }, "TOPIC");
+}
+
+/** Adds a bound for a property that the part does not bound yet, of a topic that has some for it first. */
+export function addBound(block: Blockly.BlockSvg, input: string, suggest: Suggestions): void {
+  const bounds = stacked(block, input).filter(({ type }) => type === "adirf_within");
+  const isTaken = (topic: string, property: string) =>
+    bounds.some((each) => each.getFieldValue("TOPIC") === topic && each.getFieldValue("PROPERTY") === property);
+  const all = suggest.topics().flatMap((topic) => suggest.bounds(topic).map(({ word }) => ({ topic, property: word })));
+  const free = all.filter(({ topic, property }) => !isTaken(topic, property));
+  const { topic, property } = free.find((each) => each.property === "position") ??
+    free[0] ?? { topic: "/odom", property: "position" };
+  append(block, input, "adirf_within", { TOPIC: topic, PROPERTY: property }, "TOPIC");
+}
+
+export function addRecord(block: Blockly.BlockSvg, input: string): void {
+  append(block, input, "adirf_record", {}, "NAME");
+}
+
+export function toggleElse(block: Blockly.BlockSvg, topics: readonly string[]): void {
+  Blockly.Events.setGroup(true);
+  const rule = block as RuleBlock;
+  const shown = rule.getInput("ELSE") !== null;
+  if (shown) rule.getInputTargetBlock("ELSE")?.dispose(false);
+  rule.setElse(!shown);
+  if (!shown) addRate(rule, "ELSE", topics);
+  else Blockly.Events.fire(new Blockly.Events.BlockChange(block, "mutation", null, null, ""));
+  Blockly.Events.setGroup(false);
+}
+
+function lastIn(block: Blockly.Block, input: string): Blockly.Block | null {
+  return block.getInputTargetBlock(input)?.lastConnectionInStack(true)?.getSourceBlock() ?? null;
+}
+
+/** Puts a new block below the last one of a part, and opens its field `first`. */
+function append(
+  block: Blockly.BlockSvg,
+  input: string,
+  type: string,
+  fields: Record<string, unknown>,
+  first: string,
+): void {
+  const added = Blockly.serialization.blocks.append({ type, fields }, block.workspace) as Blockly.BlockSvg;
+  const connection = lastIn(block, input)?.nextConnection ?? block.getInput(input)?.connection;
+  if (connection && added.previousConnection) connection.connect(added.previousConnection);
+  openField(added.getField(first));
+}
+
+const { registry } = Blockly.ShortcutRegistry;
+const NAME = "add_another";
+
+/** Lets Shift+Enter add one more of what has the focus, below it: a check, a rate, a bound, a recording or a default. */
+function addAnotherOnShiftEnter(buttons: BlockButtons, addDefault: () => void): void {
+  const { KeyCodes } = Blockly.utils;
+  const callback = () => {
+    const node = Blockly.getFocusManager().getFocusedNode();
+    const block = node instanceof Blockly.Field ? node.getSourceBlock() : node;
+    if (!(block instanceof Blockly.BlockSvg)) return false;
+    const parent = block.getSurroundParent();
+    if (parent === null && block.type !== "adirf_set") return false;
+    Blockly.WidgetDiv.hideIfOwner(node);
+    if (parent === null) addDefault();
+    else addBeside(block, parent, buttons);
+    return true;
+  };
+  const keyCodes = [registry.createSerializedKey(KeyCodes.ENTER, [KeyCodes.SHIFT])];
+  // The page opened other rules before, whose buttons are gone.
+  if (NAME in registry.getRegistry()) registry.unregister(NAME);
+  registry.register({ name: NAME, callback, keyCodes, preconditionFn: (space) => !space.isReadOnly() });
+}
+
+function addBeside(block: Blockly.BlockSvg, parent: Blockly.BlockSvg, buttons: BlockButtons): void {
+  const holds = (name: string) => parent.getInputTargetBlock(name)?.getDescendants(false).includes(block);
+  const part = holds("ELSE") ? "ELSE" : "THEN";
+  if (block.type === "adirf_set") buttons.addRate(parent, part);
+  else if (block.type === "adirf_within") buttons.addBound(parent, part);
+  else if (block.type === "adirf_record") buttons.addRecord(parent, part);
+  else buttons.addCheck(parent);
+}
+
+/** What the column of blocks and our own buttons do. */
+const SUPERFLUOUS = ["cleanup", "duplicate"];
+
+/** Lets a letter on a field that has the focus open it, as in a table: it is no shortcut there. */
+function useOwnKeys(host: HTMLElement): void {
+  for (const name of SUPERFLUOUS) if (name in registry.getRegistry()) registry.unregister(name);
+  const open = (event: KeyboardEvent) => {
+    const field = Blockly.getFocusManager().getFocusedNode();
+    const isLetter = event.key.length === 1 && event.key !== " " && !event.ctrlKey && !event.metaKey && !event.altKey;
+    if (!isLetter || !isTyped(field) || Blockly.WidgetDiv.isVisible()) return;
+    const block = field.getSourceBlock();
+    if (!(block instanceof Blockly.BlockSvg) || block.workspace.isReadOnly() || !block.isEditable()) return;
+    event.stopPropagation();
+    // The letter itself goes into the field, in the place of what is marked there.
+    openField(field);
+  };
+  host.addEventListener("keydown", open, { capture: true });
+}
+
+/** Lets a finger that swipes over blocks scroll them, as it does elsewhere; it drags the block that it tapped before. */
+function scrollByFinger(host: HTMLElement): void {
+  let down: PointerEvent | null = null;
+  let tapped: object | null = null;
+  const lift = (event: PointerEvent) => {
+    if (event.pointerId !== down?.pointerId) return;
+    const isTap = Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) <= Blockly.config.dragRadius;
+    const touched = Blockly.getSelected();
+    // What was dragged can be dragged on.
+    if (isTap || touched !== tapped) tapped = isTap ? touched : null;
+    down = null;
+  };
+  const press = (event: PointerEvent) => {
+    down = event.pointerType === "touch" ? event : null;
+  };
+  host.addEventListener("pointerdown", press, { capture: true });
+  host.addEventListener("pointerup", lift, { capture: true });
+  host.addEventListener("pointercancel", lift, { capture: true });
+  for (const definition of Object.values(Blockly.Blocks)) {
+    Object.assign(definition, {
+      isMovable(this: Blockly.BlockSvg) {
+        const isSwiped = down !== null && this !== tapped && !this.isInFlyout;
+        return !isSwiped && Blockly.BlockSvg.prototype.isMovable.call(this);
+      },
+    });
+  }
+}
+
+/** At the scale of blocks it is 13 px. */
+const FONT_PT = 13.6;
+const BLOCK_STYLES = {
+  rate: { colourPrimary: "#2b6cb0", colourSecondary: "#dbe9f8", colourTertiary: "#1e4f85" },
+  floor: { colourPrimary: "#6b4fa3", colourSecondary: "#e7def7", colourTertiary: "#4c3679" },
+  rule: { colourPrimary: "#a2590c", colourSecondary: "#f7e5cf", colourTertiary: "#7a4207" },
+  check: { colourPrimary: "#1f7a55", colourSecondary: "#d3efe3", colourTertiary: "#14573c" },
+  record: { colourPrimary: "#9b2c55", colourSecondary: "#f9dde7", colourTertiary: "#6f1d3b" },
+  raw: { colourPrimary: "#5b6472", colourSecondary: "#e3e6ea", colourTertiary: "#434b57" },
+};
+
+/** Blockly's theme in the page's own colours, read from its style sheet. */
+export function blocklyTheme(root: HTMLElement): Blockly.Theme {
+  const colours = getComputedStyle(root);
+  const colour = (name: string) => colours.getPropertyValue(name).trim();
+  // The name becomes a class of the page's style sheet.
+  const name = `ruler-${colour("--canvas").replace("#", "")}`;
+  return Blockly.Theme.defineTheme(name, {
+    name,
+    base: "zelos",
+    blockStyles: BLOCK_STYLES as unknown as Record<string, Blockly.Theme.BlockStyle>,
+    categoryStyles: {
+      rate: { colour: BLOCK_STYLES.rate.colourPrimary },
+      rule: { colour: BLOCK_STYLES.rule.colourPrimary },
+      check: { colour: BLOCK_STYLES.check.colourPrimary },
+      floor: { colour: BLOCK_STYLES.floor.colourPrimary },
+      record: { colour: BLOCK_STYLES.record.colourPrimary },
+    },
+    componentStyles: {
+      workspaceBackgroundColour: colour("--canvas"),
+      toolboxBackgroundColour: colour("--surface"),
+      toolboxForegroundColour: colour("--text"),
+      flyoutBackgroundColour: colour("--surface-2"),
+      flyoutForegroundColour: colour("--text"),
+      flyoutOpacity: 1,
+      scrollbarColour: colour("--line-strong"),
+      scrollbarOpacity: 0.6,
+      selectedGlowColour: colour("--accent"),
+    },
+    fontStyle: { family: colour("--font"), weight: "500", size: FONT_PT },
   });
 }

@@ -4,20 +4,18 @@ import * as Blockly from "blockly/core";
 import type { PlacedFinding, RuleDocument, Statement } from "../api/types";
 import type { Folds } from "../state/folds";
 import type { Lost } from "../state/work_ahead";
-import { Badges } from "./badges";
+import { Badges, Warnings } from "./badges";
 import type { RuleAct } from "./block_types";
 import { Column } from "./column";
-import { DrawnPart, quietly } from "./drawn_part";
+import { DrawnPart, quietly, showJoins } from "./drawn_part";
 import type { Suggestions } from "./fields";
 import { FOLDED } from "./folded_type";
-import { showJoins } from "./joins";
 import { asOfNow, bringLeft } from "./left_blocks";
 import type { RuleState } from "./live_states";
 import type { MenuPage } from "./menus";
 import { fingerprint, toBlock, toStatement } from "./model";
-import { newWorkspace, setReadOnly } from "./new_workspace";
+import { blocklyTheme, newWorkspace, setReadOnly } from "./new_workspace";
 import { closeField, isElsewhere, isTyping, openField } from "./open_field";
-import { blocklyTheme } from "./palette";
 import { type ActedOn, actedOn } from "./rule_acts";
 import {
   type Changed,
@@ -31,7 +29,6 @@ import {
   stepsOf,
 } from "./slots";
 import { NEW_RATE, NEW_RULE } from "./toolbox";
-import { Warnings } from "./warnings";
 
 const IN_HAND_MS = 50;
 

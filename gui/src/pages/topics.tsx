@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusal, refusalOf } from "../api/client";
 import { LevelPanel } from "../levels/level_panel";
@@ -10,7 +9,7 @@ import type { OpenEditors } from "../state/open_editors";
 import type { ProfileEditor } from "../state/profile_editor";
 import { saveByItself } from "../state/save_by_itself";
 import { topicsIn } from "../state/statements";
-import { Button } from "../ui/button";
+import { Button, ToolButton, UndoButtons } from "../ui/button";
 import { ConflictDialog } from "../ui/conflict_dialog";
 import { FormDialog } from "../ui/dialog";
 import { Header } from "../ui/header";
@@ -18,7 +17,6 @@ import { Notice, Toast } from "../ui/notice";
 import { RestoredNotice } from "../ui/restored_notice";
 import { useRobot } from "../ui/robot_state";
 import { DiskNotice, NeedsServer, useDiskLooks, useReturn } from "../ui/server_gone";
-import { ToolButton, UndoButtons } from "../ui/tool_button";
 import { useUndoKeys } from "../ui/undo_keys";
 import type { PageProps } from "./page_props";
 
@@ -127,7 +125,7 @@ const USUAL_S = 10;
 const LONGEST_S = 60;
 
 /** Asks for how long to listen to the robot, and then measures its topics. */
-export function MeasureRobot({ measure }: { measure: (seconds: number) => Promise<void> }) {
+function MeasureRobot({ measure }: { measure: (seconds: number) => Promise<void> }) {
   const [isAsking, setAsking] = useState(false);
   const [runningS, setRunning] = useState<number | null>(null);
   const run = async (seconds: number) => {
@@ -173,7 +171,7 @@ interface Props {
 }
 
 /** The way back to the rules, and a row for each topic of them that the table lacks; a new table begins with those. */
-export function RulesTopics({ api, editors, editor, rules }: Props) {
+function RulesTopics({ api, editors, editor, rules }: Props) {
   const [topics, setTopics] = useState<readonly string[]>([]);
   const [problem, setProblem] = useState("");
   useEffect(() => {

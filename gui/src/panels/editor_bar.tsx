@@ -7,11 +7,11 @@ import { ShareDialogs, type Sharing } from "../sharing/share_dialogs";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { RulePush } from "../state/rule_push";
+import { ToolButton, UndoButtons } from "../ui/button";
 import { Header } from "../ui/header";
 import { MenuItem } from "../ui/menu_button";
 import { useRobot } from "../ui/robot_state";
 import { NeedsServer } from "../ui/server_gone";
-import { ToolButton, UndoButtons } from "../ui/tool_button";
 
 const SEND = "Send to robot";
 const DOWNLOAD = "Optimize and Download";

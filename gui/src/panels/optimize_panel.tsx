@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import type { Signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import type { Api } from "../api/client";
+import { type Api, type Rules, refusal } from "../api/client";
 import type { OptimizeAnswer, Project, Refusal, Repair, SituationLoad } from "../api/types";
 import { href } from "../route";
-import { type Optimized, optimized } from "../state/optimized";
 import { type ProfileRepair, setBudget } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
 import { namesLevel, topicsIn } from "../state/statements";
@@ -182,7 +180,7 @@ async function apply(api: Api, editor: RuleEditor, repair: Repair, text: string)
 }
 
 /** What each topic takes of the link in one situation, as shares of the budget. */
-export function SituationBars({ situation, budgetKbPerS }: { situation: SituationLoad; budgetKbPerS: number }) {
+function SituationBars({ situation, budgetKbPerS }: { situation: SituationLoad; budgetKbPerS: number }) {
   const loads = [...situation.loads].sort((a, b) => b.kb_per_s - a.kb_per_s);
   const share = situation.kb_per_s / budgetKbPerS;
   const scale = Math.max(budgetKbPerS, situation.kb_per_s);
@@ -219,4 +217,18 @@ export function SituationBars({ situation, budgetKbPerS }: { situation: Situatio
       </table>
     </figure>
   );
+}
+
+/** What was asked about: repairs are edits of its text. */
+type Asked = Pick<Rules, "text" | "profile_text">;
+/** What the optimizer says of rules, or why it refuses them. */
+export type Optimized = Asked & (OptimizeAnswer | { refused: string });
+
+/** Asks the optimizer about the rules of now; an answer that comes when they are other ones is not told. */
+export async function optimized(editor: RuleEditor, api: Api, tell: (answer: Optimized) => void): Promise<void> {
+  const { rules } = editor;
+  const { text, profile_text } = rules;
+  const answer = await api.ask("POST /api/optimize", rules).catch((error: unknown) => ({ refused: refusal(error) }));
+  const now = editor.rules;
+  if (text === now.text && profile_text === now.profile_text) tell({ ...answer, text, profile_text });
 }

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { effect, type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
-import type { VNode } from "preact";
+import type { ComponentChildren, VNode } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { Statement } from "../api/types";
 import type { RuleState } from "../blocks/live_states";
@@ -11,7 +10,6 @@ import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
 import { Icon } from "../ui/icon";
-import { OptionRow } from "../ui/option_row";
 
 /** A text with more statements than this has an outline. */
 const MANY = 20;
@@ -186,4 +184,15 @@ function inSections(all: readonly Statement[], titles: ReadonlyMap<number, strin
   return starts
     .map((first, at) => ({ title: titles.get(first) ?? "", first, statements: all.slice(first, starts[at + 1]) }))
     .filter(({ statements }) => statements.length > 0);
+}
+
+/** A line of a list; the keyboard chooses where the list is controlled from, and not in the line. */
+export function OptionRow(props: { id: string; isChosen: boolean; act: () => void; children: ComponentChildren }) {
+  return (
+    // biome-ignore lint/a11y/useKeyWithClickEvents: see above
+    // biome-ignore lint/a11y/useFocusableInteractive: see above
+    <div id={props.id} role="option" aria-selected={props.isChosen} onClick={props.act}>
+      {props.children}
+    </div>
+  );
 }

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { statementTitle } from "../blocks/rule_words";
-import { type Found, found, type Limit } from "../blocks/search";
+import type { PlacedFinding, Statement } from "../api/types";
+import { checksOf, type RuleState } from "../blocks/live_states";
+import { actionWords, statementTitle } from "../blocks/rule_words";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
-import { OptionRow } from "../ui/option_row";
 import { shortcutKey } from "../ui/undo_keys";
+import { OptionRow } from "./rule_outline";
 
 const SHOWN = 50;
 const LIMITS: [Limit, string][] = [
@@ -148,4 +148,69 @@ function useSearchKeys(field: { readonly current: HTMLInputElement | null }): vo
     addEventListener("keydown", act, { capture: true });
     return () => removeEventListener("keydown", act, { capture: true });
   }, []);
+}
+
+/** What a search is limited to. */
+type Limit = "all" | "off" | "findings" | "holds";
+
+/** A statement that was found, with its number in the order of the text. */
+export interface Found {
+  readonly index: number;
+  readonly statement: Statement;
+}
+
+/** What is known of statements beside their words, by statement id. */
+export interface Known {
+  findings: readonly PlacedFinding[];
+  states: ReadonlyMap<string, RuleState>;
+}
+
+/** The statements in which every word of `query` stands in a name, comment, topic, property or rate. */
+export function found(all: readonly Statement[], query: string, limit: Limit, known: Known): Found[] {
+  const words = query.toLowerCase().split(/\s+/).filter(Boolean);
+  const isWithin = within(limit, known);
+  return all
+    .map((statement, index) => ({ statement, index }))
+    .filter(({ statement }) => isWithin(statement))
+    .filter(({ statement }) => {
+      const text = saidIn(statement).join(" ").toLowerCase();
+      return words.every((word) => text.includes(word));
+    });
+}
+
+function within(limit: Limit, { findings, states }: Known): (statement: Statement) => boolean {
+  switch (limit) {
+    case "all":
+      return () => true;
+    case "off":
+      return (statement) => statement.kind === "rule" && statement.is_disabled === true;
+    case "findings": {
+      const ids = new Set(findings.map(({ statement }) => statement));
+      return ({ id }) => id !== undefined && ids.has(id);
+    }
+    case "holds":
+      return ({ id }) => states.get(id ?? "")?.state === "true";
+  }
+}
+
+/** What people look for in a statement: no keywords, which are in all of them. */
+function saidIn(statement: Statement): string[] {
+  const comments = statement.comments ?? [];
+  switch (statement.kind) {
+    case "rule": {
+      const checks = checksOf(statement.condition).flatMap(({ topic, property, op, value }) => [
+        topic,
+        property,
+        `${property} ${op} ${value}`,
+      ]);
+      const actions = [...statement.then, ...statement.else].map(actionWords);
+      return [statement.name ?? statement.label ?? "", ...comments, ...checks, ...actions];
+    }
+    case "keep":
+      return [...comments, statement.topic, `${statement.hz} Hz`];
+    case "raw":
+      return [...comments, statement.text];
+    default:
+      return [...comments, actionWords(statement)];
+  }
 }

@@ -24,7 +24,7 @@ export function valuesOfRecording(
     const asked = { bag, check, condition, profileText: editor.profile.peek()?.text ?? null };
     let isLeft = false;
     let close: (() => void) | null = null;
-    void import("../try/picked_threshold").then(({ drawPicked }) => {
+    void import("../try/check_courses").then(({ drawPicked }) => {
       if (!isLeft) close = drawPicked(host, { api, asked, sizeBytes: recording.size_bytes, threshold });
     });
     return () => {

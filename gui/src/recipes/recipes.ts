@@ -1,5 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
+import type { Api } from "../api/client";
+import type { Statement } from "../api/types";
+import { statementsIn } from "../state/statements";
 import corridor from "./corridor.adirf?raw";
 import emergency from "./emergency.adirf?raw";
 import battery from "./low_battery.adirf?raw";
@@ -19,3 +23,10 @@ export const RECIPES: readonly Recipe[] = [battery, emergency, corridor, link, s
   const [, title = "", about = ""] = /^\/\/ ([^:]+): (.*)/.exec(text) ?? [];
   return { title, about, text };
 });
+
+/** The rules of all recipes, as the server reads them. */
+export async function recipeRules(api: Api): Promise<Statement[]> {
+  const text = RECIPES.map((recipe) => recipe.text).join("\n");
+  const document = await api.document({ text, name: "recipes", profile_text: null });
+  return statementsIn(document).filter(({ kind }) => kind === "rule");
+}

@@ -59,7 +59,7 @@ export function partOf(run: string, number: number): string {
 }
 
 /** Tells how far the work called `run`, or a part of it, is, 0 … 1, until what it returns is called. */
-export function watchProgress(run: string, tell: (share: number, part: number) => void): () => void {
+function watchProgress(run: string, tell: (share: number, part: number) => void): () => void {
   const socket = new WebSocket(new URL("ws", location.href.replace(/^http/, "ws")));
   socket.onmessage = ({ data }) => {
     const push = JSON.parse(String(data)) as Push;

@@ -9,7 +9,7 @@ export interface Conflict {
   hash: string | null;
 }
 
-export interface OnDisk {
+interface OnDisk {
   text: string;
   hash: string;
 }

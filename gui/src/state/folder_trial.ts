@@ -103,7 +103,7 @@ export const COLUMNS = {
 
 export type Column = keyof typeof COLUMNS;
 
-export interface Order {
+interface Order {
   column: Column;
   isDown: boolean;
 }

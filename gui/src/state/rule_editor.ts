@@ -3,7 +3,6 @@
 import { batch, computed, signal } from "@preact/signals";
 import { type Api, type Rules, refusalOf } from "../api/client";
 import type { Edit, PlacedFinding, Repair, RuleDocument, Statement } from "../api/types";
-import { sectionsOf } from "../blocks/sections";
 import { counted, readable } from "../ui/numbers";
 import { CheckQueue } from "./check_queue";
 import type { Drafts } from "./drafts";
@@ -11,8 +10,7 @@ import { Folds } from "./folds";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
 import { OpenFile } from "./open_file";
 import { RuleProfile } from "./rule_profile";
-import type { Spot } from "./spot";
-import { statementsIn } from "./statements";
+import { sectionsOf, statementsIn } from "./statements";
 import { Words } from "./words";
 import { type Lost, WorkAhead, withoutBlocks } from "./work_ahead";
 
@@ -299,4 +297,11 @@ export class RuleEditor extends OpenFile {
   inTurn(work: () => Promise<void>): Promise<void> {
     return this.queued(work).catch((error: unknown) => this.tell(error));
   }
+}
+
+/** A stretch of the text that one side points at and the other shows. */
+interface Spot {
+  offset: number;
+  end_offset: number;
+  from: "text" | "blocks" | "findings" | "map" | "try";
 }

@@ -1,15 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
 import type { Timeline } from "../state/timeline";
-import type { Turns } from "../state/turns";
+import { holdsWords, stretches, type Turns } from "../state/turns";
 import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/server_gone";
 import { Strip } from "./strip";
-import { TruthBar } from "./truth_bar";
 
 /** The least and the greatest value of a check in bins of equal length; null where it was unknown throughout. */
 export interface CheckValues {
@@ -89,5 +87,43 @@ export function OtherThreshold({ threshold, written, write }: OtherProps) {
         <Button label={`Back to ${written}`} class="small" onClick={() => (threshold.value = written)} />
       </div>
     </NeedsServer>
+  );
+}
+
+const TRUTHS = ["true", "false", "unknown"] as const;
+
+/** When something held, did not, or was unknown, over a recording; pressing or dragging on it moves the time. */
+export function TruthBar({ turns, timeline, label }: { turns: Turns; timeline: Timeline; label: string }) {
+  const { durationS } = timeline;
+  const paths = useMemo(() => {
+    const all = stretches(turns, durationS);
+    const path = (truth: string) =>
+      all
+        .filter((one) => one.truth === truth)
+        .map(({ fromS, toS }) => `M${fromS} 0H${toS}V1H${fromS}Z`)
+        .join("");
+    return TRUTHS.map((truth) => ({ truth, path: path(truth) }));
+  }, [turns, durationS]);
+  const scrub = (event: PointerEvent) => {
+    if (event.buttons !== 1) return;
+    const bar = event.currentTarget as Element;
+    bar.setPointerCapture(event.pointerId);
+    const { left, width } = bar.getBoundingClientRect();
+    timeline.goTo(((event.clientX - left) / width) * durationS);
+  };
+  return (
+    <svg
+      class="truth-bar"
+      role="img"
+      aria-label={`${label}: ${holdsWords(turns, durationS)}`}
+      viewBox={`0 0 ${durationS || 1} 1`}
+      preserveAspectRatio="none"
+      onPointerDown={scrub}
+      onPointerMove={scrub}
+    >
+      <title>{holdsWords(turns, durationS)}</title>
+      {paths.map(({ truth, path }) => path && <path key={truth} class={truth} d={path} />)}
+      <line x1={timeline.time.value} x2={timeline.time.value} y1={0} y2={1} />
+    </svg>
   );
 }

@@ -1,16 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useSignal } from "@preact/signals";
-import { useMemo, useState } from "preact/hooks";
+import { type Signal, useSignal } from "@preact/signals";
+import { type ComponentChildren, render } from "preact";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
+import type { CheckCondition, CheckCourse, Condition } from "../api/types";
+import { BagWork } from "../state/bag_work";
 import type { RuleEditor } from "../state/rule_editor";
+import { Timeline } from "../state/timeline";
 import type { Trial } from "../state/trial";
-import { checksIn, type RobotCheck, writeThreshold } from "../state/written_checks";
+import { holdsWords } from "../state/turns";
+import { checksIn, type RobotCheck, withValue, writeThreshold } from "../state/written_checks";
+import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
+import { sizeWords } from "../ui/numbers";
 import { WorkProgress } from "../ui/work_progress";
-import { OtherThreshold } from "./check_chart";
-import { CourseChart } from "./course_chart";
-import { useCheckCourse } from "./use_check_course";
+import { CheckChart, type HeldBar, OtherThreshold } from "./check_chart";
 
 interface Props {
   editor: RuleEditor;
@@ -64,5 +69,152 @@ function CourseOfCheck({ editor, api, trial, one }: Props & { one: RobotCheck })
         write={(value) => void writeThreshold(editor, value, () => one, "The rule was changed meanwhile")}
       />
     </>
+  );
+}
+
+interface CourseProps {
+  asked: AskedCheck;
+  course: CheckCourse;
+  work: BagWork<CheckCourse>;
+  threshold: Signal<number>;
+  timeline: Timeline;
+  children: ComponentChildren;
+}
+
+/** A check over a recording: its values, its threshold, when it held, and that in words. */
+function CourseChart({ asked, course, work, threshold, timeline, children }: CourseProps) {
+  const { check, condition } = asked;
+  // The values do not depend on the threshold: they are drawn once.
+  const values = useMemo(() => course, [asked]);
+  const { kind } = work.state.value;
+  return (
+    <>
+      <CheckChart
+        {...{ timeline, values, threshold }}
+        label={`Value of ${check.topic} ${check.property}`}
+        bars={heldBars(course, condition)}
+        isBusy={kind === "running"}
+      >
+        {children}
+      </CheckChart>
+      {kind === "failed" ? (
+        <WorkProgress work={work} doing="" />
+      ) : (
+        <p role="status">
+          {kind === "running"
+            ? `Asking what ${threshold.value} would do …`
+            : `${check.op} ${threshold.value}: ${holdsWords(course.condition.turns, course.duration_s)}.`}
+        </p>
+      )}
+      {course.notices.map((notice) => (
+        <p key={notice} class="quiet">
+          {notice}
+        </p>
+      ))}
+    </>
+  );
+}
+
+const ASK_AFTER_MS = 300;
+
+/** A check, the `For` and `Within` around it, and the recording that it is compared with. */
+interface AskedCheck {
+  bag: string;
+  check: CheckCondition;
+  condition: Condition;
+  profileText: string | null;
+}
+
+/** What the check of `asked` would read and when it would hold with another threshold; null until that is known. */
+function useCheckCourse(
+  api: Api,
+  asked: AskedCheck,
+  threshold: number,
+): { course: CheckCourse | null; work: BagWork<CheckCourse> } {
+  const work = useMemo(() => new BagWork<CheckCourse>(), []);
+  const [course, setCourse] = useState<CheckCourse | null>(null);
+  useEffect(() => () => work.cancel(), []);
+  useEffect(() => {
+    const ask = () =>
+      void work.start((run, signal) => {
+        const condition = withValue(asked.condition, asked.check, threshold);
+        return api.ask(
+          "POST /api/check/course",
+          { bag: asked.bag, condition, profile_text: asked.profileText, run },
+          { signal },
+        );
+      });
+    // Who drags is answered once the line rests.
+    const timer = window.setTimeout(ask, course === null ? 0 : ASK_AFTER_MS);
+    return () => window.clearTimeout(timer);
+  }, [threshold, asked.bag]);
+  const state = work.state.value;
+  useEffect(() => {
+    if (state.kind === "done") setCourse(state.answer);
+  }, [state]);
+  return { course, work };
+}
+
+/** When a condition held, and, where it has a time, when its check did. */
+function heldBars(course: CheckCourse, condition: Condition): HeldBar[] {
+  const label = "The check without its time";
+  return [
+    { label: "The condition", turns: course.condition.turns },
+    ...(condition.kind === "timed" ? [{ label, turns: course.check.turns, words: `${label}:` }] : []),
+  ];
+}
+
+/** A larger recording is read when somebody asks for it. */
+const READ_AT_ONCE_BYTES = 300e6;
+
+interface PickedProps {
+  api: Api;
+  asked: AskedCheck;
+  sizeBytes: number;
+  threshold: Signal<number>;
+}
+
+/** Draws below a field what its check reads in a recording; returns how to end that. */
+export function drawPicked(host: HTMLElement, props: PickedProps): () => void {
+  render(<PickedThreshold {...props} />, host);
+  return () => render(null, host);
+}
+
+function PickedThreshold(props: PickedProps) {
+  const [isAsked, setAsked] = useState(props.sizeBytes <= READ_AT_ONCE_BYTES);
+  const { bag, check } = props.asked;
+  if (isAsked) return <PickedCourse {...props} />;
+  return (
+    <Button
+      label={`Show ${check.topic} ${check.property} in ${bag} (${sizeWords(props.sizeBytes / 1000)})`}
+      class="small"
+      onClick={() => setAsked(true)}
+    />
+  );
+}
+
+function PickedCourse({ api, asked, threshold }: PickedProps) {
+  const { bag, check } = asked;
+  const { course, work } = useCheckCourse(api, asked, threshold.value);
+  const duration_s = course?.duration_s ?? 0;
+  const timeline = useMemo(() => {
+    const bin_s = course?.bin_s ?? 1;
+    return new Timeline({ duration_s, bin_s, first_bin_s: 0, path: [] }, course?.least.length ?? 0, 0, []);
+  }, [duration_s]);
+  if (course === null) return <WorkProgress work={work} doing={`Reading ${bag}`} />;
+  if (course.greatest.every((value) => value === null)) {
+    return (
+      <p class="quiet">
+        {bag} has no values of {check.topic} {check.property}.
+      </p>
+    );
+  }
+  return (
+    <CourseChart {...{ asked, course, work, threshold, timeline }}>
+      <strong>
+        {check.topic} {check.property}
+      </strong>{" "}
+      <span class="quiet">in {bag}. Drag the red line, or press ↑ and ↓.</span>
+    </CourseChart>
   );
 }

@@ -16,8 +16,7 @@ import { Button } from "../ui/button";
 import { DataTable } from "../ui/data_table";
 import { counted, percent, readable, sizeWords } from "../ui/numbers";
 import { focusIn, showOnNarrow } from "../ui/watch";
-import { errorWords, lossWords, missedWords } from "./headline_words";
-import { StaleNotice } from "./stale_notice";
+import { errorWords, lossWords, missedWords, StaleNotice } from "./headline";
 
 const NAMES = Object.keys(COLUMNS) as Column[];
 const WORDS = [NAMES.indexOf("loss"), NAMES.indexOf("error")];

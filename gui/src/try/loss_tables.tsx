@@ -105,7 +105,7 @@ function ImageTable({ images }: { images: TryImages[] }) {
 }
 
 /** The error of one value over time. */
-export function LossStrip({ trial, field }: { trial: Trial; field: TryFieldLoss }) {
+function LossStrip({ trial, field }: { trial: Trial; field: TryFieldLoss }) {
   const lines = useMemo(() => ({ after: field.error_bins }), [field]);
   return (
     <Strip timeline={trial} lines={lines} label={`Error of ${field.topic} ${field.field}`}>

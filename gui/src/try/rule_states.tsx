@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import type { Truth } from "../api/types";
 import type { Timeline } from "../state/timeline";
 import type { RuleNow } from "../state/trial";
 import { Button } from "../ui/button";
-import { TruthBar } from "./truth_bar";
+import { TruthBar } from "./check_chart";
 
 const WORDS: Record<Truth, string> = { true: "holds", false: "does not hold", unknown: "unknown" };
 

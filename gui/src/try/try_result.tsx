@@ -3,28 +3,30 @@
 import { effect } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
-import type { RuleZones, TryTopic } from "../api/types";
+import type { RuleZones, TryIncident, TryTopic } from "../api/types";
+import { missingWords, sumOf, windowWords } from "../incidents/missing_words";
 import type { MapZone } from "../map/shapes";
+import { href } from "../route";
 import { sentKbPerS } from "../state/folder_trial";
 import type { Keepings } from "../state/keepings";
 import { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { ZoneEditor } from "../state/zone_editor";
+import { Button } from "../ui/button";
 import { Icon, type IconName } from "../ui/icon";
+import { Problem } from "../ui/notice";
 import { counted, durationWords, hz, percent, readable, sizeWords } from "../ui/numbers";
+import { NeedsServer } from "../ui/server_gone";
 import { showOnNarrow } from "../ui/watch";
 import { CheckCourses } from "./check_courses";
-import { DecisionTable } from "./decision_table";
-import { errorWords, lossWords, missedWords } from "./headline_words";
+import { errorWords, lossWords, missedWords, StaleNotice } from "./headline";
 import { LossTables } from "./loss_tables";
 import { PathMap } from "./path_map";
 import { RuleStates } from "./rule_states";
 import { Scrubber } from "./scrubber";
 import { showInEditor } from "./show_in_editor";
-import { StaleNotice } from "./stale_notice";
 import { Strip } from "./strip";
-import { TriedIncidents } from "./tried_incidents";
 
 interface Props {
   editor: RuleEditor;
@@ -101,7 +103,7 @@ function followInEditor(editor: RuleEditor, trial: Trial): () => void {
 }
 
 /** Where the robot went and is at the time of the scrubber, with a dot wherever something was decided. */
-export function TryMap({ editor, api, trial }: { editor: RuleEditor; api: Api; trial: Trial }) {
+function TryMap({ editor, api, trial }: { editor: RuleEditor; api: Api; trial: Trial }) {
   const zones = useMemo(() => new ZoneEditor(api, editor), []);
   const floor = useMemo(() => new MapFloor(api, editor), []);
   useEffect(() => zones.follow(), []);
@@ -133,7 +135,7 @@ export function zonesAt(rules: readonly RuleZones[], deciding: readonly string[]
 }
 
 /** The time of a try, with a tick for each decision. */
-export function TrialScrubber({ trial }: { trial: Trial }) {
+function TrialScrubber({ trial }: { trial: Trial }) {
   const time = trial.time.value;
   const leader = trial.leader.value;
   const decides = leader ? `${leader.rule} decides` : "defaults decide";
@@ -169,7 +171,7 @@ function DecisionStep({ trial, step, label, icon }: { trial: Trial; step: -1 | 1
 const IN_DOUBT: Record<string, string> = { unknown: ", which might hold" };
 
 /** The rate of every topic over time, before and after, on one cursor. */
-export function RateStrips({ trial }: { trial: Trial }) {
+function RateStrips({ trial }: { trial: Trial }) {
   return (
     <section aria-label="Rates">
       <h3>Rates (Hz) over time (s)</h3>
@@ -202,5 +204,129 @@ function RateNow({ trial, topic }: { trial: Trial; topic: TryTopic }) {
       {decision && `${hz(decision.to_hz)} by ${decision.rule ?? decision.reason}${IN_DOUBT[decision.reason] ?? ""}: `}
       {readable(after)} of {readable(before)} Hz sent
     </span>
+  );
+}
+
+/** Every decision; a time leads there. */
+function DecisionTable({ trial }: { trial: Trial }) {
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => (box.current ? followTime(box.current, trial) : undefined), [trial]);
+  const { decisions, decision_count } = trial.answer;
+  return (
+    <section aria-label="Decisions">
+      <h3>Decisions{decision_count > decisions.length && ` (the first ${decisions.length} of ${decision_count})`}</h3>
+      <div class="decision-box" ref={box}>
+        <table class="try-table">
+          <thead>
+            <tr>
+              <th scope="col">Time (s)</th>
+              <th scope="col">Topic</th>
+              <th scope="col">From</th>
+              <th scope="col">To</th>
+              <th scope="col">Because of</th>
+            </tr>
+          </thead>
+          <tbody>
+            {decisions.map((decision, index) => (
+              <tr key={index}>
+                <td class="number">
+                  <Button label={decision.t.toFixed(1)} class="link" onClick={() => trial.goTo(decision.t)} />
+                </td>
+                <td>{decision.topic}</td>
+                <td class="number">{decision.start ? "–" : hz(decision.from_hz ?? null)}</td>
+                <td class="number">{hz(decision.to_hz)}</td>
+                <td>{[decision.rule ?? decision.reason, ...decision.bounds].join("; ")}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </section>
+  );
+}
+
+/** Marks the decisions that rates come from now, and keeps the latest of them in sight. */
+function followTime(box: HTMLElement, trial: Trial): () => void {
+  const { decisions } = trial.answer;
+  const rows = [...box.querySelectorAll<HTMLElement>("tbody tr")];
+  let marked: HTMLElement[] = [];
+  return effect(() => {
+    const valid = new Set(trial.plan.value.values());
+    for (const row of marked) row.removeAttribute("aria-current");
+    marked = rows.filter((_, index) => valid.has(decisions[index] as (typeof decisions)[number]));
+    for (const row of marked) row.setAttribute("aria-current", "time");
+    const last = marked.at(-1);
+    if (last) box.scrollTop = last.offsetTop - box.clientHeight / 2;
+  });
+}
+
+/** What the rules would have recorded of the bag; a time leads there, and each can be kept in the project. */
+function TriedIncidents({ keepings, trial }: { keepings: Keepings; trial: Trial }) {
+  const { incidents } = trial.answer;
+  if (incidents === null) return null;
+  return (
+    <section class="tried-incidents" aria-label="What the rules would have recorded">
+      <h3>
+        What the rules would have recorded{" "}
+        {incidents.length > 0 && <span class="quiet">(red on the slider and the charts)</span>}
+      </h3>
+      <Problem text={keepings.problem.value} />
+      {incidents.length === 0 ? (
+        <p class="quiet">
+          Nothing: no rule with a recording began to hold. One that holds from the start on begins nothing either,
+          before it was known not to hold.
+        </p>
+      ) : (
+        <ul>
+          {incidents.map((incident) => (
+            <TriedIncident key={incident.number} {...{ keepings, trial, incident }} />
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}
+
+function TriedIncident(props: { keepings: Keepings; trial: Trial; incident: TryIncident }) {
+  const { keepings, trial, incident } = props;
+  const { t, record } = incident;
+  const { rule, topics, missing, moments = 1 } = record;
+  const keep = keepings.of(trial, incident.number);
+  const name = `${record.name} at ${t.toFixed(1)} s`;
+  return (
+    <li>
+      <div class="row">
+        <Button label={`${t.toFixed(1)} s`} class="link" title="Move the time there" onClick={() => trial.goTo(t)} />
+        <strong>{record.name}</strong>
+        <span>
+          by {rule}, {windowWords(record)}: {counted(sumOf(topics, "messages"), "message")},{" "}
+          {sizeWords(sumOf(topics, "bytes") / 1000)}
+          {moments > 1 && `, ${counted(moments - 1, "further moment")}`}
+        </span>
+        {(keep === null || keep.state === "failed") && (
+          <NeedsServer changes>
+            <Button
+              label="Keep it"
+              class="small"
+              onClick={() => void keepings.keep(trial, incident.number, name)}
+              aria-label={`Keep it: ${name}`}
+            />
+          </NeedsServer>
+        )}
+        {keep?.state === "running" && <span class="quiet">Being kept: {Math.round(100 * keep.share)} %</span>}
+        {keep?.kept != null && (
+          <span>
+            Kept: <a href={href({ page: "incidents", name: keep.kept })}>{keep.kept}</a>
+          </span>
+        )}
+        {keep?.state === "failed" && <span class="problem">{keep.problem}</span>}
+      </div>
+      <p class="quiet">
+        {Object.entries(topics)
+          .map(([topic, { messages, bytes }]) => `${topic} ${counted(messages, "message")}, ${sizeWords(bytes / 1000)}`)
+          .join("; ")}
+      </p>
+      {missing.length > 0 && <p class="missing">Missing: {missingWords(missing, record.triggered_ns).join("; ")}.</p>}
+    </li>
   );
 }

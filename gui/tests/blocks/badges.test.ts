@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import type { TimeWord, Truth } from "../../src/api/types";
-import { checkWords, timeWords } from "../../src/blocks/badge_words";
+import { checkWords, timeWords } from "../../src/blocks/badges";
 import type { TimeState } from "../../src/blocks/live_states";
 
 const TEN = { value: 10, unit: "s" } as const;

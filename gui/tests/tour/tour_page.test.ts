@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import { diskChangeOf } from "../../src/state/conflict";
-import { EXAMPLE_RULES, ExampleApi } from "../../src/tour/example";
+import { EXAMPLE_RULES, ExampleApi } from "../../src/tour/tour_page";
 
 test("the example is never missed on the disk", async () => {
   const api = new ExampleApi();

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { covers, follow, offsetsOf, partAround, partAt } from "../../src/blocks/part";
+import { covers, follow, offsetsOf, partAround, partAt } from "../../src/blocks/drawn_part";
 
 const keys = (count: number) => Array.from({ length: count }, (_, index) => `k${index}`);
 

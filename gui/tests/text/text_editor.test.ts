@@ -4,7 +4,7 @@ import { CompletionContext } from "@codemirror/autocomplete";
 import { EditorState } from "@codemirror/state";
 import { expect, test } from "vitest";
 import type { Vocabulary } from "../../src/api/types";
-import { colouredIn, suggest } from "../../src/text/language";
+import { colouredIn, suggest } from "../../src/text/text_editor";
 
 const property = (name: string) => ({ name, unit: "m", meaning: "", levels: null });
 const VOCABULARY: Vocabulary = {

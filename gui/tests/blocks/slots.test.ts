@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import type { Edit, KeepStatement, PlacedCollection, Statement } from "../../src/api/types";
-import { edited } from "../../src/blocks/edited";
+import { edited } from "../../src/blocks/slots";
 
 const keep = (topic: string, id = ""): KeepStatement => ({ kind: "keep", topic, hz: 1, id });
 

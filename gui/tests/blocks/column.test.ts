@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { dropIndex, stacksOf, topsOf, withLoose } from "../../src/blocks/column_order";
+import { dropIndex, stacksOf, topsOf, withLoose } from "../../src/blocks/column";
 
 test("stacks of any heights stand one below the other with the same gaps", () => {
   expect(topsOf([], 18, 18)).toEqual([]);

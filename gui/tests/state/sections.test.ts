@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import type { Statement } from "../../src/api/types";
-import { sectionsOf } from "../../src/blocks/sections";
+import { sectionsOf } from "../../src/state/statements";
 
 /** The sections of a text whose statements are its lines that begin with "Set". */
 function sections(text: string): Record<number, string> {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { needOf } from "../../src/levels/needs";
+import { needOf } from "../../src/levels/curve_tables";
 
 const points = [
   { bound: 0.4, hold_hz: 1, reckoned_hz: null },

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
 import { Api } from "../../src/api/client";
-import { type Optimized, optimized } from "../../src/state/optimized";
-import { openRules, refused } from "./served";
+import { type Optimized, optimized } from "../../src/panels/optimize_panel";
+import { openRules, refused } from "../state/served";
 
 afterEach(() => vi.unstubAllGlobals());
 
