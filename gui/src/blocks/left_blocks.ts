@@ -11,11 +11,7 @@ export function asOfNow({ order, isDropped, says }: Standing, slots: readonly Sl
   const all = new Set([...order, ...slots.map(({ block }) => block)]);
   const said = new Map([...all].map((block) => [block, says(block)]));
   const dropped = new Set([...all].filter(isDropped));
-  return {
-    order: [...order],
-    isDropped: (block) => dropped.has(block),
-    says: (block) => said.get(block) ?? null,
-  };
+  return { order: [...order], isDropped: (block) => dropped.has(block), says: (block) => said.get(block) ?? null };
 }
 
 /**

@@ -59,11 +59,7 @@ export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
 function topicChoice(now: KnownNow, known: KnownTopic): PickerChoice {
   const users = known.used_by.map((user) => (user === "default" ? "a default" : user));
   const use = users.length > 0 ? `used by ${users.join(", ")}` : "";
-  return {
-    word: known.topic,
-    aside: sourceWords(now, known),
-    note: [known.type, use].filter(Boolean).join(" · "),
-  };
+  return { word: known.topic, aside: sourceWords(now, known), note: [known.type, use].filter(Boolean).join(" · ") };
 }
 
 /** How often a topic comes, by who knows best: the robot, else a recording, else the topic parameters. */

@@ -178,10 +178,7 @@ function drawCurve(
       legend: { show: false },
       // The plot lays itself out a little later.
       hooks: { ready: [({ over }) => laid({ left: over.offsetLeft, width: over.offsetWidth })] },
-      scales: {
-        x: { time: false, distr: 3, range: [axis.low, axis.high] },
-        y: { range: [0, most] },
-      },
+      scales: { x: { time: false, distr: 3, range: [axis.low, axis.high] }, y: { range: [0, most] } },
       axes: [
         { ...look, label: axisLabel, labelSize: 22, labelFont: look.font, size: 30, filter: roundOnes },
         chart

@@ -156,12 +156,7 @@ function openWorkspace(
       canRedo: () => editor.history.canRedo.peek(),
     },
     suggestions: {
-      ...suggestionsOf({
-        words: editor.words,
-        profile: editor.profile,
-        live: robotRules.live,
-        tried,
-      }),
+      ...suggestionsOf({ words: editor.words, profile: editor.profile, live: robotRules.live, tried }),
       drawValues,
     },
     changed: (editsOf, refused) =>

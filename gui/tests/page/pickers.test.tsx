@@ -122,11 +122,7 @@ test("an open list lets the page rest", async () => {
 });
 
 async function openDock(): Promise<RulerPage> {
-  const files = {
-    "dock.adirf": RULES,
-    "dock.toml": PROFILE,
-    "other.adirf": "begin\n    SetFrequency /imu 2\nend\n",
-  };
+  const files = { "dock.adirf": RULES, "dock.toml": PROFILE, "other.adirf": "begin\n    SetFrequency /imu 2\nend\n" };
   const ruler = await openPage("empty", { files });
   await ruler.open("dock.adirf");
   await expect.element(page.getByLabelText("Topic parameters")).toHaveValue("dock.toml");

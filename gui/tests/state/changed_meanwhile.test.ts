@@ -14,10 +14,7 @@ afterEach(() => vi.unstubAllGlobals());
 
 /** An import of another file into rules that are open, with its dialog open. */
 async function importing(disk: { text: string }) {
-  const editor = await openRules(disk, {
-    "POST /api/import/preview": () => PREVIEW,
-    "POST /api/import": imported,
-  });
+  const editor = await openRules(disk, { "POST /api/import/preview": () => PREVIEW, "POST /api/import": imported });
   const draft = new ImportDraft(new Api(), editor);
   await draft.readDisk(new File(["begin\nend\n"], "b.adirf"));
   return { editor, draft };

@@ -71,9 +71,7 @@ describe.each([RULES, TABLE])("a file of $kind that is open", ({ kind, name, ope
   function heldSaves(disk: Disk) {
     const held: (() => void)[] = [];
     const put = fileAnswers(name, disk)["PUT /api/file"];
-    const answers: Answers = {
-      "PUT /api/file": (asked) => new Promise((done) => held.push(() => done(put?.(asked)))),
-    };
+    const answers: Answers = { "PUT /api/file": (asked) => new Promise((done) => held.push(() => done(put?.(asked)))) };
     const arrived = () => vi.waitUntil(() => held.length > 0);
     const release = async () => {
       await arrived();
