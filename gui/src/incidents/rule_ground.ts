@@ -32,7 +32,7 @@ export function useRuleGround(api: Api, incident: IncidentAnswer): Ground {
       }
       if (!is_same_text) return;
       const { text } = await api.read(rule_file);
-      const { rules } = await api.zones({ text, name: rule_file, profile_text: null });
+      const { rules } = await api.ask("POST /api/zones", { text, name: rule_file, profile_text: null });
       zones.value = zonesAt(rules, [record.rule]);
     };
     load().catch((error: unknown) => {

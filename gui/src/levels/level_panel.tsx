@@ -64,7 +64,7 @@ function useKnown(editor: ProfileEditor, api: Api, rows: readonly DraftRow[]): R
   const [known, setKnown] = useState<ReadonlyMap<string, Set<string>>>(new Map());
   const ask = async () => {
     try {
-      const { topics } = await api.vocabulary("", editor.typesText);
+      const { topics } = await api.ask("POST /api/vocabulary", { text: "", profile_text: editor.typesText });
       setKnown(new Map(topics.map((each) => [each.topic, new Set(each.bounds.map(({ name }) => name))])));
     } catch (error) {
       // Nothing is known then, and the levels of rates are all there is.
@@ -153,7 +153,8 @@ function Proposal(props: {
   if (props.hasLevels || source_hz === null || !isNumber(row.source_hz)) return null;
   const guess = async () => {
     try {
-      place((await api.levels(source_hz)).tiers_hz, "The levels are a first guess from the source's rate.");
+      const { tiers_hz } = await api.ask("POST /api/profile/levels", { source_hz });
+      place(tiers_hz, "The levels are a first guess from the source's rate.");
     } catch (error) {
       setNote(refusal(error));
     }

@@ -30,7 +30,7 @@ export function IncidentsPage({ api, project, name }: PageProps) {
 }
 
 function AllIncidents({ api, root }: { api: Api; root: string }) {
-  const [found, read, problem, setFound] = useAnswer<IncidentsAnswer>(() => api.incidents());
+  const [found, read, problem, setFound] = useAnswer<IncidentsAnswer>(() => api.ask("GET /api/incidents", null));
   const robots = useMemo(() => new RobotIncidents(api, () => void read()), []);
   useEffect(() => robots.open(), []);
   const [removed, setRemoved] = useState<ListedIncident | null>(null);

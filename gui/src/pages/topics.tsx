@@ -211,5 +211,5 @@ function RulesTopics({ api, editors, editor, rules }: Props) {
 
 async function topicsOf(api: Api, editors: OpenEditors, rules: string): Promise<string[]> {
   const text = editors.unsavedText(rules) ?? (await api.read(rules)).text;
-  return [...topicsIn(await api.document({ text, name: rules, profile_text: null }))].sort();
+  return [...topicsIn(await api.ask("POST /api/document", { text, name: rules, profile_text: null }))].sort();
 }

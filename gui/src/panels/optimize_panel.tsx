@@ -5,7 +5,7 @@ import { useEffect, useState } from "preact/hooks";
 import { type Api, type Rules, refusal } from "../api/client";
 import type { OptimizeAnswer, Project, Refusal, Repair, SituationLoad } from "../api/types";
 import { href } from "../route";
-import { type ProfileRepair, setBudget } from "../state/profile_repair";
+import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
 import { namesLevel, topicsIn } from "../state/statements";
 import { Button } from "../ui/button";
@@ -69,7 +69,7 @@ export function OptimizePanel({ editor, api, project, repair, wantsRates }: Prop
       <Verdict {...{ editor, result, isAnswered }} />
       <RepairAll editor={editor} refusals={result.refusals} text={result.text} />
       {result.refusals.map((refusal) => (
-        <RefusalCard key={refusal.rule ?? "defaults"} {...{ api, editor, refusal }} text={result.text} />
+        <RefusalCard key={refusal.rule ?? "defaults"} {...{ editor, refusal }} profiles={repair} text={result.text} />
       ))}
       <div class="situations">
         {result.situations.map((situation) => (
@@ -154,7 +154,17 @@ function RepairAll({ editor, refusals, text }: { editor: RuleEditor; refusals: r
   );
 }
 
-function RefusalCard({ api, editor, refusal, text }: { api: Api; editor: RuleEditor; refusal: Refusal; text: string }) {
+interface RefusalProps {
+  editor: RuleEditor;
+  profiles: ProfileRepair;
+  refusal: Refusal;
+  /** What the optimizer refused. */
+  text: string;
+}
+
+function RefusalCard({ editor, profiles, refusal, text }: RefusalProps) {
+  const apply = (repair: Repair) =>
+    repair.budget_kb_per_s === null ? editor.repair(text, repair) : profiles.setBudget(repair.budget_kb_per_s);
   return (
     <div class="notice warning column" role="alert">
       <p>{sentence(refusal.message)}</p>
@@ -165,18 +175,13 @@ function RefusalCard({ api, editor, refusal, text }: { api: Api; editor: RuleEdi
               label={repair.title}
               class="small repair"
               title={repair.sentence}
-              onClick={() => void apply(api, editor, repair, text)}
+              onClick={() => void apply(repair)}
             />
           </NeedsServer>
         ))}
       </div>
     </div>
   );
-}
-
-async function apply(api: Api, editor: RuleEditor, repair: Repair, text: string): Promise<void> {
-  if (repair.budget_kb_per_s === null) await editor.repair(text, repair);
-  else await setBudget(api, editor, repair.budget_kb_per_s);
 }
 
 /** What each topic takes of the link in one situation, as shares of the budget. */

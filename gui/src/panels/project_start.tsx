@@ -46,7 +46,8 @@ export function RecordingStart({ bag, ...props }: Props & { bag: string; onClose
     read: async () => {
       const { topics, duration_s, rules_text } = await api.ask("POST /api/recording", { bag });
       const said = `${counted(topics.length, "topic")}, ${durationWords(duration_s)}.`;
-      return { said, rules_text, profile: async () => (await api.measureProfile(bag)).text };
+      const profile = async () => (await api.ask("POST /api/profile/measure", { bag })).text;
+      return { said, rules_text, profile };
     },
   };
   return <StartDialog origin={origin} {...props} />;

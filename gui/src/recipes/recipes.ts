@@ -27,6 +27,6 @@ export const RECIPES: readonly Recipe[] = [battery, emergency, corridor, link, s
 /** The rules of all recipes, as the server reads them. */
 export async function recipeRules(api: Api): Promise<Statement[]> {
   const text = RECIPES.map((recipe) => recipe.text).join("\n");
-  const document = await api.document({ text, name: "recipes", profile_text: null });
+  const document = await api.ask("POST /api/document", { text, name: "recipes", profile_text: null });
   return statementsIn(document).filter(({ kind }) => kind === "rule");
 }

@@ -17,7 +17,7 @@ export class Keepings {
   constructor(private readonly api: Api) {}
 
   /** Asks what is being kept, and again until all of that has ended. */
-  async follow(ask: () => Promise<KeepsAnswer> = () => this.api.keeps()): Promise<void> {
+  async follow(ask: () => Promise<KeepsAnswer> = () => this.api.ask("GET /api/try/keeps", null)): Promise<void> {
     window.clearTimeout(this.timer);
     this.problem.value = await refusalOf(async () => {
       this.keeps.value = (await ask()).keeps;

@@ -44,7 +44,7 @@ export class MapFloor {
   follow(): () => void {
     const bag = computed(() => this.editor.map.value.bag);
     void this.told(async () => {
-      this.choices.value = (await this.api.backgrounds()).choices;
+      this.choices.value = (await this.api.ask("GET /api/backgrounds", null)).choices;
     });
     const stops = [
       this.followPicture(),

@@ -58,13 +58,14 @@ export class ProfileEditor extends OpenFile {
 
   protected override async contentOf(text: string | null): Promise<string> {
     const { rows, budget_kb_per_s }: ProfileTable =
-      text === null ? NOTHING : await this.api.parseProfile(this.name, text);
+      text === null ? NOTHING : await this.api.ask("POST /api/profile/parse", { name: this.name, text });
     const budget = shown(budget_kb_per_s);
     return packed({ rows: rows.map((row) => this.draftRow(row)), budget, baseText: text ?? "" });
   }
 
   protected override async written(name: string): Promise<string> {
-    return (await this.api.writeProfile(name, this.finishedTable(), this.typesText)).text;
+    const table = { ...this.finishedTable(), name, base_text: this.typesText };
+    return (await this.api.ask("POST /api/profile/write", table)).text;
   }
 
   protected setContent(content: string): void {
@@ -104,7 +105,7 @@ export class ProfileEditor extends OpenFile {
 
   /** Replaces the table by one measured in a bag. */
   async measure(bag: string): Promise<void> {
-    await this.replace(await this.contentOf((await this.api.measureProfile(bag)).text));
+    await this.replace(await this.contentOf((await this.api.ask("POST /api/profile/measure", { bag })).text));
   }
 
   /** Replaces the table by one measured on the robot for so many seconds. */

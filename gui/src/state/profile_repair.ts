@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
 import type { Api } from "../api/client";
-import type { ProfileFix, ProfileRow } from "../api/types";
+import type { ProfileFix, ProfileRow, ProfileTable } from "../api/types";
 import type { RuleEditor } from "./rule_editor";
 
 /** What was done to the topic parameters, and what takes it back. */
@@ -10,6 +10,9 @@ interface ProfileChange {
   words: string;
   takeBack(): Promise<void>;
 }
+
+/** What the text of a profile becomes. */
+type Edited = (name: string, text: string) => Promise<string>;
 
 /** Changes of the topic parameters that findings and the optimizer ask for: said, saved, and possible to take back. */
 export class ProfileRepair {
@@ -35,32 +38,48 @@ export class ProfileRepair {
   measureMissing(bag: string, topics: ReadonlySet<string>): Promise<void> {
     const words = (name: string) => `Added what ${bag} says of the rules' topics to ${name}`;
     return this.change(words, async (name, text) => {
-      const [table, measured] = [
-        await this.api.parseProfile(name, text),
-        await this.api.parseProfile(name, (await this.api.measureProfile(bag)).text),
-      ];
+      const table = await this.api.ask("POST /api/profile/parse", { name, text });
+      const recorded = await this.api.ask("POST /api/profile/measure", { bag });
+      const measured = await this.api.ask("POST /api/profile/parse", { name, text: recorded.text });
       const own = new Map(table.rows.map((row) => [row.topic, row]));
       for (const row of measured.rows) {
         if (topics.has(row.topic)) own.set(row.topic, filled(own.get(row.topic), row));
       }
-      return (await this.api.writeProfile(name, { ...table, rows: [...own.values()] }, text)).text;
+      return this.written(name, text, { ...table, rows: [...own.values()] });
     });
   }
 
-  private async change(
-    words: (name: string) => string,
-    edited: (name: string, text: string) => Promise<string>,
-  ): Promise<void> {
+  /** Sets the budget, and keeps everything else in the file. */
+  setBudget(budget_kb_per_s: number): Promise<void> {
+    return this.rewrite(
+      async (name, text) => {
+        const table = await this.api.ask("POST /api/profile/parse", { name, text });
+        return this.written(name, text, { ...table, budget_kb_per_s });
+      },
+      (name) => (this.editor.message.value = `Saved ${name}: ${budget_kb_per_s} KB/s`),
+    );
+  }
+
+  private change(words: (name: string) => string, edited: Edited): Promise<void> {
+    return this.rewrite(edited, (name, before, hash) => {
+      this.done.value = { words: words(name), takeBack: () => this.takeBack(name, before, hash) };
+    });
+  }
+
+  /** Saves what `edited` makes of the file, and tells `saved` with the text of before and the hash of now. */
+  private async rewrite(edited: Edited, saved: (name: string, before: string, hash: string) => void): Promise<void> {
     const name = this.editor.profile.peek()?.name;
     if (name === undefined) return;
     await this.editor.inTurn(async () => {
       const before = await this.api.read(name);
-      const text = await edited(name, before.text);
-      const { hash } = await this.api.save(name, text, before.hash);
-      const takeBack = () => this.takeBack(name, before.text, hash);
-      this.done.value = { words: words(name), takeBack };
+      const { hash } = await this.api.save(name, await edited(name, before.text), before.hash);
+      saved(name, before.text, hash);
       await this.editor.useProfile(name);
     });
+  }
+
+  private async written(name: string, base_text: string, table: ProfileTable): Promise<string> {
+    return (await this.api.ask("POST /api/profile/write", { ...table, name, base_text })).text;
   }
 
   /** Writes the text of before; where somebody else changed the file meanwhile, that is refused and told. */
@@ -78,18 +97,4 @@ export class ProfileRepair {
 function filled(own: ProfileRow | undefined, other: ProfileRow): ProfileRow {
   const said = Object.entries(own ?? {}).filter(([, value]) => value !== null && value !== undefined);
   return { ...other, ...Object.fromEntries(said) };
-}
-
-/** Sets the budget in the file of an editor's topic parameters, and keeps everything else in it. */
-export async function setBudget(api: Api, editor: RuleEditor, budgetKbPerS: number): Promise<void> {
-  const name = editor.profile.peek()?.name;
-  if (name === undefined) return;
-  await editor.inTurn(async () => {
-    const { text, hash } = await api.read(name);
-    const table = await api.parseProfile(name, text);
-    const written = await api.writeProfile(name, { ...table, budget_kb_per_s: budgetKbPerS }, text);
-    await api.save(name, written.text, hash);
-    editor.message.value = `Saved ${name}: ${budgetKbPerS} KB/s`;
-    await editor.useProfile(name);
-  });
 }

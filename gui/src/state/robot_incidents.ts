@@ -28,7 +28,7 @@ export class RobotIncidents {
   open(): () => void {
     this.isOpen = true;
     void this.ask();
-    void this.follow(() => this.api.fetches());
+    void this.follow(() => this.api.ask("GET /api/robot-incidents/fetches", null));
     return () => {
       this.isOpen = false;
       window.clearTimeout(this.timer);
@@ -39,7 +39,7 @@ export class RobotIncidents {
   async ask(): Promise<void> {
     this.isAsking = true;
     await this.told(async () => {
-      const answer = await this.api.robotIncidents();
+      const answer = await this.api.ask("GET /api/robot-incidents", null);
       const heard = answer.robots.map(({ robot }) => robot);
       const before = this.answer.peek()?.robots ?? [];
       const left = before.filter(({ robot, incidents }) => incidents.length > 0 && !heard.includes(robot));
@@ -72,7 +72,10 @@ export class RobotIncidents {
     window.clearTimeout(this.timer);
     if (!this.isOpen || this.answer.peek()?.is_linked === false) return;
     const isRunning = this.fetches.peek().some(({ state }) => state === "running");
-    this.timer = window.setTimeout(() => void this.follow(() => this.api.fetches()), isRunning ? FOLLOW_MS : LOOK_MS);
+    this.timer = window.setTimeout(
+      () => void this.follow(() => this.api.ask("GET /api/robot-incidents/fetches", null)),
+      isRunning ? FOLLOW_MS : LOOK_MS,
+    );
   }
 
   /** Asks again where a robot came, or none could be asked: each question costs the link. */

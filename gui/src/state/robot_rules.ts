@@ -79,7 +79,7 @@ export class RobotRules {
     };
     try {
       if (!(await this.editor.isSound())) return tell({ kind: "unclear", why: "The text has errors." });
-      const preview = await this.api.previewPush(this.editor.rules, node);
+      const preview = await this.api.ask("POST /api/push/preview", { ...this.editor.rules, node });
       tell({ kind: preview.same ? "same" : "other", preview });
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;

@@ -152,7 +152,7 @@ export class RuleEditor extends OpenFile {
       const wanted = edits(this.document.value);
       if (wanted.length === 0) return;
       const why = await refusalOf(async () => {
-        const { text, document } = await this.api.edit(this.rules, wanted);
+        const { text, document } = await this.api.ask("POST /api/edit", { ...this.rules, edits: wanted });
         if (text === before) return;
         if (this.text.value === before) this.replaceText(text, document);
         else refused("The text was changed at the same time, so the edit in the blocks was dropped: try again");
@@ -257,7 +257,7 @@ export class RuleEditor extends OpenFile {
   private async ask(rules: Rules): Promise<void> {
     const isProfileKnown = this.profileChoice.isKnown.peek();
     try {
-      const read = this.api.document(rules);
+      const read = this.api.ask("POST /api/document", rules);
       const [document, vocabulary] = await Promise.all([read, this.words.of(rules, read)]);
       if (rules.text !== this.text.value) return;
       batch(() => {

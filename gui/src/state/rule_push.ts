@@ -70,7 +70,7 @@ export class RulePush {
     }
     await this.guarded(UNCHANGED, UNCHANGED, async () => {
       const { rules } = this.editor;
-      const preview = await this.api.previewPush(rules, node);
+      const preview = await this.api.ask("POST /api/push/preview", { ...rules, node });
       this.stage.value = { kind: "asked", node, preview, rules };
     });
   }

@@ -59,6 +59,6 @@ export class Words {
   }
 
   private ask({ text, profile_text }: Rules): Promise<Vocabulary> {
-    return this.api.vocabulary(text, profile_text);
+    return this.api.ask("POST /api/vocabulary", { text, profile_text });
   }
 }

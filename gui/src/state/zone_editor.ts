@@ -126,7 +126,7 @@ export class ZoneEditor {
   private async ask(): Promise<void> {
     const { rules } = this.editor;
     try {
-      const zones = await this.api.zones(rules);
+      const zones = await this.api.ask("POST /api/zones", rules);
       if (rules.text === this.editor.text.peek()) this.answer.value = { zones, text: rules.text };
     } catch (error) {
       this.editor.tell(error);
