@@ -3,7 +3,7 @@
 
 import type { Signal } from "@preact/signals";
 import type { ComponentType } from "preact";
-import { useEffect, useLayoutEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusalOf } from "./api/client";
 import type { Project } from "./api/types";
 import { HomePage } from "./pages/home";
@@ -22,6 +22,7 @@ import { type Later, later } from "./ui/later";
 import { Notice } from "./ui/notice";
 import { useRobot } from "./ui/robot_state";
 import { ServerGone, useReturn, WatchNotice } from "./ui/server_gone";
+import { useWindowEvent } from "./ui/watch";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
 const PAGES: Record<Exclude<Route["page"], "home">, Later<PageProps>> = {
@@ -48,7 +49,9 @@ export function App({ api }: { api: Api }) {
   const tabs = useMemo(() => new OpenTabs(crypto.getRandomValues(new Uint32Array(4)).join("-")), []);
   const editors = useMemo(() => (root === undefined ? null : openEditors(root, tabs)), [root]);
   const keepings = useMemo(() => new Keepings(api), []);
-  useUnsavedWarning(editors);
+  useWindowEvent("beforeunload", (event) => {
+    if (editors?.wouldLose) event.preventDefault();
+  });
   const route = useRoute();
   const [missing, setMissing] = useState("");
   useEffect(() => {
@@ -127,24 +130,9 @@ function openEditors(project: string, tabs: OpenTabs): OpenEditors {
   return new OpenEditors(new Drafts(browserStorage(), project, tabs.own, () => tabs.others()));
 }
 
-function useUnsavedWarning(editors: OpenEditors | null): void {
-  useEffect(() => {
-    const ask = (event: BeforeUnloadEvent) => {
-      if (editors?.wouldLose) event.preventDefault();
-    };
-    addEventListener("beforeunload", ask);
-    return () => removeEventListener("beforeunload", ask);
-  }, [editors]);
-}
-
 function useRoute(): Route {
   const [route, setRoute] = useState(readRoute);
-  // At once: an effect waits for a picture, and an address that changes before it would not be followed.
-  useLayoutEffect(() => {
-    const follow = () => setRoute(readRoute());
-    addEventListener("hashchange", follow);
-    return () => removeEventListener("hashchange", follow);
-  }, []);
+  useWindowEvent("hashchange", () => setRoute(readRoute()));
   return route;
 }
 

@@ -4,7 +4,7 @@ import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Statement } from "../api/types";
 import type { PickerChoice } from "../ui/picker_matches";
-import { isNarrow } from "../ui/watch";
+import { isNarrow, styleOf } from "../ui/watch";
 import { type BlockButtons, defineBlocks, type RuleBlock } from "./block_types";
 import { stacked } from "./conditions";
 import type { Suggestions } from "./fields";
@@ -284,8 +284,7 @@ const BLOCK_STYLES = {
 
 /** Blockly's theme in the page's own colours, read from its style sheet. */
 export function blocklyTheme(root: HTMLElement): Blockly.Theme {
-  const colours = getComputedStyle(root);
-  const colour = (name: string) => colours.getPropertyValue(name).trim();
+  const colour = styleOf(root);
   // The name becomes a class of the page's style sheet.
   const name = `ruler-${colour("--canvas").replace("#", "")}`;
   return Blockly.Theme.defineTheme(name, {

@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import { TIERS } from "../api/types";
 import { readable } from "../ui/numbers";
-import { watchSize, watchTheme } from "../ui/watch";
+import { styleOf, watchSize, watchTheme } from "../ui/watch";
 import { axisOf, type LevelAxis, type LevelKind, limitsOf, rounded, shareOf, stepOf, valueAt } from "./level_axis";
 import "uplot/dist/uPlot.min.css";
 
@@ -160,8 +160,7 @@ function drawCurve(
   axisLabel: string,
   laid: (area: { left: number; width: number }) => void,
 ): uPlot {
-  const style = getComputedStyle(host);
-  const colour = (name: string) => style.getPropertyValue(name).trim();
+  const colour = styleOf(host);
   const look = {
     stroke: colour("--text-2"),
     grid: { stroke: colour("--line"), width: 1 },

@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import CircleStyle from "ol/style/Circle";
 import Fill from "ol/style/Fill";
 import RegularShape from "ol/style/RegularShape";
 import Stroke from "ol/style/Stroke";
 import Style from "ol/style/Style";
 import Text from "ol/style/Text";
+import { styleOf } from "../ui/watch";
 import type { MapZone } from "./shapes";
 
 /** The colours of the page, as a canvas needs them. */
@@ -22,8 +24,7 @@ export interface Palette {
 }
 
 export function paletteOf(host: HTMLElement): Palette {
-  const style = getComputedStyle(host);
-  const value = (name: string) => style.getPropertyValue(name).trim();
+  const value = styleOf(host);
   return {
     text: value("--text"),
     quiet: value("--text-2"),

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useComputed, useSignal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useRef } from "preact/hooks";
 import type { PlacedFinding, Statement } from "../api/types";
 import { checksOf, type RuleState } from "../blocks/live_states";
 import { actionWords, statementTitle } from "../blocks/rule_words";
@@ -9,6 +10,7 @@ import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
 import { shortcutKey } from "../ui/undo_keys";
+import { useWindowEvent } from "../ui/watch";
 import { OptionRow } from "./rule_outline";
 
 const SHOWN = 50;
@@ -133,21 +135,18 @@ function FoundList({ hits, chosen, onGo }: { hits: readonly Found[]; chosen: num
 
 /** "/" where nobody types, and Ctrl+F outside the text and dialogs, lead to the field. */
 function useSearchKeys(field: { readonly current: HTMLInputElement | null }): void {
-  useEffect(() => {
-    const act = (event: KeyboardEvent) => {
-      const target = event.target instanceof Element ? event.target : document.body;
-      if (target.closest("dialog, .text-host") !== null) return;
-      const isTyping = target.matches("input, textarea, select, .blocklyInputField, [contenteditable]");
-      const isFind = (event.ctrlKey || event.metaKey) && shortcutKey(event) === "f";
-      if (!isFind && (event.key !== "/" || isTyping || event.ctrlKey || event.metaKey || event.altKey)) return;
-      event.preventDefault();
-      event.stopPropagation();
-      field.current?.focus();
-      field.current?.select();
-    };
-    addEventListener("keydown", act, { capture: true });
-    return () => removeEventListener("keydown", act, { capture: true });
-  }, []);
+  const act = (event: KeyboardEvent) => {
+    const target = event.target instanceof Element ? event.target : document.body;
+    if (target.closest("dialog, .text-host") !== null) return;
+    const isTyping = target.matches("input, textarea, select, .blocklyInputField, [contenteditable]");
+    const isFind = (event.ctrlKey || event.metaKey) && shortcutKey(event) === "f";
+    if (!isFind && (event.key !== "/" || isTyping || event.ctrlKey || event.metaKey || event.altKey)) return;
+    event.preventDefault();
+    event.stopPropagation();
+    field.current?.focus();
+    field.current?.select();
+  };
+  useWindowEvent("keydown", act, { capture: true });
 }
 
 /** What a search is limited to. */

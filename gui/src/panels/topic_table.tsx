@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import { useEffect, useMemo } from "preact/hooks";
+import { useMemo } from "preact/hooks";
 import { TIERS } from "../api/types";
 import { type DraftRow, isNumber, type NumberField } from "../state/draft_row";
 import { tableCells } from "../state/pasted_table";
 import type { ProfileEditor } from "../state/profile_editor";
 import { Button } from "../ui/button";
+import { useWindowEvent } from "../ui/watch";
 
 /** The thesis's table of topic parameters, filled by hand or pasted from a spreadsheet. */
 export function TopicTable({ editor }: { editor: ProfileEditor }) {
@@ -133,12 +134,8 @@ function pasteTable(event: ClipboardEvent, editor: ProfileEditor, key: number | 
 
 /** Takes a table that is pasted anywhere on the page, but into no field. */
 function usePastedTable(editor: ProfileEditor): void {
-  useEffect(() => {
-    const pasted = (event: ClipboardEvent) => {
-      const isField = event.target instanceof Element && event.target.closest("input, select, dialog") !== null;
-      if (!isField) pasteTable(event, editor, null);
-    };
-    addEventListener("paste", pasted);
-    return () => removeEventListener("paste", pasted);
-  }, [editor]);
+  useWindowEvent("paste", (event) => {
+    const isField = event.target instanceof Element && event.target.closest("input, select, dialog") !== null;
+    if (!isField) pasteTable(event, editor, null);
+  });
 }

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { Button } from "../ui/button";
+import { useWindowEvent } from "../ui/watch";
 
 /** What the tour says at one step, beside a ring around what it is about; the page can be used meanwhile. */
 export function TourCard({ onEnd }: { onEnd: () => void }) {
@@ -78,16 +80,10 @@ function useBox(selector: string, card: { current: HTMLElement | null }): Placed
 
 /** Ends the tour with Escape, unless it closes something else first. */
 function useEscape(end: () => void): void {
-  const ending = useRef(end);
-  ending.current = end;
-  useEffect(() => {
-    const pressed = (event: KeyboardEvent) => {
-      const isFree = event.target instanceof Element && event.target.closest("input, dialog, .cm-editor") === null;
-      if (event.key === "Escape" && !event.defaultPrevented && isFree) ending.current();
-    };
-    addEventListener("keydown", pressed);
-    return () => removeEventListener("keydown", pressed);
-  }, []);
+  useWindowEvent("keydown", (event) => {
+    const isFree = event.target instanceof Element && event.target.closest("input, dialog, .cm-editor") === null;
+    if (event.key === "Escape" && !event.defaultPrevented && isFree) end();
+  });
 }
 
 const pixels = (box: object) => Object.fromEntries(Object.entries(box).map(([name, px]) => [name, `${px}px`]));

@@ -8,7 +8,7 @@ import uPlot from "uplot";
 import type { Timeline } from "../state/timeline";
 import "uplot/dist/uPlot.min.css";
 import { readable } from "../ui/numbers";
-import { watchSize, watchTheme } from "../ui/watch";
+import { styleOf, watchSize, watchTheme } from "../ui/watch";
 
 /** A chart over a time, with the slider's time as a line. `lines` must stay the same object while they are the same. */
 export function Strip(props: { timeline: Timeline; lines: StripLines; label: string; children: ComponentChildren }) {
@@ -120,8 +120,7 @@ function dataOf(timeline: Timeline, { before, after, least, timesS }: StripLines
 
 function draw(host: HTMLElement, timeline: Timeline, lines: () => StripLines): uPlot {
   const { before, least, timeWords } = lines();
-  const style = getComputedStyle(host);
-  const colour = (name: string) => style.getPropertyValue(name).trim();
+  const colour = styleOf(host);
   const axis = {
     stroke: colour("--text-2"),
     grid: { stroke: colour("--line"), width: 1 },

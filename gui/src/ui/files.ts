@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 
-import { useLayoutEffect, useRef } from "preact/hooks";
 import type { TextFile } from "../api/client";
+import { useWindowEvent } from "./watch";
 
 const LARGEST_BYTES = 1_000_000;
 
@@ -22,27 +22,18 @@ export async function fileText(file: File): Promise<TextFile> {
 
 /** Takes a file that is dropped anywhere on the page; without this the browser would leave the page for it. */
 export function useDroppedFile(take: (file: File) => void): void {
-  const taker = useRef(take);
-  taker.current = take;
-  // At once, so that no drop falls between.
-  useLayoutEffect(() => {
-    const over = (event: DragEvent) => {
-      if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
-    };
-    const drop = (event: DragEvent) => {
-      const file = event.dataTransfer?.files[0];
-      if (!file) return;
-      event.preventDefault();
-      event.stopPropagation();
-      taker.current(file);
-    };
-    addEventListener("dragover", over, { capture: true });
-    addEventListener("drop", drop, { capture: true });
-    return () => {
-      removeEventListener("dragover", over, { capture: true });
-      removeEventListener("drop", drop, { capture: true });
-    };
-  }, []);
+  const over = (event: DragEvent) => {
+    if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
+  };
+  const drop = (event: DragEvent) => {
+    const file = event.dataTransfer?.files[0];
+    if (!file) return;
+    event.preventDefault();
+    event.stopPropagation();
+    take(file);
+  };
+  useWindowEvent("dragover", over, { capture: true });
+  useWindowEvent("drop", drop, { capture: true });
 }
 
 /** Hands a text to the browser as a file. */

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { href } from "../route";
@@ -7,6 +8,7 @@ import { Breakable } from "./breakable";
 import { later } from "./later";
 import { MenuButton, MenuItem } from "./menu_button";
 import { RobotState } from "./robot_state";
+import { useWindowEvent } from "./watch";
 
 const DocumentationPanel = later(async () => (await import("../documentation/documentation_panel")).DocumentationPanel);
 
@@ -59,13 +61,9 @@ export function Header({ title, note, menu, children }: Props) {
 }
 
 function useHelpKey(open: () => void): void {
-  useEffect(() => {
-    const act = (event: KeyboardEvent) => {
-      if (event.key !== "F1") return;
-      event.preventDefault();
-      open();
-    };
-    addEventListener("keydown", act);
-    return () => removeEventListener("keydown", act);
-  }, []);
+  useWindowEvent("keydown", (event) => {
+    if (event.key !== "F1") return;
+    event.preventDefault();
+    open();
+  });
 }

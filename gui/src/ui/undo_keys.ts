@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect } from "preact/hooks";
+
+import { useWindowEvent } from "./watch";
 
 /** What can be saved, and changed back and forth. */
 interface Undoable {
@@ -17,21 +18,18 @@ export function shortcutKey({ key, code }: Pick<KeyboardEvent, "key" | "code">):
 
 /** Save works everywhere on the page but in a dialog; undo and redo not in a field, where they are about its letters. */
 export function useUndoKeys(editor: Undoable): void {
-  useEffect(() => {
-    const act = (event: KeyboardEvent) => {
-      const isTyping = event.target instanceof HTMLInputElement && event.target.type !== "range";
-      const isInDialog = event.target instanceof Element && event.target.closest("dialog") !== null;
-      if (!(event.ctrlKey || event.metaKey) || isInDialog) return;
-      const key = shortcutKey(event);
-      if (key === "s") void editor.save();
-      else if (isTyping) return;
-      else if (key === "y" || (key === "z" && event.shiftKey)) editor.redo();
-      else if (key === "z") editor.undo();
-      else return;
-      event.preventDefault();
-      event.stopPropagation();
-    };
-    addEventListener("keydown", act, { capture: true });
-    return () => removeEventListener("keydown", act, { capture: true });
-  }, []);
+  const act = (event: KeyboardEvent) => {
+    const isTyping = event.target instanceof HTMLInputElement && event.target.type !== "range";
+    const isInDialog = event.target instanceof Element && event.target.closest("dialog") !== null;
+    if (!(event.ctrlKey || event.metaKey) || isInDialog) return;
+    const key = shortcutKey(event);
+    if (key === "s") void editor.save();
+    else if (isTyping) return;
+    else if (key === "y" || (key === "z" && event.shiftKey)) editor.redo();
+    else if (key === "z") editor.undo();
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  };
+  useWindowEvent("keydown", act, { capture: true });
 }

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { useLayoutEffect, useRef } from "preact/hooks";
 
 /** Calls `resized` when `host` has another size; returns how to stop. */
 export function watchSize(host: HTMLElement, resized: () => void): () => void {
@@ -38,4 +39,25 @@ export function showOnNarrow(shown: () => Element | null): void {
 /** Gives the focus to what `selector` finds first in `host`, where it was on something that is gone. */
 export function focusIn(host: Element | null, selector: string): void {
   if (document.activeElement === document.body) host?.querySelector<HTMLElement>(selector)?.focus();
+}
+
+/** Does on an event of the window what `act` is then; at once, so that no event falls between. */
+export function useWindowEvent<Type extends keyof WindowEventMap>(
+  type: Type,
+  act: (event: WindowEventMap[Type]) => void,
+  options: { capture?: true } = {},
+): void {
+  const acting = useRef(act);
+  acting.current = act;
+  useLayoutEffect(() => {
+    const happened = (event: WindowEventMap[Type]) => acting.current(event);
+    addEventListener(type, happened, options);
+    return () => removeEventListener(type, happened, options);
+  }, []);
+}
+
+/** What a variable of the style sheet is where `host` stands. */
+export function styleOf(host: Element): (name: string) => string {
+  const style = getComputedStyle(host);
+  return (name) => style.getPropertyValue(name).trim();
 }
