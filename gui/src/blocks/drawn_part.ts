@@ -3,14 +3,13 @@
 import * as Blockly from "blockly/core";
 import type { RuleDocument, Statement } from "../api/types";
 import type { Folds } from "../state/folds";
-import { statementsIn } from "../state/statements";
+import { checksOf, statementsIn } from "../state/statements";
 import { DEFAULT_TYPES } from "./actions";
 import { showRawText } from "./block_types";
 import { type Column, GAP, HEADING } from "./column";
 import { parseBound } from "./field_text";
 import type { Suggestions } from "./fields";
 import { FOLDED } from "./folded_type";
-import { checksOf } from "./live_states";
 import { fingerprint, toBlock } from "./model";
 import { newSlot, printOf, type Slot, statementOf } from "./slots";
 

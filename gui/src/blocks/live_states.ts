@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
-import type { CheckCondition, Condition, Live, RobotCheck, RuleDocument, TimedCondition, Truth } from "../api/types";
-import { statementsIn } from "../state/statements";
+import type { Condition, Live, RobotCheck, RuleDocument, TimedCondition, Truth } from "../api/types";
+import { checksOf, statementsIn } from "../state/statements";
 
 /** What a robot says of one check now. */
 export interface CheckState {
@@ -70,13 +69,6 @@ function numbered(labels: readonly string[]): string[] {
 
 function words(check: { topic: string; property: string; op: string; value: number }): string {
   return `${check.topic} ${check.property} ${check.op} ${check.value}`;
-}
-
-/** All checks of a condition in the order of the text. */
-export function checksOf(condition: Condition): CheckCondition[] {
-  if (condition.kind === "check") return [condition];
-  if (condition.kind === "not" || condition.kind === "timed") return checksOf(condition.term);
-  return condition.terms.flatMap(checksOf);
 }
 
 /** All times of a condition, in the order in which they end in the text. */

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { Action, RuleStatement, Statement } from "../api/types";
+import { checksOf } from "../state/statements";
 import { rateText } from "./field_text";
-import { checksOf } from "./live_states";
 
 /** What an action does, in the fewest words. */
 export function actionWords(action: Action): string {

@@ -21,7 +21,6 @@ import type { RuleEditor } from "../state/rule_editor";
 import { RulePush } from "../state/rule_push";
 import { saveByItself } from "../state/save_by_itself";
 import type { FileTries } from "../state/tries";
-import { showInEditor } from "../try/show_in_editor";
 import { ConflictDialog } from "../ui/conflict_dialog";
 import { FullScreenButton } from "../ui/full_screen_button";
 import { later } from "../ui/later";
@@ -80,7 +79,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
     showOnNarrow(() => results.current);
   };
   useEffect(() => {
-    if (state === "open" && line !== undefined) showInEditor(editor, Number(line));
+    if (state === "open" && line !== undefined) editor.showLine(Number(line));
   }, [state]);
   const { onlyWatches } = useRobot();
   const savesByItself = project.saves_by_itself && state === "open" && !onlyWatches.value;

@@ -171,8 +171,8 @@ function openWorkspace(
     showAgain: show,
     folds: editor.folds,
     selected: (id) => {
-      const { offset, end_offset } = editor.statement(id) ?? {};
-      if (offset !== undefined && end_offset !== undefined) editor.spot.value = { offset, end_offset, from: "blocks" };
+      const statement = editor.statement(id);
+      if (statement) editor.point(statement, "blocks");
     },
   });
   editor.handOver = (withOpenField) => workspace.handOver(withOpenField);

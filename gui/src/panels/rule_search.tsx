@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useComputed, useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import type { PlacedFinding, Statement } from "../api/types";
-import { checksOf, type RuleState } from "../blocks/live_states";
+import type { RuleState } from "../blocks/live_states";
 import { actionWords, statementTitle } from "../blocks/rule_words";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
+import { checksOf } from "../state/statements";
 import { Button } from "../ui/button";
 import { shortcutKey } from "../ui/undo_keys";
 import { useWindowEvent } from "../ui/watch";

@@ -242,6 +242,18 @@ export class RuleEditor extends OpenFile {
     return this.statements.value.find((each) => (each.offset ?? 0) <= offset && offset <= (each.end_offset ?? 0));
   }
 
+  /** Points at a statement, on whichever side somebody looks; at nothing where it has no place. */
+  point(statement: Statement | undefined, from: Spot["from"]): void {
+    const { offset, end_offset } = statement ?? {};
+    const isPlaced = offset !== undefined && end_offset !== undefined;
+    this.spot.value = isPlaced ? { offset, end_offset, from } : null;
+  }
+
+  /** Points at the statement that holds a line; at nothing for null. */
+  showLine(line: number | null): void {
+    this.point(line === null ? undefined : this.statements.peek().findLast((each) => (each.line ?? 0) <= line), "try");
+  }
+
   private replaceText(text: string, document: RuleDocument): void {
     this.remember();
     batch(() => {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Action, Condition, RuleDocument, Statement } from "../api/types";
+import type { Action, CheckCondition, Condition, RuleDocument, Statement } from "../api/types";
 
 /** Every topic that the rules set, bound, record or check. */
 export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlySet<string> {
@@ -10,7 +10,7 @@ export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlyS
       if (statement.kind === "raw") continue;
       if (statement.kind !== "rule") topics.add(statement.topic);
       else {
-        addChecked(statement.condition, topics);
+        for (const { topic } of checksOf(statement.condition)) topics.add(topic);
         for (const action of [...statement.then, ...statement.else]) {
           for (const topic of action.kind === "record" ? action.topics : [action.topic]) topics.add(topic);
         }
@@ -29,10 +29,11 @@ export function namesLevel({ collections }: Pick<RuleDocument, "collections">): 
   );
 }
 
-function addChecked(condition: Condition, topics: Set<string>): void {
-  if (condition.kind === "check") topics.add(condition.topic);
-  else if (condition.kind === "not" || condition.kind === "timed") addChecked(condition.term, topics);
-  else for (const term of condition.terms) addChecked(term, topics);
+/** All checks of a condition in the order of the text. */
+export function checksOf(condition: Condition): CheckCondition[] {
+  if (condition.kind === "check") return [condition];
+  if (condition.kind === "not" || condition.kind === "timed") return checksOf(condition.term);
+  return condition.terms.flatMap(checksOf);
 }
 
 /** All statements of a document in the order of the text. */

@@ -45,11 +45,6 @@ export class Trial extends Timeline {
     this.decisionTimes = [...new Set(changes)].sort((a, b) => a - b);
   }
 
-  /** The text of the rules that were tried. */
-  get text(): string {
-    return this.tried.text;
-  }
-
   /** The mean rate of a topic in the recording; null where it has none. */
   sourceHz(topic: string): number | null {
     const own = this.answer.topics.find((each) => each.topic === topic);

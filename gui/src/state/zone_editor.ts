@@ -50,10 +50,8 @@ export class ZoneEditor {
 
   choose(id: string | null, rectangle = 0): void {
     if (id === DRAFT) return;
-    const { offset, end_offset } = this.editor.statement(id) ?? {};
     this.index.value = rectangle;
-    const isPlaced = offset !== undefined && end_offset !== undefined;
-    this.editor.spot.value = isPlaced ? { offset, end_offset, from: "map" } : null;
+    this.editor.point(this.editor.statement(id), "map");
   }
 
   /** Moves all zones of a rule, or the draft. */

@@ -14,6 +14,7 @@ import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
 import { ZoneEditor } from "../state/zone_editor";
 import { Button } from "../ui/button";
+import { ColumnHeads } from "../ui/data_table";
 import { Icon, type IconName } from "../ui/icon";
 import { Problem } from "../ui/notice";
 import { counted, durationWords, hz, percent, readable, sizeWords } from "../ui/numbers";
@@ -25,7 +26,6 @@ import { LossTables } from "./loss_tables";
 import { PathMap } from "./path_map";
 import { RuleStates } from "./rule_states";
 import { Scrubber } from "./scrubber";
-import { showInEditor } from "./show_in_editor";
 import { Strip } from "./strip";
 
 interface Props {
@@ -42,7 +42,7 @@ export function TryResult({ editor, api, trial, keepings, changed }: Props) {
   const { answer } = trial;
   const [worst, error, missed] = [lossWords(answer), errorWords(answer), missedWords(answer)];
   const kbPerS = sentKbPerS(answer);
-  const isOld = editor.text.value !== trial.text;
+  const isOld = editor.text.value !== trial.tried.text;
   const result = useRef<HTMLDivElement>(null);
   useEffect(() => followInEditor(editor, trial), [trial]);
   useEffect(() => showOnNarrow(() => result.current), [trial]);
@@ -71,7 +71,7 @@ export function TryResult({ editor, api, trial, keepings, changed }: Props) {
         title={`Rules at ${trial.time.value.toFixed(1)} s, and when they held`}
         rules={trial.rules.value}
         timeline={trial}
-        show={isOld ? null : (line) => showInEditor(editor, line)}
+        show={isOld ? null : (line) => editor.showLine(line)}
       />
       <CheckCourses {...{ editor, api, trial }} />
       <TriedIncidents keepings={keepings} trial={trial} />
@@ -96,9 +96,9 @@ function followInEditor(editor: RuleEditor, trial: Trial): () => void {
   return effect(() => {
     const line = trial.leader.value?.line ?? null;
     if (trial.time.value === opened && shown === undefined) return;
-    if (line === shown || editor.text.peek() !== trial.text) return;
+    if (line === shown || editor.text.peek() !== trial.tried.text) return;
     shown = line;
-    showInEditor(editor, line);
+    editor.showLine(line);
   });
 }
 
@@ -217,15 +217,7 @@ function DecisionTable({ trial }: { trial: Trial }) {
       <h3>Decisions{decision_count > decisions.length && ` (the first ${decisions.length} of ${decision_count})`}</h3>
       <div class="decision-box" ref={box}>
         <table class="try-table">
-          <thead>
-            <tr>
-              <th scope="col">Time (s)</th>
-              <th scope="col">Topic</th>
-              <th scope="col">From</th>
-              <th scope="col">To</th>
-              <th scope="col">Because of</th>
-            </tr>
-          </thead>
+          <ColumnHeads names={["Time (s)", "Topic", "From", "To", "Because of"]} />
           <tbody>
             {decisions.map((decision, index) => (
               <tr key={index}>

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { counted } from "./numbers";
+
 const MOMENT = { dateStyle: "medium", timeStyle: "medium" } as const;
 export const NS_PER_MS = 1_000_000;
 const DAY_MS = 86_400_000;
@@ -18,13 +20,9 @@ export function clock(ms: number, timeStyle: "short" | "medium" = "short"): stri
 export function ago(ms: number, nowMs: number): string {
   const minutes = Math.floor((nowMs - ms) / 60_000);
   if (minutes < 1) return "just now";
-  if (minutes < 60) return counted(minutes, "minute");
-  if (minutes < 24 * 60) return counted(Math.floor(minutes / 60), "hour");
+  if (minutes < 60) return `${counted(minutes, "minute")} ago`;
+  if (minutes < 24 * 60) return `${counted(Math.floor(minutes / 60), "hour")} ago`;
   const days = Math.floor((nowMs - ms) / DAY_MS);
-  if (days < 14) return days === 1 ? "yesterday" : counted(days, "day");
+  if (days < 14) return days === 1 ? "yesterday" : `${counted(days, "day")} ago`;
   return new Date(ms).toLocaleDateString("en-GB", { dateStyle: "medium" });
-}
-
-function counted(count: number, unit: string): string {
-  return `${count} ${unit}${count === 1 ? "" : "s"} ago`;
 }
