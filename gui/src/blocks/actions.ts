@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
 import type { Action, DurationUnit, DurationValue, SetStatement } from "../api/types";
-import { parseBound, parseRate, parseTopics, rateText, topicsText } from "./field_text";
+import { parseBound, parseRate, parseTopics, rateText, topicsText } from "./rule_words";
 
 type State = Blockly.serialization.blocks.State;
 

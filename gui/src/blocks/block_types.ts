@@ -3,16 +3,6 @@
 import * as Blockly from "blockly/core";
 import { CLOCK_METHODS, chooseTime } from "./clocks";
 import {
-  ALL_TOPICS,
-  boundProblem,
-  parseBound,
-  parseRate,
-  parseTopics,
-  rateProblem,
-  rateText,
-  topicsText,
-} from "./field_text";
-import {
   button,
   CLOCK,
   COPY,
@@ -34,6 +24,16 @@ import {
   UP,
 } from "./fields";
 import { defineFolded } from "./folded_type";
+import {
+  ALL_TOPICS,
+  boundProblem,
+  parseBound,
+  parseRate,
+  parseTopics,
+  rateProblem,
+  rateText,
+  topicsText,
+} from "./rule_words";
 
 /** What the small buttons on blocks do. */
 export interface BlockButtons {
@@ -238,7 +238,7 @@ export function showRawText(block: Blockly.Block, text: string): void {
 type Remove = (block: Blockly.BlockSvg) => void;
 
 /** Defines the blocks that say what happens: rates, floors, bounds and recordings. */
-export function defineActionBlocks(suggest: Suggestions, remove: Remove): void {
+function defineActionBlocks(suggest: Suggestions, remove: Remove): void {
   const define = (type: string, init: Init) => {
     Blockly.Blocks[type] = { init };
   };

@@ -14,7 +14,7 @@ const LEFT = 24;
 const GLIDE_MS = 160;
 
 /** What stands around and between the blocks of a part of the text. */
-export interface Shape {
+interface Shape {
   /** The heights of what is not drawn, in the units of the canvas. */
   readonly above: number;
   readonly below: number;

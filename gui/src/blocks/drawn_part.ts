@@ -7,10 +7,10 @@ import { checksOf, statementsIn } from "../state/statements";
 import { DEFAULT_TYPES } from "./actions";
 import { showRawText } from "./block_types";
 import { type Column, GAP, HEADING } from "./column";
-import { parseBound } from "./field_text";
 import type { Suggestions } from "./fields";
 import { FOLDED } from "./folded_type";
 import { fingerprint, toBlock } from "./model";
+import { parseBound } from "./rule_words";
 import { newSlot, printOf, type Slot, statementOf } from "./slots";
 
 type Print = (slot: Slot) => string | null;
@@ -203,7 +203,7 @@ export function quietly(work: () => void): void {
 const LINE = 48;
 
 /** How much room statements need in the column, in the units of the canvas: as they were drawn, else about so much. */
-export class Rows {
+class Rows {
   private readonly drawn = new Map<string, number>();
 
   constructor(private readonly isFolded: (statement: Statement) => boolean) {}
@@ -247,7 +247,7 @@ function isDefault({ kind }: Statement): boolean {
 const WHOLE = 40;
 
 /** The statements that are blocks now, of a longer text those near the view; counted from 0 in the order of the text. */
-export interface Part {
+interface Part {
   readonly first: number;
   readonly count: number;
   readonly total: number;

@@ -115,7 +115,7 @@ function keepFocus(host: HTMLElement): void {
  * Adds a check below the last one: the other bound of it, as most zones have two; where it has both already, one of
  * the topic's next property.
  */
-export function addCheck(block: Blockly.BlockSvg, suggest: Suggestions): void {
+function addCheck(block: Blockly.BlockSvg, suggest: Suggestions): void {
   const input = block.getInput("IF") ? "IF" : "TERMS";
   const last = lastIn(block, input);
   const model = last?.type === "adirf_check" ? last : null;
@@ -140,7 +140,7 @@ function after(word: string, all: readonly PickerChoice[]): string {
 }
 
 /** Adds a rate for a topic that the part does not set yet. */
-export function addRate(block: Blockly.BlockSvg, input: string, topics: readonly string[]): void {
+function addRate(block: Blockly.BlockSvg, input: string, topics: readonly string[]): void {
   const sets = stacked(block, input).filter(({ type }) => type === "adirf_set");
   const topic = topics.find((each) => sets.every((set) => set.getFieldValue("TOPIC") !== each)) ?? "/topic";
   const rate = sets.at(-1)?.getFieldValue("RATE") ?? "10";
@@ -148,7 +148,7 @@ export function addRate(block: Blockly.BlockSvg, input: string, topics: readonly
 }
 
 /** Adds a bound for a property that the part does not bound yet, of a topic that has some for it first. */
-export function addBound(block: Blockly.BlockSvg, input: string, suggest: Suggestions): void {
+function addBound(block: Blockly.BlockSvg, input: string, suggest: Suggestions): void {
   const bounds = stacked(block, input).filter(({ type }) => type === "adirf_within");
   const isTaken = (topic: string, property: string) =>
     bounds.some((each) => each.getFieldValue("TOPIC") === topic && each.getFieldValue("PROPERTY") === property);
@@ -159,11 +159,11 @@ export function addBound(block: Blockly.BlockSvg, input: string, suggest: Sugges
   append(block, input, "adirf_within", { TOPIC: topic, PROPERTY: property }, "TOPIC");
 }
 
-export function addRecord(block: Blockly.BlockSvg, input: string): void {
+function addRecord(block: Blockly.BlockSvg, input: string): void {
   append(block, input, "adirf_record", {}, "NAME");
 }
 
-export function toggleElse(block: Blockly.BlockSvg, topics: readonly string[]): void {
+function toggleElse(block: Blockly.BlockSvg, topics: readonly string[]): void {
   Blockly.Events.setGroup(true);
   const rule = block as RuleBlock;
   const shown = rule.getInput("ELSE") !== null;

@@ -10,14 +10,16 @@ import { Column } from "./column";
 import { DrawnPart, quietly, showJoins } from "./drawn_part";
 import type { Suggestions } from "./fields";
 import { FOLDED } from "./folded_type";
-import { asOfNow, bringLeft } from "./left_blocks";
 import type { RuleState } from "./live_states";
 import type { MenuPage } from "./menus";
 import { fingerprint, toBlock, toStatement } from "./model";
 import { blocklyTheme, newWorkspace, setReadOnly } from "./new_workspace";
 import { closeField, isElsewhere, isTyping, openField } from "./open_field";
-import { type ActedOn, actedOn } from "./rule_acts";
 import {
+  type ActedOn,
+  actedOn,
+  asOfNow,
+  bringLeft,
   type Changed,
   isTop,
   printOf,

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
 import type { Edit, PlacedCollection, RuleDocument, Statement } from "../api/types";
+import type { Lost } from "../state/work_ahead";
+import type { RuleAct } from "./block_types";
 import { fingerprint, toStatement } from "./model";
+import { statementTitle } from "./rule_words";
 
 /** A statement of the text and the block that shows it. */
 export interface Slot {
@@ -15,7 +18,7 @@ export interface Slot {
 }
 
 /** A statement with its place in the text. */
-export interface Placed {
+interface Placed {
   statement: Statement;
   collection: PlacedCollection;
   index: number;
@@ -52,13 +55,13 @@ export interface Standing {
   says(block: Blockly.BlockSvg): Said;
 }
 
-export type Said = Statement | { missing: string } | null;
+type Said = Statement | { missing: string } | null;
 
 /** Blocks say something else than the text: `editsOf` it bring it there; `refused` hears why not, instead of the page. */
 export type Changed = (editsOf: (document: RuleDocument) => Edit[], refused?: (why: string) => void) => Promise<void>;
 
 /** An edit, and the block that says it. */
-export interface Step {
+interface Step {
   readonly edit: Edit;
   readonly block: Blockly.BlockSvg;
 }
@@ -251,4 +254,91 @@ function replace(lists: Lists, id: string, statement: Statement): void {
     const old = statements[index];
     if (old) statements[index] = { ...statement, comments: statement.comments ?? old.comments ?? null };
   }
+}
+
+/** An edit of the text, and the number of the statement that it is about once it is done. */
+export interface ActedOn {
+  edit: Edit;
+  at: number;
+}
+
+/** What an act on the rule that is number `at` does to the text; null where there is nothing to do. */
+export function actedOn(all: readonly Placed[], at: number, act: RuleAct): ActedOn | null {
+  const place = all[at];
+  if (place?.statement.kind !== "rule") return null;
+  const { statement, collection, index } = place;
+  const id = statement.id ?? "";
+  switch (act) {
+    case "switch": {
+      const is_disabled = !statement.is_disabled;
+      return { edit: { kind: "replace", id, statement: { ...statement, is_disabled, comments: null } }, at };
+    }
+    case "duplicate":
+      return { edit: { kind: "duplicate", id }, at: at + 1 };
+    case "up":
+    case "down": {
+      const to = index + (act === "up" ? -1 : 1);
+      if (to < 0 || to >= collection.statements.length) return null;
+      return { edit: { kind: "move", id, collection: collection.id, index: to }, at: at + to - index };
+    }
+  }
+}
+
+/** What blocks say now, for a time at which they are gone. */
+export function asOfNow({ order, isDropped, says }: Standing, slots: readonly Slot[]): Standing {
+  const all = new Set([...order, ...slots.map(({ block }) => block)]);
+  const said = new Map([...all].map((block) => [block, says(block)]));
+  const dropped = new Set([...all].filter(isDropped));
+  return { order: [...order], isDropped: (block) => dropped.has(block), says: (block) => said.get(block) ?? null };
+}
+
+/**
+ * Brings into the text what blocks said when they were left: all at once, else one by one all that is not refused.
+ *
+ * Returns what did not come, and why the last of it was refused; null where all did.
+ */
+export async function bringLeft(
+  drawn: { readonly first: number; slots: Slot[] },
+  left: Standing,
+  changed: Changed,
+): Promise<Omit<Lost, "name"> | null> {
+  const givenUp = new Set<Blockly.BlockSvg>();
+  const wanted: Standing = {
+    ...left,
+    says: (block) => (givenUp.has(block) ? { missing: "refused" } : left.says(block)),
+    isDropped: (block) => !givenUp.has(block) && left.isDropped(block),
+  };
+  let why = "";
+  for (let most = Number.POSITIVE_INFINITY; ; most = 1) {
+    let slots: Slot[] = [];
+    let blocks: Blockly.BlockSvg[] = [];
+    let refusal = "";
+    await changed(
+      (document) => {
+        slots = drawn.slots.map((slot) => ({ ...slot }));
+        const steps = stepsOf(document, drawn.first, slots, wanted, most);
+        blocks = steps.map(({ block }) => block);
+        return steps.map(({ edit }) => edit);
+      },
+      (said) => (refusal = said),
+    );
+    if (refusal === "") drawn.slots = slots;
+    else why = refusal;
+    if (blocks.length === 0 || (refusal === "" && most > 1)) break;
+    if (refusal !== "" && most === 1) for (const block of blocks) givenUp.add(block);
+  }
+  const changes = unsaid(drawn.slots, left);
+  return changes.length > 0 ? { changes, why } : null;
+}
+
+/** What blocks say and the text does not, in a few words each. */
+function unsaid(slots: readonly Slot[], { order, says }: Standing): string[] {
+  const prints = new Map(slots.map(({ block, print }) => [block, print]));
+  return [...new Set([...slots.map(({ block }) => block), ...order])].flatMap((block) => {
+    const said = says(block);
+    if (said !== null && "missing" in said) return [];
+    const print = prints.get(block);
+    if (said === null) return print === undefined ? [] : ["a block that was deleted"];
+    return fingerprint(said) === print ? [] : [statementTitle(said)];
+  });
 }

@@ -64,7 +64,7 @@ type Shown = Blockly.utils.toolbox.FlyoutItemInfo[];
 const LOADING = { kind: "label", text: "Loading …" } as Shown[number];
 
 /** The category of the toolbox whose rules are asked for when it is opened first. */
-export const RECIPES = "RECIPES";
+const RECIPES = "RECIPES";
 
 /** Fills the category of recipes, at first with a word until the rules are there. */
 export function offerRecipes(

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useMemo } from "preact/hooks";
 import type { IncidentCourse, TopicRates } from "../api/types";
 import { Timeline } from "../state/timeline";
@@ -8,6 +7,7 @@ import { PathMap } from "../try/path_map";
 import { Scrubber } from "../try/scrubber";
 import { Strip } from "../try/strip";
 import { Button } from "../ui/button";
+import { Notes } from "../ui/notice";
 import { readable } from "../ui/numbers";
 import { sinceMoment } from "./missing_words";
 import type { Ground } from "./rule_ground";
@@ -20,11 +20,7 @@ export function CourseView({ course, ground }: { course: IncidentCourse; ground:
   return (
     <section class="incident-course" aria-label="Around the moment">
       <h2>Around the moment</h2>
-      {course.notices.map((notice) => (
-        <p key={notice} class="quiet">
-          {notice}
-        </p>
-      ))}
+      <Notes notes={course.notices} />
       <Scrubber
         timeline={timeline}
         label="Time around the moment (s)"

@@ -11,7 +11,7 @@ import type { RuleEditor } from "../state/rule_editor";
 import { DRAFT, type ZoneEditor } from "../state/zone_editor";
 import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
-import { Notice, Problem } from "../ui/notice";
+import { Notes, Notice, Problem } from "../ui/notice";
 import { numberProblem, sentence, typedNumber } from "../ui/numbers";
 import { NeedsServer } from "../ui/server_gone";
 import { ChosenZoneForm, DraftForm } from "./zone_forms";
@@ -231,11 +231,7 @@ function FloorNotes({ floor, editor, topics }: { floor: MapFloor; editor: RuleEd
           action={{ label: "They are right", act: () => floor.accept() }}
         />
       )}
-      {floor.notices.value.map((notice) => (
-        <p key={notice} class="quiet">
-          {notice}
-        </p>
-      ))}
+      <Notes notes={floor.notices.value} />
     </div>
   );
 }

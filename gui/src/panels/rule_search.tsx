@@ -153,19 +153,19 @@ function useSearchKeys(field: { readonly current: HTMLInputElement | null }): vo
 type Limit = "all" | "off" | "findings" | "holds";
 
 /** A statement that was found, with its number in the order of the text. */
-export interface Found {
+interface Found {
   readonly index: number;
   readonly statement: Statement;
 }
 
 /** What is known of statements beside their words, by statement id. */
-export interface Known {
+interface Known {
   findings: readonly PlacedFinding[];
   states: ReadonlyMap<string, RuleState>;
 }
 
 /** The statements in which every word of `query` stands in a name, comment, topic, property or rate. */
-export function found(all: readonly Statement[], query: string, limit: Limit, known: Known): Found[] {
+function found(all: readonly Statement[], query: string, limit: Limit, known: Known): Found[] {
   const words = query.toLowerCase().split(/\s+/).filter(Boolean);
   const isWithin = within(limit, known);
   return all

@@ -9,7 +9,7 @@ import type { FullScreen } from "../state/room";
 import type { RuleEditor } from "../state/rule_editor";
 import { ZoneEditor } from "../state/zone_editor";
 import { TextEditor } from "../text/text_editor";
-import { FullScreenButton } from "../ui/full_screen_button";
+import { FullScreenButton } from "../ui/button";
 import { useRobot } from "../ui/robot_state";
 import { type Choice, Tabs } from "../ui/tabs";
 import { FloorChoice, MapPanel } from "./map_panel";

@@ -112,7 +112,7 @@ interface Order {
 export const WORST_FIRST: Order = { column: "loss", isDown: true };
 
 /** The rows in an order; among equals the worst stands first. */
-export function sorted(rows: readonly TriedRow[], { column, isDown }: Order): TriedRow[] {
+function sorted(rows: readonly TriedRow[], { column, isDown }: Order): TriedRow[] {
   const sign = isDown ? -1 : 1;
   return [...rows].sort(
     (a, b) =>

@@ -12,7 +12,7 @@ const AGAIN_AFTER_MS = 5000;
 const NONE: ReadonlyMap<string, RuleState> = new Map();
 
 /** How the open rules stand to those on the robot. */
-export type Comparison =
+type Comparison =
   | { kind: "none" }
   | { kind: "same"; preview: PushPreview }
   | { kind: "other"; preview: PushPreview }

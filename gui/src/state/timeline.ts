@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 
 /** What happened over the time of a recording, in seconds since its start, in bins of equal length. */
-export interface Course {
+interface Course {
   readonly duration_s: number;
   readonly bin_s: number;
   readonly first_bin_s: number;

@@ -96,7 +96,7 @@ export interface Box {
   height: number;
 }
 
-export interface Size {
+interface Size {
   width: number;
   height: number;
 }
@@ -153,7 +153,7 @@ interface TourStep {
 }
 
 /** The tour of the editor, for people who do not program. */
-export const STEPS: readonly TourStep[] = [
+const STEPS: readonly TourStep[] = [
   {
     title: "Rules are blocks",
     text:

@@ -10,7 +10,7 @@ import { NeedsServer } from "../ui/server_gone";
 import { Strip } from "./strip";
 
 /** The least and the greatest value of a check in bins of equal length; null where it was unknown throughout. */
-export interface CheckValues {
+interface CheckValues {
   bin_s: number;
   first_bin_s?: number;
   least: readonly (number | null)[];

@@ -13,6 +13,7 @@ import { holdsWords } from "../state/turns";
 import { checksIn, type RobotCheck, withValue, writeThreshold } from "../state/written_checks";
 import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
+import { Notes } from "../ui/notice";
 import { sizeWords } from "../ui/numbers";
 import { WorkProgress } from "../ui/work_progress";
 import { CheckChart, type HeldBar, OtherThreshold } from "./check_chart";
@@ -106,11 +107,7 @@ function CourseChart({ asked, course, work, threshold, timeline, children }: Cou
             : `${check.op} ${threshold.value}: ${holdsWords(course.condition.turns, course.duration_s)}.`}
         </p>
       )}
-      {course.notices.map((notice) => (
-        <p key={notice} class="quiet">
-          {notice}
-        </p>
-      ))}
+      <Notes notes={course.notices} />
     </>
   );
 }

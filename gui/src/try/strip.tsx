@@ -186,7 +186,7 @@ function lineOn(plot: uPlot, name: string): HTMLElement {
 const STEPS: Readonly<Record<string, number>> = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
 
 /** A number of so many digits as a range of values needs: one 200th of it can be told. */
-export function rounded(value: number, range: number): number {
+function rounded(value: number, range: number): number {
   const step = stepOf(range);
   return Number((Math.round(value / step) * step).toPrecision(12));
 }

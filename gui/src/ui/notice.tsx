@@ -29,6 +29,15 @@ export function Problem({ text }: { text: string | null | undefined }) {
   ) : null;
 }
 
+/** What to know of something, a line each. */
+export function Notes({ notes }: { notes: readonly string[] }) {
+  return notes.map((note) => (
+    <p key={note} class="quiet">
+      {note}
+    </p>
+  ));
+}
+
 const SHOWN_MS = 6000;
 
 /** What just happened, said once and then gone. */
