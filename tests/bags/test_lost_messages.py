@@ -48,6 +48,7 @@ from smarttestudo.bags.mcap.record_bytes import (
     schema_record,
     statistics,
 )
+from smarttestudo.bags.metadata import MessageCounts
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 
@@ -460,3 +461,9 @@ def test_damage_is_read_as_whole_only_where_nothing_is_lost(
         assert found.messages == FUZZED_WRITTEN
     assert found.messages.total() == FUZZED_WRITTEN.total()
     assert found.messages.total() >= (by_another_reader(path) & FUZZED_WRITTEN).total()
+
+
+def test_a_loss_counts_among_all_messages_also_where_the_metadata_count_some_of_the_files_only() -> None:
+    promised = MessageCounts(total=240, files={"a_0.mcap": 80})
+    held = MessageCounts(total=200, files={"a_0.mcap": 40, "a_1.mcap": 80, "a_2.mcap": 80})
+    assert min(promised.shares(held)) == pytest.approx(200 / 240)

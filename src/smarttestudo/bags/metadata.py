@@ -40,8 +40,9 @@ class MessageCounts:
             (self.topics, held.topics),
             (self.files, held.files),
         ):
-            if total := sum(promised.values()):
-                yield sum(min(count, found.get(name, 0)) for name, count in promised.items()) / total
+            # Not each topic or file need be counted.
+            if total := max(sum(promised.values()), self.total):
+                yield 1 - sum(max(count - found.get(name, 0), 0) for name, count in promised.items()) / total
 
     def notice(self, held: MessageCounts) -> str | None:
         """Where ``held`` differs from these, for topics and files that these name."""
