@@ -42,7 +42,7 @@ class Followed:
             lambda: [one.ends(is_published=True) is not None for one in self.known.values()],
             lambda: [one.ends(is_published=False) is not None for one in self.known.values()],
             lambda: [(one.name, one.source, one.is_wanted, one.may_rest) for one in self.known.values()],
-            self.topics.heard_here,
+            self.topics.subscribed_here,
             self.topics.listeners,
         ]
         found = []

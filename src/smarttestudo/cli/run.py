@@ -33,6 +33,7 @@ from smarttestudo.link.parts.options import LINK, LINK_LISTEN, LINK_OPTIONS, has
 from smarttestudo.loop.decision_log import growing_decision_log
 from smarttestudo.loop.input_log import INPUTS_FILE, input_log
 from smarttestudo.robot.decisions import Decided
+from smarttestudo.robot.low_priority import long_lived
 from smarttestudo.robot.option import AnyOption, Settings, given_as
 from smarttestudo.robot.part import PartKind
 from smarttestudo.robot.ros import open_robot
@@ -46,7 +47,6 @@ from smarttestudo.robot.run_options import (
     RUN_OPTIONS,
     RunParameters,
 )
-from smarttestudo.robot.unnoticed import lasting
 from smarttestudo.rules.rule_files import rule_files_named
 from smarttestudo.rules.rule_sets import FaultyRulesError
 
@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace, kinds: Sequence[PartKind] = PART_KINDS) -
         metrics = opened.enter_context(served_run(arguments.openmetrics, robot_name(of_link)))
         warnings = LinkWarnings()
         link = opened.enter_context(open_link(of_link, warnings))
-        with lasting():
+        with long_lived():
             robot = opened.enter_context(
                 open_robot(
                     arguments.ros_args,

@@ -138,9 +138,9 @@ class LiveRun:
         """Have ``standing`` called for the origin of the rules in force."""
         self._standing = standing
 
-    def heard_here(self) -> Collection[str]:
+    def subscribed_here(self) -> Collection[str]:
         """The topics whose output has a subscriber on the robot's own graph."""
-        return self._graph.heard_here()
+        return self._graph.subscribed_here()
 
     def _follow_parts(self, now_ns: int) -> None:
         for part in self._parts:

@@ -36,7 +36,7 @@ class RunView(Protocol):
     def loop(self) -> RelayLoop:
         """The loop."""
 
-    def heard_here(self) -> Collection[str]:
+    def subscribed_here(self) -> Collection[str]:
         """The topics whose output has a subscriber on the robot's own graph."""
 
     def give(self, given: ChangeInput | WakeInput) -> None:

@@ -24,7 +24,7 @@ from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleBlock
 from smarttestudo.robot.live_rules import LiveRules, UncheckedRules
-from smarttestudo.robot.unnoticed import unnoticed
+from smarttestudo.robot.low_priority import low_priority
 
 _POLL_S = 0.2
 _NICENESS = 10
@@ -73,7 +73,7 @@ def _answer(
         while not pipe.poll(_POLL_S):
             if is_ended():
                 return RuleFileError("the rules were not checked to the end")
-        with unnoticed() as rest:
+        with low_priority() as rest:
             while True:
                 answer = incoming.read(pipe.recv_bytes())
                 if not isinstance(answer, _Piece):

@@ -20,8 +20,8 @@ from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.reload import PreparedRules
 from smarttestudo.robot.fallback import ReadableRates, readable_rates
 from smarttestudo.robot.live_rules import LiveRules, UncheckedRules, are_large
+from smarttestudo.robot.low_priority import low_priority
 from smarttestudo.robot.output_topics import OutputTopic, output_topics
-from smarttestudo.robot.unnoticed import unnoticed
 from smarttestudo.rules.rule_files import (
     FileStates,
     file_states,
@@ -128,7 +128,7 @@ class LiveRuleFiles:
     def _readable(self, texts: Mapping[str, str]) -> ReadableRates:
         if not self._reads_broken:
             return ReadableRates()
-        with unnoticed() if are_large(texts) else nullcontext():
+        with low_priority() if are_large(texts) else nullcontext():
             return readable_rates(texts, self._resolve)
 
     def _texts(self) -> tuple[dict[str, str], str | None]:
@@ -206,7 +206,7 @@ class RuleWatch:
         while not self._ended.wait(POLL_PERIOD_S):
             with suppress(Empty):
                 replaced = self._replaced.get_nowait()
-                with unnoticed() as rest:
+                with low_priority() as rest:
                     replaced.dismantle(rest)
                     del replaced
             if self._is_to_be_read():
@@ -215,7 +215,7 @@ class RuleWatch:
     def _prepared(self, reading: Reading) -> Reading:
         if reading.rules is None or not reading.rules.is_large:
             return reading
-        with unnoticed() as rest:
+        with low_priority() as rest:
             return replace(reading, prepared=self._prepare(reading.rules.rule_set, rest))
 
     def _is_to_be_read(self) -> bool:

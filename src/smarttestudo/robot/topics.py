@@ -132,7 +132,7 @@ class LiveTopics:
                 changes.append(ListenersChanged(topic=topic.name, are_there=bool(now)))
         return changes
 
-    def heard_here(self) -> frozenset[str]:
+    def subscribed_here(self) -> frozenset[str]:
         """The relayed topics that have, as of the last poll, a subscriber on a ROS graph."""
         relayed = self._by_output.values()
         return frozenset(topic.name for topic in relayed if any(one.gid for one in topic.subscribers))

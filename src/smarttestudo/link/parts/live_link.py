@@ -158,18 +158,18 @@ class LinkWatch:
             self._link.follow(needs)
 
     def changed_receivers(
-        self, rules: LiveRules, plan: Mapping[str, PlannedRate], heard_here: Collection[str]
+        self, rules: LiveRules, plan: Mapping[str, PlannedRate], subscribed_here: Collection[str]
     ) -> list[ListenersChanged | ReceiversReckon]:
         """Changes for the loop: operator's ends that came, left or reckon something else.
 
-        Topics that are ``heard_here`` are shown as they are by somebody, and are not reckoned for others.
+        Topics that are ``subscribed_here`` somebody shows as they are, and are not reckoned for others.
         """
         changes: list[ListenersChanged | ReceiversReckon] = []
         state, outputs = self._link.state, rules.output_topics
         reckoned = frozenset(
             topic
             for topic, output in outputs.items()
-            if output in state.predicted and topic not in heard_here
+            if output in state.predicted and topic not in subscribed_here
         )
         if reckoned != self._reckoned:
             self._reckoned = reckoned
@@ -271,7 +271,7 @@ class LinkPart(Part):
         # What is due goes out before an estimate begins anew, of which it is no part.
         run.give(WakeInput(stamp_ns=now_ns))
         plan = run.loop.knowledge.plan
-        for change in self._watch.changed_receivers(rules, plan, run.heard_here()):
+        for change in self._watch.changed_receivers(rules, plan, run.subscribed_here()):
             run.give(ChangeInput(stamp_ns=now_ns, change=change))
         self._watch.announce_estimates(rules, plan, run.loop.relays.estimates)
         self._watch.follow(rules, plan)

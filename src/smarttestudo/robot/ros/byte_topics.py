@@ -19,7 +19,7 @@ from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Payload, Qos, Receive, Subscription
 from smarttestudo.robot.ros.message_types import has_byte_sequence, is_installed, message_type
 from smarttestudo.robot.ros.qos import qos_profile
-from smarttestudo.robot.ros.rclpy_subscription import RclpyInlet
+from smarttestudo.robot.ros.rclpy_subscription import RclpySubscription
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 TOPIC = "~/_self_test_bytes"
@@ -46,7 +46,7 @@ class ByteTopics:
 
     def subscribe(self, topic: str, type_name: str, qos: Qos, receive: Receive) -> Subscription:
         """Have ``receive`` called with each message, serialized again. Raises ``RosError``."""
-        subscription = RclpyInlet(self._node, topic, type_name, qos, receive, is_decoded=True)
+        subscription = RclpySubscription(self._node, topic, type_name, qos, receive, is_decoded=True)
         if not self._is_said:
             self._is_said = True
             self._node.get_logger().warning(
@@ -74,7 +74,7 @@ def come_serialized(node: Any, spin_once: Callable[[float], None], *, timeout_s:
 
     try:
         with ExitStack() as opened, ros_errors(TOPIC):
-            subscription = RclpyInlet(node, TOPIC, type_name, _QOS, receive, is_decoded=False)
+            subscription = RclpySubscription(node, TOPIC, type_name, _QOS, receive, is_decoded=False)
             opened.callback(subscription.close)
             publisher = node.create_publisher(kind, TOPIC, qos_profile(_QOS))
             opened.callback(node.destroy_publisher, publisher)

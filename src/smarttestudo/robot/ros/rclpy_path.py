@@ -12,7 +12,7 @@ from smarttestudo.domain.texts import SayOnce
 from smarttestudo.robot.ros.byte_topics import ByteTopics
 from smarttestudo.robot.ros.message_types import decoded, is_installed, message_type
 from smarttestudo.robot.ros.qos import qos_profile
-from smarttestudo.robot.ros.rclpy_subscription import RclpyInlet
+from smarttestudo.robot.ros.rclpy_subscription import RclpySubscription
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 
@@ -58,7 +58,7 @@ class RclpyPath:
         """Have ``receive`` called with each message; ``priority`` is not heeded. Raises ``RosError``."""
         if self._byte_topics.must_be_decoded(type_name):
             return self._byte_topics.subscribe(topic, type_name, qos, receive)
-        return RclpyInlet(self._node, topic, type_name, qos, receive, is_decoded=False)
+        return RclpySubscription(self._node, topic, type_name, qos, receive, is_decoded=False)
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """Publish on ``topic``. Raises ``RosError``."""

@@ -15,7 +15,7 @@ from smarttestudo.robot.ros.qos import qos_profile
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 
-class RclpyInlet:
+class RclpySubscription:
     """A subscription of rclpy, taken as bytes or, where ``is_decoded``, as messages that become bytes again.
 
     Raises ``RosError`` where it cannot be opened.

@@ -23,7 +23,7 @@ from smarttestudo.robot.ros.rcl.bindings import (
     loaded_librcl,
     rcl_function,
 )
-from smarttestudo.robot.ros.rcl.subscription import Unattended
+from smarttestudo.robot.ros.rcl.subscription import UnusedCallbackGroup
 from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
@@ -105,7 +105,7 @@ class GraphWatch:
         self._event_fd = event_fd
         self._ended = threading.Event()
         with ros_errors():
-            self._end = node.create_guard_condition(_never_called, callback_group=Unattended())
+            self._end = node.create_guard_condition(_never_called, callback_group=UnusedCallbackGroup())
         try:
             graph = library.graph_guard_condition(node.handle.pointer)
             conditions = (graph, self._end.handle.pointer)

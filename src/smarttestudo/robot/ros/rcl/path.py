@@ -22,10 +22,10 @@ from smarttestudo.robot.ros.message_types import decoded, is_installed
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
 from smarttestudo.robot.ros.rcl.compiled_relays import RclRelays
 from smarttestudo.robot.ros.rcl.graph import GraphEvents
-from smarttestudo.robot.ros.rcl.publisher import AttendedWhile, RclPublisher
+from smarttestudo.robot.ros.rcl.publisher import RclPublisher, TimedCallbackGroup
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
 from smarttestudo.robot.ros.rcl.source import RclSource
-from smarttestudo.robot.ros.rcl.subscription import RclSubscription, RclTaker, Unattended
+from smarttestudo.robot.ros.rcl.subscription import RclSubscription, RclTaker, UnusedCallbackGroup
 from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
 
 UNTOLD_PERIOD_S = 5.0
@@ -97,7 +97,7 @@ class RclpyPart:
         for service in self._node.services:
             yield self._library.wake_on_request, service
         for subscription in self._node.subscriptions:
-            if not isinstance(subscription.callback_group, Unattended):
+            if not isinstance(subscription.callback_group, UnusedCallbackGroup):
                 yield self._library.wake_on_message, subscription
 
 
@@ -194,7 +194,7 @@ class RclPath:
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """Publish on ``topic``. Raises ``RosError``."""
-        events = AttendedWhile(self._may_warn)
+        events = TimedCallbackGroup(self._may_warn)
         return RclPublisher(self._operators, self._library, topic, type_name, qos, events=events)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:

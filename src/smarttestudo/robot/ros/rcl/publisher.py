@@ -18,7 +18,7 @@ from smarttestudo.robot.ros.rcl.buffers import RclPayload
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 
-class AttendedWhile(ReentrantCallbackGroup):  # type: ignore[misc]
+class TimedCallbackGroup(ReentrantCallbackGroup):  # type: ignore[misc]
     """Entities that rclpy's executor leaves alone unless ``is_time``."""
 
     def __init__(self, is_time: Callable[[], bool]) -> None:
@@ -44,7 +44,7 @@ class RclPublisher:
         type_name: str,
         qos: Qos,
         *,
-        events: AttendedWhile | None = None,
+        events: TimedCallbackGroup | None = None,
     ) -> None:
         self._node = node
         self._library = library

@@ -33,7 +33,7 @@ except ImportError:
     from rclpy.qos_event import SubscriptionEventCallbacks
 
 
-class Unattended(CallbackGroup):  # type: ignore[misc]
+class UnusedCallbackGroup(CallbackGroup):  # type: ignore[misc]
     """Entities that rclpy's executor leaves alone."""
 
     def can_execute(self, entity: Any) -> bool:  # noqa: ARG002 - of any entity
@@ -60,7 +60,7 @@ class RclSubscription:
                     topic,
                     _never_called,
                     qos_profile(qos),
-                    callback_group=Unattended(),
+                    callback_group=UnusedCallbackGroup(),
                     event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
                     raw=True,
                 )

@@ -17,7 +17,7 @@ _WORK_S, _REST_S = 0.000_5, 0.001
 
 
 @contextmanager
-def lasting() -> Iterator[None]:
+def long_lived() -> Iterator[None]:
     """Let the block make objects that stay: nothing looks for cycles meanwhile, nor later among them.
 
     To look through all that is imported, or through all rules, would hold up every message.
@@ -31,16 +31,16 @@ def lasting() -> Iterator[None]:
 
 
 @contextmanager
-def unnoticed() -> Iterator[Rest]:
+def low_priority() -> Iterator[Rest]:
     """Let this thread make many objects while others go on; it is to rest between two pieces of work.
 
     A thread that rests often is seldom interrupted while it has the interpreter, for which all others would
-    wait. What it makes is ``lasting``.
+    wait. What it makes is ``long_lived``.
     """
     interval_s = sys.getswitchinterval()
     sys.setswitchinterval(_SWITCH_INTERVAL_S)
     try:
-        with lasting():
+        with long_lived():
             yield _rests()
     finally:
         sys.setswitchinterval(interval_s)
