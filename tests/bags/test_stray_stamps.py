@@ -213,19 +213,22 @@ def test_a_recording_of_one_time_is_not_read_for_it_and_keeps_all(tmp_path: Path
         ),
         pytest.param(
             lambda stamp_ns: stamp_ns - 3600 * S,
-            ("the clocks differ: no latency of 50 stamps; 50 more than 60 s before it",),
+            ("the clocks differ, or messages waited: no latency of 50 stamps; 50 more than 60 s before it",),
             None,
             id="an hour late",
         ),
         pytest.param(
             lambda stamp_ns: stamp_ns - START_NS + S,
-            ("the clocks differ: no latency of 50 stamps; 50 more than 60 s before it",),
+            ("the clocks differ, or messages waited: no latency of 50 stamps; 50 more than 60 s before it",),
             None,
             id="simulated time",
         ),
         pytest.param(
             lambda stamp_ns: stamp_ns - S // 4 - (600 * S if stamp_ns >= START_NS + 2 * S else 0),
-            ("the clocks differ: its latency is of 20 of 50 stamps; 30 more than 60 s before it",),
+            (
+                "the clocks differ, or messages waited: its latency is of 20 of 50 stamps; "
+                "30 more than 60 s before it",
+            ),
             0.25,
             id="a jump back in the middle",
         ),

@@ -277,7 +277,9 @@ class LatencyAccumulator:
         }
         if not (self.used or self.early or self.late) or not any(others.values()):
             return None
-        differ = "the clocks differ: " if self.early or self.late else ""
+        differ = "the clocks differ: " if self.early else "the clocks differ, or messages waited: "
+        if not (self.early or self.late):
+            differ = ""
         listed = ", ".join(f"{grouped(count)} {which}" for which, count in others.items() if count)
         stamps = f"{grouped(self.used + sum(others.values()))} stamps"
         used = (
