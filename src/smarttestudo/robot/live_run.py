@@ -71,7 +71,7 @@ class LiveRun:
         self._follow_parts(now_ns)
         for part in parts:
             part.begin(self)
-        self._relay(())
+        self._follow_loop(())
         is_lazy = not inputs.is_recording and not any(part.needs_every_message for part in parts)
         self.topics: dict[str, Topic] = {}
         self._graph = LiveTopics(robot, self.topics, self._receive, self._priority_of, is_lazy=is_lazy)
@@ -203,7 +203,7 @@ class LiveRun:
         if copy.payload is not None:
             self._tell_parts(topic, copy.payload, copy.publisher, copy.stamp_ns)
         if topic.is_given:
-            self._relay(self.loop.count(name, copy.size_bytes, copy.stamp_ns))
+            self._follow_loop(self.loop.count(name, copy.size_bytes, copy.stamp_ns))
 
     def _tell_parts(self, topic: Topic, payload: Payload, publisher: Hashable, stamp_ns: int) -> None:
         for on_message in self._on_message:
@@ -277,7 +277,7 @@ class LiveRun:
         # What a block records that begins to hold now, came before.
         self._compiled.deliver(given.stamp_ns)
         self._inputs.record(given, self.rules)
-        self._relay(self.loop.handle(given))
+        self._follow_loop(self.loop.handle(given))
 
     def _now_ns(self) -> int:
         """The clock, once a jump of it was followed: before anything is told that came after it."""
@@ -297,17 +297,21 @@ class LiveRun:
             part.on_clock_jump(jump_ns)
         jumped = ChangeInput(stamp_ns=now_ns, change=ClockJumped(ahead_ns=jump_ns))
         self._inputs.record(jumped, self.rules)
-        self._relay(self.loop.handle(jumped))
+        self._follow_loop(self.loop.handle(jumped))
         self._decided_by = None
         self._compiled.leave_out(jump_ns, now_ns)
         for topic in self.topics.values():
             # All rates are measured from the next messages on.
             topic.meters = None
 
-    def _relay(self, relayed: Sequence[Relayed]) -> None:
+    def _follow_loop(self, relayed: Sequence[Relayed]) -> None:
+        """Do what follows from an input that the loop took, once: begin recordings, and publish."""
         for trigger in self.loop.triggers:
             for part in self._parts:
                 part.on_trigger(trigger)
+        self._relay(relayed)
+
+    def _relay(self, relayed: Sequence[Relayed]) -> None:
         if relayed:
             for before_relays in self._before_relays:
                 before_relays()
