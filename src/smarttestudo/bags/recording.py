@@ -351,9 +351,13 @@ class RosbagRecording:
         """Whether messages are packed one by one: rosbag2 packs all of a file or none; one may be damaged."""
         if file not in self._packed:
             looked_at = _LOOKED_AT if self._says_packed else 1
-            first = [payload for *_, payload in islice(file.messages(file.channels), looked_at)]
-            is_plain = not self._says_packed or not first or any(_begins_as_cdr(one) for one in first)
-            self._packed[file] = not is_plain or any(one.startswith(magic.ZSTD) for one in first)
+            # Payloads may be of hundreds of MB, so none is kept.
+            first = [
+                (payload.startswith(magic.ZSTD), _begins_as_cdr(payload))
+                for *_, payload in islice(file.messages(file.channels), looked_at)
+            ]
+            is_plain = not self._says_packed or not first or any(is_cdr for _, is_cdr in first)
+            self._packed[file] = not is_plain or any(is_zstd for is_zstd, _ in first)
         return self._packed[file]
 
     def _channels_of(self, file: StoredFile) -> ChannelsByNumber:
@@ -381,7 +385,7 @@ class RosbagRecording:
 
 
 def _begins_as_cdr(payload: bytes) -> bool:
-    return payload[:2] in _PLAIN_CDR and any(payload)
+    return payload[:2] in _PLAIN_CDR and payload.count(0) < len(payload)
 
 
 def _first_of(paths: Sequence[Path]) -> str:
