@@ -217,7 +217,7 @@ def test_a_cut_file_may_have_its_schema_behind_its_channel_or_nowhere(
     message = record(Op.MESSAGE, struct.pack("<HIQQ", 1, 0, START_NS, START_NS) + b"payload")
     records = channel_record(1, 7, channel) + message
     if has_schema:
-        records += schema_record(7, channel)
+        records += schema_record(7, channel.schema)
     if in_chunk:
         records = chunk_start(ChunkPlace(start=0, record_bytes=len(records))) + records
     path = tmp_path / "cut.mcap"

@@ -59,7 +59,7 @@ STORED = {
 }
 NUMBERS = {name: number for number, name in enumerate(STORED, start=1)}
 ANNOUNCED = b"".join(
-    schema_record(NUMBERS[name], channel) + channel_record(NUMBERS[name], NUMBERS[name], channel)
+    schema_record(NUMBERS[name], channel.schema) + channel_record(NUMBERS[name], NUMBERS[name], channel)
     for name, channel in STORED.items()
 )
 Read = Counter[tuple[str, int, bytes]]

@@ -55,38 +55,52 @@ def qos_entry(
     )
 
 
-def metadata_text(files: Mapping[str, FileContent], channels: Sequence[StoredChannel]) -> str:
-    """The metadata of a bag with ``files`` by name, in their order, and ``channels``, heard or not."""
+def metadata_text(
+    files: Mapping[str, FileContent],
+    channels: Sequence[StoredChannel],
+    *,
+    storage: str = "mcap",
+    custom_data: Mapping[str, str] | None = None,
+) -> str:
+    """The metadata of a bag with ``files`` by name, in their order, and all its ``channels``."""
+    lines = information(files, channels, storage=storage, custom_data=custom_data).splitlines()
+    return "\n".join(("rosbag2_bagfile_information:", *(f"  {line}" for line in lines))) + "\n"
+
+
+def information(
+    files: Mapping[str, FileContent],
+    channels: Sequence[StoredChannel],
+    *,
+    storage: str,
+    custom_data: Mapping[str, str] | None,
+) -> str:
+    """The same as a storage file holds it: without its name."""
     filled = {name: content for name, content in files.items() if content.message_count}
     first_ns = min((content.first_ns for content in filled.values()), default=0)
     last_ns = max((content.last_ns for content in filled.values()), default=0)
-    lines = [
-        "rosbag2_bagfile_information:",
-        "  version: 8",
-        "  storage_identifier: mcap",
-        *_listed("  relative_file_paths", [f"    - {_quoted(name)}" for name in files]),
-        *_span("  ", first_ns, last_ns, sum(content.message_count for content in files.values())),
-        *_listed(
-            "  topics_with_message_count",
-            [line for channel in channels for line in _channel(channel, files.values())],
-        ),
-        '  compression_format: ""',
-        '  compression_mode: ""',
-        *_listed(
-            "  files",
-            [
-                line
-                for name, content in files.items()
-                for line in (
-                    f"    - path: {_quoted(name)}",
-                    *_span("      ", content.first_ns, content.last_ns, content.message_count),
-                )
-            ],
-        ),
-        "  custom_data: null",
-        "  ros_distro: smarttestudo",
+    of_channels = [line for channel in channels for line in _channel(channel, files.values())]
+    of_files = [
+        line
+        for name, content in files.items()
+        for line in (
+            f"  - path: {_quoted(name)}",
+            *_span("    ", content.first_ns, content.last_ns, content.message_count),
+        )
     ]
-    return "\n".join(lines) + "\n"
+    notes = [f"  {_quoted(key)}: {_quoted(text)}" for key, text in (custom_data or {}).items()]
+    lines = [
+        "version: 8",
+        f"storage_identifier: {storage}",
+        *_listed("relative_file_paths", [f"  - {_quoted(name)}" for name in files]),
+        *_span("", first_ns, last_ns, sum(content.message_count for content in files.values())),
+        *_listed("topics_with_message_count", of_channels),
+        'compression_format: ""',
+        'compression_mode: ""',
+        *_listed("files", of_files),
+        *(["custom_data:", *notes] if notes else ["custom_data: null"]),
+        "ros_distro: smarttestudo",
+    ]
+    return "\n".join(lines)
 
 
 def _span(indent: str, first_ns: int, last_ns: int, messages: int) -> list[str]:
@@ -100,16 +114,16 @@ def _span(indent: str, first_ns: int, last_ns: int, messages: int) -> list[str]:
 
 
 def _channel(channel: StoredChannel, files: Iterable[FileContent]) -> list[str]:
-    key = channel.topic, channel.type_name
+    key = channel.topic, channel.schema
     messages = sum(content.of_types.get(key, 0) for content in files)
     return [
-        "    - topic_metadata:",
-        f"        name: {_quoted(channel.topic)}",
-        f"        type: {_quoted(channel.type_name)}",
-        f"        serialization_format: {_quoted(channel.serialization_format)}",
-        f"        offered_qos_profiles: {_quoted(channel.qos_text)}",
-        f"        type_description_hash: {_quoted(channel.digest)}",
-        f"      message_count: {messages}",
+        "  - topic_metadata:",
+        f"      name: {_quoted(channel.topic)}",
+        f"      type: {_quoted(channel.type_name)}",
+        f"      serialization_format: {_quoted(channel.serialization_format)}",
+        f"      offered_qos_profiles: {_quoted(channel.qos_text)}",
+        f"      type_description_hash: {_quoted(channel.digest)}",
+        f"    message_count: {messages}",
     ]
 
 

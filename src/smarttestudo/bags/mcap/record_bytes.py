@@ -25,6 +25,8 @@ FOOTER_BYTES = FRAME.size + 20 + len(magic.MCAP)
 RecordPlace = tuple[int, int, int, bytes]
 """Kind of a record, the byte its frame begins at, the byte after it, and the first ones of its content."""
 _LIBRARY = "smarttestudo"
+Schema = tuple[str, str, str]
+"""Name of a type, and language and text of its definition; bytes that are no UTF-8 are surrogates."""
 
 
 class Op(IntEnum):
@@ -63,7 +65,8 @@ class StoredChannel:
     """A topic as a bag stores it.
 
     ``definition`` is that of its type with those of its parts, ``digest`` its ``RIHS01_…`` hash or empty,
-    ``qos_text`` the offered profiles in YAML, as version 8 of the metadata has them.
+    ``qos_text`` the offered profiles in YAML, as version 8 of the metadata has them. ``encoding`` is the
+    language of the definition where that is not one of ROS 2's.
     """
 
     topic: str
@@ -72,6 +75,13 @@ class StoredChannel:
     digest: str = ""
     qos_text: str = ""
     serialization_format: str = "cdr"
+    encoding: str | None = None
+
+    @property
+    def schema(self) -> Schema:
+        """The type; channels of one share it."""
+        encoding = _own_encoding(self.definition) if self.encoding is None else self.encoding
+        return self.type_name, encoding, self.definition
 
 
 @dataclass(slots=True, kw_only=True)
@@ -137,11 +147,8 @@ def file_start() -> bytes:
     return magic.MCAP + record(Op.HEADER, _text("ros2") + _text(_LIBRARY))
 
 
-def schema_record(number: int, channel: StoredChannel) -> bytes:
-    """The type of a channel."""
-    encoding = "" if not channel.definition else "ros2idl" if _is_idl(channel.definition) else "ros2msg"
-    names = _text(channel.type_name) + _text(encoding)
-    return record(Op.SCHEMA, struct.pack("<H", number) + names + _text(channel.definition))
+def schema_record(number: int, schema: Schema) -> bytes:
+    return record(Op.SCHEMA, struct.pack("<H", number) + b"".join(map(_text, schema)))
 
 
 def channel_record(number: int, schema: int, channel: StoredChannel) -> bytes:
@@ -151,6 +158,17 @@ def channel_record(number: int, schema: int, channel: StoredChannel) -> bytes:
         notes += _text("topic_type_hash") + _text(channel.digest)
     content = struct.pack("<HH", number, schema) + _text(channel.topic) + _text(channel.serialization_format)
     return record(Op.CHANNEL, content + struct.pack("<I", len(notes)) + notes)
+
+
+def metadata_record(name: str, key: str, text: str) -> bytes:
+    """A text of the metadata that have this name."""
+    entry = _text(key) + _text(text)
+    return record(Op.METADATA, _text(name) + struct.pack("<I", len(entry)) + entry)
+
+
+def metadata_index(name: str, at: int, size_bytes: int) -> bytes:
+    """Where a record of metadata is, with its frame."""
+    return record(Op.METADATA_INDEX, struct.pack("<QQ", at, size_bytes) + _text(name))
 
 
 def chunk_start(chunk: ChunkPlace) -> bytes:
@@ -197,13 +215,15 @@ def chunk_index(chunk: ChunkPlace) -> bytes:
     return record(Op.CHUNK_INDEX, head + struct.pack("<I", len(places)) + places + tail)
 
 
-def statistics(counts: Mapping[int, int], *, schemas: int, chunks: Sequence[ChunkPlace]) -> bytes:
+def statistics(
+    counts: Mapping[int, int], *, schemas: int, chunks: Sequence[ChunkPlace], metadata: int = 0
+) -> bytes:
     """How much there is of everything; ``counts`` are messages by channel."""
     filled = [chunk for chunk in chunks if chunk.span_ns]
     first_ns = min((chunk.first_ns for chunk in filled), default=0)
     last_ns = max((chunk.last_ns for chunk in filled), default=0)
     content = struct.pack(
-        "<QHIIIIQQ", sum(counts.values()), schemas, len(counts), 0, 0, len(chunks), first_ns, last_ns
+        "<QHIIIIQQ", sum(counts.values()), schemas, len(counts), 0, metadata, len(chunks), first_ns, last_ns
     )
     entries = b"".join(struct.pack("<HQ", *entry) for entry in sorted(counts.items()))
     return record(Op.STATISTICS, content + struct.pack("<I", len(entries)) + entries)
@@ -221,22 +241,22 @@ def file_end(summary_start: int, groups: Sequence[tuple[Op, bytes]]) -> bytes:
     return summed + struct.pack("<I", zlib.crc32(summed)) + magic.MCAP
 
 
-def read_schema(content: bytes) -> tuple[int, str, str]:
-    """Number, type and definition of a schema; ``struct.error`` and ``ValueError`` for what is none."""
+def read_schema(content: bytes) -> tuple[int, Schema]:
+    """A schema and its number; ``struct.error`` and ``ValueError`` for what is none."""
     (number,) = struct.unpack_from("<H", content)
     name, place = read_text(content, 2)
-    _, place = read_text(content, place)
+    encoding, place = read_text(content, place)
     definition, _ = read_text(content, place)
-    return number, name, definition
+    return number, (name, encoding, definition)
 
 
-def read_channel(content: bytes, schemas: Mapping[int, tuple[str, str]]) -> tuple[int, StoredChannel]:
-    """Number and channel, whose type and definition are in ``schemas``; errors as in ``read_schema``."""
+def read_channel(content: bytes, schemas: Mapping[int, Schema]) -> tuple[int, StoredChannel]:
+    """Number and channel, whose type is in ``schemas``; errors as in ``read_schema``."""
     number, schema = struct.unpack_from("<HH", content)
     topic, place = read_text(content, 4)
     serialization_format, place = read_text(content, place)
     notes, _ = read_notes(content, place)
-    type_name, definition = schemas.get(schema, ("", ""))
+    type_name, encoding, definition = schemas.get(schema, ("", "", ""))
     channel = StoredChannel(
         topic=topic,
         type_name=type_name,
@@ -244,6 +264,7 @@ def read_channel(content: bytes, schemas: Mapping[int, tuple[str, str]]) -> tupl
         digest=notes.get("topic_type_hash", ""),
         qos_text=notes.get("offered_qos_profiles", ""),
         serialization_format=serialization_format,
+        encoding=None if encoding == _own_encoding(definition) else encoding,
     )
     return number, channel
 
@@ -277,9 +298,12 @@ def read_bytes(content: bytes, place: int) -> tuple[bytes, int]:
 
 
 def _text(text: str) -> bytes:
-    data = text.encode()
+    data = text.encode("utf-8", "surrogateescape")
     return struct.pack("<I", len(data)) + data
 
 
-def _is_idl(definition: str) -> bool:
-    return definition.startswith("=" * 80 + "\nIDL: ")
+def _own_encoding(definition: str) -> str:
+    """How rosbag2 calls the language of a definition of ROS 2's."""
+    if not definition:
+        return ""
+    return "ros2idl" if definition.startswith("=" * 80 + "\nIDL: ") else "ros2msg"

@@ -22,6 +22,7 @@ from smarttestudo.bags.mcap.record_bytes import (
     ChunkPlace,
     Op,
     RecordPlace,
+    Schema,
     StoredChannel,
     channel_record,
     checksum_of,
@@ -30,6 +31,8 @@ from smarttestudo.bags.mcap.record_bytes import (
     file_end,
     file_start,
     message_index,
+    metadata_index,
+    metadata_record,
     read_channel,
     read_schema,
     record,
@@ -41,6 +44,8 @@ from smarttestudo.domain.errors import RecordingError
 from smarttestudo.files.removal import remove
 
 CHUNK_BYTES = 1 << 20
+_BAG = "rosbag2"
+"""Name of the metadata that a bag has."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,13 +53,13 @@ class FileContent:
     """Content of a file: stamps in ns, messages and bytes of payload by topic.
 
     ``channels`` are in the order of the file, ``of_types`` are the messages by topic and type, as a topic may
-    have had several types. ``final_ns`` is the stamp of the message that was written last, not the greatest
-    one where the clock was set back.
+    have had several types, and several definitions of one. ``final_ns`` is the stamp of the message that was
+    written last, not the greatest one where the clock was set back.
     """
 
     channels: Sequence[StoredChannel]
     messages: Mapping[str, int]
-    of_types: Mapping[tuple[str, str], int]
+    of_types: Mapping[tuple[str, Schema], int]
     size_bytes: Mapping[str, int]
     first_ns: int
     last_ns: int
@@ -69,14 +74,14 @@ class FileContent:
 class McapState:
     """Content so far of a file that is being written.
 
-    Schemas have numbers by type, channels by what they are; messages and bytes are counted by channel.
+    Schemas and channels have numbers by what they are; messages and bytes are counted by channel.
     ``chunks`` are closed, ``chunk`` is not; ``size_bytes`` is that of the file, ``final_ns`` the stamp of its
     last message.
     """
 
     size_bytes: int = 0
     final_ns: int = 0
-    schemas: dict[str, int] = field(default_factory=dict)
+    schemas: dict[Schema, int] = field(default_factory=dict)
     channels: dict[StoredChannel, int] = field(default_factory=dict)
     messages: Counter[int] = field(default_factory=Counter)
     payload_bytes: Counter[int] = field(default_factory=Counter)
@@ -100,22 +105,42 @@ class McapState:
 
     def content(self) -> FileContent:
         """Content that readers find in it."""
-        filled = [chunk for chunk in self.chunks if chunk.span_ns]
-        messages, size_bytes = Counter[str](), Counter[str]()
-        of_types = Counter[tuple[str, str]]()
-        for channel, number in self.channels.items():
-            messages[channel.topic] += self.messages[number]
-            of_types[channel.topic, channel.type_name] += self.messages[number]
-            size_bytes[channel.topic] += self.payload_bytes[number]
-        return FileContent(
-            channels=tuple(self.channels),
-            messages=messages,
-            of_types=of_types,
-            size_bytes=size_bytes,
+        filled = [chunk for chunk in (*self.chunks, self.chunk) if chunk is not None and chunk.span_ns]
+        return file_content(
+            self.channels,
+            self.messages,
+            self.payload_bytes,
             first_ns=min((chunk.first_ns for chunk in filled), default=0),
             last_ns=max((chunk.last_ns for chunk in filled), default=0),
             final_ns=self.final_ns,
         )
+
+
+def file_content(
+    channels: Mapping[StoredChannel, int],
+    messages: Mapping[int, int],
+    payload_bytes: Mapping[int, int],
+    *,
+    first_ns: int,
+    last_ns: int,
+    final_ns: int,
+) -> FileContent:
+    """Content of a file in which channels have these numbers, by which messages and bytes are counted."""
+    of_topics, size_bytes = Counter[str](), Counter[str]()
+    of_types = Counter[tuple[str, Schema]]()
+    for channel, number in channels.items():
+        of_topics[channel.topic] += messages[number]
+        of_types[channel.topic, channel.schema] += messages[number]
+        size_bytes[channel.topic] += payload_bytes[number]
+    return FileContent(
+        channels=tuple(channels),
+        messages=of_topics,
+        of_types=of_types,
+        size_bytes=size_bytes,
+        first_ns=first_ns,
+        last_ns=last_ns,
+        final_ns=final_ns,
+    )
 
 
 class McapWriter:
@@ -159,19 +184,28 @@ class McapWriter:
         if state.size_bytes - chunk.start > CHUNK_BYTES:
             self._close_chunk(chunk)
 
-    def close(self) -> FileContent:
-        """Write what readers look for at the end."""
+    def content(self) -> FileContent:
+        """Content so far."""
+        return self._state.content()
+
+    def close(self, metadata: str = "") -> FileContent:
+        """Write what readers look for at the end, with ``metadata`` of the bag, if any."""
         state = self._state
         if state.chunk is not None:
             self._close_chunk(state.chunk)
-        self._append(record(Op.DATA_END, bytes(4)))
-        first_of_types = {channel.type_name: channel for channel in reversed(state.channels)}
+        noted = metadata_record(_BAG, "serialized_metadata", metadata) if metadata else b""
+        metadata_at = state.size_bytes
+        self._append(noted, record(Op.DATA_END, bytes(4)))
         counts = {number: state.messages[number] for number in state.channels.values()}
         groups = [
-            (Op.SCHEMA, b"".join(self._schema(first_of_types[name]) for name in state.schemas)),
+            (Op.SCHEMA, b"".join(schema_record(number, schema) for schema, number in state.schemas.items())),
             (Op.CHANNEL, b"".join(map(self._channel, state.channels))),
             (Op.CHUNK_INDEX, b"".join(map(chunk_index, state.chunks))),
-            (Op.STATISTICS, statistics(counts, schemas=len(state.schemas), chunks=state.chunks)),
+            (Op.METADATA_INDEX, metadata_index(_BAG, metadata_at, len(noted)) if noted else b""),
+            (
+                Op.STATISTICS,
+                statistics(counts, schemas=len(state.schemas), chunks=state.chunks, metadata=bool(noted)),
+            ),
         ]
         self._append(file_end(state.size_bytes, groups))
         self.abandon()
@@ -208,19 +242,17 @@ class McapWriter:
     def _add(self, channel: StoredChannel) -> int:
         state = self._state
         number = len(state.channels) + 1
-        if channel.type_name not in state.schemas:
-            state.schemas[channel.type_name] = len(state.schemas) + 1
-            self._append(self._schema(channel))
+        schema = channel.schema
+        if schema not in state.schemas:
+            state.schemas[schema] = len(state.schemas) + 1
+            self._append(schema_record(state.schemas[schema], schema))
         state.channels[channel] = number
         self._append(self._channel(channel))
         return number
 
-    def _schema(self, channel: StoredChannel) -> bytes:
-        return schema_record(self._state.schemas[channel.type_name], channel)
-
     def _channel(self, channel: StoredChannel) -> bytes:
         state = self._state
-        return channel_record(state.channels[channel], state.schemas[channel.type_name], channel)
+        return channel_record(state.channels[channel], state.schemas[channel.schema], channel)
 
     def _append(self, *parts: bytes) -> None:
         written = os.writev(self._file, parts)
@@ -322,7 +354,7 @@ class _Walk:
     def __init__(self, file: BinaryIO, end: int) -> None:
         self._file = file
         self._end = end
-        self._schemas: dict[int, tuple[str, str]] = {}
+        self._schemas: dict[int, Schema] = {}
         self._numbers: set[int] = set()
         self.state = state = McapState()
         if self._at(0, len(magic.MCAP)) != magic.MCAP:
@@ -330,8 +362,8 @@ class _Walk:
         self.is_whole = self._has_end()
         self.ends_with_message = False
         records_end = self._read_records()
-        of_channels = {channel.type_name for channel in state.channels}
-        state.schemas = {name: number for number, (name, _) in self._schemas.items() if name in of_channels}
+        of_channels = {channel.schema for channel in state.channels}
+        state.schemas = {one: number for number, one in self._schemas.items() if one in of_channels}
         if self.is_whole:
             state.close_chunk()
         elif state.chunk is not None:
@@ -377,13 +409,13 @@ class _Walk:
         if op in (Op.SCHEMA, Op.CHANNEL) and size > _MAX_DESCRIPTION_BYTES:
             raise ValueError("too large a description")
         if op == Op.SCHEMA:
-            number, name, definition = read_schema(self._at(content, size))
-            self._schemas[number] = name, definition
+            number, schema = read_schema(self._at(content, size))
+            self._schemas[number] = schema
         elif op == Op.CHANNEL:
             data = self._at(content, size)
-            _, schema = _CHANNEL_START.unpack_from(data)
+            _, schema_number = _CHANNEL_START.unpack_from(data)
             number, channel = read_channel(data, self._schemas)
-            if schema not in self._schemas:
+            if schema_number not in self._schemas:
                 return False
             self.state.channels[channel] = number
             self._numbers.add(number)
