@@ -26,8 +26,8 @@ COMMANDS = (
     [
         (["check"], "error: the following arguments are required: FILE; see 'testudo check --help'\n"),
         (
-            ["check", "a.adirf", "--profil", "p.toml"],
-            "error: unrecognized arguments: --profil p.toml; see 'testudo check --help'\n",
+            ["check", "a.adirf", "--colour", "red"],
+            "error: unrecognized arguments: --colour red; see 'testudo check --help'\n",
         ),
         (
             ["bag", "rates", "a", "--nonsense"],
@@ -80,12 +80,46 @@ def test_a_value_beyond_what_an_option_takes_is_refused_at_the_option(
     assert len(line) < 200
 
 
+@pytest.mark.parametrize(
+    ("arguments", "place", "meant"),
+    [
+        (["chek", "a.adirf"], "COMMAND", "check"),
+        (["Replay", "bag"], "COMMAND", "replay"),
+        (["incident"], "COMMAND", "incidents"),
+        (["bag", "rate", "a"], "ACTION", "rates"),
+        (["--versio"], None, "--version"),
+        (["check", "a.adirf", "--profil", "p.toml"], None, "--profile"),
+        (["check", "--profil=p.toml", "a.adirf"], None, "--profile"),
+        (["check", "--no-colour", "a.adirf", "--formt", "json"], None, "--format"),
+        (["check", "--bg", "mission"], None, "--bag"),
+        (["replay", "mission", "--rule", "a.adirf"], None, "--rules"),
+        (["profile", "--secons", "5", "--ros-args", "--bags"], None, "--seconds"),
+        (["bag", "loss", "a", "b", "--profil", "p.toml"], None, "--profile"),
+        (["run", "--link-liste", "tcp/0.0.0.0:7447", "--ros-args", "--rule"], None, "--link-listen"),
+        (["check", "a.adirf", "--format", "jsn"], "--format", "json"),
+        (["run", "--when-slow", "repeet"], "--when-slow", "repeat"),
+    ],
+)
+def test_a_misspelled_command_option_or_choice_is_refused_with_the_one_that_was_meant(
+    arguments: list[str], place: str | None, meant: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"{place}: error: " if place else "error: ")
+    assert line.endswith(f"; did you mean {meant}?")
+
+
+def test_what_follows_ros_args_is_no_misspelled_option(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["profile", "--ros-args", "--secons", "5"]) == 2
+    assert capsys.readouterr().err.endswith("; see 'testudo profile --help'\n")
+
+
 def test_a_command_that_is_not_there_is_refused_with_those_that_are(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert main(["chek"]) == 2
+    assert main(["nonsense"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("COMMAND: error: invalid choice: 'chek'")
+    assert line.startswith("COMMAND: error: invalid choice: 'nonsense'")
     assert all(command in line for command in COMMANDS)
     assert line.endswith("; see 'testudo --help'")
 

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from difflib import get_close_matches
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
 
 
 _ARGUMENT = re.compile(r"argument (?P<place>[^:]+): (?P<cause>.+)", re.DOTALL)
+_CHOICE = re.compile(r"(?P<cause>invalid choice: '(?P<word>.*)') \(choose from (?P<choices>.+)\)", re.DOTALL)
+_QUOTES = "'\""
 
 
 class CommandParser(argparse.ArgumentParser):
@@ -30,6 +34,7 @@ class CommandParser(argparse.ArgumentParser):
     def __init__(self, *, fill: Callable[[CommandParser], None] | None = None, **options: Any) -> None:
         super().__init__(allow_abbrev=False, **options)
         self._fill = fill
+        self._given: Sequence[str] = ()
 
     def add_commands(self, title: str) -> Subcommands:
         """Add subcommands, one of which must be named; ``title`` is their plural."""
@@ -46,16 +51,41 @@ class CommandParser(argparse.ArgumentParser):
     ) -> tuple[argparse.Namespace, list[str]]:
         """Parse once the arguments are there; raises ``UsageError``, also where some are not known."""
         self.fill()
+        self._given = sys.argv[1:] if args is None else args
         known, unknown = super().parse_known_args(args, namespace)
         if unknown:
             self.error(f"unrecognized arguments: {' '.join(unknown)}")
         return known, unknown
 
     def error(self, message: str) -> NoReturn:
-        """Raise ``UsageError`` with argparse's words, the argument as its place."""
+        """Raise ``UsageError`` with argparse's words, the argument as its place, and what was meant."""
         found = _ARGUMENT.fullmatch(message)
         place, cause = (found["place"], found["cause"]) if found else (None, message)
-        raise UsageError(" ".join(cause.split()), place=place, remedy=f"see '{self.prog} --help'")
+        remedy = f"see '{self.prog} --help'"
+        if choice := _CHOICE.fullmatch(cause):
+            near = _near(choice["word"], (one.strip(_QUOTES) for one in choice["choices"].split(", ")))
+            cause, remedy = (choice["cause"], f"did you mean {near}?") if near else (cause, remedy)
+        elif found is None and (misspelled := self._misspelled()):
+            # Where an option lacks, it may be the one that is misspelled.
+            option, near = misspelled
+            cause, remedy = f"unrecognized arguments: {option}", f"did you mean {near}?"
+        raise UsageError(" ".join(cause.split()), place=place, remedy=remedy)
+
+    def _misspelled(self) -> tuple[str, str] | None:
+        """The first option given that is not known, and the one that it is nearly."""
+        options = self._option_string_actions
+        for word in self._given:
+            option = word.partition("=")[0]
+            known = options.get(option)
+            if word == "--" or (known is not None and known.nargs == argparse.REMAINDER):
+                return None
+            if known is None and word.startswith("-") and (near := _near(option, options)):
+                return option, near
+        return None
+
+
+def _near(word: str, known: Iterable[str]) -> str | None:
+    return next(iter(get_close_matches(word.lower(), list(known), n=1)), None)
 
 
 def add_lazy(commands: Subcommands, name: str, module: str, purpose: str) -> None:
