@@ -30,6 +30,7 @@ from smarttestudo.cli.finding_text import finding_lines, print_findings, summary
 from smarttestudo.domain.errors import ProfileError, UsageError
 from smarttestudo.domain.finding import Finding, Severity, Span
 from smarttestudo.domain.recording import Channel
+from smarttestudo.language.parser import MAX_FILE_BYTES
 
 GOOD = "begin\n  SetFrequency /odom 10\nend\n"
 DOUBTFUL = "begin\n  SetFrequency /odom 10\n  SetFrequency /odom 4\nend\n"
@@ -313,3 +314,35 @@ def test_a_topic_of_a_recording_that_cannot_be_decoded_is_told_with_the_reason(
     assert run_check("good.adirf", "--bag", "bag", "--format", "json") == 0
     said = capsys.readouterr().err
     assert said == "note: /gps: recorded as json, not as cdr; checks of its fields stay unknown\n"
+
+
+def test_standard_input_is_a_file_of_the_set(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def given(text: bytes) -> None:
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text)))
+
+    given(DOUBTFUL.encode())
+    assert run_check("-", "good.adirf", "-") == 0
+    out = capsys.readouterr().out
+    assert out.startswith("<stdin>:2:3: warning[two-defaults]: ")
+    assert out.endswith(" in 2 files\n")
+    given("begin // \xfc\nend".encode("latin-1"))
+    assert run_check("-", "good.adirf") == 1
+    assert capsys.readouterr() == (
+        "no findings in 1 file\n",
+        "<stdin>:1:10: error: the byte 0xFC is not UTF-8; save it as UTF-8\n",
+    )
+    given(b"x" * (MAX_FILE_BYTES + 1))
+    assert run_check("-") == 1
+    assert "<stdin>: error: the rule file is larger than 4 MB; " in capsys.readouterr().err
+
+
+def test_standard_input_that_is_closed_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "stdin", None)
+    assert run_check("-") == 1
+    assert capsys.readouterr().err == (
+        "<stdin>: error: the rule file cannot be read: it is closed; give a rule file\n"
+    )

@@ -4,7 +4,10 @@
 
 from __future__ import annotations
 
+import io
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -96,3 +99,60 @@ def test_line_ends_stay(folder: Path) -> None:
     Path("ugly.adirf").write_bytes(b"begin\r\nSetFrequency /odom 10 end\r\n")
     assert run("ugly.adirf") == 0
     assert Path("ugly.adirf").read_bytes() == NICE.replace("\n", "\r\n").encode()
+
+
+def given(text: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have standard input hold ``text``."""
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text), encoding="ascii"))
+
+
+@pytest.mark.parametrize("text", [UGLY, NICE])
+def test_standard_input_is_formatted_to_standard_output(
+    text: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given(text.encode(), monkeypatch)
+    assert run("-") == 0
+    assert capsys.readouterr() == (NICE, "")
+
+
+def test_standard_input_with_errors_is_explained_and_nothing_is_written(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given(BROKEN.encode(), monkeypatch)
+    assert run("-") == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("<stdin>:2:3: error[expected-statement]: ")
+
+
+def test_check_names_standard_input_among_files_and_writes_nothing(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given(UGLY.encode(), monkeypatch)
+    assert run("--check", "nice.adirf", "-", "ugly.adirf") == 1
+    assert capsys.readouterr() == ("<stdin>\nugly.adirf\n", "")
+    given(NICE.encode(), monkeypatch)
+    assert run("--check", "-") == 0
+
+
+def test_a_file_whose_name_is_a_dash_is_named_with_its_folder(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given(b"", monkeypatch)
+    Path("-").write_text(UGLY)
+    assert run("./-") == 0
+    assert Path("-").read_text() == NICE
+    assert capsys.readouterr() == ("formatted -\n", "")
+
+
+@pytest.mark.contract
+def test_text_in_any_locale_goes_through_a_pipe_as_it_is(tmp_path: Path) -> None:
+    text = "// Über die Brücke → ✓\r\nbegin\r\n    SetFrequency /odom 10\r\nend\r\n"
+    done = subprocess.run(
+        [sys.executable, "-m", "smarttestudo", "fmt", "-"],
+        input=text.encode(),
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+        capture_output=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, text.encode(), b"")

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from smarttestudo.domain import profile
+from smarttestudo.rules.rule_files import STANDARD_INPUT
 
 LAST_PORT = 65_535
 _MOST_DIGITS = 20
@@ -21,6 +22,17 @@ def file_path(text: str) -> Path:
     if not text:
         raise argparse.ArgumentTypeError("the name of a file or folder is not empty")
     return Path(text)
+
+
+def add_rule_files(parser: argparse.ArgumentParser) -> None:
+    """Add the rule files that are only read or formatted; ``-`` is ``STANDARD_INPUT``."""
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="+",
+        type=lambda text: STANDARD_INPUT if text == "-" else file_path(text),
+        help="a rule file, a folder of them, or - for standard input",
+    )
 
 
 def own_name(path: Path) -> str:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from smarttestudo.checks import CheckContext
-from smarttestudo.cli.arguments import file_path
+from smarttestudo.cli.arguments import add_rule_files, file_path
 from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings, summary
 from smarttestudo.cli.link_options import add_connect, connect_options, warn
@@ -44,9 +44,7 @@ def add_arguments(parser: CommandParser) -> None:
         "Report errors and doubtful rules in rule files. Several files form one set. "
         "Exits with 1 if there is an error; warnings and infos do not count."
     )
-    parser.add_argument(
-        "files", metavar="FILE", nargs="+", type=file_path, help="a rule file or a folder of them"
-    )
+    add_rule_files(parser)
     parser.add_argument("--profile", type=file_path, help="what is known about the topics (TOML)")
     parser.add_argument("--bag", type=file_path, help="a recording; report the topics that it does not hold")
     add_connect(parser)
@@ -86,7 +84,7 @@ def _read(paths: Iterable[Path]) -> tuple[dict[str, str], Sequence[RuleFileError
     """The text of each file by its path, each once, and why others cannot be read."""
     texts: dict[Path, tuple[str, str]] = {}
     failures: list[RuleFileError] = []
-    for path in paths:
+    for path in dict.fromkeys(paths):
         for file in _try(partial(find_rule_files, [path]), failures) or ():
             text = _try(partial(read_rule_text, file), failures)
             if text is not None:

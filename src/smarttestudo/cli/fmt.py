@@ -8,25 +8,24 @@ import argparse
 import sys
 from pathlib import Path
 
-from smarttestudo.cli.arguments import file_path
+from smarttestudo.cli.arguments import add_rule_files
 from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings
-from smarttestudo.cli.output import write_line
+from smarttestudo.cli.output import write_file_text, write_line
 from smarttestudo.domain.errors import RuleFileError, TestudoError
 from smarttestudo.language.formatter import first_line_end, format_file
 from smarttestudo.language.parser import MAX_FILE_BYTES, parse
-from smarttestudo.rules.rule_files import find_rule_files, read_rule_text, write_rule_text
+from smarttestudo.rules.rule_files import STANDARD_INPUT, find_rule_files, read_rule_text, write_rule_text
 
 EXIT_ERROR = 1
 
 
 def add_arguments(parser: CommandParser) -> None:
     parser.description = (
-        "Format rule files in place: comments, order and meaning stay. A file with errors is left as it is."
+        "Format rule files in place, and standard input (-) to standard output: comments, order and meaning "
+        "stay. A file with errors is left as it is."
     )
-    parser.add_argument(
-        "files", metavar="FILE", nargs="+", type=file_path, help="a rule file or a folder of them"
-    )
+    add_rule_files(parser)
     parser.add_argument(
         "--check", action="store_true", help="write nothing; list the files that would change"
     )
@@ -63,6 +62,10 @@ def _format(path: Path, *, is_check: bool) -> int:
             print_findings(result.findings, {str(path): text}, sys.stderr)
             return EXIT_ERROR
         formatted = format_file(result.file, line_end=first_line_end(text))
+        if path is STANDARD_INPUT and not is_check:
+            _require_readable(path, formatted)
+            _write_formatted(formatted)
+            return 0
         if formatted == text:
             return 0
         _require_readable(path, formatted)
@@ -73,3 +76,11 @@ def _format(path: Path, *, is_check: bool) -> int:
         return EXIT_ERROR
     write_line(str(path) if is_check else f"formatted {path}")
     return EXIT_ERROR if is_check else 0
+
+
+def _write_formatted(text: str) -> None:
+    """Write ``text`` to standard output, in UTF-8 as rule files are, whatever a pipe is said to take."""
+    if sys.stdout.isatty():
+        write_file_text(text)
+    else:
+        sys.stdout.buffer.write(text.encode())

@@ -9,11 +9,12 @@ import errno
 import hashlib
 import os
 import stat
+import sys
 from collections.abc import Iterable
 from contextlib import suppress
 from difflib import get_close_matches
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TextIO, cast
 
 from smarttestudo.domain.errors import RuleFileError, TestudoError
 from smarttestudo.files.input_file import read_input
@@ -31,6 +32,8 @@ def sha256_of(path: Path) -> str:
 
 
 SUFFIX = ".adirf"
+STANDARD_INPUT = Path("<stdin>")
+"""This very object stands for what comes on standard input, and any path that equals it for a file."""
 _SAVE_AS_UTF_8 = "save it as UTF-8"
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
@@ -48,6 +51,8 @@ def find_rule_files(paths: Iterable[Path]) -> list[Path]:
 
 
 def _files_at(path: Path) -> list[Path]:
+    if path is STANDARD_INPUT:
+        return [path]
     try:
         is_folder = stat.S_ISDIR(path.stat().st_mode)
     except OSError as error:
@@ -82,7 +87,7 @@ def read_rule_text(path: Path) -> str:
     Raises ``RuleFileError`` for a file that cannot be read, is larger than 4 MB or is not UTF-8.
     """
     try:
-        data = read_input(path, MAX_FILE_BYTES + 1)
+        data = _standard_input() if path is STANDARD_INPUT else read_input(path, MAX_FILE_BYTES + 1)
     except IsADirectoryError as error:
         raise RuleFileError("this is a folder", place=str(path), remedy="give a rule file") from error
     except OSError as error:
@@ -109,6 +114,13 @@ def refuse_missing(paths: Iterable[Path]) -> None:
     for path in paths:
         if is_missing(path):
             raise _not_read(path, FileNotFoundError())
+
+
+def _standard_input() -> bytes:
+    stream = cast("TextIO | None", sys.stdin)
+    if stream is None:
+        raise OSError(None, "it is closed")
+    return stream.buffer.read(MAX_FILE_BYTES + 1)
 
 
 def _not_read(path: Path, error: OSError) -> RuleFileError:
