@@ -17,7 +17,7 @@ from smarttestudo.cli.main import main
 
 COMMANDS = (
     *("demo", "check", "fmt", "run", "receive", "top", "echo", "replay"),
-    *("incidents", "bag", "profile", "optimize", "ruler", "simulate"),
+    *("incidents", "bag", "profile", "optimize", "ruler", "simulate", "completion"),
 )
 
 

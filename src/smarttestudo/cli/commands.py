@@ -112,6 +112,7 @@ _PURPOSES = {
     "optimize": "turn quality levels into rates within the budget",
     "ruler": "build, check and optimize rules on a web page",
     "simulate": "publish the topics of a simulated robot on a real ROS graph",
+    "completion": "print what a shell needs to complete command lines",
 }
 
 
