@@ -38,7 +38,10 @@ from distutils.command.install_data import install_data  # isort: skip
 
 ROOT = Path(__file__).resolve().parent
 SHARE = "share/smarttestudo"
-SHARED_FOLDERS = ("launch", "worlds", "profiles", "examples", "examples/quality", "extras", "extras/grafana")
+SHARED_FOLDERS = (
+    *("launch", "worlds", "profiles", "examples", "examples/quality"),
+    *("extras", "extras/grafana", "extras/vscode"),
+)
 SETUPTOOLS = int(setuptools.__version__.partition(".")[0])
 FIRST_TO_READ_PYPROJECT = 61
 FIRST_WITH_EXPRESSIONS = 77
