@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 import time
@@ -21,7 +22,7 @@ from smarttestudo.files.outputs import require_separate
 from smarttestudo.files.whole_file import whole_file
 from smarttestudo.robot.profile import profile_of_robot
 from smarttestudo.robot.ros import open_robot
-from smarttestudo.rules.profile_file import load_profile
+from smarttestudo.rules.profile_file import load_profile, profile_schema
 
 if TYPE_CHECKING:
     from smarttestudo.domain.profile import Profile
@@ -31,7 +32,8 @@ if TYPE_CHECKING:
 def add_arguments(parser: CommandParser) -> None:
     parser.description = (
         "Measure message sizes, rates and jitter in a recording or of a running robot, and write "
-        "them as a profile with proposed levels. Without -o it goes to standard output."
+        "them as a profile with proposed levels. Without -o it goes to standard output. With --schema: "
+        "write what editors need to check profiles and to explain their keys."
     )
     measured = parser.add_mutually_exclusive_group(required=True)
     measured.add_argument(
@@ -39,6 +41,9 @@ def add_arguments(parser: CommandParser) -> None:
     )
     measured.add_argument(
         "--seconds", metavar="N", type=duration_s, help="measure the topics of a running robot for N seconds"
+    )
+    measured.add_argument(
+        "--schema", action="store_true", help="write the JSON schema of profiles, and measure nothing"
     )
     add_timeout(parser, "with --seconds: how long to wait for the first topic")
     add_topics(parser)
@@ -73,7 +78,10 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError("a curve needs a recording", place="--from-curve", remedy="give one with --bag")
     require_separate({"--output": output}, (arguments.bag, arguments.accuracies_of))
     levels = None if arguments.accuracies_of is None else load_profile(arguments.accuracies_of)
-    text = _of_robot(arguments, levels) if arguments.bag is None else _of_recording(arguments, levels)
+    if arguments.schema:
+        text = json.dumps(profile_schema(), indent=2, ensure_ascii=False) + "\n"
+    else:
+        text = _of_robot(arguments, levels) if arguments.bag is None else _of_recording(arguments, levels)
     if output is None:
         write_file_text(text)
         return 0

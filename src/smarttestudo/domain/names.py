@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from smarttestudo.domain.errors import RosError, UsageError
 
 _PART = r"[A-Za-z_][A-Za-z0-9_]*"
-_TOPIC = re.compile(rf"(?:~/?|/)?(?:{_PART})(?:/{_PART})*\Z")
+TOPIC_FORM = rf"(?:~/?|/)?(?:{_PART})(?:/{_PART})*"
+"""What names of topics look like, but that no two ``_`` follow each other; of any dialect of expressions."""
+_TOPIC = re.compile(rf"{TOPIC_FORM}\Z")
 MAX_NAME_LENGTH = 247
 """ROS 2's own limit: the middleware has 255 letters, of which eight are kept for prefixes such as ``rt/``."""
 STATUS_TOPIC = "/testudo/status"

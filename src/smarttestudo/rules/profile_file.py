@@ -9,12 +9,11 @@ import itertools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from smarttestudo.domain.errors import ProfileError
-from smarttestudo.domain.names import is_topic_name, resolve_topic
+from smarttestudo.domain.names import MAX_NAME_LENGTH, TOPIC_FORM, is_topic_name, resolve_topic
 from smarttestudo.domain.profile import (
     MAX_BUDGET_KB_PER_S,
     AccuracyTiers,
@@ -65,55 +64,41 @@ def parse_profile(text: str, path: Path, *, named: Callable[[KeyPath], str] | No
     return _ProfileReader(path=path, lines=lines, named=named or _name).profile(values)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Key:
+    """A key of a profile: what it means, how its value is read, and what a JSON schema says of that."""
+
+    meaning: str
+    read: Callable[[_ProfileReader, KeyPath, object], object]
+    schema: Mapping[str, object]
+
+
 class _ProfileReader:
     def __init__(self, *, path: Path, lines: Mapping[KeyPath, int], named: Callable[[KeyPath], str]) -> None:
         self._path = path
         self._named = named
         self._lines = lines
-        self._top: dict[str, Callable[[KeyPath, object], object]] = {
-            "budget_kb_per_s": partial(self._in_range, _BUDGET),
-            "settle_s": partial(self._in_range, _SETTLE),
-            "topics": self._topics,
-        }
-        self._of_topic: dict[str, Callable[[KeyPath, object], object]] = {
-            "type": self._text,
-            "message_kb": partial(self._in_range, _MESSAGE),
-            "source_hz": partial(self._in_range, _SOURCE),
-            "streams": partial(self._in_range, _STREAMS),
-            "tiers_hz": self._tiers,
-            "priority": partial(self._in_range, _PRIORITY),
-            "min_hz": self._rate,
-            "max_hz": self._rate,
-            "stale_after_s": partial(self._in_range, _STALE),
-            "paced_with": self._topic_name,
-            "level_unit": self._level_unit,
-        }
-        for one in LevelledProperty:
-            self._of_topic[one.tiers_key] = partial(self._accuracies, one)
-            self._of_topic[one.needs_key] = self._tiers
 
     def profile(self, values: Mapping[str, object]) -> Profile:
-        read: dict[str, Any] = self._table((), values, self._top)
+        read: dict[str, Any] = self._table((), values, _TOP)
         return Profile(path=str(self._path), **read)
 
-    def _table(
-        self, at: KeyPath, values: object, readers: Mapping[str, Callable[[KeyPath, object], object]]
-    ) -> dict[str, object]:
+    def _table(self, at: KeyPath, values: object, keys: Mapping[str, _Key]) -> dict[str, object]:
         if not isinstance(values, Mapping):
             raise self._error(at, f"{self._named(at)} must be a table")
         for key in values:
-            if key not in readers:
-                close = difflib.get_close_matches(key, readers, n=1)
-                remedy = f"did you mean {close[0]}?" if close else f"known keys: {', '.join(readers)}"
+            if key not in keys:
+                close = difflib.get_close_matches(key, keys, n=1)
+                remedy = f"did you mean {close[0]}?" if close else f"known keys: {', '.join(keys)}"
                 raise self._error((*at, key), f"unknown key {self._named((*at, key))}", remedy=remedy)
-        return {key: readers[key]((*at, key), value) for key, value in values.items()}
+        return {key: keys[key].read(self, (*at, key), value) for key, value in values.items()}
 
-    def _topics(self, at: KeyPath, values: object) -> dict[str, TopicProfile]:
+    def topics(self, at: KeyPath, values: object) -> dict[str, TopicProfile]:
         if not isinstance(values, Mapping):
             raise self._error(at, 'topics must be tables such as [topics."/odom"]')
         topics: dict[str, TopicProfile] = {}
         for name, entry in values.items():
-            full = self._topic_name((*at, name), name)
+            full = self.topic_name((*at, name), name)
             if full in topics:
                 remedy = "keep one of the two tables"
                 raise self._error((*at, name), f"the topic {full} has a table already", remedy=remedy)
@@ -121,7 +106,7 @@ class _ProfileReader:
         return topics
 
     def _topic(self, at: KeyPath, values: object) -> TopicProfile:
-        read: dict[str, Any] = self._table(at, values, self._of_topic)
+        read: dict[str, Any] = self._table(at, values, _OF_TOPIC)
         read["type_name"] = read.pop("type", None)
         read["accuracies"] = self._accuracy_tiers(at, read)
         topic = TopicProfile(
@@ -144,7 +129,7 @@ class _ProfileReader:
             if one.tiers_key in read
         }
 
-    def _in_range(self, bounds: _Range, at: KeyPath, value: object) -> float:
+    def in_range(self, bounds: _Range, at: KeyPath, value: object) -> float:
         number = self._number(at, value)
         if bounds.least > 0 and number <= 0:
             raise self._error(at, f"{self._named(at)} must be above 0, it is {number:g}")
@@ -165,7 +150,7 @@ class _ProfileReader:
             raise self._error(at, cause, remedy="write it shorter, as in 1500.0") from error
         raise self._error(at, f"{self._named(at)} must be a finite number")
 
-    def _rate(self, at: KeyPath, value: object) -> float:
+    def rate(self, at: KeyPath, value: object) -> float:
         number = self._number(at, value)
         if number < 0:
             raise self._error(at, f"{self._named(at)} must not be negative, it is {number:g}")
@@ -174,25 +159,25 @@ class _ProfileReader:
             raise self._error(at, f"{self._named(at)} must be {limits}, it is {number:g}")
         return number
 
-    def _tiers(self, at: KeyPath, value: object) -> tuple[float, ...]:
+    def tiers(self, at: KeyPath, value: object) -> tuple[float, ...]:
         if not isinstance(value, list) or len(value) != len(Tier):
             given = f"{len(value)} numbers" if isinstance(value, list) else "something else"
             raise self._error(
                 at, f"{self._named(at)} must be a list of six rates τ0 … τ5 in Hz, it is {given}"
             )
-        tiers = tuple(self._rate(at, one) for one in value)
+        tiers = tuple(self.rate(at, one) for one in value)
         for (lower, lower_hz), (higher, higher_hz) in itertools.pairwise(zip(Tier, tiers, strict=True)):
             if higher_hz < lower_hz:
                 fall = f"{higher.value} ({higher_hz:g} Hz) is below {lower.value} ({lower_hz:g} Hz)"
                 raise self._error(at, f"{self._named(at)} must not fall from one level to the next: {fall}")
         return tiers
 
-    def _accuracies(self, kind: LevelledProperty, at: KeyPath, value: object) -> tuple[float, ...]:
+    def accuracies(self, kind: LevelledProperty, at: KeyPath, value: object) -> tuple[float, ...]:
         if not isinstance(value, list) or len(value) != len(Tier):
             given = f"{len(value)} numbers" if isinstance(value, list) else "something else"
             what = f"a list of six accuracies α0 … α5 in {kind.unit}"
             raise self._error(at, f"{self._named(at)} must be {what}, it is {given}")
-        bounds = tuple(self._in_range(_ACCURACY, at, one) for one in value)
+        bounds = tuple(self.in_range(_ACCURACY, at, one) for one in value)
         for (lower, loose), (higher, tight) in itertools.pairwise(zip(Tier, bounds, strict=True)):
             if tight > loose:
                 rise = f"{higher.value} ({tight:g}) is above {lower.value} ({loose:g})"
@@ -201,18 +186,18 @@ class _ProfileReader:
                 raise self._error(at, cause, remedy=remedy)
         return bounds
 
-    def _text(self, at: KeyPath, value: object) -> str:
+    def text(self, at: KeyPath, value: object) -> str:
         if not isinstance(value, str) or not value:
             raise self._error(at, f"{self._named(at)} must be a string in quotes")
         return value
 
-    def _topic_name(self, at: KeyPath, value: object) -> str:
-        name = self._text(at, value)
+    def topic_name(self, at: KeyPath, value: object) -> str:
+        name = self.text(at, value)
         if not is_topic_name(name):
             raise self._error(at, f"{name!r} is not a valid ROS 2 topic name")
         return resolve_topic(name)
 
-    def _level_unit(self, at: KeyPath, value: object) -> LevelUnit:
+    def level_unit(self, at: KeyPath, value: object) -> LevelUnit:
         for unit in LevelUnit:
             if unit.value == value:
                 return unit
@@ -224,6 +209,113 @@ class _ProfileReader:
         )
         place = f"{self._path}:{known}:1" if known else str(self._path)
         return ProfileError(cause, place=place, remedy=remedy)
+
+
+_RATE: Mapping[str, object] = {
+    "type": "number",
+    "anyOf": [{"const": 0}, {"minimum": RATE_STEP_HZ, "maximum": MAX_RATE_HZ}],
+}
+_TOPIC_NAME: Mapping[str, object] = {
+    "type": "string",
+    "pattern": f"^(?!.*__){TOPIC_FORM}$",
+    "maxLength": MAX_NAME_LENGTH,
+}
+
+
+def _in_range(bounds: _Range, meaning: str) -> _Key:
+    return _Key(
+        meaning=meaning,
+        read=lambda reader, at, value: reader.in_range(bounds, at, value),
+        schema={"type": "number", "minimum": bounds.least, "maximum": bounds.most},
+    )
+
+
+def _rate(meaning: str) -> _Key:
+    return _Key(meaning=meaning, read=_ProfileReader.rate, schema=_RATE)
+
+
+def _six(items: Mapping[str, object]) -> Mapping[str, object]:
+    return {"type": "array", "items": items, "minItems": len(Tier), "maxItems": len(Tier)}
+
+
+def _object(keys: Mapping[str, _Key]) -> dict[str, object]:
+    return {
+        "type": "object",
+        "properties": {name: {"description": key.meaning, **key.schema} for name, key in keys.items()},
+        "additionalProperties": False,
+    }
+
+
+def _levels(meaning: str) -> _Key:
+    return _Key(meaning=meaning, read=_ProfileReader.tiers, schema=_six(_RATE))
+
+
+def _accuracies(kind: LevelledProperty) -> _Key:
+    return _Key(
+        meaning=f"six accuracies α0 … α5 of its {kind.value} in {kind.unit}, the widest first",
+        read=lambda reader, at, value: reader.accuracies(kind, at, value),
+        schema=_six({"type": "number", "minimum": _ACCURACY.least, "maximum": _ACCURACY.most}),
+    )
+
+
+_OF_TOPIC: Mapping[str, _Key] = {
+    "type": _Key(
+        meaning="type of its messages, as in nav_msgs/msg/Odometry",
+        read=_ProfileReader.text,
+        schema={"type": "string", "minLength": 1},
+    ),
+    "message_kb": _in_range(_MESSAGE, "mean size of a message in KB of 1000 bytes"),
+    "source_hz": _in_range(_SOURCE, "rate of the source in Hz"),
+    "streams": _in_range(_STREAMS, "streams that its messages name, 1 if not given"),
+    "tiers_hz": _levels("six rates τ0 … τ5 of its quality levels in Hz, which do not fall"),
+    "priority": _in_range(_PRIORITY, "what it counts beside other topics, 1 if not given"),
+    "min_hz": _rate("floor in every model of the optimizer in Hz"),
+    "max_hz": _rate("ceiling in the models budget and priority in Hz"),
+    "stale_after_s": _in_range(_STALE, "silence in s after which its values are unknown"),
+    "paced_with": _Key(
+        meaning="topic whose stamps it follows", read=_ProfileReader.topic_name, schema=_TOPIC_NAME
+    ),
+    "level_unit": _Key(
+        meaning="unit of a battery's level",
+        read=_ProfileReader.level_unit,
+        schema={"enum": [unit.value for unit in LevelUnit]},
+    ),
+    **{
+        name: key
+        for one in LevelledProperty
+        for name, key in (
+            (one.tiers_key, _accuracies(one)),
+            (one.needs_key, _levels(f"messages per s that each of {one.tiers_key} needs")),
+        )
+    },
+}
+_TOP: Mapping[str, _Key] = {
+    "budget_kb_per_s": _in_range(_BUDGET, "what all relayed topics together may take, in KB/s"),
+    "settle_s": _in_range(
+        _SETTLE, "how long nothing must ask for more before a rate falls, in s; 0.5 if not given"
+    ),
+    "topics": _Key(
+        meaning='a table for each topic, as in [topics."/odom"]',
+        read=_ProfileReader.topics,
+        schema={
+            "type": "object",
+            "propertyNames": _TOPIC_NAME,
+            "additionalProperties": {
+                **_object(_OF_TOPIC),
+                "dependencies": {one.needs_key: [one.tiers_key] for one in LevelledProperty},
+            },
+        },
+    ),
+}
+
+
+def profile_schema() -> dict[str, object]:
+    """The JSON schema of a profile; it does not compare values with each other, as reading one does."""
+    return {
+        "$schema": "http://json-schema.org/draft-07/schema#",
+        "title": "Profile of SmartTestudo",
+        **_object(_TOP),
+    }
 
 
 def _name(at: KeyPath) -> str:
