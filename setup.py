@@ -98,7 +98,10 @@ def from_pyproject() -> dict[str, Any]:
             ]
         },
         "extras_require": {"test": project["optional-dependencies"]["test"]},
-        "entry_points": {"console_scripts": [f"{name} = {to}" for name, to in project["scripts"].items()]},
+        "entry_points": {
+            group: [f"{name} = {to}" for name, to in entries.items()]
+            for group, entries in {"console_scripts": project["scripts"], **project["entry-points"]}.items()
+        },
     }
 
 

@@ -19,16 +19,9 @@ from launch.actions import (
 from launch.conditions import IfCondition
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration, PathJoinSubstitution
-from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
-OPTIONS = {
-    "rules": "--rules",
-    "profile": "--profile",
-    "budget": "--budget",
-    "prefix": "--topic-prefix",
-    "output_domain": "--output-domain",
-}
+OF_THE_RUN = ("rules", "budget", "namespace", "prefix", "output_domain")
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -54,20 +47,17 @@ def arguments() -> list[DeclareLaunchArgument]:
     ]
 
 
-def runtime(context: LaunchContext) -> list[Node]:
-    """SmartTestudo, with the arguments that are not empty."""
+def runtime(context: LaunchContext) -> list[IncludeLaunchDescription]:
+    """SmartTestudo, as testudo.launch.py starts it."""
     given = context.launch_configurations
     in_gazebo = IfCondition(LaunchConfiguration("sim")).evaluate(context)
-    given = {**given, "profile": given["profile"] or usual_profile(in_gazebo=in_gazebo)}
-    options = [word for name, option in OPTIONS.items() if given[name] for word in (option, given[name])]
     return [
-        Node(
-            package="smarttestudo",
-            executable="smart_testudo",
-            namespace=given["namespace"],
-            arguments=options,
-            parameters=[{"use_sim_time": in_gazebo}],
-            output="screen",
+        include(
+            "smarttestudo",
+            "testudo.launch.py",
+            profile=given["profile"] or usual_profile(in_gazebo=in_gazebo),
+            use_sim_time=str(in_gazebo).lower(),
+            **{name: given[name] for name in OF_THE_RUN},
         )
     ]
 
@@ -103,7 +93,7 @@ def gazebo() -> GroupAction:
     )
 
 
-def include(package: str, name: str, **given: str | list) -> IncludeLaunchDescription:
+def include(package: str, name: str, **given: str | list | PathJoinSubstitution) -> IncludeLaunchDescription:
     """The launch file of another package."""
     source = PythonLaunchDescriptionSource(shared(package, "launch", name))
     return IncludeLaunchDescription(source, launch_arguments=given.items())

@@ -93,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CompletedCommand:
-    """What may follow ``path``, the words of a command: words and options, each with what it means.
+    """Words and options that may follow ``path``, the words of a command, each with what it means.
 
     ``values`` has the choices of each option that takes a value; without any it may be a file.
     """
@@ -126,7 +126,7 @@ def _completed(parser: CommandParser) -> Iterator[CompletedCommand]:
 
 
 def _choices(action: argparse.Action) -> Sequence[str]:
-    """What the values of ``action`` are chosen from; options of a run say it in their metavar only."""
+    """Values that ``action`` takes, if it names them; options of a run do so in their metavar only."""
     if action.choices is not None:
         return [str(one) for one in action.choices]
     written = _CHOICES.fullmatch(str(action.metavar))
