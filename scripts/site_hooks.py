@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,6 +12,7 @@ from pathlib import Path
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
+from mkdocs.utils import get_relative_url
 
 FOLDER = "contributors"
 PAGES: Mapping[str, str] = {
@@ -23,6 +25,7 @@ PAGES: Mapping[str, str] = {
 _BOOSTS = {"troubleshooting.md": 4, "how-to": 2, "concepts": 2, "decisions": 0.2, FOLDER: 0.2}
 """What a hit in a file or folder counts, beside 1."""
 _FOLDERS = {"docs/decisions": "decisions/0001-deadline-grid-with-capped-credit.md"}
+_SCRIPT = re.compile(r"<script>(.+?)</script>", re.DOTALL)
 _LINK = re.compile(r"\]\((?![a-z]+:|#)([^)#\s]+)(#[^)\s]*)?\)")
 
 
@@ -40,6 +43,19 @@ def on_page_markdown(markdown: str, page: Page, **_: object) -> str:
     folder = page.file.src_uri.partition("/")[0]
     page.meta["search"] = {"boost": _BOOSTS.get(folder, 1)}
     return markdown
+
+
+def on_post_page(output: str, page: Page, config: MkDocsConfig) -> str:
+    """Have scripts within the page in files, which alone the policy of the Ruler's server lets run."""
+
+    def moved(script: re.Match[str]) -> str:
+        name = f"assets/javascripts/page.{hashlib.sha256(script[1].encode()).hexdigest()[:8]}.js"
+        path = Path(config.site_dir, name)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(script[1], encoding="utf-8")
+        return f'<script src="{get_relative_url(name, page.url)}"></script>'
+
+    return _SCRIPT.sub(moved, output)
 
 
 def on_post_build(config: MkDocsConfig) -> None:

@@ -18,7 +18,7 @@ import tomli
 from forked_python import NOT_INHERITED
 
 ROOT = Path(__file__).resolve().parents[2]
-BUILT_PAGE = "src/smarttestudo/ruler/server/static"
+BUILT = tuple(f"src/smarttestudo/ruler/server/{name}" for name in ("static", "documentation"))
 LIMIT_S = 300
 UV = [sys.executable, "-m", "uv"]
 
@@ -97,14 +97,15 @@ def run(
 
 
 def copy_checkout(folder: Path, *, with_page: bool = True) -> None:
-    """What a clone holds, and the page if it was built."""
+    """What a clone holds, and the page and its documentation if they were built."""
     files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True)
     for name in filter(None, files.stdout.split("\0")):
         if (ROOT / name).is_file():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, folder / name)
-    if with_page and (ROOT / BUILT_PAGE).is_dir():
-        shutil.copytree(ROOT / BUILT_PAGE, folder / BUILT_PAGE)
+    for built in BUILT if with_page else ():
+        if (ROOT / built).is_dir():
+            shutil.copytree(ROOT / built, folder / built)
 
 
 def make_wheel(folder: Path) -> None:

@@ -15,6 +15,7 @@ from pathlib import Path
 from installations.environments import ROOT
 
 PAGE = "smarttestudo/ruler/server/static/index.html"
+DOCUMENTATION = "smarttestudo/ruler/server/documentation/index.html"
 
 
 def test_a_release_holds_the_page_its_source_and_each_file_once(tmp_path: Path) -> None:
@@ -33,7 +34,7 @@ def test_a_release_holds_the_page_its_source_and_each_file_once(tmp_path: Path) 
         names = opened.namelist()
         (metadata,) = (name for name in names if name.endswith(".dist-info/METADATA"))
         said = message_from_bytes(opened.read(metadata))
-    assert PAGE in names
+    assert {PAGE, DOCUMENTATION} <= set(names)
     rules = [Path(name).name for name in names if name.endswith(".adirf")]
     assert len(rules) == len(set(rules))
     assert set(rules) >= {
@@ -44,6 +45,7 @@ def test_a_release_holds_the_page_its_source_and_each_file_once(tmp_path: Path) 
         held = {name.partition("/")[2] for name in archive.getnames()}
     assert held >= {
         f"src/{PAGE}",
+        f"src/{DOCUMENTATION}",
         "gui/src/app.tsx",
         "scripts/release.sh",
         "tests/conftest.py",

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is sent of the page's files: compressed where that is taken, and kept where it cannot change."""
+"""Files of the page and its documentation: compressed where that is taken, kept where they cannot change."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from starlette.types import Message, Scope
+from starlette.exceptions import HTTPException
+from starlette.routing import Router
+from starlette.types import ASGIApp, Message, Scope
 
-from smarttestudo.ruler.server.page import PageFiles
+from smarttestudo.ruler.server.page import PageFiles, documentation_routes
 
 SCRIPT = b"console.log('as it is')"
 FILES = {
@@ -35,6 +37,10 @@ def folder(tmp_path: Path) -> Path:
 
 
 def get(folder: Path, path: str, **headers: str) -> tuple[int, dict[str, str], bytes]:
+    return answer(PageFiles(directory=folder, html=True), path, **headers)
+
+
+def answer(app: ASGIApp, path: str, **headers: str) -> tuple[int, dict[str, str], bytes]:
     """Status, headers and body."""
     told: list[Message] = []
     sent = [(name.replace("_", "-").encode(), value.encode()) for name, value in headers.items()]
@@ -55,7 +61,7 @@ def get(folder: Path, path: str, **headers: str) -> tuple[int, dict[str, str], b
         told.append(message)
 
     async def serve() -> None:
-        await PageFiles(directory=folder, html=True)(scope, receive, send)
+        await app(scope, receive, send)
 
     # Playwright, in the tests of pages, has a loop of its own in this thread.
     with ThreadPoolExecutor(max_workers=1) as thread:
@@ -100,3 +106,60 @@ def test_names_with_a_hash_are_kept_for_ever_and_the_page_is_asked_for(folder: P
     status, told, body = get(folder, "", accept_encoding="gzip", if_none_match=headers["etag"])
     assert (status, told["cache-control"], body) == (304, "no-cache", b"")
     assert get(folder, "", accept_encoding="", if_none_match=headers["etag"])[0] == 200
+
+
+@pytest.fixture
+def documentation(tmp_path: Path) -> ASGIApp:
+    """The documentation in a folder beside which there is something else."""
+    made = {
+        "documentation/index.html": "start",
+        "documentation/reference/checks-rates.html": '<h2 id="two-defaults">',
+        "documentation/assets/javascripts/bundle.a5f9d56c.min.js": "script",
+        "documentation/search/search_index.json": "{}",
+        "secret.html": "secret",
+    }
+    for name, text in made.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (tmp_path / "documentation" / "link.html").symlink_to(tmp_path / "secret.html")
+    return Router(documentation_routes(tmp_path / "documentation"))
+
+
+def test_the_documentation_is_read_below_its_own_address(documentation: ASGIApp) -> None:
+    for path in ("documentation/", "documentation/index.html"):
+        status, headers, body = answer(documentation, path)
+        assert (status, body, headers["cache-control"]) == (200, b"start", "no-cache")
+        assert headers["content-type"].startswith("text/html")
+    kept = answer(documentation, "documentation/assets/javascripts/bundle.a5f9d56c.min.js")[1]
+    assert kept["cache-control"] == "public, max-age=31536000, immutable"
+    assert answer(documentation, "documentation/search/search_index.json")[1]["cache-control"] == "no-cache"
+
+
+@pytest.mark.parametrize(
+    "path", ["../secret.html", "reference/../../secret.html", "link.html", "/etc/passwd"]
+)
+def test_nothing_beside_the_documentation_is_sent(documentation: ASGIApp, path: str) -> None:
+    with pytest.raises(HTTPException) as refused:
+        answer(documentation, f"documentation/{path}")
+    assert refused.value.status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("code", "place"),
+    [
+        ("two-defaults", "../reference/checks-rates.html#two-defaults"),
+        ("expected-statement", "../language.html"),
+        ('"><script>', "../language.html"),
+    ],
+)
+def test_a_finding_leads_to_its_heading_and_an_error_of_syntax_to_the_language(
+    documentation: ASGIApp, code: str, place: str
+) -> None:
+    status, headers, _ = answer(documentation, f"documentation/finding/{code}")
+    assert (status, headers["location"]) == (307, place)
+
+
+def test_where_the_documentation_is_not_built_its_address_says_how_to(tmp_path: Path) -> None:
+    status, _, body = answer(Router(documentation_routes(tmp_path)), "documentation/ruler/rules.html")
+    assert status == 503
+    assert b"make documentation" in body

@@ -4,7 +4,7 @@
 
 A source archive, from which the wheel of a release is built, holds the page or is not made.
 
-Node is a stand-in here: the real one fetches what the page is made of from the network.
+Node and MkDocs are stand-ins here: the real ones fetch what they need from the network.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ import pytest
 from installations.environments import copy_checkout
 
 PAGE = "smarttestudo/ruler/server/static/index.html"
+DOCUMENTATION = "smarttestudo/ruler/server/documentation/index.html"
+MAKE_DOCUMENTATION = f"mkdir -p src/{Path(DOCUMENTATION).parent} && echo text > src/{DOCUMENTATION}\n"
 NPM = "#!/bin/sh\ncd ../src/smarttestudo/ruler/server && mkdir -p static && echo page > static/index.html\n"
 BROKEN_NPM = "#!/bin/sh\nexit 1\n"
 
@@ -29,6 +31,7 @@ BROKEN_NPM = "#!/bin/sh\nexit 1\n"
 def checkout(tmp_path: Path) -> Path:
     """A copy of the source as it is checked out, without a built page."""
     copy_checkout(tmp_path / "checkout", with_page=False)
+    (tmp_path / "checkout" / "scripts" / "make_documentation.sh").write_text(MAKE_DOCUMENTATION)
     return tmp_path / "checkout"
 
 
@@ -58,13 +61,20 @@ def names_in_wheel(checkout: Path, npm: str) -> set[str]:
         return set(archive.namelist())
 
 
-def test_a_wheel_built_where_node_is_found_holds_the_page(checkout: Path) -> None:
-    assert PAGE in names_in_wheel(checkout, NPM)
+def test_a_wheel_built_where_node_is_found_holds_the_page_and_its_documentation(checkout: Path) -> None:
+    assert names_in_wheel(checkout, NPM) >= {PAGE, DOCUMENTATION}
+
+
+def test_a_wheel_is_built_without_documentation_where_that_cannot_be_built(checkout: Path) -> None:
+    (checkout / "scripts" / "make_documentation.sh").write_text("exit 1\n")
+    names = names_in_wheel(checkout, NPM)
+    assert PAGE in names
+    assert DOCUMENTATION not in names
 
 
 def test_a_wheel_is_built_without_the_page_where_that_cannot_be_built(checkout: Path) -> None:
     names = names_in_wheel(checkout, BROKEN_NPM)
-    assert PAGE not in names
+    assert not {PAGE, DOCUMENTATION} & names
     assert "smarttestudo/cli/main.py" in names
 
 
@@ -74,7 +84,7 @@ def test_a_source_archive_holds_the_page(checkout: Path) -> None:
     (archive,) = (checkout / "dist").glob("*.tar.gz")
     with tarfile.open(archive) as opened:
         names = {name.partition("/")[2] for name in opened.getnames()}
-    assert names >= {f"src/{PAGE}", "gui/package-lock.json", "scripts/make_gui.sh"}
+    assert names >= {f"src/{PAGE}", f"src/{DOCUMENTATION}", "gui/package-lock.json", "scripts/make_gui.sh"}
 
 
 def test_no_source_archive_is_made_without_the_page(checkout: Path) -> None:

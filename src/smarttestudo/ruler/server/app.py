@@ -70,7 +70,7 @@ from smarttestudo.ruler.server.errors import GONE, RequestError, error_answer
 from smarttestudo.ruler.server.guard import Guard, ServerAddress
 from smarttestudo.ruler.server.keeping import Keepings
 from smarttestudo.ruler.server.live_feed import LiveFeed
-from smarttestudo.ruler.server.page import page_files
+from smarttestudo.ruler.server.page import documentation_routes, page_files
 from smarttestudo.ruler.server.routes import ApiRoute, Handler, answering, long_work, telling
 from smarttestudo.ruler.server.socket import Listeners
 from smarttestudo.ruler.server.uploads import receiving
@@ -110,6 +110,7 @@ def ruler_app(
         Route("/api/incident/zip", sending_zip(KnownIncidents(folder)), methods=["GET"]),
         Route("/api/{path:path}", _no_such_thing, methods=["GET", "POST", "PUT", "DELETE", "PATCH"]),
         WebSocketRoute("/ws", listeners.serve),
+        *documentation_routes(),
         Mount("/", page_files()),
     ]
     handlers = {TestudoError: _saying(folder), ClientDisconnect: _gone}

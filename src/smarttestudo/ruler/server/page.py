@@ -1,28 +1,31 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The files of the page, which are built from ``gui`` and come with the wheel."""
+"""The files of the page and of the documentation, which are built from ``gui`` and ``docs``."""
 
 from __future__ import annotations
 
 import mimetypes
 import os
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from starlette.datastructures import Headers
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, Response
-from starlette.routing import Route, Router
+from starlette.responses import FileResponse, HTMLResponse, RedirectResponse, Response
+from starlette.routing import BaseRoute, Mount, Route, Router
 from starlette.staticfiles import NotModifiedResponse, StaticFiles
 from starlette.types import ASGIApp, Scope
 
 from smarttestudo.ruler.server.encodings import taken_encodings
 
 PAGE_FOLDER = Path(__file__).parent / "static"
+DOCUMENTATION_FOLDER = Path(__file__).parent / "documentation"
 _INDEX = "index.html"
 _ENCODINGS = (("br", ".br"), ("gzip", ".gz"))
 """What the build compresses with, best first, and how those files end."""
-_HASHED = re.compile(r"-[\w-]{8}\.(?:js|css)\Z")
+_HASHED = re.compile(r"-[\w-]{8}\.(?:js|css)\Z|\.[0-9a-f]{8}\.(?:min\.)?(?:js|css)\Z")
+_ASKED_FOR = (".html", ".json")
 _FOR_EVER = "public, max-age=31536000, immutable"
 _FOR_A_DAY = "max-age=86400"
 _ASK_AGAIN = "no-cache"
@@ -41,6 +44,15 @@ A server that runs from the checkout does not need this step.</li>
 """
 
 
+_WITHOUT_DOCUMENTATION = """<!doctype html>
+<html lang="en"><meta charset="utf-8"><title>ADIRF Ruler</title>
+<h1>The documentation is not built</h1>
+<p>SmartTestudo was installed without it, for want of a network. In the checkout of its source,
+<code>docs</code> has its text, and <code>make documentation</code> builds it; then install again.</p>
+</html>
+"""
+
+
 def is_page_built() -> bool:
     """Whether there is a page to serve."""
     return (PAGE_FOLDER / _INDEX).is_file()
@@ -53,10 +65,27 @@ def page_files() -> ASGIApp:
     return Router([Route("/", _missing)])
 
 
+def documentation_routes(folder: Path = DOCUMENTATION_FOLDER) -> Sequence[BaseRoute]:
+    """Routes of the documentation, which comes with the wheel, and of what a finding means in it."""
+    if not (folder / _INDEX).is_file():
+        return [Route("/documentation/{path:path}", _no_documentation)]
+
+    def finding(request: Request) -> Response:
+        # Errors of syntax explain themselves; what they are about is the language.
+        code = request.path_params["code"]
+        for page in folder.glob("reference/checks-*.html"):
+            if f'id="{code}"' in page.read_text(encoding="utf-8"):
+                return RedirectResponse(f"../reference/{page.name}#{code}")
+        return RedirectResponse("../language.html")
+
+    files = PageFiles(directory=folder, html=True)
+    return [Route("/documentation/finding/{code}", finding), Mount("/documentation", files)]
+
+
 class PageFiles(StaticFiles):
     """The built files, compressed where the browser takes that.
 
-    A name with a hash of what is in it is kept for ever, a picture for a day; the page is asked for always.
+    A name with a hash of what is in it is kept for ever, a picture for a day; pages are asked for always.
     """
 
     def file_response(
@@ -91,7 +120,7 @@ class PageFiles(StaticFiles):
 def _kept(name: str) -> str:
     if _HASHED.search(name):
         return _FOR_EVER
-    return _ASK_AGAIN if name == _INDEX else _FOR_A_DAY
+    return _ASK_AGAIN if name.endswith(_ASKED_FOR) else _FOR_A_DAY
 
 
 def _sent(path: Path, accepted: str) -> tuple[Path, str | None]:
@@ -102,6 +131,10 @@ def _sent(path: Path, accepted: str) -> tuple[Path, str | None]:
         if encoding in taken and compressed.is_file():
             return compressed, encoding
     return path, None
+
+
+async def _no_documentation(_: Request) -> Response:
+    return HTMLResponse(_WITHOUT_DOCUMENTATION, status_code=503)
 
 
 async def _missing(_: Request) -> Response:
