@@ -28,6 +28,7 @@ WITH_NOTHING: Mapping[str, str] = {
     "start_up": "--turns 1",
     "throttle_accuracy": "",
     "timed_rules": "--side 12 --turns 1",
+    "trajectories": "",
 }
 WITH_ROS: Mapping[str, str] = {
     "bound_cost": "--case orientation --seconds 0.5 --windows 1",

@@ -120,6 +120,51 @@ def test_frames_of_different_motion_are_each_within_the_bound(
     assert fixed["properties"]["orientation"]["worst"] > 4 * held["properties"]["orientation"]["worst"]
 
 
+def swerving_odometry(stamp_ns: int, t_s: float) -> bytes:
+    """It drives, stands for 3 s in 10, and changes its speed with a jerk."""
+    phase_s = t_s % 10
+    speed = 0.0 if phase_s > 7 else 0.2 + 0.3 * math.floor(phase_s / 2)
+    way_m = sum(0.2 + 0.3 * math.floor(step / 2) for step in range(int(min(phase_s, 7))))
+    way_m += (min(phase_s, 7) % 1) * speed + math.floor(t_s / 10) * 4.1
+    return odometry(stamp_ns, planar(way_m, 0, 0), Twist(Vector3(speed, 0, 0), Vector3(0, 0, 0)))
+
+
+def test_rules_that_are_shown_reckoned_stand_beside_fixed_rates_that_are_reckoned_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rules, tighter = tmp_path / "within.adirf", tmp_path / "tighter.adirf"
+    rules.write_text("begin KeepWithin /odom position 0.05 end")
+    tighter.write_text("begin KeepWithin /odom position 0.005 end")
+    bag = write_bag(tmp_path / "bag", stream("/odom", ODOMETRY, 25, 60, swerving_odometry))
+    command = ["bag", "accuracy", str(bag), "--rules", str(rules)]
+    command += ["--predicted", str(rules), "--predicted", str(tighter)]
+
+    assert main([*command, "--json"]) == 0
+
+    arms = json.loads(capsys.readouterr().out)["arms"]
+    assert [(arm["name"], arm["shows"], arm["fixed"]) for arm in arms] == [
+        ("fixed rates", "hold", True),
+        ("within", "hold", False),
+        ("within", "dead reckoning", False),
+        ("fixed rates for within", "dead reckoning", True),
+        ("tighter", "dead reckoning", False),
+        ("fixed rates for tighter", "dead reckoning", True),
+    ]
+    for by_rules, fixed in ((2, 3), (4, 5)):
+        kept, rival = (arms[number]["topics"]["/odom"] for number in (by_rules, fixed))
+        assert rival["messages"] == pytest.approx(kept["messages"], rel=0.05, abs=2)
+        assert kept["properties"]["position"]["worst"] < rival["properties"]["position"]["worst"]
+        assert rival["properties"]["position"]["bounds"] == []
+
+    assert main(command) == 0
+
+    said = capsys.readouterr().out
+    head = (
+        "Beside fixed rates that are shown alike (dead reckoning), tighter shows the position of /odom with "
+    )
+    assert head in said
+
+
 @pytest.mark.full
 def test_the_joints_of_a_walking_arm_are_within_the_bound(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated
 
@@ -73,6 +74,7 @@ class ArmAccuracy:
 
     name: str
     view: Annotated[View, JsonEntry(name="shows")]
+    is_fixed: Annotated[bool, JsonEntry(name="fixed")]
     size_bytes: Annotated[int, JsonEntry(name="bytes")]
     topics: Mapping[str, TopicAccuracy]
 
@@ -81,9 +83,9 @@ class ArmAccuracy:
 class AccuracyComparison:
     """The ways beside each other, of a recording called ``bag``.
 
-    The first are fixed rates for the bytes of the first rules, then come the rules. ``fixed_hz`` are those
-    rates by topic, infinite where everything passes. ``left_out`` are topics of images, which would hide the
-    others' bytes.
+    The first are fixed rates for the bytes of the first rules, then come the rules. After rules that are
+    shown reckoned come fixed rates for their bytes, shown alike. ``fixed_hz`` are the first rates by topic,
+    infinite where everything passes. ``left_out`` are topics of images, which would hide the others' bytes.
     """
 
     bag: str
@@ -91,6 +93,12 @@ class AccuracyComparison:
     fixed_hz: Mapping[str, float]
     left_out: tuple[str, ...]
     notices: tuple[str, ...] = ()
+
+    def pairs(self) -> Iterator[tuple[ArmAccuracy, ArmAccuracy | None]]:
+        """All ways, those of rules with the fixed rates that are shown alike."""
+        for arm, after in zip_longest(self.arms, self.arms[1:]):
+            fixed = self.arms[0] if arm.view is View.HOLD else after
+            yield arm, None if arm.is_fixed else fixed
 
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each way, topic and property, for ``--csv``."""
@@ -267,15 +275,23 @@ class ComparisonMeasurement:
     def comparison(self, sent: RecordedSamples) -> AccuracyComparison:
         """Compare the pictures of all runs with what the robot ``sent``."""
         request, end_ns = self._request, self._recording.end_ns
-        first = self._runs[0]
         samples = {topic: one for topic, one in sent.topics.items() if topic in self._compared}
-        rates_hz = {
-            topic: rate_of_bytes(one, first.size_bytes(topic), end_ns) for topic, one in samples.items()
-        }
-        at_rates = _Run(
-            name=FIXED, topics={topic: one.at_rate(rates_hz[topic], end_ns) for topic, one in samples.items()}
-        )
-        runs = [at_rates, *self._runs]
+
+        def rates_for(run: _Run) -> dict[str, float]:
+            return {
+                topic: rate_of_bytes(one, run.size_bytes(topic), end_ns) for topic, one in samples.items()
+            }
+
+        def at_rates(name: str, view: View, rates_hz: Mapping[str, float]) -> _Run:
+            topics = {topic: one.at_rate(rates_hz[topic], end_ns) for topic, one in samples.items()}
+            return _Run(name=name, view=view, topics=topics, is_fixed=True)
+
+        fixed_hz = rates_for(self._runs[0])
+        runs = [at_rates(FIXED, View.HOLD, fixed_hz)]
+        for run in self._runs:
+            runs.append(run)
+            if run.view is View.RECKONED:
+                runs.append(at_rates(f"{FIXED} for {run.name}", run.view, rates_for(run)))
         errors = {topic: self._errors(samples[topic], runs) for topic in self.properties}
         return AccuracyComparison(
             bag=request.called or str(request.bag),
@@ -283,7 +299,7 @@ class ComparisonMeasurement:
                 self._arm(run, {topic: errors[topic][number] for topic in errors})
                 for number, run in enumerate(runs)
             ),
-            fixed_hz=rates_hz,
+            fixed_hz=fixed_hz,
             left_out=tuple(
                 topic
                 for topic in request.rules[0].rule_set.relayed
@@ -310,6 +326,7 @@ class ComparisonMeasurement:
         return ArmAccuracy(
             name=run.name,
             view=run.view,
+            is_fixed=run.is_fixed,
             size_bytes=sum(run.size_bytes(topic) for topic in self._compared),
             topics={
                 topic: TopicAccuracy(
@@ -344,6 +361,7 @@ class _Run:
     name: str
     view: View = View.HOLD
     topics: Mapping[str, TopicSamples]
+    is_fixed: bool = False
     bounds: Mapping[str, Mapping[str, Collection[float]]] = field(default_factory=dict)
     records: Mapping[str, Mapping[str, Sequence[BoundRecord]]] = field(default_factory=dict)
 

@@ -34,8 +34,9 @@ EXIT_ERROR = 1
 def add_arguments(action: CommandParser) -> None:
     action.description = (
         "Replay a recording under each of the rules, thin it to fixed rates with the bytes of "
-        "the first ones, and show how far the operator's picture of what the rules bound (KeepWithin) is "
-        "off. Without a bound: of poses, frames and joints. Images are left out."
+        "the first ones, and of each that is shown reckoned, and show how far the operator's picture of what "
+        "the rules bound (KeepWithin) is off. Without a bound: of poses, frames and joints. Images are left "
+        "out."
     )
     add_recordings(action)
     action.add_argument(

@@ -74,8 +74,9 @@ def _motions(curves: Sequence[AccuracyCurve]) -> Iterator[str]:
 
 _SHOWN_UNITS = {"m": (100.0, "cm"), "rad": (1.0, "rad"), "°": (1.0, "°")}
 _NOTES = (
-    "Errors are taken after each message of the source; RMSE is over time, its change against fixed rates.",
-    "Fixed rates carry the bytes that the first rules take of each topic.",
+    "Errors are taken after each message of the source; RMSE is over time.",
+    "Fixed rates carry the bytes that the first rules take of each topic; with dead reckoning, those of the "
+    "rules above them. Change: the RMSE against that of the fixed rates that are shown alike.",
 )
 
 
@@ -86,7 +87,7 @@ def accuracy_tables(comparison: AccuracyComparison) -> tuple[Table[ArmAccuracy],
     return tuple(
         Table(
             title=f"How far the picture of {topic} is off",
-            columns=tuple(_columns(comparison.arms[0], topic)),
+            columns=tuple(_columns(comparison, topic)),
             rows=comparison.arms,
             footnotes=notes,
         )
@@ -95,64 +96,73 @@ def accuracy_tables(comparison: AccuracyComparison) -> tuple[Table[ArmAccuracy],
 
 
 def accuracy_sentences(comparison: AccuracyComparison) -> Iterator[str]:
-    """The gain of rules with bounds over fixed rates in the first property of the first topic."""
-    fixed = comparison.arms[0]
-    if not fixed.topics:
+    """The gain of rules with bounds over fixed rates shown alike, for the first property."""
+    topic, passed = next(iter(comparison.arms[0].topics.items()), (None, None))
+    if topic is None or passed is None:
         return
-    topic, passed = next(iter(fixed.topics.items()))
-    name, before = next(iter(passed.properties.items()))
+    name = next(iter(passed.properties))
     for view in View:
         found = [
-            (one.error.rmse, arm)
-            for arm in comparison.arms[1:]
-            if arm.view is view and (one := arm.topics[topic].properties[name]).bounds and one.error
+            (error.rmse, arm, fixed)
+            for arm, fixed in comparison.pairs()
+            if fixed and arm.view is view and (one := arm.topics[topic].properties[name]).bounds
+            if (error := one.error)
         ]
-        if not found or before.error is None or not before.error.rmse or not passed.size_bytes:
-            continue
-        rmse, arm = min(found, key=lambda pair: pair[0])
-        bytes_percent = 100 * arm.topics[topic].size_bytes / passed.size_bytes
-        yield (
-            f"Beside fixed rates, {arm.name} ({view.value}) shows the {name} of {topic} with "
-            f"{percent_text(100 * rmse / before.error.rmse, decimals=0)} of the error, for "
-            f"{percent_text(bytes_percent, decimals=0)} of the bytes."
+        if found:
+            _, arm, fixed = min(found, key=lambda one: one[0])
+            yield from _gain(topic, name, arm, fixed)
+
+
+def _gain(topic: str, name: str, arm: ArmAccuracy, fixed: ArmAccuracy) -> Iterator[str]:
+    passed, before = arm.topics[topic], fixed.topics[topic]
+    error, error_before = passed.properties[name].error, before.properties[name].error
+    if error is None or error_before is None or not error_before.rmse or not before.size_bytes:
+        return
+    rmse, worst, size = (
+        percent_text(100 * share, decimals=0)
+        for share in (
+            error.rmse / error_before.rmse,
+            error.worst / error_before.worst,
+            passed.size_bytes / before.size_bytes,
         )
+    )
+    yield (
+        f"Beside fixed rates that are shown alike ({arm.view.value}), {arm.name} shows the {name} of {topic} "
+        f"with {rmse} of the error (RMSE) and {worst} of the worst, for {size} of the bytes."
+    )
 
 
-def _columns(fixed: ArmAccuracy, topic: str) -> Iterator[Column[ArmAccuracy]]:
+def _columns(comparison: AccuracyComparison, topic: str) -> Iterator[Column[ArmAccuracy]]:
     yield Column("Rules", "", lambda arm: arm.name, is_text=True)
     yield Column("Shown", "", lambda arm: arm.view.value, is_text=True)
     yield Column("Messages", "", lambda arm: arm.topics[topic].messages, WHOLE, heads_group=True)
     yield Column("Bytes", "KB", lambda arm: arm.topics[topic].size_bytes / BYTES_PER_KB, decimals(1))
     yield Column("All", "KB", lambda arm: arm.size_bytes / BYTES_PER_KB, decimals(1))
-    for name in fixed.topics[topic].properties:
-        yield from _property_columns(fixed, topic, name)
+    for name in comparison.arms[0].topics[topic].properties:
+        yield from _property_columns(comparison, topic, name)
 
 
-def _property_columns(fixed: ArmAccuracy, topic: str, name: str) -> Iterator[Column[ArmAccuracy]]:
-    of_fixed = fixed.topics[topic].properties[name]
-    before = of_fixed.error
-    factor, unit = _SHOWN_UNITS.get(of_fixed.unit, (1.0, of_fixed.unit))
+def _property_columns(comparison: AccuracyComparison, topic: str, name: str) -> Iterator[Column[ArmAccuracy]]:
+    unit_of = comparison.arms[0].topics[topic].properties[name].unit
+    factor, unit = _SHOWN_UNITS.get(unit_of, (1.0, unit_of))
+    fixed_of = {id(arm): fixed for arm, fixed in comparison.pairs()}
 
     def of(arm: ArmAccuracy) -> PropertyAccuracy:
         return arm.topics[topic].properties[name]
 
     def change_percent(arm: ArmAccuracy) -> float | None:
-        error = of(arm).error
-        if arm is fixed or error is None or before is None or not before.rmse:
-            return None
-        return 100 * (error.rmse / before.rmse - 1)
+        fixed = fixed_of[id(arm)]
+        rmse, before = of(arm).rmse, of(fixed).rmse if fixed else None
+        return None if rmse is None or not before else 100 * (rmse / before - 1)
 
-    def rmse(arm: ArmAccuracy) -> float | None:
-        error = of(arm).error
-        return None if error is None else factor * error.rmse
+    def scaled(error: float | None) -> float | None:
+        return None if error is None else factor * error
 
-    def worst(arm: ArmAccuracy) -> float | None:
-        error = of(arm).error
-        return None if error is None else factor * error.worst
-
-    yield Column(f"{name.capitalize()} RMSE", unit, rmse, decimals(3), heads_group=True)
+    yield Column(
+        f"{name.capitalize()} RMSE", unit, lambda arm: scaled(of(arm).rmse), decimals(3), heads_group=True
+    )
     yield Column("Change", "%", change_percent, change)
-    yield Column("Worst", unit, worst, decimals(3))
+    yield Column("Worst", unit, lambda arm: scaled(of(arm).worst), decimals(3))
     yield Column("Bound", unit, lambda arm: _span(of(arm), factor))
     yield Column("Broken", "", lambda arm: of(arm).broken if of(arm).bounds else None, WHOLE)
 

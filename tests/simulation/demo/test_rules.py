@@ -148,6 +148,17 @@ def test_reckoned_within_bounds_the_position_is_a_tenth_as_much_off_for_a_sixth_
     assert predicted["bytes"] <= fixed["bytes"] / 6
 
 
+@pytest.mark.parametrize(("name", "rmse_times"), [("warehouse_within", 2), ("warehouse_predicted", 4)])
+def test_as_many_messages_at_a_fixed_rate_and_reckoned_alike_are_farther_off(
+    arms: dict[tuple[str, str], dict[str, Any]], name: str, rmse_times: float
+) -> None:
+    within, fixed = arms[name, "dead reckoning"], arms[f"fixed rates for {name}", "dead reckoning"]
+
+    assert fixed["messages"] == pytest.approx(within["messages"], abs=1)
+    assert _position(fixed)["rmse"] >= rmse_times * _position(within)["rmse"]
+    assert _position(fixed)["worst"] >= 6 * _position(within)["worst"]
+
+
 def test_the_bounds_hold_for_every_property_and_view(arms: dict[tuple[str, str], dict[str, Any]]) -> None:
     for (name, _), arm in arms.items():
         for said in arm["properties"].values():
