@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import type { Signal } from "@preact/signals";
 import type { ComponentType } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
@@ -9,11 +8,10 @@ import type { Project } from "./api/types";
 import { HomePage } from "./pages/home";
 import type { PageProps } from "./pages/page_props";
 import { href, NEW_PROFILE, type Route, readRoute, toRoute } from "./route";
-import { browserStorage, Drafts } from "./state/drafts";
+import { browserStorage, Drafts, OpenTabs } from "./state/drafts";
 import { Keepings } from "./state/keepings";
 import { OpenEditors } from "./state/open_editors";
-import { OpenTabs } from "./state/open_tabs";
-import type { Lost } from "./state/work_ahead";
+import type { Lost } from "./state/rule_editor";
 import { TourOffer } from "./tour/tour_offer";
 import { Button } from "./ui/button";
 import { useDroppedFile } from "./ui/files";

@@ -1,10 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { render } from "preact";
-import { Api } from "./api/client";
-import { App } from "./app";
-import { RobotLink } from "./state/robot_link";
-import { RobotProvider } from "./ui/robot_state";
 import "./style/tokens.css";
 import "./style/controls.css";
 import "./style/pages.css";
@@ -17,6 +12,11 @@ import "./style/incidents.css";
 import "./style/levels.css";
 import "./style/tour.css";
 import "./style/picker.css";
+import { render } from "preact";
+import { Api } from "./api/client";
+import { App } from "./app";
+import { RobotLink } from "./state/robot_link";
+import { RobotProvider } from "./ui/robot_state";
 
 const host = document.getElementById("app");
 const link = new RobotLink();

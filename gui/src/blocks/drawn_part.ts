@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import type { RuleDocument, Statement } from "../api/types";
-import type { Folds } from "../state/folds";
-import { checksOf, statementsIn } from "../state/statements";
+import { checksOf, type Folds, statementsIn } from "../state/statements";
 import { DEFAULT_TYPES } from "./actions";
 import { showRawText } from "./block_types";
 import { type Column, GAP, HEADING } from "./column";

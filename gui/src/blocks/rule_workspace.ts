@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import type { PlacedFinding, RuleDocument, Statement } from "../api/types";
-import type { Folds } from "../state/folds";
-import type { Lost } from "../state/work_ahead";
+import type { Lost } from "../state/rule_editor";
+import type { Folds } from "../state/statements";
 import { Badges, Warnings } from "./badges";
 import type { RuleAct } from "./block_types";
 import { Column } from "./column";

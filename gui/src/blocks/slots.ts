@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
 import type { Edit, PlacedCollection, RuleDocument, Statement } from "../api/types";
-import type { Lost } from "../state/work_ahead";
+import type { Lost } from "../state/rule_editor";
 import type { RuleAct } from "./block_types";
 import { fingerprint, toStatement } from "./model";
 import { statementTitle } from "./rule_words";

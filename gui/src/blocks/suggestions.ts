@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ReadonlySignal } from "@preact/signals";
 import { type KnownTopic, type Live, type Property, TIERS, type Vocabulary } from "../api/types";
+import type { Words } from "../state/statements";
 import type { Trial } from "../state/trial";
-import type { Words } from "../state/words";
 import { hz, readable } from "../ui/numbers";
 import type { PickerChoice } from "../ui/picker_matches";
 import type { Suggestions } from "./fields";

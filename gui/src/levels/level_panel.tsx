@@ -3,10 +3,9 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusal } from "../api/client";
 import type { AccuracyNeeds, BoundNeed, Curve, LevelledProperty } from "../api/types";
-import { ACCURACY_UNITS, keysOf, type Six, sixOf } from "../state/accuracies";
 import { BagWork } from "../state/bag_work";
-import { type DraftRow, isNumber, toNumber } from "../state/draft_row";
 import type { ProfileEditor } from "../state/profile_editor";
+import { ACCURACY_UNITS, type DraftRow, isNumber, keysOf, type Six, sixOf, toNumber } from "../state/topic_rows";
 import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
 import { WorkProgress } from "../ui/work_progress";

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useState } from "preact/hooks";
 import type { PlacedFinding, Severity } from "../api/types";
 import { statementTitle } from "../blocks/rule_words";

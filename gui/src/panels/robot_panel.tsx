@@ -2,11 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Api } from "../api/client";
 import { href } from "../route";
-import { RULES_WORDS } from "../state/connection";
-import { type RobotLink, UPDATE_RATES_HZ } from "../state/robot_link";
-import type { RobotRules } from "../state/robot_rules";
+import { type RobotLink, RULES_WORDS, UPDATE_RATES_HZ } from "../state/robot_link";
+import type { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
-import type { RulePush } from "../state/rule_push";
 import { checkOfRobot, writeThreshold } from "../state/written_checks";
 import { Choice } from "../ui/choice";
 import { later } from "../ui/later";

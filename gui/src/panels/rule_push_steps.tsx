@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useEffect, useRef } from "preact/hooks";
 import type { Problem } from "../api/types";
-import { RULES_WORDS } from "../state/connection";
+import { RULES_WORDS } from "../state/robot_link";
+import type { RulePush, Stage } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
-import type { RulePush, Stage } from "../state/rule_push";
 import { Button } from "../ui/button";
 import { FormDialog } from "../ui/dialog";
 import { sentence } from "../ui/numbers";

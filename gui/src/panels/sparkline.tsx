@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { type RateRing, RING_LENGTH } from "../state/rate_rings";
-import type { RobotLink } from "../state/robot_link";
+import { type RateRing, RING_LENGTH, type RobotLink } from "../state/robot_link";
 
 const WIDTH_PX = 120;
 const HEIGHT_PX = 24;

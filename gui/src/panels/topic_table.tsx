@@ -1,11 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useMemo } from "preact/hooks";
 import { TIERS } from "../api/types";
-import { type DraftRow, isNumber, type NumberField } from "../state/draft_row";
-import { tableCells } from "../state/pasted_table";
 import type { ProfileEditor } from "../state/profile_editor";
+import { type DraftRow, isNumber, type NumberField, tableCells } from "../state/topic_rows";
 import { Button } from "../ui/button";
 import { useWindowEvent } from "../ui/watch";
 

@@ -1,13 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { FoundFile, Project } from "../api/types";
-import { FolderTrial } from "../state/folder_trial";
 import type { Keepings } from "../state/keepings";
 import type { RuleEditor } from "../state/rule_editor";
-import { Trial } from "../state/trial";
+import { FolderTrial, Trial } from "../state/trial";
 import {
   ALL,
   bagsIn,

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useEffect, useMemo } from "preact/hooks";
 import type { Api, TextFile } from "../api/client";
 import type { Project, Statement } from "../api/types";

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { effect, type Signal } from "@preact/signals";
 
 /** Which kind of file a draft is of. */
 export type DraftKind = "rules" | "profile";
@@ -130,4 +131,92 @@ export function browserStorage(): DraftStorage {
 
 function refuse(): never {
   throw new Error("no storage");
+}
+
+/** A draft is written no more often than this: writing a long file takes longer than drawing a letter. */
+const WRITE_AFTER_MS = 400;
+
+/** A file that is being changed, as its draft needs it. */
+interface Unsaved {
+  readonly name: string;
+  readonly restored: Signal<Restored | null>;
+  readonly message: Signal<string>;
+  /** Makes the draft of now, null while the file holds all; reads each signal that changes the draft. */
+  draft(): (() => Draft) | null;
+}
+
+/** Keeps what is not saved of a file in this browser, a moment after it changed or when the page is left. */
+export function keepDraft(drafts: Drafts, kind: DraftKind, file: Unsaved): void {
+  let due: { write: () => void; timer: number } | null = null;
+  const settle = () => {
+    if (due === null) return;
+    clearTimeout(due.timer);
+    const { write } = due;
+    due = null;
+    write();
+  };
+  // A key that comes meanwhile is more urgent.
+  const settleIdle = () => {
+    if ("requestIdleCallback" in globalThis) requestIdleCallback(settle, { timeout: WRITE_AFTER_MS });
+    else settle();
+  };
+  effect(() => {
+    const draft = file.draft();
+    const write = () => {
+      if (draft !== null && !drafts.keep(kind, file.name, draft())) file.message.value = NO_ROOM;
+    };
+    if (draft !== null) {
+      due = { write, timer: due?.timer ?? setTimeout(settleIdle, WRITE_AFTER_MS) };
+      return;
+    }
+    if (due !== null) clearTimeout(due.timer);
+    due = null;
+    drafts.drop(kind, file.name);
+    file.restored.value = null;
+  });
+  addEventListener("pagehide", settle);
+}
+
+/** How long tabs have to answer; one that is closed cannot. */
+const ANSWER_WITHIN_MS = 150;
+/** How long one has that is known to be open, and may be busy. */
+const OPEN_ANSWERS_WITHIN_MS = 3000;
+const LOCK = "ruler-tab ";
+
+type Call = { kind: "who" } | { kind: "here"; tab: string };
+
+/** Which tabs have a page of this server open. */
+export class OpenTabs {
+  private readonly channel = new BroadcastChannel("ruler-tabs");
+  private readonly heard = new Set<string>();
+
+  constructor(readonly own: string) {
+    this.channel.onmessage = ({ data }: MessageEvent<Call>) => {
+      if (data.kind === "here") this.heard.add(data.tab);
+      else this.say({ kind: "here", tab: this.own });
+    };
+    // Held until the tab is closed or crashes; a browser has locks only where it trusts the address and keeps anything.
+    void navigator.locks?.request(LOCK + own, () => new Promise(() => undefined)).catch(() => undefined);
+  }
+
+  /** The other tabs that answer now. */
+  async others(): Promise<ReadonlySet<string>> {
+    this.heard.clear();
+    this.say({ kind: "who" });
+    const askedMs = performance.now();
+    do await new Promise((done) => setTimeout(done, ANSWER_WITHIN_MS));
+    while (performance.now() - askedMs < OPEN_ANSWERS_WITHIN_MS && (await this.isAnyAwaited()));
+    return new Set(this.heard);
+  }
+
+  /** Whether another tab is open and has not answered yet. */
+  private async isAnyAwaited(): Promise<boolean> {
+    const locks = (await navigator.locks?.query())?.held ?? [];
+    const tabs = locks.flatMap(({ name = "" }) => (name.startsWith(LOCK) ? [name.slice(LOCK.length)] : []));
+    return tabs.some((tab) => tab !== this.own && !this.heard.has(tab));
+  }
+
+  private say(call: Call): void {
+    this.channel.postMessage(call);
+  }
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { type Api, ApiError } from "../api/client";
-import { saveOver } from "./conflict";
+import { saveOver } from "./open_file";
 
 /**
  * What zones are drawn on: a map or image, and the path of a recording.

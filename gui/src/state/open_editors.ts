@@ -4,11 +4,10 @@ import { type ReadonlySignal, signal } from "@preact/signals";
 import type { Api } from "../api/client";
 import type { FileAnswer } from "../api/types";
 import type { Drafts } from "./drafts";
-import { Folds } from "./folds";
 import { ProfileEditor } from "./profile_editor";
-import { RuleEditor } from "./rule_editor";
+import { type Lost, RuleEditor } from "./rule_editor";
+import { Folds } from "./statements";
 import { Tries } from "./tries";
-import type { Lost } from "./work_ahead";
 
 /** The files that were opened: what is not saved is still there when somebody comes back to it. */
 export class OpenEditors {

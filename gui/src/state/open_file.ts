@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
-import { type Api, refusal } from "../api/client";
-import { type Conflict, conflictWith, type DiskChange, diskChangeOf, readIfThere, saveOver } from "./conflict";
-import type { Draft, DraftKind, Drafts, Restored } from "./drafts";
-import { History } from "./history";
-import { keepDraft } from "./kept_draft";
+import { batch, computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { type Api, ApiError, refusal } from "../api/client";
+import { type Draft, type DraftKind, type Drafts, keepDraft, type Restored } from "./drafts";
 
 /**
  * A file that is open: what is in it here, what of it is saved, and what happens to it on disk meanwhile.
@@ -244,4 +241,165 @@ export abstract class OpenFile {
   tell(error: unknown): void {
     this.message.value = refusal(error);
   }
+}
+
+/** A text that was not saved, since somebody else changed the file; `theirs` and `hash` are null where it is gone. */
+export interface Conflict {
+  mine: string;
+  theirs: string | null;
+  hash: string | null;
+}
+
+interface OnDisk {
+  text: string;
+  hash: string;
+}
+
+export type DiskChange = "changed" | "gone";
+
+/** Saves a text where the file still has this hash; else nothing is written, and what is on disk is told. */
+export async function saveOver(
+  api: Api,
+  name: string,
+  text: string,
+  baseHash: string | null,
+  byItself = false,
+): Promise<{ hash: string; note?: string } | Conflict> {
+  try {
+    return await api.save(name, text, baseHash, byItself);
+  } catch (error) {
+    if (!isStatus(error, 409)) throw error;
+  }
+  const onDisk = await readIfThere(api, name);
+  // The same text, as after a save whose answer got lost, is saved.
+  return onDisk?.text === text ? onDisk : conflictWith(text, onDisk);
+}
+
+/** What happened to a file that had this hash. */
+export async function diskChangeOf(api: Api, name: string, hash: string | null): Promise<DiskChange | null> {
+  const now = (await api.fileState(name)).hash;
+  if (hash === now) return null;
+  return now === null ? "gone" : "changed";
+}
+
+/** An own text beside what is on disk. */
+function conflictWith(mine: string, onDisk: OnDisk | null): Conflict {
+  return { mine, theirs: onDisk?.text ?? null, hash: onDisk?.hash ?? null };
+}
+
+/** Whether the server answered with this status. */
+export function isStatus(error: unknown, status: number): boolean {
+  return error instanceof ApiError && error.status === status;
+}
+
+/** What is on disk under a name; null where nothing is. */
+async function readIfThere(api: Api, name: string): Promise<OnDisk | null> {
+  try {
+    return await api.read(name);
+  } catch (error) {
+    if (!isStatus(error, 404)) throw error;
+    return null;
+  }
+}
+
+const MOST_STEPS = 500;
+const MOST_LETTERS = 50_000_000;
+const TYPING_PAUSE_MS = 800;
+
+/** Undo over everything: a stack of texts. Letters typed in one go are one step. */
+export class History {
+  private readonly past = signal<readonly string[]>([]);
+  private readonly future = signal<readonly string[]>([]);
+  private lastTypedMs = Number.NEGATIVE_INFINITY;
+
+  readonly canUndo = computed(() => this.past.value.length > 0);
+  readonly canRedo = computed(() => this.future.value.length > 0);
+
+  /** Remembers the text before a change; `typedMs` is the time of a key stroke. */
+  push(before: string, typedMs: number | null = null): void {
+    const goesOn = typedMs !== null && typedMs - this.lastTypedMs < TYPING_PAUSE_MS;
+    this.lastTypedMs = typedMs ?? Number.NEGATIVE_INFINITY;
+    if (!(goesOn && this.canUndo.value)) this.past.value = newest([...this.past.value, before]);
+    this.future.value = [];
+  }
+
+  /** The text to go back to, or null. */
+  undo(current: string): string | null {
+    return this.step(this.past, this.future, current);
+  }
+
+  /** The text to go forward to, or null. */
+  redo(current: string): string | null {
+    return this.step(this.future, this.past, current);
+  }
+
+  private step(from: typeof this.past, to: typeof this.past, current: string): string | null {
+    const text = from.value.at(-1);
+    if (text === undefined) return null;
+    from.value = from.value.slice(0, -1);
+    to.value = [...to.value, current];
+    this.lastTypedMs = Number.NEGATIVE_INFINITY;
+    return text;
+  }
+}
+
+/** The last texts, as many as fit into memory. */
+function newest(texts: readonly string[]): readonly string[] {
+  let letters = 0;
+  const dropped = texts.findLastIndex((text, index) => {
+    letters += text.length;
+    return letters > MOST_LETTERS || index < texts.length - MOST_STEPS;
+  });
+  return texts.slice(Math.min(dropped + 1, texts.length - 1));
+}
+
+const SAVE_AFTER_MS = 2000;
+const SAVE_AGAIN_AFTER_MS = 10_000;
+
+type SelfSaving = Pick<OpenFile, "whole" | "isInFile" | "conflict" | "restored" | "diskChange" | "isSound">;
+
+/**
+ * Saves a file two seconds after its last change; what is there when the returned function is called, at once.
+ *
+ * After a conflict it waits for a person: until the file was saved, it asks no second time.
+ */
+export function saveByItself(file: SelfSaving, save: () => Promise<void>): () => void {
+  let timer: number | undefined;
+  let isHeld = false;
+  let isSaving = false;
+  // Who removed a file does not want it back by itself.
+  const isContested = () => file.restored.peek()?.isContested === true || file.diskChange.peek() === "gone";
+  const mayNot = () => isHeld || isSaving || file.isInFile.peek() || isContested();
+  const saveNow = async () => {
+    if (mayNot()) return;
+    isSaving = true;
+    const whole = file.whole.peek();
+    try {
+      if (await file.isSound()) await save();
+    } finally {
+      isSaving = false;
+    }
+    // A key stroke may have come meanwhile; else the server may be there again by then.
+    wait(whole === file.whole.peek() ? SAVE_AGAIN_AFTER_MS : SAVE_AFTER_MS);
+  };
+  const wait = (ms: number) => {
+    window.clearTimeout(timer);
+    timer = mayNot() ? undefined : window.setTimeout(() => void saveNow(), ms);
+  };
+  const stops = [
+    effect(() => {
+      if (file.conflict.value !== null) isHeld = true;
+      else if (file.isInFile.value) isHeld = false;
+    }),
+    effect(() => {
+      void [file.whole.value, file.isInFile.value, file.restored.value];
+      wait(SAVE_AFTER_MS);
+    }),
+  ];
+  return () => {
+    for (const stop of stops) stop();
+    if (timer === undefined) return;
+    window.clearTimeout(timer);
+    if (!mayNot()) void Promise.resolve(file.isSound()).then((isSound) => (isSound ? save() : undefined));
+  };
 }

@@ -3,11 +3,19 @@
 import { computed, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
 import type { ProfileRow, ProfileTable } from "../api/types";
-import { type Accuracies, accuraciesOf, areAccuracies, sixOf } from "./accuracies";
-import { type DraftRow, problemsOf, TIER_COUNT, toNumber } from "./draft_row";
 import type { Drafts } from "./drafts";
 import { OpenFile } from "./open_file";
-import { withPasted } from "./pasted_table";
+import {
+  type Accuracies,
+  accuraciesOf,
+  areAccuracies,
+  type DraftRow,
+  problemsOf,
+  sixOf,
+  TIER_COUNT,
+  toNumber,
+  withPasted,
+} from "./topic_rows";
 
 const CHECK_AFTER_MS = 400;
 const shown = (value: number | null | undefined) => (value === null || value === undefined ? "" : String(value));

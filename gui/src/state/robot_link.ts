@@ -2,9 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, effect, signal } from "@preact/signals";
 import { LiveSocket } from "../api/live";
-import { type Hello, type Live, PROTOCOL_VERSION, type Push, type Robots } from "../api/types";
-import { connectionOf, type ServerState, TOLD_WITHIN_S } from "./connection";
-import { RateRings, RING_LENGTH } from "./rate_rings";
+import {
+  type Hello,
+  type Live,
+  PROTOCOL_VERSION,
+  type Push,
+  type RobotSummary,
+  type Robots,
+  type RulesOrigin,
+} from "../api/types";
+import { sentence } from "../ui/numbers";
 
 /** How often a robot's values can be asked for; the second is usual. */
 export const UPDATE_RATES_HZ = [1, 5, 20];
@@ -174,4 +181,134 @@ function chosenOf(robots: Robots | null, choice: string | null): string | null {
   const all = robots?.robots ?? [];
   const chosen = all.find(({ node }) => node === choice) ?? all.find((robot) => robot.is_heard) ?? all[0];
   return chosen?.node ?? null;
+}
+
+/** The server tells of robots every two seconds; what is so old is no longer trusted. */
+const TOLD_WITHIN_S = 8;
+
+/** Whether the server's web socket is open, and speaks what this page understands. */
+type ServerState =
+  | { kind: "lost"; needsToken: boolean }
+  | { kind: "opening" }
+  | { kind: "open" }
+  | { kind: "other"; version: string };
+
+/** What the top of every page says of the robot: few words, and why in full. */
+interface Connection {
+  kind: "connected" | "silent" | "none";
+  /** Whether the robot is heard and does not do what it should. */
+  isFailing: boolean;
+  words: string;
+  why: string;
+  /** What a robot that is heard does not do as it should, as a sentence; empty where all is well. */
+  trouble: string;
+}
+
+/** Sums up what is known; `sinceToldS` is how old `robots` is. */
+function connectionOf(server: ServerState, robots: Robots | null, node: string | null, sinceToldS: number): Connection {
+  if (server.kind === "lost") {
+    const why = server.needsToken ? "no longer takes this browser's token" : "does not answer";
+    return none(`The Ruler's server ${why}. The page reconnects by itself.`);
+  }
+  if (server.kind === "other") {
+    return none(
+      `The server is SmartTestudo ${server.version}, which needs another version of this page. Reload the page.`,
+    );
+  }
+  if (server.kind === "opening" || robots === null) return none("Waiting for the server's list of robots.");
+  const robot = robots.robots.find((each) => each.node === node);
+  if (robots.problem !== null && !robot) return none(robots.problem);
+  if (!robot) return none("No robot found. Start 'testudo run' on the robot, in the ROS domain of this server.");
+  return heardFrom(robot, sinceToldS);
+}
+
+function heardFrom(robot: RobotSummary, sinceToldS: number): Connection {
+  const silentS = Math.floor(robot.heard_s_ago + sinceToldS);
+  if (robot.is_heard && sinceToldS < TOLD_WITHIN_S) {
+    const { health, label } = robot;
+    const isFailing = health?.level === "error";
+    const rules = RULES_WORDS[robot.rules.origin];
+    const hasRules = robot.rules.origin !== "fallback";
+    const trouble = hasRules && health ? `${sentence(health.message)}.` : "";
+    return {
+      kind: "connected",
+      isFailing,
+      words: isFailing ? `${label}: ${health.summary}` : `connected to ${robot.node}`,
+      why: `${robot.node} relays ${robot.topics} topics. ${rules}${trouble && ` ${trouble}`}`,
+      trouble: hasRules ? trouble : rules,
+    };
+  }
+  return {
+    kind: "silent",
+    isFailing: false,
+    words: `robot silent for ${silentS} s`,
+    why: `No status of ${robot.node} for ${silentS} s. Check that 'testudo run' is running and the radio is up.`,
+    trouble: "",
+  };
+}
+
+function none(why: string): Connection {
+  return { kind: "none", isFailing: false, words: "not connected", why, trouble: "" };
+}
+
+/** Which rules a robot follows, as a sentence. */
+export const RULES_WORDS: Record<RulesOrigin, string> = {
+  files: "It follows the rule files on its disk.",
+  pushed: "It follows rules that were sent to it.",
+  waiting: "It is trying rules that were sent to it, and reverts them unless they are kept.",
+  fallback: "It has no valid rules. Mend its rule files, or send it rules.",
+};
+
+export const RING_LENGTH = 240;
+
+/** The last rates of one topic, in a fixed piece of memory. NaN is "not known". */
+export class RateRing {
+  private readonly rates_hz = new Float32Array(RING_LENGTH).fill(Number.NaN);
+  private next = 0;
+
+  push(rateHz: number | null): void {
+    this.rates_hz[this.next] = rateHz ?? Number.NaN;
+    this.next = (this.next + 1) % RING_LENGTH;
+  }
+
+  /** The rate `age` samples from the oldest one on. */
+  at(age: number): number {
+    return this.rates_hz[(this.next + age) % RING_LENGTH] ?? Number.NaN;
+  }
+
+  /** The largest known rate, at least 1 Hz. */
+  highest(): number {
+    let highest = 1;
+    for (const rate of this.rates_hz) if (rate > highest) highest = rate;
+    return highest;
+  }
+}
+
+/** One ring for each topic that is relayed now. */
+class RateRings {
+  private readonly rings = new Map<string, RateRing>();
+
+  of(topic: string): RateRing {
+    let ring = this.rings.get(topic);
+    if (!ring) {
+      ring = new RateRing();
+      this.rings.set(topic, ring);
+    }
+    return ring;
+  }
+
+  /** Adds one sample to each topic, and forgets topics that are no longer told of. */
+  push(topics: Readonly<Record<string, { actual_hz: number | null }>>): void {
+    for (const [topic, { actual_hz }] of Object.entries(topics)) this.of(topic).push(actual_hz);
+    for (const topic of this.rings.keys()) if (!(topic in topics)) this.rings.delete(topic);
+  }
+
+  /** Adds one sample that nobody measured to each topic. */
+  pass(): void {
+    for (const ring of this.rings.values()) ring.push(null);
+  }
+
+  clear(): void {
+    this.rings.clear();
+  }
 }

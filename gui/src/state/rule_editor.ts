@@ -2,17 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, signal } from "@preact/signals";
 import { type Api, type Rules, refusalOf } from "../api/client";
-import type { Edit, PlacedFinding, Repair, RuleDocument, Statement } from "../api/types";
+import type { Edit, FileAnswer, PlacedFinding, Repair, RuleDocument, Statement } from "../api/types";
 import { counted, readable } from "../ui/numbers";
-import { CheckQueue } from "./check_queue";
 import type { Drafts } from "./drafts";
-import { Folds } from "./folds";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
-import { OpenFile } from "./open_file";
-import { RuleProfile } from "./rule_profile";
-import { sectionsOf, statementsIn } from "./statements";
-import { Words } from "./words";
-import { type Lost, WorkAhead, withoutBlocks } from "./work_ahead";
+import { diskChangeOf, OpenFile } from "./open_file";
+import { Folds, sectionsOf, statementsIn, Words } from "./statements";
 
 /** The whole text is read and checked after each pause in typing: with more blocks, somebody waits for that. */
 const MANY_BLOCKS = 1000;
@@ -316,4 +311,122 @@ interface Spot {
   offset: number;
   end_offset: number;
   from: "text" | "blocks" | "findings" | "map" | "try";
+}
+
+/** A typist who pauses longer looks up. */
+const PAUSE_MS = 300;
+
+/** Asks what rules say now, once at a time: rules of the past are not asked about. */
+export class CheckQueue {
+  private timer: number | undefined;
+  /** What is asked about last, until that is answered. */
+  private asked: Rules | null = null;
+  private asking: Promise<void> = Promise.resolve();
+
+  constructor(
+    private readonly now: () => Rules,
+    private readonly ask: (rules: Rules) => Promise<void>,
+  ) {}
+
+  /** Asks once no key came for a moment. */
+  soon(): void {
+    window.clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => void this.check(), PAUSE_MS);
+  }
+
+  async check(): Promise<void> {
+    window.clearTimeout(this.timer);
+    const rules = this.now();
+    if (this.asked?.text === rules.text && this.asked.profile_text === rules.profile_text) return this.asking;
+    this.asked = rules;
+    // Whoever asked before hears what went wrong there.
+    const before = this.asking.catch(() => undefined);
+    this.asking = before.then(() => (this.asked === rules ? this.answer(rules) : undefined));
+    await this.asking;
+  }
+
+  private async answer(rules: Rules): Promise<void> {
+    try {
+      await this.ask(rules);
+    } finally {
+      if (this.asked === rules) this.asked = null;
+    }
+  }
+}
+
+/** What blocks said when they were left and the text does not say, in a few words each. */
+export interface Lost {
+  readonly name: string;
+  readonly changes: readonly string[];
+  readonly why: string;
+}
+
+/** Who has something that is on its way into a text, such as the blocks that are shown, or that were left. */
+class WorkAhead {
+  private readonly those = signal<ReadonlySet<object>>(new Set());
+  readonly isAny = computed(() => this.those.value.size > 0);
+
+  tell(who: object, isAhead: boolean): void {
+    const those = this.those.peek();
+    if (those.has(who) === isAhead) return;
+    this.those.value = new Set(isAhead ? [...those, who] : [...those].filter((each) => each !== who));
+  }
+}
+
+/** What a saved file lacks, in words: blocks that say nothing that a text could say; empty for none. */
+function withoutBlocks(count: number): string {
+  return count === 0 ? "" : ` without ${counted(count, "block")} that ${count === 1 ? "is" : "are"} not in the text`;
+}
+
+/** The topic parameters that a rule file is checked and optimized with. */
+export class RuleProfile {
+  readonly used = signal<FileAnswer | null>(null);
+  /** Whether it was asked which profile goes with the rules, and no other is being read. */
+  readonly isKnown = signal(false);
+  /** The profile that was chosen for the rules, where it is no longer there. */
+  readonly gone = signal<string | null>(null);
+  private wanted: { readonly name: string | null } = { name: null };
+
+  constructor(private readonly api: Api) {}
+
+  /** Uses the profile that was chosen for the rules, else the likeliest; what is chosen meanwhile stays. */
+  async recall(rules: Rules): Promise<void> {
+    const { wanted } = this;
+    this.isKnown.value = false;
+    try {
+      const { name, gone } = await this.api.profileFor(rules);
+      if (this.wanted !== wanted) return;
+      await this.use(name, gone);
+    } finally {
+      if (this.wanted === wanted) this.isKnown.value = true;
+    }
+  }
+
+  async use(name: string | null, gone: string | null = null): Promise<void> {
+    const wanted = { name };
+    this.wanted = wanted;
+    this.gone.value = gone;
+    this.isKnown.value = false;
+    try {
+      const profile = name === null ? null : await this.api.read(name);
+      if (this.wanted === wanted) this.used.value = profile;
+    } finally {
+      if (this.wanted === wanted) this.isKnown.value = true;
+    }
+  }
+
+  /** Takes the profile as it is on disk by now, or the one in its place; whether that is another. */
+  async lookAtDisk(rules: Rules): Promise<boolean> {
+    const used = this.used.value;
+    if (used === null) return false;
+    const change = await diskChangeOf(this.api, used.name, used.hash);
+    if (change === null || used !== this.used.value) return false;
+    await (change === "gone" ? this.recall(rules) : this.revive());
+    return true;
+  }
+
+  /** Reads the profile again. */
+  revive(): Promise<void> {
+    return this.use(this.wanted.name, this.gone.value);
+  }
 }

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed } from "@preact/signals";
-import type { Rules } from "../api/client";
-import type { FoundFile, Truth, TryAnswer, TryDecision } from "../api/types";
-import { Timeline, upTo } from "./timeline";
-import { type Turns, truthAt } from "./turns";
+import { computed, signal } from "@preact/signals";
+import { type Api, problemWords, type Rules } from "../api/client";
+import type { FoundFile, Truth, TryAnswer, TryDecision, TryHeadline } from "../api/types";
+import { partOf } from "./bag_work";
+import { Timeline, type Turns, truthAt, upTo } from "./timeline";
 
 /** A rule, or its Else, at one time. */
 export interface RuleNow {
@@ -97,4 +97,128 @@ export class Trial extends Timeline {
 function leading(rules: readonly RuleNow[]): RuleNow | null {
   const most = Math.max(0, ...rules.map(({ decides }) => decides.length));
   return (most > 0 && rules.find(({ decides }) => decides.length === most)) || null;
+}
+
+/** What a try on a recording says first. */
+export interface TriedRow {
+  bag: string;
+  headline: TryHeadline;
+}
+
+/** How many rows, and how many recordings that could not be tried, are shown. */
+export const MAX_ROWS = 100;
+
+/** The tries of rules on the recordings of a folder: those that are done. */
+export class FolderTrial {
+  /** In the order in which they were tried. */
+  readonly rows = signal<readonly TriedRow[]>([]);
+  /** Those that could not be tried, with cause and remedy. */
+  readonly problems = signal<readonly { bag: string; why: string }[]>([]);
+  /** How the rows are sorted where somebody looks at them. */
+  readonly order = signal<Order>(WORST_FIRST);
+  /** The first `MAX_ROWS` in that order. */
+  readonly shown = computed(() => sorted(this.rows.value, this.order.value).slice(0, MAX_ROWS));
+
+  constructor(
+    readonly folder: string,
+    /** What was tried. */
+    readonly tried: Rules,
+    /** The recordings as the project had them then. */
+    readonly recordings: readonly FoundFile[],
+  ) {}
+
+  get done(): number {
+    return this.rows.value.length + this.problems.value.length;
+  }
+
+  /** What the folder calls a recording in it. */
+  nameOf(bag: string): string {
+    return bag.startsWith(this.folder) ? bag.slice(this.folder.length) : bag;
+  }
+
+  /** How far all are, where recording `number` was so far when that was told. */
+  share(ofOne: number, number: number): number {
+    return (this.done + (number === this.done ? ofOne : 0)) / this.recordings.length;
+  }
+
+  /** Tries one recording after the other, and tells how far all are; what ends it leaves what is done. */
+  async run(api: Api, run: string, signal: AbortSignal, tellShare: (share: number) => void): Promise<this> {
+    for (const [number, { name: bag }] of this.recordings.entries()) {
+      const { headline, problem, remedy } = await api.ask(
+        "POST /api/try/headline",
+        { ...this.tried, bag, run: partOf(run, number) },
+        { signal },
+      );
+      if (headline !== null) this.rows.value = [...this.rows.value, { bag, headline }];
+      else this.problems.value = [...this.problems.value, { bag, why: problemWords({ message: problem, remedy }) }];
+      tellShare(this.share(0, this.done));
+    }
+    return this;
+  }
+}
+
+/** All together: sums, and what is less of what was sent. */
+export function totalOf(
+  rows: readonly TriedRow[],
+): Pick<TryHeadline, "duration_s" | "after_kb" | "percent"> & Pick<TryHeadline, "crossings" | "missed_crossings"> {
+  const sum = (of: (headline: TryHeadline) => number) => rows.reduce((all, { headline }) => all + of(headline), 0);
+  const [before, after] = [sum((one) => one.before_kb), sum((one) => one.after_kb)];
+  return {
+    duration_s: sum((one) => one.duration_s),
+    after_kb: after,
+    percent: before > 0 ? 100 * (1 - after / before) : 0,
+    crossings: sum((one) => one.crossings),
+    missed_crossings: sum((one) => one.missed_crossings),
+  };
+}
+
+/** KB/s; null where nothing takes time. */
+export function sentKbPerS({ after_kb, duration_s }: Pick<TryHeadline, "after_kb" | "duration_s">): number | null {
+  return duration_s > 0 ? after_kb / duration_s : null;
+}
+
+type Key = (row: TriedRow) => number | string;
+
+const lossOf: Key = ({ headline: { worst_topic: worst } }) =>
+  worst === null ? Number.NEGATIVE_INFINITY : (worst.more_s ?? Number.POSITIVE_INFINITY);
+const errorOf: Key = ({ headline }) => headline.worst_field?.share ?? 0;
+const missedOf: Key = ({ headline }) => headline.missed_crossings;
+const nameOf: Key = ({ bag }) => bag;
+
+/** What rows are sorted by, and whether the largest stands first where somebody first asks for it. */
+export const COLUMNS = {
+  recording: { title: "Recording", key: nameOf, isDown: false },
+  sent: { title: "Sent (KB/s)", key: ({ headline }) => sentKbPerS(headline) ?? 0, isDown: true },
+  less: { title: "Less sent (%)", key: ({ headline }) => headline.percent, isDown: false },
+  loss: { title: "Largest loss", key: lossOf, isDown: true },
+  error: { title: "Largest error (RMSE)", key: errorOf, isDown: true },
+  missed: { title: "Thresholds missed", key: missedOf, isDown: true },
+} as const satisfies Record<string, { title: string; key: Key; isDown: boolean }>;
+
+export type Column = keyof typeof COLUMNS;
+
+interface Order {
+  column: Column;
+  isDown: boolean;
+}
+
+/** The largest loss first: the topic whose newest message was old for longest, compared with the robot. */
+export const WORST_FIRST: Order = { column: "loss", isDown: true };
+
+/** The rows in an order; among equals the worst stands first. */
+function sorted(rows: readonly TriedRow[], { column, isDown }: Order): TriedRow[] {
+  const sign = isDown ? -1 : 1;
+  return [...rows].sort(
+    (a, b) =>
+      sign * compared(COLUMNS[column].key, a, b) ||
+      -compared(lossOf, a, b) ||
+      -compared(missedOf, a, b) ||
+      -compared(errorOf, a, b) ||
+      compared(nameOf, a, b),
+  );
+}
+
+function compared(key: Key, a: TriedRow, b: TriedRow): number {
+  const [one, other] = [key(a), key(b)];
+  return one < other ? -1 : one > other ? 1 : 0;
 }

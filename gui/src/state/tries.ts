@@ -4,8 +4,7 @@ import { effect, signal } from "@preact/signals";
 import type { Rules } from "../api/client";
 import type { FoundFile } from "../api/types";
 import { BagWork } from "./bag_work";
-import type { FolderTrial } from "./folder_trial";
-import type { Trial } from "./trial";
+import type { FolderTrial, Trial } from "./trial";
 
 /** The tries of one rule file: they go on, and stay, while other pages are looked at. */
 export class FileTries {

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { useEffect, useMemo } from "preact/hooks";
 import { Api, ApiError } from "../api/client";
 import type { FileAnswer, FoundFile, Project } from "../api/types";

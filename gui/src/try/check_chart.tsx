@@ -3,8 +3,7 @@
 import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
-import type { Timeline } from "../state/timeline";
-import { holdsWords, stretches, type Turns } from "../state/turns";
+import { holdsWords, stretches, type Timeline, type Turns } from "../state/timeline";
 import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/server_gone";
 import { Strip } from "./strip";

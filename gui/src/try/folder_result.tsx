@@ -2,15 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { TryHeadline } from "../api/types";
-import {
-  COLUMNS,
-  type Column,
-  type FolderTrial,
-  MAX_ROWS,
-  sentKbPerS,
-  type TriedRow,
-  totalOf,
-} from "../state/folder_trial";
+import { COLUMNS, type Column, type FolderTrial, MAX_ROWS, sentKbPerS, type TriedRow, totalOf } from "../state/trial";
 import { folderWords } from "../state/tries";
 import { Button } from "../ui/button";
 import { DataTable } from "../ui/data_table";

@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
 import { effect, type Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
-import uPlot from "uplot";
 import type { Timeline } from "../state/timeline";
-import "uplot/dist/uPlot.min.css";
 import { readable } from "../ui/numbers";
 import { styleOf, watchSize, watchTheme } from "../ui/watch";
 

@@ -1,10 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useState } from "preact/hooks";
 import { type Api, ApiError } from "../api/client";
-import { type Conflict, isStatus } from "../state/conflict";
-import type { OpenFile } from "../state/open_file";
+import { type Conflict, isStatus, type OpenFile } from "../state/open_file";
 import { Button } from "./button";
 import { FormDialog } from "./dialog";
 import { DifferenceWords, TextComparison } from "./difference_words";

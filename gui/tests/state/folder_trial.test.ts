@@ -3,7 +3,7 @@
 import { afterEach, expect, test, vi } from "vitest";
 import { Api } from "../../src/api/client";
 import type { FoundFile, TriedRecording, TryHeadline, WorstTopic } from "../../src/api/types";
-import { COLUMNS, type Column, FolderTrial, MAX_ROWS, totalOf, WORST_FIRST } from "../../src/state/folder_trial";
+import { COLUMNS, type Column, FolderTrial, MAX_ROWS, totalOf, WORST_FIRST } from "../../src/state/trial";
 
 const RULES = { text: "begin end", name: "far.adirf", profile_text: null };
 const LOST: WorstTopic = { topic: "/odom", sent: 9, received: 3, longest_s: 2, more_s: 1, is_image: false };

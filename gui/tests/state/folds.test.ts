@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import type { Statement } from "../../src/api/types";
-import { Folds } from "../../src/state/folds";
+import { Folds } from "../../src/state/statements";
 
 const rules = (...keys: string[]) => keys.map((key) => ({ kind: "rule", key }) as unknown as Statement);
 const many = rules(...Array.from({ length: 21 }, (_, index) => `k${index}`));

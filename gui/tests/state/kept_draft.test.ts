@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { type Draft, Drafts, NO_ROOM, type Restored } from "../../src/state/drafts";
-import { keepDraft } from "../../src/state/kept_draft";
+import { type Draft, Drafts, keepDraft, NO_ROOM, type Restored } from "../../src/state/drafts";
 
 let leave = () => {};
 

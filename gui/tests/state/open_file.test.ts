@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import type { DraftStorage, Drafts } from "../../src/state/drafts";
-import type { OpenFile } from "../../src/state/open_file";
-import { saveByItself } from "../../src/state/save_by_itself";
+import { type OpenFile, saveByItself } from "../../src/state/open_file";
 import {
   type Answers,
   type Disk,

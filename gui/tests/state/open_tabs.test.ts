@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { OpenTabs } from "../../src/state/open_tabs";
+import { OpenTabs } from "../../src/state/drafts";
 
 /** The tabs that are open, the locks that are held, and how long a tab takes to read what others say. */
 let channels: Channel[] = [];

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { type TypedRow, tableCells, withPasted } from "../../src/state/pasted_table";
+import { type TypedRow, tableCells, withPasted } from "../../src/state/topic_rows";
 
 const row = (topic: string, size = ""): TypedRow => ({
   topic,

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { Live } from "../../src/api/types";
-import { RING_LENGTH } from "../../src/state/rate_rings";
-import { RobotLink } from "../../src/state/robot_link";
+import { RING_LENGTH, RobotLink } from "../../src/state/robot_link";
 import { linkOf, robotOf } from "./told_robots";
 
 beforeEach(() => void vi.useFakeTimers());

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
 import { Api } from "../../src/api/client";
-import { RuleProfile } from "../../src/state/rule_profile";
+import { RuleProfile } from "../../src/state/rule_editor";
 import { type Disk, fileAnswers, openRules, serve } from "./served";
 
 const RULES = { text: "begin end", name: "far.adirf", profile_text: null };

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
 import { Api } from "../../src/api/client";
-import { RulePush } from "../../src/state/rule_push";
+import { RulePush } from "../../src/state/robot_rules";
 import { openRules } from "./served";
 import { linkOf, robotOf, tell } from "./told_robots";
 

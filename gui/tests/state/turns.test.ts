@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { holdsWords, stretches, type Turns } from "../../src/state/turns";
+import { holdsWords, stretches, type Turns } from "../../src/state/timeline";
 
 const TURNS: Turns = [
   [0, "unknown"],
