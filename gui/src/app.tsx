@@ -14,12 +14,11 @@ import { OpenEditors } from "./state/open_editors";
 import type { Lost } from "./state/rule_editor";
 import { TourOffer } from "./tour/tour_offer";
 import { Button } from "./ui/button";
+import { ServerGone, useReturn, useRobot, WatchNotice } from "./ui/connection";
 import { useDroppedFile } from "./ui/files";
 import { KeepingBar } from "./ui/keeping_bar";
 import { type Later, later } from "./ui/later";
 import { Notice } from "./ui/notice";
-import { useRobot } from "./ui/robot_state";
-import { ServerGone, useReturn, WatchNotice } from "./ui/server_gone";
 import { useWindowEvent } from "./ui/watch";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.

@@ -16,7 +16,7 @@ import { render } from "preact";
 import { Api } from "./api/client";
 import { App } from "./app";
 import { RobotLink } from "./state/robot_link";
-import { RobotProvider } from "./ui/robot_state";
+import { RobotProvider } from "./ui/connection";
 
 const host = document.getElementById("app");
 const link = new RobotLink();

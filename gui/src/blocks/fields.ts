@@ -4,8 +4,7 @@
 import { effect } from "@preact/signals";
 import * as Blockly from "blockly/core";
 import type { DurationUnit, Operator } from "../api/types";
-import { Picker } from "../ui/picker";
-import type { PickerChoice } from "../ui/picker_matches";
+import { Picker, type PickerChoice } from "../ui/picker";
 import { type DrawValues, NumberField, ThresholdField } from "./number_field";
 import { openNext, type QuietField, takeKey } from "./open_field";
 

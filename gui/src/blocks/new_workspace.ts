@@ -3,7 +3,7 @@
 import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Statement } from "../api/types";
-import type { PickerChoice } from "../ui/picker_matches";
+import type { PickerChoice } from "../ui/picker";
 import { isNarrow, styleOf } from "../ui/watch";
 import { type BlockButtons, defineBlocks, type RuleBlock } from "./block_types";
 import { stacked } from "./conditions";

@@ -3,8 +3,8 @@
 
 import { effect, type Signal, signal } from "@preact/signals";
 import * as Blockly from "blockly/core";
-import { FieldPopup } from "../ui/field_popup";
 import { numberProblem, typedNumber } from "../ui/numbers";
+import { FieldPopup } from "../ui/picker";
 import { type QuietField, takeKey } from "./open_field";
 
 const WIDTH_PX = 380;

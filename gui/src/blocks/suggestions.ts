@@ -5,7 +5,7 @@ import { type KnownTopic, type Live, type Property, TIERS, type Vocabulary } fro
 import type { Words } from "../state/statements";
 import type { Trial } from "../state/trial";
 import { hz, readable } from "../ui/numbers";
-import type { PickerChoice } from "../ui/picker_matches";
+import type { PickerChoice } from "../ui/picker";
 import type { Suggestions } from "./fields";
 import { readChecks } from "./live_states";
 

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Button } from "../ui/button";
 import { DocumentationReader } from "./reader";

@@ -1,13 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useState } from "preact/hooks";
 import { type Api, refusalOf } from "../api/client";
 import type { IncidentsAnswer } from "../api/types";
 import { FormDialog } from "../ui/dialog";
 import { Problem } from "../ui/notice";
-import { counted, sizeWords } from "../ui/numbers";
-import { moment, NS_PER_MS } from "../ui/times";
+import { counted, moment, NS_PER_MS, sizeWords } from "../ui/numbers";
 
 interface DeleteDialogProps {
   api: Api;

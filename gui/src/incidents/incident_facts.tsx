@@ -3,8 +3,7 @@
 import type { IncidentAnswer, IncidentRecord } from "../api/types";
 import { href } from "../route";
 import { DataTable } from "../ui/data_table";
-import { counted, readable, sizeWords } from "../ui/numbers";
-import { moment, NS_PER_MS } from "../ui/times";
+import { counted, moment, NS_PER_MS, readable, sizeWords } from "../ui/numbers";
 import { furtherWords, missingWords, sinceTrigger, sumOf, valueWords, windowWords } from "./missing_words";
 
 /** Why an incident was recorded, and what is missing of it. */

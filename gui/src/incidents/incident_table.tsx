@@ -1,13 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import type { ListedIncident, RemoteIncident } from "../api/types";
 import { href } from "../route";
 import { Button } from "../ui/button";
+import { NeedsServer } from "../ui/connection";
 import { ColumnHeads } from "../ui/data_table";
-import { counted, sizeWords } from "../ui/numbers";
-import { NeedsServer } from "../ui/server_gone";
-import { ago, moment, NS_PER_MS } from "../ui/times";
+import { ago, counted, moment, NS_PER_MS, sizeWords } from "../ui/numbers";
 import { briefly, windowWords } from "./missing_words";
 
 export const SUMMARY_COLUMNS = ["Incident", "When", "Rule", "Kept", "Size", "Missing"];

@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import type { FetchState, IncidentsOfRobot, RemoteIncident } from "../api/types";
 import { href } from "../route";
 import type { RobotIncidents } from "../state/robot_incidents";
 import { Button } from "../ui/button";
+import { NeedsServer } from "../ui/connection";
 import { ColumnHeads } from "../ui/data_table";
 import { Problem } from "../ui/notice";
 import { counted, readable, sizeWords } from "../ui/numbers";
-import { NeedsServer } from "../ui/server_gone";
 import { SUMMARY_COLUMNS, SummaryCells } from "./incident_table";
 
 /** What the robots on the link recorded: listed at once, fetched one by one. Nothing without a link. */

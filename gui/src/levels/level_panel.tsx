@@ -8,7 +8,7 @@ import type { ProfileEditor } from "../state/profile_editor";
 import { ACCURACY_UNITS, type DraftRow, isNumber, keysOf, type Six, sixOf, toNumber } from "../state/topic_rows";
 import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
-import { WorkProgress } from "../ui/work_progress";
+import { WorkProgress } from "../ui/notice";
 import { AccuracyTables, CurveTable, needOf } from "./curve_tables";
 import { boundsIn, moved, RATES, stopped } from "./level_axis";
 import { type Chart, LevelPlot } from "./level_plot";

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { TIERS } from "../api/types";
 import { readable } from "../ui/numbers";
 import { styleOf, watchSize, watchTheme } from "../ui/watch";
 import { axisOf, type LevelAxis, type LevelKind, limitsOf, rounded, shareOf, stepOf, valueAt } from "./level_axis";
-import "uplot/dist/uPlot.min.css";
 
 /** The six levels of a topic as lines that can be dragged, over a chart where there is one. */
 export function LevelPlot(props: {

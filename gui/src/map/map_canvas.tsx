@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef, useState } from "preact/hooks";
-import { Icon, type IconName } from "../ui/icon";
+import { Icon, type IconName } from "../ui/button";
 import { useLoaded } from "../ui/later";
 import { watchSize, watchTheme } from "../ui/watch";
 import type { MapView } from "./map_view";

@@ -17,20 +17,15 @@ import { browserStorage } from "../state/drafts";
 import { saveByItself } from "../state/open_file";
 import { ProfileRepair } from "../state/profile_repair";
 import { RobotRules, RulePush } from "../state/robot_rules";
-import { FullScreen, PaneSizes } from "../state/room";
 import type { RuleEditor } from "../state/rule_editor";
 import type { FileTries } from "../state/tries";
-import { FullScreenButton } from "../ui/button";
-import { ConflictDialog } from "../ui/conflict_dialog";
+import { type Tab, Tabs } from "../ui/choice";
+import { NeedsServer, useReturn, useRobot } from "../ui/connection";
+import { ConflictDialog, DiskNotice, RestoredNotice, useDiskLooks } from "../ui/file_notices";
 import { later } from "../ui/later";
 import { Notice, Toast } from "../ui/notice";
-import { RestoredNotice } from "../ui/restored_notice";
-import { useRobot } from "../ui/robot_state";
-import { DiskNotice, NeedsServer, useDiskLooks, useReturn } from "../ui/server_gone";
-import { Splitter } from "../ui/splitter";
-import { type Choice, Tabs } from "../ui/tabs";
-import { useUndoKeys } from "../ui/undo_keys";
-import { showOnNarrow } from "../ui/watch";
+import { FullScreen, FullScreenButton, PaneSizes, Splitter } from "../ui/panes";
+import { showOnNarrow, useUndoKeys } from "../ui/watch";
 import type { PageProps } from "./page_props";
 
 const TryPanel = later(async () => (await import("../panels/try_panel")).TryPanel);
@@ -204,7 +199,7 @@ function useRobotSide(api: PageProps["api"], editor: RuleEditor): { robotRules: 
 /** The tabs of the results; how many findings there are changes more often than the page. */
 function ResultTabs({ editor, tool }: { editor: RuleEditor; tool: Signal<Tool> }) {
   const count = editor.isChecked.value ? editor.findings.value.length : "…";
-  const choices: Choice<Tool>[] = [
+  const choices: Tab<Tool>[] = [
     { value: "findings", label: `Findings (${count})` },
     { value: "optimize", label: "Optimize" },
     { value: "try", label: "Try on a recording" },

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useId, useState } from "preact/hooks";
 import { type Api, ApiError, refusal, refusalOf } from "../api/client";
 import type { FileAnswer, Project } from "../api/types";
@@ -10,12 +9,11 @@ import { RecordingList, RecordingStart } from "../panels/project_start";
 import { RECIPES } from "../recipes/recipes";
 import { NEW_PROFILE, type Route, toRoute } from "../route";
 import { Button } from "../ui/button";
+import { NeedsServer, RobotState } from "../ui/connection";
 import { FormDialog } from "../ui/dialog";
 import { FileProblem, fileText, useDroppedFile } from "../ui/files";
 import { Notice, Problem } from "../ui/notice";
 import { counted } from "../ui/numbers";
-import { RobotState } from "../ui/robot_state";
-import { NeedsServer } from "../ui/server_gone";
 import type { PageProps } from "./page_props";
 
 const EMPTY_RULES = "begin\nend\n";

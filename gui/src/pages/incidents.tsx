@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusalOf } from "../api/client";
 import type { IncidentAnswer, IncidentCourse, IncidentRecord, IncidentsAnswer, ListedIncident } from "../api/types";
@@ -15,11 +14,10 @@ import { href, toRoute } from "../route";
 import { BagWork } from "../state/bag_work";
 import { RobotIncidents } from "../state/robot_incidents";
 import { Button } from "../ui/button";
+import { NeedsServer } from "../ui/connection";
 import { Header } from "../ui/header";
-import { Notice } from "../ui/notice";
+import { Notice, WorkProgress } from "../ui/notice";
 import { counted } from "../ui/numbers";
-import { NeedsServer } from "../ui/server_gone";
-import { WorkProgress } from "../ui/work_progress";
 import type { PageProps } from "./page_props";
 
 const ALL = { page: "incidents", name: "" } as const;

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Project } from "../api/types";
@@ -12,11 +11,10 @@ import { RobotTotals } from "../panels/robot_totals";
 import { href } from "../route";
 import { byTrouble, inOrderOf, troubleOf } from "../state/robot_trouble";
 import { Button } from "../ui/button";
+import { NeedsServer, useRobot } from "../ui/connection";
 import { Header } from "../ui/header";
 import { later } from "../ui/later";
 import { Problem } from "../ui/notice";
-import { useRobot } from "../ui/robot_state";
-import { NeedsServer } from "../ui/server_gone";
 import type { PageProps } from "./page_props";
 
 const RobotChecks = later(async () => (await import("../panels/robot_checks")).RobotChecks);

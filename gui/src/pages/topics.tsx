@@ -10,14 +10,12 @@ import { saveByItself } from "../state/open_file";
 import type { ProfileEditor } from "../state/profile_editor";
 import { topicsIn } from "../state/statements";
 import { Button, ToolButton, UndoButtons } from "../ui/button";
-import { ConflictDialog } from "../ui/conflict_dialog";
+import { NeedsServer, useReturn, useRobot } from "../ui/connection";
 import { FormDialog } from "../ui/dialog";
+import { ConflictDialog, DiskNotice, RestoredNotice, useDiskLooks } from "../ui/file_notices";
 import { Header } from "../ui/header";
 import { Notice, Toast } from "../ui/notice";
-import { RestoredNotice } from "../ui/restored_notice";
-import { useRobot } from "../ui/robot_state";
-import { DiskNotice, NeedsServer, useDiskLooks, useReturn } from "../ui/server_gone";
-import { useUndoKeys } from "../ui/undo_keys";
+import { useUndoKeys } from "../ui/watch";
 import type { PageProps } from "./page_props";
 
 /** The topic parameters: what the optimizer knows of each topic and of the link. */

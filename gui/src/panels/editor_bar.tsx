@@ -7,10 +7,8 @@ import { ShareDialogs, type Sharing } from "../sharing/share_dialogs";
 import type { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { ToolButton, UndoButtons } from "../ui/button";
-import { Header } from "../ui/header";
-import { MenuItem } from "../ui/menu_button";
-import { useRobot } from "../ui/robot_state";
-import { NeedsServer } from "../ui/server_gone";
+import { NeedsServer, useRobot } from "../ui/connection";
+import { Header, MenuItem } from "../ui/header";
 
 const SEND = "Send to robot";
 const DOWNLOAD = "Optimize and Download";

@@ -6,13 +6,11 @@ import type { FileAnswer, FileKind, FoundFile, Project } from "../api/types";
 import { href, type Route } from "../route";
 import type { OpenEditors } from "../state/open_editors";
 import { followersOf } from "../state/robot_trouble";
-import { Breakable } from "../ui/breakable";
 import { Button } from "../ui/button";
+import { NeedsServer, useRobot } from "../ui/connection";
 import { FormDialog } from "../ui/dialog";
-import { Problem } from "../ui/notice";
-import { useRobot } from "../ui/robot_state";
-import { NeedsServer } from "../ui/server_gone";
-import { ago, moment } from "../ui/times";
+import { Breakable, Problem } from "../ui/notice";
+import { ago, moment } from "../ui/numbers";
 
 interface Props extends FileActsProps {
   editors: OpenEditors;

@@ -7,11 +7,9 @@ import { href } from "../route";
 import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
+import { NeedsServer, useRobot } from "../ui/connection";
 import { Notice } from "../ui/notice";
-import { counted, sentence } from "../ui/numbers";
-import { useRobot } from "../ui/robot_state";
-import { NeedsServer } from "../ui/server_gone";
-import { clock } from "../ui/times";
+import { clock, counted, sentence } from "../ui/numbers";
 import { ownProfile, ProfileChangeNotice } from "./profile_choice";
 
 const MARKS: Record<Severity, string> = { error: "Error", warning: "Warning", info: "Note" };

@@ -11,9 +11,9 @@ import type { RuleEditor } from "../state/rule_editor";
 import { DRAFT, type ZoneEditor } from "../state/zone_editor";
 import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
+import { NeedsServer } from "../ui/connection";
 import { Notes, Notice, Problem } from "../ui/notice";
 import { numberProblem, sentence, typedNumber } from "../ui/numbers";
-import { NeedsServer } from "../ui/server_gone";
 import { ChosenZoneForm, DraftForm } from "./zone_forms";
 
 const TOOLS: { tool: Tool; label: string }[] = [

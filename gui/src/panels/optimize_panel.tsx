@@ -9,9 +9,9 @@ import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
 import { namesLevel, topicsIn } from "../state/statements";
 import { Button } from "../ui/button";
+import { NeedsServer } from "../ui/connection";
 import { download } from "../ui/files";
 import { hz, kilobytes, readable, sentence } from "../ui/numbers";
-import { NeedsServer } from "../ui/server_gone";
 import { ProfileChangeNotice } from "./profile_choice";
 
 const AFTER_MS = 300;

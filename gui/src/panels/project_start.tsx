@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useEffect, useState } from "preact/hooks";
 import { type Api, refusalOf } from "../api/client";
 import type { Project } from "../api/types";

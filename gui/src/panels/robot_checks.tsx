@@ -8,9 +8,8 @@ import { holdsWords, Timeline, truthAt } from "../state/timeline";
 import { CheckChart, OtherThreshold } from "../try/check_chart";
 import { RuleStates } from "../try/rule_states";
 import { Choice } from "../ui/choice";
-import { durationWords } from "../ui/numbers";
-import { clock } from "../ui/times";
-import { useAsked } from "../ui/use_asked";
+import { useAsked } from "../ui/later";
+import { clock, durationWords } from "../ui/numbers";
 
 const WINDOWS_S = [600, 3600] as const;
 

@@ -7,8 +7,8 @@ import { MapCanvas } from "../map/map_canvas";
 import type { MapView } from "../map/map_view";
 import { duration } from "../state/robot_trouble";
 import { ColumnHeads } from "../ui/data_table";
-import { clock } from "../ui/times";
-import { useAsked } from "../ui/use_asked";
+import { useAsked } from "../ui/later";
+import { clock } from "../ui/numbers";
 
 const COLUMNS = ["At", "What", "Was", "Became", "Because of"];
 

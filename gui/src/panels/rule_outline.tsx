@@ -8,8 +8,7 @@ import type { RuleState } from "../blocks/live_states";
 import { ruleName, ruleSets, statementTitle } from "../blocks/rule_words";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
-import { Button } from "../ui/button";
-import { Icon } from "../ui/icon";
+import { Button, Icon } from "../ui/button";
 
 /** A text with more statements than this has an outline. */
 const MANY = 20;

@@ -9,8 +9,7 @@ import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { checksOf } from "../state/statements";
 import { Button } from "../ui/button";
-import { shortcutKey } from "../ui/undo_keys";
-import { useWindowEvent } from "../ui/watch";
+import { shortcutKey, useWindowEvent } from "../ui/watch";
 import { OptionRow } from "./rule_outline";
 
 const SHOWN = 50;

@@ -5,19 +5,19 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { PlacedFinding } from "../api/types";
 import { MapFloor } from "../state/map_floor";
-import type { FullScreen } from "../state/room";
 import type { RuleEditor } from "../state/rule_editor";
 import { ZoneEditor } from "../state/zone_editor";
 import { TextEditor } from "../text/text_editor";
-import { FullScreenButton } from "../ui/button";
-import { useRobot } from "../ui/robot_state";
-import { type Choice, Tabs } from "../ui/tabs";
+import { type Tab, Tabs } from "../ui/choice";
+import { useRobot } from "../ui/connection";
+import type { FullScreen } from "../ui/panes";
+import { FullScreenButton } from "../ui/panes";
 import { FloorChoice, MapPanel } from "./map_panel";
 import { VersionsPane } from "./versions_pane";
 
 export type Side = "text" | "map" | "versions";
 
-const CHOICES: Choice<Side>[] = [
+const CHOICES: Tab<Side>[] = [
   { value: "text", label: "Text" },
   { value: "map", label: "Map" },
   { value: "versions", label: "Versions" },

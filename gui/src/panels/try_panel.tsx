@@ -22,10 +22,10 @@ import { FolderResult } from "../try/folder_result";
 import { TryResult } from "../try/try_result";
 import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
+import { NeedsServer } from "../ui/connection";
+import { WorkProgress } from "../ui/notice";
 import { counted } from "../ui/numbers";
-import { NeedsServer } from "../ui/server_gone";
 import { focusIn } from "../ui/watch";
-import { WorkProgress } from "../ui/work_progress";
 
 interface Props {
   editor: RuleEditor;

@@ -6,10 +6,10 @@ import { type Api, refusalOf } from "../api/client";
 import type { RuleVersion, VersionsAnswer } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
+import { NeedsServer, useReturn } from "../ui/connection";
 import { DifferenceWords, TextComparison } from "../ui/difference_words";
 import { Problem } from "../ui/notice";
-import { NeedsServer, useReturn } from "../ui/server_gone";
-import { moment } from "../ui/times";
+import { moment } from "../ui/numbers";
 
 const SHOWN_CHANGES = 5;
 

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { useRef, useState } from "preact/hooks";
 import type { ZoneRectangle } from "../api/types";
 import type { Point } from "../map/shapes";

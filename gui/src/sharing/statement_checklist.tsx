@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import type { ComponentChildren } from "preact";
 import type { Statement } from "../api/types";
 import { statementTitle } from "../blocks/rule_words";

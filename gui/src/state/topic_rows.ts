@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import type { LevelledProperty, LevelsAnswer, ProfileRow } from "../api/types";
 import { numberProblem, typedNumber } from "../ui/numbers";
 

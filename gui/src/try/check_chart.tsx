@@ -5,7 +5,7 @@ import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
 import { holdsWords, stretches, type Timeline, type Turns } from "../state/timeline";
 import { Button } from "../ui/button";
-import { NeedsServer } from "../ui/server_gone";
+import { NeedsServer } from "../ui/connection";
 import { Strip } from "./strip";
 
 /** The least and the greatest value of a check in bins of equal length; null where it was unknown throughout. */

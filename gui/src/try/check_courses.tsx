@@ -12,9 +12,8 @@ import type { Trial } from "../state/trial";
 import { checksIn, type RobotCheck, withValue, writeThreshold } from "../state/written_checks";
 import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
-import { Notes } from "../ui/notice";
+import { Notes, WorkProgress } from "../ui/notice";
 import { sizeWords } from "../ui/numbers";
-import { WorkProgress } from "../ui/work_progress";
 import { CheckChart, type HeldBar, OtherThreshold } from "./check_chart";
 
 interface Props {

@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { ComponentProps } from "preact";
-import type { FullScreen } from "../state/room";
-import { Icon, type IconName } from "./icon";
 
 /** A button with words on it, which sends no form. */
 export function Button({ label, ...how }: Omit<ComponentProps<"button">, "label"> & { label: string }) {
@@ -55,23 +53,35 @@ export function UndoButtons(props: { canUndo: boolean; canRedo: boolean; undo: (
   );
 }
 
-interface FullScreenProps<Part extends string> {
-  full: FullScreen<Part>;
-  part: Part;
-  /** What the part is called, for those who do not see it. */
-  what: string;
-}
+/** Lines on a square of 16, as SVG paths: they need no font. */
+const PATHS = {
+  undo: "M6 3 2.5 6.5 6 10M2.5 6.5H10a3.5 3.5 0 0 1 0 7H6",
+  redo: "M10 3l3.5 3.5L10 10M13.5 6.5H6a3.5 3.5 0 0 0 0 7h4",
+  save: "M2.5 2.5h8.5l2.5 2.5v8.5h-11zM5 2.5v4h5.5v-4M4.5 13.5v-4h7v4",
+  saved: "M2.5 8.5 6 12l7.5-8",
+  try: "M4.5 2.5v11L13 8z",
+  send: "M2 8l12-5.5L10 14 7.5 9zM7.5 9 14 2.5",
+  download: "M8 2v8.5M4.5 7 8 10.5 11.5 7M2.5 13.5h11",
+  upload: "M8 10.5V2M4.5 5.5 8 2l3.5 3.5M2.5 13.5h11",
+  menu: "M2.5 4h11M2.5 8h11M2.5 12h11",
+  format: "M2.5 3.5h11M5.5 8h8M5.5 12.5h8M2.5 6.5 4 8l-1.5 1.5",
+  book: "M8 4C6.5 2.8 4.5 2.5 2 2.5V12c2.5 0 4.5.3 6 1.5 1.5-1.2 3.5-1.5 6-1.5V2.5c-2.5 0-4.5.3-6 1.5zM8 4v9.5",
+  keys: "M1.5 4.5h13v7.5h-13zM4 7h.01M6.7 7h.01M9.3 7h.01M12 7h.01M5 9.7h6",
+  warning: "M8 2.5 14.5 13.5h-13zM8 6.5v3.5M8 11.9v.2",
+  before: "M11.5 2.5v11L3 8z",
+  after: "M4.5 2.5v11L13 8z",
+  plus: "M8 3v10M3 8h10",
+  minus: "M3 8h10",
+  fit: "M9.5 2.5h4v4M13.5 2.5l-4.5 4.5M6.5 13.5h-4v-4M2.5 13.5 7 9",
+} as const;
 
-/** Gives a part of the page all of it, and takes it back. */
-export function FullScreenButton<Part extends string>({ full, part, what }: FullScreenProps<Part>) {
-  const isFull = full.part.value === part;
-  const label = isFull ? "Leave full screen" : "Full screen";
+export type IconName = keyof typeof PATHS;
+
+/** A drawing beside words that say the same; alone, its button needs a label. */
+export function Icon({ name }: { name: IconName }) {
   return (
-    <Button
-      label={label}
-      class="small full-screen-button"
-      aria-label={`${label}: ${what}`}
-      onClick={() => full.toggle(part)}
-    />
+    <svg class="icon" viewBox="0 0 16 16" width="16" height="16" aria-hidden="true">
+      <path d={PATHS[name]} />
+    </svg>
   );
 }

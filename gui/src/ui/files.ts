@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import type { TextFile } from "../api/client";
 import { useWindowEvent } from "./watch";
 

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
-import type { ComponentChildren } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { type ComponentChildren, createContext } from "preact";
+import { useContext, useEffect, useId, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { href } from "../route";
-import { Breakable } from "./breakable";
+import { Icon, type IconName } from "./button";
+import { RobotState } from "./connection";
 import { later } from "./later";
-import { MenuButton, MenuItem } from "./menu_button";
-import { RobotState } from "./robot_state";
+import { Breakable } from "./notice";
 import { useWindowEvent } from "./watch";
 
 const DocumentationPanel = later(async () => (await import("../documentation/documentation_panel")).DocumentationPanel);
@@ -66,4 +65,118 @@ function useHelpKey(open: () => void): void {
     event.preventDefault();
     open();
   });
+}
+
+const CloseContext = createContext<() => void>(() => undefined);
+const ITEMS = '[role="menuitem"]:not(:disabled)';
+const MOVES: Readonly<Record<string, (at: number, last: number) => number>> = {
+  ArrowDown: (at, last) => (at >= last ? 0 : at + 1),
+  ArrowUp: (at, last) => (at <= 0 ? last : at - 1),
+  Home: () => 0,
+  End: (_, last) => last,
+};
+
+/** A button that opens a menu, as the ARIA Authoring Practices describe it; its children are `MenuItem`s. */
+function MenuButton({ label, icon, children }: { label: string; icon: IconName; children: ComponentChildren }) {
+  const id = useId();
+  /** The end of the menu that is pointed at when it opens; null while it is closed. */
+  const [opened, setOpened] = useState<"first" | "last" | null>(null);
+  const button = useRef<HTMLButtonElement>(null);
+  const menu = useRef<HTMLDivElement>(null);
+  const items = () => [...(menu.current?.querySelectorAll<HTMLElement>(ITEMS) ?? [])];
+  useLayoutEffect(() => {
+    if (opened !== null)
+      items()
+        .at(opened === "first" ? 0 : -1)
+        ?.focus();
+  }, [opened]);
+  const close = () => {
+    setOpened(null);
+    button.current?.focus();
+  };
+  const press = (event: KeyboardEvent) => {
+    if (event.key === "Tab") return setOpened(null);
+    const all = items();
+    const at = all.indexOf(document.activeElement as HTMLElement);
+    const next = MOVES[event.key]?.(at, all.length - 1) ?? startingWith(event, all, at);
+    if (event.key === "Escape") close();
+    else if (next === null) return;
+    else all[next]?.focus();
+    event.preventDefault();
+    event.stopPropagation();
+  };
+  return (
+    <div
+      class="menu-button"
+      onFocusOut={(event) => {
+        if (!event.currentTarget.contains(event.relatedTarget as Node | null)) setOpened(null);
+      }}
+    >
+      <button
+        type="button"
+        ref={button}
+        title={label}
+        aria-haspopup="menu"
+        aria-expanded={opened !== null}
+        aria-controls={opened === null ? undefined : id}
+        onClick={() => setOpened(opened === null ? "first" : null)}
+        onKeyDown={(event) => {
+          if (event.key !== "ArrowDown" && event.key !== "ArrowUp") return;
+          event.preventDefault();
+          setOpened(event.key === "ArrowDown" ? "first" : "last");
+        }}
+      >
+        <Icon name={icon} />
+        <span class="word">{label}</span>
+      </button>
+      {opened !== null && (
+        <div class="menu" role="menu" id={id} aria-label={label} ref={menu} onKeyDown={press}>
+          <CloseContext.Provider value={close}>{children}</CloseContext.Provider>
+        </div>
+      )}
+    </div>
+  );
+}
+
+/** The next item, from the one at `at` on, whose words begin with the letter that is pressed. */
+function startingWith(event: KeyboardEvent, items: readonly HTMLElement[], at: number): number | null {
+  if (event.key.length !== 1 || event.key === " " || event.ctrlKey || event.metaKey || event.altKey) return null;
+  const letter = event.key.toLowerCase();
+  const begins = (item: HTMLElement) => item.innerText.trim().toLowerCase().startsWith(letter);
+  const after = items.findIndex((item, index) => index > at && begins(item));
+  const found = after >= 0 ? after : items.findIndex(begins);
+  return found >= 0 ? found : null;
+}
+
+interface ItemProps {
+  label: string;
+  icon: IconName;
+  /** The keys that do the same. */
+  keys?: string;
+  act: () => void;
+}
+
+/** A line of a menu; it gives the focus back to the menu's button before it acts. */
+export function MenuItem({ label, icon, keys, act }: ItemProps) {
+  const close = useContext(CloseContext);
+  return (
+    <button
+      type="button"
+      role="menuitem"
+      tabIndex={-1}
+      aria-keyshortcuts={keys}
+      onClick={() => {
+        close();
+        act();
+      }}
+    >
+      <Icon name={icon} />
+      <span>{label}</span>
+      {keys && (
+        <span class="keys" aria-hidden="true">
+          {keys}
+        </span>
+      )}
+    </button>
+  );
 }

@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import type { KeepState } from "../api/types";
 import { href } from "../route";
 import type { Keepings } from "../state/keepings";
 import { Button } from "./button";
-import { useRobot } from "./robot_state";
-import { NeedsServer } from "./server_gone";
+import { NeedsServer, useRobot } from "./connection";
 
 /** Which incidents the server keeps now, and what came of it, on every page until somebody has read it. */
 export function KeepingBar({ keepings }: { keepings: Keepings }) {

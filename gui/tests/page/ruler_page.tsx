@@ -7,7 +7,7 @@ import { Api } from "../../src/api/client";
 import type { SaveRequest } from "../../src/api/types";
 import { App } from "../../src/app";
 import { RobotLink } from "../../src/state/robot_link";
-import { RobotProvider } from "../../src/ui/robot_state";
+import { RobotProvider } from "../../src/ui/connection";
 import { type Files, serverOf } from "./answers";
 import { Network } from "./network";
 

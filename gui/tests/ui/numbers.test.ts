@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+
 import { expect, test } from "vitest";
 import table from "../../../tests/golden/numbers.json";
 import {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { matching } from "../../src/ui/picker_matches";
+import { matching } from "../../src/ui/picker";
 
 const TOPICS = ["/odom_filtered", "/odom", "/camera/image_raw/compressed", "/camera/image_raw", "/robot/odom", "/imu"];
 const words = (text: string) =>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { shortcutKey } from "../../src/ui/undo_keys";
+import { shortcutKey } from "../../src/ui/watch";
 
 test.each([
   ["s", "KeyS", "s"],

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { ago } from "../../src/ui/times";
+import { ago } from "../../src/ui/numbers";
 
 const NOW_MS = new Date(2026, 10, 23, 12).getTime();
 const S = 1000;

@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useState } from "preact/hooks";
-import { type Api, ApiError } from "../api/client";
+import { useEffect, useState } from "preact/hooks";
+import { type Api, ApiError, refusal } from "../api/client";
 import { type Conflict, isStatus, type OpenFile } from "../state/open_file";
 import { Button } from "./button";
+import { NeedsServer, useRobot } from "./connection";
 import { FormDialog } from "./dialog";
 import { DifferenceWords, TextComparison } from "./difference_words";
-import { Problem } from "./notice";
-import { useRobot } from "./robot_state";
-import { NeedsServer } from "./server_gone";
+import { Notice, Problem } from "./notice";
 
 interface Props {
   api: Api;
@@ -80,4 +79,65 @@ function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflic
       <Problem text={problem} />
     </FormDialog>
   );
+}
+
+const RESTORED_TIME = { dateStyle: "medium", timeStyle: "short" } as const;
+
+/** Says that a draft was restored, until it is saved, dropped or closed. */
+export function RestoredNotice({ file }: { file: OpenFile }) {
+  const restored = file.restored.value;
+  if (restored === null) return null;
+  const guarded = (work: Promise<void>) => void work.catch((error: unknown) => file.tell(error));
+  const when = new Date(restored.changedMs).toLocaleString("en-GB", RESTORED_TIME);
+  return (
+    <div class="notice warning restored" role="status">
+      <span>
+        Your unsaved changes of {when} are restored.
+        {restored.isContested && " Somebody else changed the file since: a save asks what to do."}
+      </span>
+      <span class="row">
+        {restored.isContested && <Button label="Compare" class="small" onClick={() => void file.compare()} />}
+        <Button label="Drop them" class="small" onClick={() => guarded(file.dropRestored())} />
+        <Button label="Close" class="small" onClick={() => (file.restored.value = null)} />
+      </span>
+    </div>
+  );
+}
+
+const LOOK_MS = 4000;
+
+/** Looks at an open file on disk every few seconds while the page is seen, and when somebody comes back to it. */
+export function useDiskLooks(file: OpenFile): void {
+  const isOpen = file.isOpen.value;
+  const link = useRobot();
+  useEffect(() => {
+    if (!isOpen) return;
+    const look = () => {
+      if (!document.hidden && !link.isServerGone.peek()) void looked(file);
+    };
+    const timer = setInterval(look, LOOK_MS);
+    addEventListener("focus", look);
+    return () => {
+      clearInterval(timer);
+      removeEventListener("focus", look);
+    };
+  }, [file, isOpen]);
+}
+
+async function looked(file: OpenFile): Promise<void> {
+  try {
+    await file.lookAtDisk();
+  } catch (error) {
+    // The next look says it, or the server is gone.
+    refusal(error);
+  }
+}
+
+/** Says that somebody else changed a file of which something here is not saved. */
+export function DiskNotice({ file }: { file: OpenFile }) {
+  const change = file.diskChange.value;
+  if (change === null) return null;
+  if (change === "gone") return <Notice kind="warning" text={`${file.name} is no longer on disk: a save writes it.`} />;
+  const text = `Somebody else changed ${file.name} on disk; what you changed here is not saved.`;
+  return <Notice kind="warning" text={text} action={{ label: "Compare", act: () => file.compare() }} />;
 }

@@ -1,15 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useSignalEffect } from "@preact/signals";
-import type { ComponentChildren } from "preact";
-import { useEffect } from "preact/hooks";
-import { refusal } from "../api/client";
-import type { OpenFile } from "../state/open_file";
+import { type ComponentChildren, createContext } from "preact";
+import { useContext, useEffect, useId, useState } from "preact/hooks";
+import type { RobotLink } from "../state/robot_link";
 import { Notice } from "./notice";
-import { useRobot } from "./robot_state";
-import { clock } from "./times";
+import { clock } from "./numbers";
 
-const LOOK_MS = 4000;
 /** Why something cannot be pressed. */
 const NEEDS_SERVER = "This needs the Ruler's server, which does not answer now";
 const MAY_ONLY_WATCH = "You may only watch here: this would change a file or a robot";
@@ -90,38 +87,41 @@ export function useReturn(act: () => unknown): void {
   }, [count]);
 }
 
-/** Looks at an open file on disk every few seconds while the page is seen, and when somebody comes back to it. */
-export function useDiskLooks(file: OpenFile): void {
-  const isOpen = file.isOpen.value;
-  const link = useRobot();
-  useEffect(() => {
-    if (!isOpen) return;
-    const look = () => {
-      if (!document.hidden && !link.isServerGone.peek()) void looked(file);
-    };
-    const timer = setInterval(look, LOOK_MS);
-    addEventListener("focus", look);
-    return () => {
-      clearInterval(timer);
-      removeEventListener("focus", look);
-    };
-  }, [file, isOpen]);
+const RobotContext = createContext<RobotLink | null>(null);
+export const RobotProvider = RobotContext.Provider;
+
+/** What the page knows of robots. */
+export function useRobot(): RobotLink {
+  const link = useContext(RobotContext);
+  if (link === null) throw new Error("no RobotProvider around this component");
+  return link;
 }
 
-async function looked(file: OpenFile): Promise<void> {
-  try {
-    await file.lookAtDisk();
-  } catch (error) {
-    // The next look says it, or the server is gone.
-    refusal(error);
-  }
-}
+const SIGNS = { connected: "●", silent: "◐", none: "○" };
 
-/** Says that somebody else changed a file of which something here is not saved. */
-export function DiskNotice({ file }: { file: OpenFile }) {
-  const change = file.diskChange.value;
-  if (change === null) return null;
-  if (change === "gone") return <Notice kind="warning" text={`${file.name} is no longer on disk: a save writes it.`} />;
-  const text = `Somebody else changed ${file.name} on disk; what you changed here is not saved.`;
-  return <Notice kind="warning" text={text} action={{ label: "Compare", act: () => file.compare() }} />;
+/** Whether a robot is connected, on every page; hovering, focusing or pressing it says why. */
+export function RobotState() {
+  const id = useId();
+  const [isPinned, setPinned] = useState(false);
+  const { kind, isFailing, words, why } = useRobot().connection.value;
+  return (
+    <div class={`robot-state ${isFailing ? "failing" : kind}${isPinned ? " pinned" : ""}`}>
+      <button
+        type="button"
+        class="small"
+        aria-label={words}
+        aria-describedby={id}
+        onClick={() => setPinned(!isPinned)}
+        onBlur={() => setPinned(false)}
+      >
+        <span aria-hidden="true">{isFailing ? "✕" : SIGNS[kind]}</span> <span class="word">{words}</span>
+      </button>
+      <p role="tooltip" id={id}>
+        {why}
+      </p>
+      <p class="visually-hidden" role="status">
+        {kind === "silent" ? "robot silent" : words}
+      </p>
+    </div>
+  );
 }

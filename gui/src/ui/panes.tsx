@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { type Signal, signal } from "@preact/signals";
+import { useRef } from "preact/hooks";
+import { Button } from "./button";
+
+/** Which part of the page has all of it, in a browser that fills the screen where it lets itself. */
+export class FullScreen<Part extends string> {
+  readonly part: Signal<Part | null> = signal(null);
+
+  /** Gives a part the whole page, or takes it back. */
+  toggle(part: Part): void {
+    if (this.part.peek() === part) this.leave();
+    else this.enter(part);
+  }
+
+  leave(): void {
+    this.part.value = null;
+    if (document.fullscreenElement !== null) void document.exitFullscreen();
+  }
+
+  /** Leaves with Escape, as the browser's own does; returns how to stop, which leaves it, too. */
+  follow(): () => void {
+    const left = () => {
+      if (document.fullscreenElement === null) this.part.value = null;
+    };
+    const pressed = (event: KeyboardEvent) => {
+      if (event.key === "Escape" && !event.defaultPrevented && document.querySelector("dialog[open]") === null) {
+        this.leave();
+      }
+    };
+    document.addEventListener("fullscreenchange", left);
+    addEventListener("keydown", pressed);
+    return () => {
+      document.removeEventListener("fullscreenchange", left);
+      removeEventListener("keydown", pressed);
+      this.leave();
+    };
+  }
+
+  private enter(part: Part): void {
+    this.part.value = part;
+    // Where the browser refuses, the part still fills its window.
+    document.documentElement.requestFullscreen?.().catch(() => undefined);
+  }
+}
+
+interface FullScreenProps<Part extends string> {
+  full: FullScreen<Part>;
+  part: Part;
+  /** What the part is called, for those who do not see it. */
+  what: string;
+}
+
+/** Gives a part of the page all of it, and takes it back. */
+export function FullScreenButton<Part extends string>({ full, part, what }: FullScreenProps<Part>) {
+  const isFull = full.part.value === part;
+  const label = isFull ? "Leave full screen" : "Full screen";
+  return (
+    <Button
+      label={label}
+      class="small full-screen-button"
+      aria-label={`${label}: ${what}`}
+      onClick={() => full.toggle(part)}
+    />
+  );
+}
+
+const PREFIX = "pane size of ";
+
+/** How much room panes have, in percent, as somebody left them in this browser. */
+export class PaneSizes {
+  /** What was set, by the name of a pane. */
+  private readonly sizes = new Map<string, Signal<number | null>>();
+
+  constructor(private readonly storage: Pick<Storage, "getItem" | "setItem">) {}
+
+  /** The share of a pane; null where nobody set it. */
+  of(pane: string): number | null {
+    return this.signalOf(pane).value;
+  }
+
+  /** Sets the share of a pane, and remembers it. */
+  set(pane: string, percent: number): void {
+    this.signalOf(pane).value = percent;
+    try {
+      this.storage.setItem(`${PREFIX}${pane}`, String(percent));
+    } catch {
+      // A browser without room forgets it with the page.
+    }
+  }
+
+  private signalOf(pane: string): Signal<number | null> {
+    const known = this.sizes.get(pane);
+    if (known) return known;
+    const text = this.storage.getItem(`${PREFIX}${pane}`);
+    const percent = text === null ? Number.NaN : Number(text);
+    const size = signal(Number.isFinite(percent) ? percent : null);
+    this.sizes.set(pane, size);
+    return size;
+  }
+}
+
+const STEP = 2;
+const LARGE_STEP = 10;
+
+interface Props {
+  label: string;
+  /** Of the line itself: a vertical one stands between left and right. */
+  orientation: "vertical" | "horizontal";
+  /** The share of the pane before the line, or of that below it, in percent. */
+  percent: number;
+  least: number;
+  most: number;
+  onChange: (percent: number) => void;
+}
+
+/** A line between two panes that the mouse, a finger or the arrow keys move. */
+export function Splitter({ label, orientation, percent, least, most, onChange }: Props) {
+  const line = useRef<HTMLDivElement>(null);
+  const isVertical = orientation === "vertical";
+  const set = (wanted: number) => onChange(Math.round(Math.min(Math.max(wanted, least), most) * 10) / 10);
+  const follow = (event: PointerEvent) => {
+    const room = line.current?.parentElement?.getBoundingClientRect();
+    if (!line.current?.hasPointerCapture(event.pointerId) || !room) return;
+    const share = isVertical ? (event.clientX - room.left) / room.width : (room.bottom - event.clientY) / room.height;
+    set(share * 100);
+  };
+  const press = (event: KeyboardEvent) => {
+    const wanted = wantedBy(event.key, isVertical, percent, least, most);
+    if (wanted === null) return;
+    event.preventDefault();
+    set(wanted);
+  };
+  return (
+    <div
+      ref={line}
+      class={`splitter ${orientation}`}
+      role="separator"
+      tabIndex={0}
+      aria-label={label}
+      aria-orientation={orientation}
+      aria-valuenow={Math.round(percent)}
+      aria-valuemin={least}
+      aria-valuemax={most}
+      onKeyDown={press}
+      onPointerDown={(event) => {
+        event.preventDefault();
+        line.current?.focus();
+        line.current?.setPointerCapture(event.pointerId);
+      }}
+      onPointerMove={follow}
+    />
+  );
+}
+
+/** Where a key moves the line; null where it is none of its keys. */
+function wantedBy(key: string, isVertical: boolean, percent: number, least: number, most: number): number | null {
+  const more = isVertical ? "ArrowRight" : "ArrowUp";
+  const less = isVertical ? "ArrowLeft" : "ArrowDown";
+  const steps: Record<string, number> = {
+    [more]: percent + STEP,
+    [less]: percent - STEP,
+    PageUp: percent + LARGE_STEP,
+    PageDown: percent - LARGE_STEP,
+    Home: least,
+    End: most,
+  };
+  return steps[key] ?? null;
+}
