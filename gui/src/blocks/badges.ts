@@ -4,10 +4,8 @@ import * as Blockly from "blockly/core";
 import type { Action, CheckCondition, PlacedFinding, Statement, Truth } from "../api/types";
 import { checksOf } from "../state/statements";
 import { readable } from "../ui/numbers";
-import { ACTION_TYPES } from "./actions";
-import { stacked, type TimePart, timesOn } from "./conditions";
-import { FOLDED } from "./folded_type";
 import type { CheckState, RuleState, TimeState } from "./live_states";
+import { ACTION_TYPES, FOLDED, stacked, type TimePart, timesOn } from "./model";
 import type { Slot } from "./slots";
 
 const GAP = 10;

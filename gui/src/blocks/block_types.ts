@@ -24,6 +24,7 @@ import {
   UP,
 } from "./fields";
 import { defineFolded } from "./folded_type";
+import type { RuleBlock } from "./model";
 import {
   ALL_TOPICS,
   boundProblem,
@@ -47,13 +48,6 @@ export interface BlockButtons {
   toggleFold(block: Blockly.BlockSvg): void;
   /** Does something with a whole rule, in the text. */
   act(block: Blockly.BlockSvg, act: RuleAct): void;
-}
-
-/** A rule block grows an ELSE part when asked, and says whether its rule is switched off. */
-export interface RuleBlock extends Blockly.BlockSvg {
-  setElse(shown: boolean): void;
-  isSwitchedOff(): boolean;
-  switchOff(isOff: boolean): void;
 }
 
 /** What is done with a whole rule. */

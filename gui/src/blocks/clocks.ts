@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import type { Operator, TimeWord } from "../api/types";
-import { type ClockState, type TimePart, timeFields, timesOn } from "./conditions";
 import { button, choiceField, MINUS, numberField, operatorField, timeUnitField } from "./fields";
+import { type ClockState, type TimePart, timeFields, timesOn } from "./model";
 import { openField } from "./open_field";
 
 const TIME_WORDS: [string, TimeWord][] = [

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import { DEFAULT_TYPES } from "./actions";
-import { FOLDED } from "./folded_type";
+import { DEFAULT_TYPES, FOLDED } from "./model";
 import { statementOf } from "./slots";
 
 type Block = Blockly.BlockSvg;

@@ -3,12 +3,10 @@
 import * as Blockly from "blockly/core";
 import type { RuleDocument, Statement } from "../api/types";
 import { checksOf, type Folds, statementsIn } from "../state/statements";
-import { DEFAULT_TYPES } from "./actions";
 import { showRawText } from "./block_types";
 import { type Column, GAP, HEADING } from "./column";
 import type { Suggestions } from "./fields";
-import { FOLDED } from "./folded_type";
-import { fingerprint, toBlock } from "./model";
+import { DEFAULT_TYPES, FOLDED, fingerprint, toBlock } from "./model";
 import { parseBound } from "./rule_words";
 import { newSlot, printOf, type Slot, statementOf } from "./slots";
 

@@ -3,19 +3,13 @@
 import * as Blockly from "blockly/core";
 import type { RuleStatement } from "../api/types";
 import { button, OPEN } from "./fields";
+import { FOLDED, type FoldedRule } from "./model";
 import { ruleName, ruleSets } from "./rule_words";
-
-/** A rule on one line: its name, whether it is switched off, and what it sets. */
-export interface FoldedRule extends Blockly.BlockSvg {
-  readonly rule: RuleStatement;
-  isSwitchedOff(): boolean;
-}
 
 interface FoldedState {
   rule: RuleStatement;
 }
 
-export const FOLDED = "adirf_folded";
 const MOST_LETTERS = 56;
 
 export function defineFolded(unfold: (block: Blockly.BlockSvg) => void): void {

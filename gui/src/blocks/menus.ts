@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import type { BlockButtons, RuleAct, RuleBlock } from "./block_types";
+import type { BlockButtons, RuleAct } from "./block_types";
 import { type Choice, timeChoices } from "./clocks";
-import { FOLDED } from "./folded_type";
+import type { RuleBlock } from "./model";
+import { FOLDED } from "./model";
 
 type Block = Blockly.BlockSvg;
 

@@ -1,13 +1,38 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
-import type { Action, Statement } from "../api/types";
-import { actionBlock, actionPrint, toAction } from "./actions";
-import type { RuleBlock } from "./block_types";
-import { conditionIn, conditionPrint, conditionStack, stack, stacked } from "./conditions";
-import { FOLDED, type FoldedRule } from "./folded_type";
+import type {
+  Action,
+  CheckCondition,
+  Condition,
+  DurationUnit,
+  DurationValue,
+  Operator,
+  RuleStatement,
+  SetStatement,
+  Statement,
+  TimedCondition,
+  TimeWord,
+} from "../api/types";
+import { parseBound, parseRate, parseTopics, rateText, topicsText } from "./rule_words";
 
 type State = Blockly.serialization.blocks.State;
+
+/** A rule that is folded to one line. */
+export const FOLDED = "adirf_folded";
+
+/** A rule on one line: its name, whether it is switched off, and what it sets. */
+export interface FoldedRule extends Blockly.BlockSvg {
+  readonly rule: RuleStatement;
+  isSwitchedOff(): boolean;
+}
+
+/** A rule block grows an ELSE part when asked, and says whether its rule is switched off. */
+export interface RuleBlock extends Blockly.BlockSvg {
+  setElse(shown: boolean): void;
+  isSwitchedOff(): boolean;
+  switchOff(isOff: boolean): void;
+}
 
 /** A statement as a block to load; a rule may be folded to one line. */
 export function toBlock(statement: Statement, isFolded = false): State {
@@ -104,4 +129,245 @@ export function fingerprint(statement: Statement): string {
         comments,
       ]);
   }
+}
+
+/** What a block of a condition says of time, beside its fields. */
+export interface ClockState {
+  times?: number;
+  hasUntil?: boolean;
+}
+/** One `For` or `Within` behind a condition. */
+export interface TimePart {
+  word: TimeWord;
+  duration: DurationValue;
+}
+
+/** Conditions below each other, which all hold, as blocks to load. */
+function conditionStack(condition: Condition): State {
+  return stack(terms(condition).map(conditionBlock));
+}
+
+/** A stack of checks means that all of them hold, so an AND is the stack of its terms. */
+function terms(condition: Condition): Condition[] {
+  return condition.kind === "and" ? condition.terms : [condition];
+}
+
+function conditionBlock(condition: Condition): State {
+  const { core, times } = untimed(condition);
+  const block = coreBlock(core);
+  const until = core.kind === "check" ? (core.until ?? null) : null;
+  if (times.length === 0 && until === null) return block;
+  const extraState: ClockState = {
+    ...(times.length > 0 ? { times: times.length } : {}),
+    ...(until ? { hasUntil: true } : {}),
+  };
+  const fields = Object.assign({}, block.fields, until && { UNTIL_OP: until.op, UNTIL_VALUE: until.value });
+  times.forEach((part, at) => {
+    Object.assign(fields, timeFields(part, at));
+  });
+  return { ...block, extraState, fields };
+}
+
+/** The values of the fields of one time, by name. */
+export function timeFields({ word, duration }: TimePart, at: number): Record<string, unknown> {
+  return { [`WORD${at}`]: word, [`LENGTH${at}`]: duration.value, [`TIME_UNIT${at}`]: duration.unit };
+}
+
+/** A condition without its times, and these from the innermost. */
+function untimed(condition: Condition): { core: Exclude<Condition, TimedCondition>; times: TimePart[] } {
+  if (condition.kind !== "timed") return { core: condition, times: [] };
+  const { core, times } = untimed(condition.term);
+  return { core, times: [...times, condition] };
+}
+
+function coreBlock(condition: Exclude<Condition, TimedCondition>): State {
+  switch (condition.kind) {
+    case "check":
+      return {
+        type: "adirf_check",
+        fields: { TOPIC: condition.topic, PROPERTY: condition.property, OP: condition.op, VALUE: condition.value },
+      };
+    case "and":
+      return { type: "adirf_all", inputs: { TERMS: { block: stack(condition.terms.map(conditionBlock)) } } };
+    case "or":
+      return { type: "adirf_any", inputs: { TERMS: { block: stack(condition.terms.map(conditionBlock)) } } };
+    case "not":
+      return { type: "adirf_not", inputs: { TERMS: { block: conditionStack(condition.term) } } };
+  }
+}
+
+export function stack(blocks: State[]): State {
+  return blocks.reduceRight((below, block) => ({ ...block, next: { block: below } }));
+}
+
+/** The blocks below each other in a part of another block. */
+export function stacked(block: Blockly.Block, input: string): Blockly.Block[] {
+  const blocks: Blockly.Block[] = [];
+  let next = block.getInputTargetBlock(input);
+  while (next) {
+    if (!next.isInsertionMarker()) blocks.push(next);
+    next = next.getNextBlock();
+  }
+  return blocks;
+}
+
+/** What the checks in a part of a block say together; null where there are none. */
+function conditionIn(block: Blockly.Block, input: string): Condition | null {
+  return joined(conditions(block, input), "and");
+}
+
+function conditions(block: Blockly.Block, input: string): Condition[] {
+  return stacked(block, input)
+    .map(toCondition)
+    .filter((each) => each !== null);
+}
+
+function joined(all: Condition[], kind: "and" | "or"): Condition | null {
+  return all.length > 1 ? { kind, terms: all } : (all[0] ?? null);
+}
+
+/** What a block of a condition says, with its times; null for an `any of` with nothing inside. */
+export function toCondition(block: Blockly.Block): Condition | null {
+  const core = toCore(block);
+  return core && timesOn(block).reduce<Condition>((term, part) => ({ kind: "timed", term, ...part }), core);
+}
+
+/** The times behind the condition of a block, from the innermost. */
+export function timesOn(block: Blockly.Block): TimePart[] {
+  const times: TimePart[] = [];
+  for (let at = 0; block.getField(`WORD${at}`); at++) {
+    const word = block.getFieldValue(`WORD${at}`) as TimeWord;
+    times.push({ word, duration: durationOf(block, `LENGTH${at}`, `TIME_UNIT${at}`) });
+  }
+  return times;
+}
+
+function toCore(block: Blockly.Block): Condition | null {
+  switch (block.type) {
+    case "adirf_check":
+      return toCheck(block);
+    case "adirf_any":
+      return joined(conditions(block, "TERMS"), "or");
+    case "adirf_not": {
+      const term = conditionIn(block, "TERMS");
+      return term && { kind: "not", term };
+    }
+    default:
+      return conditionIn(block, "TERMS");
+  }
+}
+
+function toCheck(block: Blockly.Block): CheckCondition {
+  const check: CheckCondition = {
+    kind: "check",
+    topic: String(block.getFieldValue("TOPIC")),
+    property: String(block.getFieldValue("PROPERTY")),
+    op: block.getFieldValue("OP") as Operator,
+    value: Number(block.getFieldValue("VALUE")),
+  };
+  if (!block.getField("UNTIL_OP")) return check;
+  const until = { op: block.getFieldValue("UNTIL_OP") as Operator, value: Number(block.getFieldValue("UNTIL_VALUE")) };
+  return { ...check, until };
+}
+
+/** The meaning of a condition, to compare. */
+function conditionPrint(condition: Condition): unknown {
+  switch (condition.kind) {
+    case "check": {
+      const { topic, property, op, value, until } = condition;
+      return [topic, property, op, value, ...(until ? [until.op, until.value] : [])];
+    }
+    case "not":
+      return ["not", conditionPrint(condition.term)];
+    case "timed":
+      return [condition.word, durationPrint(condition.duration), conditionPrint(condition.term)];
+    default: {
+      const [only, ...others] = condition.terms;
+      return only && others.length === 0
+        ? conditionPrint(only)
+        : [condition.kind, ...condition.terms.map(conditionPrint)];
+    }
+  }
+}
+
+/** The blocks that stand in THEN and ELSE. */
+export const ACTION_TYPES: ReadonlySet<string> = new Set(["adirf_set", "adirf_within", "adirf_record"]);
+/** Those of them that are defaults outside rules, where they hang together. */
+export const DEFAULT_TYPES: ReadonlySet<string> = new Set(["adirf_set", "adirf_within"]);
+
+/** A part of THEN or ELSE as a block to load. */
+function actionBlock(action: Action): State {
+  switch (action.kind) {
+    case "set":
+      return { type: "adirf_set", fields: { TOPIC: action.topic, RATE: rateText(action.rate) } };
+    case "within":
+      return {
+        type: "adirf_within",
+        fields: { TOPIC: action.topic, PROPERTY: action.property, BOUND: String(action.bound) },
+      };
+    case "record":
+      return {
+        type: "adirf_record",
+        fields: {
+          NAME: action.name,
+          TOPICS: topicsText(action.topics),
+          BEFORE: action.before.value,
+          BEFORE_UNIT: action.before.unit,
+          AFTER: action.after.value,
+          AFTER_UNIT: action.after.unit,
+        },
+      };
+  }
+}
+
+/** What a block of THEN or ELSE says; null for a block of another kind. */
+function toAction(block: Blockly.Block): Action | null {
+  const text = (name: string) => String(block.getFieldValue(name));
+  switch (block.type) {
+    case "adirf_set":
+      return setStatement(block);
+    case "adirf_within":
+      return {
+        kind: "within",
+        topic: text("TOPIC"),
+        property: text("PROPERTY"),
+        bound: parseBound(text("BOUND")) ?? 0,
+      };
+    case "adirf_record":
+      return {
+        kind: "record",
+        name: text("NAME"),
+        topics: parseTopics(text("TOPICS")),
+        before: durationOf(block, "BEFORE", "BEFORE_UNIT"),
+        after: durationOf(block, "AFTER", "AFTER_UNIT"),
+      };
+    default:
+      return null;
+  }
+}
+
+function setStatement(block: Blockly.Block): SetStatement {
+  const rate = parseRate(String(block.getFieldValue("RATE"))) ?? { kind: "full", value: null };
+  return { kind: "set", topic: String(block.getFieldValue("TOPIC")), rate };
+}
+
+/** The time that two fields of a block say. */
+function durationOf(block: Blockly.Block, value: string, unit: string): DurationValue {
+  return { value: Number(block.getFieldValue(value)), unit: block.getFieldValue(unit) as DurationUnit };
+}
+
+/** The meaning of an action, to compare. */
+function actionPrint(action: Action): unknown[] {
+  switch (action.kind) {
+    case "set":
+      return ["set", action.topic, rateText(action.rate)];
+    case "within":
+      return ["within", action.topic, action.property, action.bound];
+    case "record":
+      return ["record", action.name, action.topics, durationPrint(action.before), durationPrint(action.after)];
+  }
+}
+
+function durationPrint({ value, unit }: DurationValue): string {
+  return `${value} ${unit}`;
 }

@@ -9,11 +9,10 @@ import type { RuleAct } from "./block_types";
 import { Column } from "./column";
 import { DrawnPart, quietly, showJoins } from "./drawn_part";
 import type { Suggestions } from "./fields";
-import { FOLDED } from "./folded_type";
 import type { RuleState } from "./live_states";
 import type { MenuPage } from "./menus";
-import { fingerprint, toBlock, toStatement } from "./model";
-import { blocklyTheme, newWorkspace, setReadOnly } from "./new_workspace";
+import { FOLDED, fingerprint, toBlock, toStatement } from "./model";
+import { blocklyTheme, NEW_RATE, NEW_RULE, newWorkspace, setReadOnly } from "./new_workspace";
 import { closeField, isElsewhere, isTyping, openField } from "./open_field";
 import {
   type ActedOn,
@@ -30,7 +29,6 @@ import {
   statementsOf,
   stepsOf,
 } from "./slots";
-import { NEW_RATE, NEW_RULE } from "./toolbox";
 
 const IN_HAND_MS = 50;
 

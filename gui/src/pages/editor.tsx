@@ -3,7 +3,7 @@
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { refusal } from "../api/client";
-import { BlocksPane } from "../panels/blocks_pane";
+import { BlocksPane, valuesOfRecording } from "../panels/blocks_pane";
 import { EditorBar } from "../panels/editor_bar";
 import { FindingsPanel } from "../panels/findings_panel";
 import { OptimizePanel } from "../panels/optimize_panel";
@@ -11,7 +11,6 @@ import { ProfileChoice } from "../panels/profile_choice";
 import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/rule_push_steps";
 import { type Side, SidePane } from "../panels/side_pane";
-import { valuesOfRecording } from "../panels/threshold_values";
 import { toRoute } from "../route";
 import { browserStorage } from "../state/drafts";
 import { saveByItself } from "../state/open_file";

@@ -3,21 +3,18 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusalOf } from "../api/client";
 import type { IncidentAnswer, IncidentCourse, IncidentRecord, IncidentsAnswer, ListedIncident } from "../api/types";
-import { DeleteDialog } from "../incidents/delete_dialog";
-import { CourseView } from "../incidents/incident_course";
-import { IncidentFacts, RecordedTopics } from "../incidents/incident_facts";
+import { CourseView, IncidentFacts, RecordedTopics, useRuleGround } from "../incidents/incident";
 import { IncidentTable } from "../incidents/incident_table";
 import { sumOf } from "../incidents/missing_words";
-import { RobotIncidentList } from "../incidents/robot_incident_list";
-import { useRuleGround } from "../incidents/rule_ground";
+import { RobotIncidentList, RobotIncidents } from "../incidents/robot_incidents";
 import { href, toRoute } from "../route";
 import { BagWork } from "../state/bag_work";
-import { RobotIncidents } from "../state/robot_incidents";
 import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/connection";
+import { FormDialog } from "../ui/dialog";
 import { Header } from "../ui/header";
-import { Notice, WorkProgress } from "../ui/notice";
-import { counted } from "../ui/numbers";
+import { Notice, Problem, WorkProgress } from "../ui/notice";
+import { counted, moment, NS_PER_MS, sizeWords } from "../ui/numbers";
 import type { PageProps } from "./page_props";
 
 const ALL = { page: "incidents", name: "" } as const;
@@ -173,4 +170,42 @@ function useAnswer<T>(ask: () => Promise<T>): [T | null, () => Promise<void>, st
   };
   useEffect(() => void read(), []);
   return [answer, read, problem, setAnswer];
+}
+
+interface DeleteDialogProps {
+  api: Api;
+  name: string;
+  size_bytes: number;
+  /** What is deleted: its title, when it was and its messages; null where it cannot be read. */
+  lost: { title: string; triggered_ns: number; messages: number } | null;
+  onDeleted: (left: IncidentsAnswer) => void;
+  onClose: () => void;
+}
+
+/** Asks before an incident is deleted, and says what is lost. */
+function DeleteDialog({ api, name, size_bytes, lost, onDeleted, onClose }: DeleteDialogProps) {
+  const [problem, setProblem] = useState("");
+  const size = sizeWords(size_bytes / 1000);
+  const remove = async () => {
+    setProblem(
+      await refusalOf(async () => {
+        onDeleted(await api.ask("POST /api/incident/delete", { name }));
+      }),
+    );
+  };
+  return (
+    <FormDialog title="Delete this incident?" submit="Delete" onSubmit={remove} onClose={onClose}>
+      {lost === null ? (
+        <p>Its record cannot be read, but its messages may still be there: {size}.</p>
+      ) : (
+        <p>
+          <strong>{lost.title}</strong> of {moment(lost.triggered_ns / NS_PER_MS)}: {counted(lost.messages, "message")},{" "}
+          {size}.
+        </p>
+      )}
+      <p class="path">{name}</p>
+      <p>The folder is deleted from the disk and cannot be had back.</p>
+      <Problem text={problem} />
+    </FormDialog>
+  );
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
-import type { Keepings } from "../state/keepings";
+import type { Keepings } from "../incidents/keepings";
 import type { OpenEditors } from "../state/open_editors";
 
 /** What every page gets. */

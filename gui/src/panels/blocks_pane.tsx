@@ -3,6 +3,8 @@
 import { effect, type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
+import type { FoundFile } from "../api/types";
+import { toCondition } from "../blocks/model";
 import type { DrawValues } from "../blocks/number_field";
 import type { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
@@ -10,6 +12,8 @@ import { recipeRules } from "../recipes/recipes";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
+import { bagsIn, type FileTries, fileOf, recordingOf } from "../state/tries";
+import { checkIn } from "../state/written_checks";
 import { Button } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
 import { useLoaded } from "../ui/later";
@@ -198,4 +202,30 @@ function openWorkspace(
     editor.handOver = null;
   };
   return { workspace, close };
+}
+
+/** Draws the values of a check in the recording of its rules; nothing in a project without recordings. */
+export function valuesOfRecording(
+  api: Api,
+  editor: RuleEditor,
+  tries: FileTries,
+  files: () => readonly FoundFile[],
+): DrawValues {
+  return (host, block, threshold) => {
+    const bag = recordingOf(bagsIn(files()), tries, editor.rules, editor.map.peek().bag);
+    const recording = fileOf(bag, files());
+    const condition = toCondition(block);
+    const check = condition && checkIn(condition);
+    if (recording === undefined || !condition || !check) return null;
+    const asked = { bag, check, condition, profileText: editor.profile.peek()?.text ?? null };
+    let isLeft = false;
+    let close: (() => void) | null = null;
+    void import("../try/check_courses").then(({ drawPicked }) => {
+      if (!isLeft) close = drawPicked(host, { api, asked, sizeBytes: recording.size_bytes, threshold });
+    });
+    return () => {
+      isLeft = true;
+      close?.();
+    };
+  };
 }

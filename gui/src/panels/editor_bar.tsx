@@ -3,12 +3,12 @@
 import { useSignal } from "@preact/signals";
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
-import { ShareDialogs, type Sharing } from "../sharing/share_dialogs";
 import type { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { ToolButton, UndoButtons } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
 import { Header, MenuItem } from "../ui/header";
+import { ShareDialogs, type Sharing } from "./sharing";
 
 const SEND = "Send to robot";
 const DOWNLOAD = "Optimize and Download";

@@ -10,9 +10,7 @@ import { Choice } from "../ui/choice";
 import { useRobot } from "../ui/connection";
 import { later } from "../ui/later";
 import type { Propose } from "./robot_checks";
-import { RobotHistory } from "./robot_history";
-import { RobotTopics } from "./robot_topics";
-import { RobotTotals } from "./robot_totals";
+import { RobotHistory, RobotTopics, RobotTotals } from "./robot_view";
 import { RulePushSteps } from "./rule_push_steps";
 
 const RobotChecks = later(async () => (await import("./robot_checks")).RobotChecks);

@@ -3,7 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { FoundFile, Project } from "../api/types";
-import type { Keepings } from "../state/keepings";
+import type { Keepings } from "../incidents/keepings";
 import type { RuleEditor } from "../state/rule_editor";
 import { FolderTrial, Trial } from "../state/trial";
 import {

@@ -3,7 +3,9 @@
 import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
+import type { Truth } from "../api/types";
 import { holdsWords, stretches, type Timeline, type Turns } from "../state/timeline";
+import type { RuleNow } from "../state/trial";
 import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/connection";
 import { Strip } from "./strip";
@@ -92,7 +94,7 @@ export function OtherThreshold({ threshold, written, write }: OtherProps) {
 const TRUTHS = ["true", "false", "unknown"] as const;
 
 /** When something held, did not, or was unknown, over a recording; pressing or dragging on it moves the time. */
-export function TruthBar({ turns, timeline, label }: { turns: Turns; timeline: Timeline; label: string }) {
+function TruthBar({ turns, timeline, label }: { turns: Turns; timeline: Timeline; label: string }) {
   const { durationS } = timeline;
   const paths = useMemo(() => {
     const all = stretches(turns, durationS);
@@ -125,4 +127,43 @@ export function TruthBar({ turns, timeline, label }: { turns: Turns; timeline: T
       <line x1={timeline.time.value} x2={timeline.time.value} y1={0} y2={1} />
     </svg>
   );
+}
+
+const TRUTH_WORDS: Record<Truth, string> = { true: "holds", false: "does not hold", unknown: "unknown" };
+
+interface StatesProps {
+  title: string;
+  rules: readonly RuleNow[];
+  timeline: Timeline;
+  /** Leads to a line of the rules; null where they are not open. */
+  show: ((line: number) => void) | null;
+}
+
+/** Which rules hold at the time of a timeline, what each decides, and when they held. */
+export function RuleStates({ title, rules, timeline, show }: StatesProps) {
+  if (rules.length === 0) return null;
+  return (
+    <section class="rule-states" aria-label="Rules at this time">
+      <h3>{title}</h3>
+      <ul>
+        {rules.map((rule) => (
+          <li key={`${rule.line} ${rule.rule}`} class={rule.decides.length > 0 ? "decides" : undefined}>
+            <span class={`truth ${rule.truth}`}>{TRUTH_WORDS[rule.truth]}</span>
+            <RuleName rule={rule} show={show} />
+            <TruthBar turns={rule.turns} timeline={timeline} label={rule.rule} />
+            {rule.decides.length > 0 && (
+              <span class="quiet" title={rule.decides.join(", ")}>
+                decides {rule.decides.join(", ")}
+              </span>
+            )}
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+function RuleName({ rule, show }: { rule: RuleNow; show: ((line: number) => void) | null }) {
+  if (show === null) return <span>{rule.rule}</span>;
+  return <Button label={rule.rule} class="link" title="Show in the rules" onClick={() => show(rule.line)} />;
 }

@@ -4,10 +4,10 @@ import { effect } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { RuleZones, TryIncident, TryTopic } from "../api/types";
+import type { Keepings } from "../incidents/keepings";
 import { missingWords, sumOf, windowWords } from "../incidents/missing_words";
 import type { MapZone } from "../map/shapes";
 import { href } from "../route";
-import type { Keepings } from "../state/keepings";
 import { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { sentKbPerS, type Trial } from "../state/trial";
@@ -18,13 +18,12 @@ import { ColumnHeads } from "../ui/data_table";
 import { Problem } from "../ui/notice";
 import { counted, durationWords, hz, percent, readable, sizeWords } from "../ui/numbers";
 import { showOnNarrow } from "../ui/watch";
+import { RuleStates } from "./check_chart";
 import { CheckCourses } from "./check_courses";
-import { errorWords, lossWords, missedWords, StaleNotice } from "./headline";
+import { errorWords, lossWords, missedWords, StaleNotice } from "./folder_result";
 import { LossTables } from "./loss_tables";
 import { PathMap } from "./path_map";
-import { RuleStates } from "./rule_states";
-import { Scrubber } from "./scrubber";
-import { Strip } from "./strip";
+import { Scrubber, Strip } from "./strip";
 
 interface Props {
   editor: RuleEditor;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
 import { Api } from "../../src/api/client";
-import { ImportDraft } from "../../src/state/import_draft";
+import { ImportDraft } from "../../src/panels/sharing";
 import { openRules } from "./served";
 
 const PREVIEW = {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { type Box, placed, shownPart } from "../../src/tour/tour_card";
+import { type Box, placed, shownPart } from "../../src/tour/tour_page";
 
 const CARD = { width: 390, height: 220 };
 const DESK = { width: 1280, height: 800 };

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import type { WorstTopic } from "../../src/api/types";
-import { errorWords, lossWords, missedWords } from "../../src/try/headline";
+import { errorWords, lossWords, missedWords } from "../../src/try/folder_result";
 
 const worst = (topic: string, sent: number, received: number, longest_s: number, is_image = false): WorstTopic => ({
   ...{ topic, sent, received, longest_s, is_image },

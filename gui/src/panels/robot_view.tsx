@@ -1,0 +1,280 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+
+import { effect } from "@preact/signals";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import type { Api } from "../api/client";
+import type { HealthLevel, HealthWords, Live, RobotEvent, RobotHistoryAnswer, TopicStatus } from "../api/types";
+import { MapCanvas } from "../map/map_canvas";
+import type { MapView } from "../map/map_view";
+import { type RateRing, RING_LENGTH, type RobotLink } from "../state/robot_link";
+import { duration, linkWords } from "../state/robot_trouble";
+import { ColumnHeads } from "../ui/data_table";
+import { useAsked } from "../ui/later";
+import { clock, fixed, readable } from "../ui/numbers";
+
+/** Every relayed topic of a robot as it is now. */
+export function RobotTopics({ link, live: { status, health, bounds } }: { link: RobotLink; live: Live }) {
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach
+    <div class="table-scroll" tabIndex={0}>
+      <table class={status.link ? "robot-topics linked" : "robot-topics"} aria-label="Topics of the robot">
+        <thead>
+          <tr>
+            <th scope="col">Topic</th>
+            <th scope="col">Source (Hz)</th>
+            <th scope="col">Target (Hz)</th>
+            <th scope="col">Actual (Hz)</th>
+            <th scope="col">Actual, last 48 s</th>
+            <th scope="col">Sent (KB/s)</th>
+            {status.link &&
+              LINK_COLUMNS.map((name) => (
+                <th key={name} scope="col">
+                  {name}
+                </th>
+              ))}
+            <th scope="col">Decided by</th>
+            <th scope="col">State</th>
+          </tr>
+        </thead>
+        <tbody>
+          {Object.entries(status.topics).map(([name, topic]) => (
+            <TopicRow
+              key={name}
+              link={link}
+              topic={name}
+              cells={cellsOf(topic, health[name], bounds[name] ?? [])}
+              linkCells={status.link ? linkCellsOf(topic) : null}
+            />
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+/** What the row of a topic says, in the order of the columns, and how it looks; the sparkline is beside it. */
+function cellsOf(topic: TopicStatus, health: HealthWords | undefined, bounds: readonly string[]): string {
+  const rate = (hz: number | null) => (hz === null ? "–" : fixed(hz, 1));
+  const target = topic.target_hz === null ? "Full" : readable(topic.target_hz);
+  return [
+    rate(topic.source_hz),
+    target,
+    rate(topic.actual_hz),
+    fixed(topic.out_kb_per_s, 1),
+    [topic.rule ?? REASONS[topic.reason] ?? topic.reason, ...bounds].join("; "),
+    health?.message ?? "relayed",
+    health ? LOOKS[health.level] : "",
+  ].join("\n");
+}
+
+const LINK_COLUMNS = ["Age (ms)", "Replaced", "Queue (KB)"];
+
+/** The same for the columns of a link. */
+function linkCellsOf({ link }: TopicStatus): string {
+  if (link === undefined) return "–\n–\n–";
+  const age = link.age_ms === null ? "–" : String(Math.round(link.age_ms));
+  return [age, readable(link.replaced), readable(link.queued_bytes / 1000)].join("\n");
+}
+
+const LOOKS: Record<HealthLevel, string> = { ok: "silent", stale: "silent", warn: "trouble", error: "failing" };
+
+const REASONS: Record<string, string> = {
+  default: "default",
+  unknown: "unknown values",
+  floor: "floor",
+  budget: "budget",
+  fallback: "no valid rules",
+  reload: "new rules",
+};
+
+interface RowProps {
+  link: RobotLink;
+  topic: string;
+  /** One text, so that a row in which nothing changed is left alone. */
+  cells: string;
+  linkCells: string | null;
+}
+
+function TopicRow({ link, topic, cells, linkCells }: RowProps) {
+  return useMemo(() => {
+    const [source, target, actual, sent, decider, state, look] = cells.split("\n");
+    return (
+      <tr class={look === "silent" ? look : ""}>
+        <th scope="row">{topic}</th>
+        <td class="number">{source}</td>
+        <td class="number">{target}</td>
+        <td class="number">{actual}</td>
+        <td>
+          <Sparkline link={link} topic={topic} />
+        </td>
+        <td class="number">{sent}</td>
+        {linkCells?.split("\n").map((cell, column) => (
+          <td key={LINK_COLUMNS[column]} class="number">
+            {cell}
+          </td>
+        ))}
+        <td class={decider === REASONS.fallback ? "failing" : ""}>{decider}</td>
+        <td class={look}>{state}</td>
+      </tr>
+    );
+  }, [topic, cells, linkCells]);
+}
+
+/** What all topics take of the link together, and what the runtime takes of its machine. */
+export function RobotTotals({ live: { status, status_kb_per_s, accepted, recording } }: { live: Live }) {
+  const sent = status.out_kb_per_s;
+  const budget = status.budget_kb_per_s;
+  const [shown, leftOut] = [status.blocks.length, status.blocks_left_out ?? 0];
+  return (
+    <dl class="robot-totals">
+      <div class={budget !== null && sent > budget ? "over wide" : "wide"}>
+        <dt>Sent</dt>
+        <dd>
+          <strong>{readable(sent)}</strong>{" "}
+          {budget === null
+            ? "KB/s, no budget set"
+            : `of ${readable(budget)} KB/s (${readable((100 * sent) / budget)} %)`}
+        </dd>
+        {budget !== null && (
+          <meter min={0} max={1} value={Math.min(sent / budget, 1)} aria-label="Sent: share of the budget" />
+        )}
+      </div>
+      {status.link && <Figure name="Link" value={linkWords(status.link)} />}
+      {Object.entries(status.accepted ?? {}).map(([topic, { problem }], place) => (
+        <Figure key={topic} name={`Accepts ${topic}`} value={accepted[place] ?? ""} isTroubled={problem !== null} />
+      ))}
+      {recording !== null && (
+        <Figure name="Records" value={recording} isTroubled={typeof status.incidents?.problem === "string"} />
+      )}
+      <Figure name="Watching" value={`up to ${readable(status_kb_per_s)} KB/s`} />
+      <Figure name="Received" value={`${readable(status.in_kb_per_s)} KB/s`} />
+      {leftOut > 0 && <Figure name="Rules shown" value={`${shown} of ${shown + leftOut}`} />}
+      <Figure name="CPU" value={status.cpu_percent === null ? "–" : `${fixed(status.cpu_percent, 1)} %`} />
+      <Figure name="Memory" value={status.memory_mb === null ? "–" : `${fixed(status.memory_mb, 0)} MB`} />
+    </dl>
+  );
+}
+
+function Figure({ name, value, isTroubled }: { name: string; value: string; isTroubled?: boolean }) {
+  return (
+    <div class={isTroubled ? "trouble" : ""}>
+      <dt>{name}</dt>
+      <dd>{value}</dd>
+    </div>
+  );
+}
+
+const EVENT_COLUMNS = ["At", "What", "Was", "Became", "Because of"];
+
+/** What the server heard of a robot within the last hour: where it went, and what changed. */
+export function RobotHistory({ api, node }: { api: Api; node: string }) {
+  const history = useAsked(() => api.ask("POST /api/robot/history", { node }), [node]);
+  if (history === null) return null;
+  return (
+    <section class="robot-history" aria-label="Last hour">
+      <h2>Last hour</h2>
+      <p class="quiet">{saidOf(history)}</p>
+      {history.path.length > 0 && <RobotPath history={history} />}
+      {history.events.length > 0 && (
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach
+        <div class="table-scroll" tabIndex={0}>
+          <table aria-label="Changes of the last hour">
+            <ColumnHeads names={EVENT_COLUMNS} />
+            <tbody>
+              {history.events.map((event, index) => (
+                <EventRow key={history.events.length - index} event={event} />
+              ))}
+            </tbody>
+          </table>
+        </div>
+      )}
+    </section>
+  );
+}
+
+function EventRow({ event: { s_ago, name, before, after, because } }: { event: RobotEvent }) {
+  return (
+    <tr>
+      <td>{clock(Date.now() - s_ago * 1000, "medium")}</td>
+      <th scope="row">{name}</th>
+      <td>{before}</td>
+      <td>{after}</td>
+      <td>{because}</td>
+    </tr>
+  );
+}
+
+function RobotPath({ history }: { history: RobotHistoryAnswer }) {
+  const [view, setView] = useState<MapView | null>(null);
+  useEffect(() => {
+    if (view === null) return;
+    const [, x = 0, y = 0] = history.path.at(-1) ?? [];
+    view.setPath(history.path.map(([, ...place]) => place));
+    view.setRobot([x, y]);
+    // Who looks at a part of the map stays there.
+    view.resize();
+  }, [view, history]);
+  return (
+    <div class="robot-path">
+      <MapCanvas label="Path of the robot" opened={setView} />
+    </div>
+  );
+}
+
+function saidOf({ since_s_ago, events, left_out, pose_topic }: RobotHistoryAnswer): string {
+  const older = left_out > 0 ? `; ${left_out} older changes are left out.` : ".";
+  const changes = events.length === 0 ? ", nothing changed." : older;
+  const where =
+    pose_topic === null ? "No check of its rules reads where it is." : `Its place is what rules read of ${pose_topic}.`;
+  return `Heard for ${duration(since_s_ago)}${changes} ${where}`;
+}
+
+const WIDTH_PX = 120;
+const HEIGHT_PX = 24;
+
+/** The actual rate of a topic over the last seconds, drawn with the next picture that the screen shows. */
+function Sparkline({ link, topic }: { link: RobotLink; topic: string }) {
+  const host = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    const context = host.current?.getContext("2d");
+    if (!context) return;
+    const scale = devicePixelRatio;
+    context.canvas.width = WIDTH_PX * scale;
+    context.canvas.height = HEIGHT_PX * scale;
+    context.setTransform(scale, 0, 0, scale, 0, 0);
+    let frame = 0;
+    const stop = effect(() => {
+      void link.samples.value;
+      cancelAnimationFrame(frame);
+      frame = requestAnimationFrame(() => draw(context, link.rates.of(topic)));
+    });
+    return () => {
+      stop();
+      cancelAnimationFrame(frame);
+    };
+  }, [topic]);
+  // biome-ignore lint/a11y/noAriaHiddenOnFocusable: the keyboard does not reach a canvas without tabIndex
+  return <canvas ref={host} class="sparkline" aria-hidden="true" />;
+}
+
+function draw(context: CanvasRenderingContext2D, ring: RateRing): void {
+  const highest = ring.highest();
+  context.clearRect(0, 0, WIDTH_PX, HEIGHT_PX);
+  // The style sheet's colour of the canvas, which follows the light or dark setting.
+  context.strokeStyle = getComputedStyle(context.canvas).color;
+  context.lineWidth = 1.5;
+  context.beginPath();
+  let isDown = false;
+  for (let age = 0; age < RING_LENGTH; age++) {
+    const rate = ring.at(age);
+    const [x, y] = [(age / (RING_LENGTH - 1)) * WIDTH_PX, HEIGHT_PX - 2 - (rate / highest) * (HEIGHT_PX - 4)];
+    if (Number.isNaN(rate)) isDown = false;
+    else if (isDown) context.lineTo(x, y);
+    else {
+      context.moveTo(x, y);
+      isDown = true;
+    }
+  }
+  context.stroke();
+}
