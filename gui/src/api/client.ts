@@ -3,8 +3,11 @@
 import { sentence } from "../ui/numbers";
 import type { Draft, Problem, Routes } from "./types";
 
+/** What cannot be done, in words for a person. */
+export class Refused extends Error {}
+
 /** What the server refused, or that it did not answer (status 0). */
-export class ApiError extends Error {
+export class ApiError extends Refused {
   constructor(
     readonly status: number,
     readonly problem: Problem,
@@ -128,13 +131,13 @@ async function send(method: string, path: string, body: unknown, how: RequestIni
   }
 }
 
-/** What the server says when it refuses; anything else is a bug and goes on. */
+/** Why something is refused, in words; anything else is a bug and goes on. */
 export function refusal(error: unknown): string {
-  if (!(error instanceof ApiError)) throw error;
+  if (!(error instanceof Refused)) throw error;
   return error.message;
 }
 
-/** Does work; what the server refused of it, empty where it is done. */
+/** Does work; why it was refused, empty where it is done. */
 export async function refusalOf(work: () => Promise<unknown>): Promise<string> {
   try {
     await work();

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useId, useState } from "preact/hooks";
-import { type Api, ApiError, refusal, refusalOf } from "../api/client";
+import { type Api, Refused, refusalOf } from "../api/client";
 import type { FileAnswer, Project } from "../api/types";
 import { FileLists } from "../panels/file_lists";
 import { ownProfile } from "../panels/profile_choice";
@@ -10,9 +10,9 @@ import { RECIPES } from "../recipes/recipes";
 import { NEW_PROFILE, type Route, toRoute } from "../route";
 import { Button } from "../ui/button";
 import { NeedsServer, RobotState } from "../ui/connection";
-import { FormDialog } from "../ui/dialog";
-import { FileProblem, fileText, useDroppedFile } from "../ui/files";
-import { Notice, Problem } from "../ui/notice";
+import { FormDialog, typedName } from "../ui/dialog";
+import { fileText, useDroppedFile } from "../ui/files";
+import { Notice } from "../ui/notice";
 import { counted } from "../ui/numbers";
 import type { PageProps } from "./page_props";
 
@@ -34,8 +34,8 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
   const last = deleted.value.at(-1);
   const before = deleted.value.length - 1;
   const take = async (file: File) => {
-    try {
-      if (/\.bag$/.test(file.name)) throw new FileProblem(ros1Words(file.name));
+    const why = await refusalOf(async () => {
+      if (/\.bag$/.test(file.name)) throw new Refused(ros1Words(file.name));
       if (/\.(mcap|db3)$/.test(file.name)) {
         setDoing(`Copying ${file.name} into ${project.root_name} …`);
         const added = await api.addRecording(file);
@@ -44,17 +44,14 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
       }
       const { name, text } = await fileText(file);
       if (project.files.some((each) => each.name === name)) {
-        throw new FileProblem(`${project.root_name} has a ${name} already: choose another name`);
+        throw new Refused(`${project.root_name} has a ${name} already: choose another name`);
       }
       await api.save(name, text, null);
       await refresh();
       toRoute({ page: name.endsWith(".toml") ? "topics" : "rules", name });
-    } catch (error) {
-      if (!(error instanceof ApiError || error instanceof FileProblem)) throw error;
-      setRefused(error.message);
-    } finally {
-      setDoing("");
-    }
+    });
+    if (why !== "") setRefused(why);
+    setDoing("");
   };
   useDroppedFile((file) => void take(file));
   const bringBack = async (file: FileAnswer) => {
@@ -191,12 +188,11 @@ interface SavesProps {
 /** Whether changes are saved without being asked: a setting of the project. */
 function SavesByItself({ api, project, onSet, onRefused }: SavesProps) {
   const set = async (isWanted: boolean) => {
-    try {
+    const why = await refusalOf(async () => {
       await api.ask("PUT /api/project/settings", { saves_by_itself: isWanted });
       await onSet();
-    } catch (error) {
-      onRefused(refusal(error));
-    }
+    });
+    if (why !== "") onRefused(why);
   };
   return (
     <NeedsServer changes>
@@ -217,20 +213,13 @@ function aboutOf(recipe: string): string {
 }
 
 function NewRules(props: Pick<PageProps, "api" | "refresh" | "project"> & { recipe: string; onClose: () => void }) {
-  const [problem, setProblem] = useState("");
   const [about, setAbout] = useState(aboutOf(props.recipe));
   const create = async (form: FormData) => {
-    const name = String(form.get("name"))
-      .trim()
-      .replace(/(\.adirf)?$/, ".adirf");
-    setProblem(
-      await refusalOf(async () => {
-        const recipe = RECIPES.find(({ title }) => title === form.get("recipe"));
-        await props.api.save(name, recipe?.text ?? EMPTY_RULES, null);
-        await props.refresh();
-        toRoute({ page: "rules", name });
-      }),
-    );
+    const name = typedName(form, ".adirf");
+    const recipe = RECIPES.find(({ title }) => title === form.get("recipe"));
+    await props.api.save(name, recipe?.text ?? EMPTY_RULES, null);
+    await props.refresh();
+    toRoute({ page: "rules", name });
   };
   return (
     <FormDialog title="New Rule File" submit="Create" onSubmit={create} onClose={props.onClose}>
@@ -251,7 +240,6 @@ function NewRules(props: Pick<PageProps, "api" | "refresh" | "project"> & { reci
       </label>
       {about && <p>{about}</p>}
       <p class="quiet">It is created in {props.project.root_name}; a / in the name puts it into a folder.</p>
-      <Problem text={problem} />
     </FormDialog>
   );
 }

@@ -13,7 +13,7 @@ import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/connection";
 import { FormDialog } from "../ui/dialog";
 import { Header } from "../ui/header";
-import { Notice, Problem, WorkProgress } from "../ui/notice";
+import { Notice, WorkProgress } from "../ui/notice";
 import { counted, moment, NS_PER_MS, sizeWords } from "../ui/numbers";
 import type { PageProps } from "./page_props";
 
@@ -184,15 +184,8 @@ interface DeleteDialogProps {
 
 /** Asks before an incident is deleted, and says what is lost. */
 function DeleteDialog({ api, name, size_bytes, lost, onDeleted, onClose }: DeleteDialogProps) {
-  const [problem, setProblem] = useState("");
   const size = sizeWords(size_bytes / 1000);
-  const remove = async () => {
-    setProblem(
-      await refusalOf(async () => {
-        onDeleted(await api.ask("POST /api/incident/delete", { name }));
-      }),
-    );
-  };
+  const remove = async () => onDeleted(await api.ask("POST /api/incident/delete", { name }));
   return (
     <FormDialog title="Delete this incident?" submit="Delete" onSubmit={remove} onClose={onClose}>
       {lost === null ? (
@@ -205,7 +198,6 @@ function DeleteDialog({ api, name, size_bytes, lost, onDeleted, onClose }: Delet
       )}
       <p class="path">{name}</p>
       <p>The folder is deleted from the disk and cannot be had back.</p>
-      <Problem text={problem} />
     </FormDialog>
   );
 }

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from "preact/hooks";
-import { type Api, refusal, refusalOf } from "../api/client";
+import { type Api, refusalOf } from "../api/client";
 import type { FileAnswer, FileKind, FoundFile, Project } from "../api/types";
 import { href, type Route } from "../route";
 import type { OpenEditors } from "../state/open_editors";
 import { followersOf } from "../state/robot_trouble";
 import { Button } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
-import { FormDialog } from "../ui/dialog";
-import { Breakable, Problem } from "../ui/notice";
+import { FormDialog, typedName } from "../ui/dialog";
+import { Breakable } from "../ui/notice";
 import { ago, moment } from "../ui/numbers";
 
 interface Props extends FileActsProps {
@@ -175,13 +175,12 @@ function FileActs(props: FileActsProps & { name: string }) {
   const [isOpen, setIsOpen] = useState(false);
   const [asked, setAsked] = useState<Asked>(null);
   const remove = async () => {
-    try {
+    const why = await refusalOf(async () => {
       const file = await api.read(name);
       await api.ask("POST /api/file/delete", { name, base_hash: file.hash });
       onDeleted(file);
-    } catch (error) {
-      onRefused(refusal(error));
-    }
+    });
+    if (why !== "") onRefused(why);
     await refresh();
   };
   return (
@@ -211,24 +210,20 @@ function FileActs(props: FileActsProps & { name: string }) {
 /** Asks for a name, for a copy or for the file itself. */
 function NameDialog(props: FileActsProps & { name: string; isCopy: boolean; onClose: () => void }) {
   const { api, name, isCopy, project, refresh, onClose } = props;
-  const [problem, setProblem] = useState("");
   const followers = followersOf(name, useRobot().robots.value?.robots ?? []);
   const ending = name.slice(name.lastIndexOf("."));
   const call = async (form: FormData) => {
-    const typed = String(form.get("name")).trim();
-    const wanted = typed.endsWith(ending) ? typed : typed + ending;
-    setProblem(
-      await refusalOf(async () => {
-        const asked = { name, new_name: wanted };
-        if (isCopy) await api.ask("POST /api/file/copy", asked);
-        else if (wanted !== name) {
-          const { hash } = await api.read(name);
-          await api.ask("POST /api/file/rename", { ...asked, base_hash: hash });
-        }
-        onClose();
-      }),
-    );
-    await refresh();
+    const asked = { name, new_name: typedName(form, ending) };
+    try {
+      if (isCopy) await api.ask("POST /api/file/copy", asked);
+      else if (asked.new_name !== name) {
+        const { hash } = await api.read(name);
+        await api.ask("POST /api/file/rename", { ...asked, base_hash: hash });
+      }
+      onClose();
+    } finally {
+      await refresh();
+    }
   };
   return (
     <FormDialog
@@ -254,7 +249,6 @@ function NameDialog(props: FileActsProps & { name: string; isCopy: boolean; onCl
           this name, and will not find it under another one.
         </p>
       )}
-      <Problem text={problem} />
     </FormDialog>
   );
 }

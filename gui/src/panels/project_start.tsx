@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import { type Api, refusalOf } from "../api/client";
+import { type Api, Refused, refusalOf } from "../api/client";
 import type { Project } from "../api/types";
 import { toRoute } from "../route";
 import { layoutName, PLAIN_GRID, writeLayout } from "../state/layout";
-import { FormDialog } from "../ui/dialog";
-import { Problem } from "../ui/notice";
+import { FormDialog, typedName } from "../ui/dialog";
 import { counted, durationWords } from "../ui/numbers";
 import { ownProfile } from "./profile_choice";
 
@@ -85,32 +84,30 @@ interface Found {
 function StartDialog({ api, project, refresh, origin, onClose }: Props & { origin: Origin; onClose: () => void }) {
   const [found, setFound] = useState<Found | null>(null);
   const [problem, setProblem] = useState("");
-  const guarded = async (work: () => Promise<unknown>) => {
-    setProblem(await refusalOf(work));
+  const read = async () => {
+    setProblem(await refusalOf(async () => setFound(await origin.read())));
   };
-  useEffect(() => void guarded(async () => setFound(await origin.read())), []);
+  useEffect(() => void read(), []);
   const create = async (form: FormData) => {
     if (found === null) return;
-    const typed = String(form.get("name")).trim();
-    const name = typed.replace(/(\.adirf)?$/, ".adirf");
+    const name = typedName(form, ".adirf");
     const wanted = (what: string) => form.get(what) !== null;
     const taken = [name, ...(wanted("sizes") ? [ownProfile(name)] : [])].find((one) => isThere(project, one));
-    if (taken !== undefined) return setProblem(`${taken} exists already: choose another name`);
-    await guarded(async () => {
-      // Measured first: what cannot be read leaves nothing behind.
-      const sizes = wanted("sizes") ? await found.profile() : null;
-      await api.save(name, wanted("defaults") ? found.rules_text : "begin\nend\n", null);
-      if (sizes !== null) await api.save(ownProfile(name), sizes, null);
-      if (wanted("path")) await writeLayout(api, layoutName(name), { ...PLAIN_GRID, bag: origin.bag }, null);
-      await refresh();
-      toRoute({ page: "rules", name });
-    });
+    if (taken !== undefined) throw new Refused(`${taken} exists already: choose another name`);
+    // Measured first: what cannot be read leaves nothing behind.
+    const sizes = wanted("sizes") ? await found.profile() : null;
+    await api.save(name, wanted("defaults") ? found.rules_text : "begin\nend\n", null);
+    if (sizes !== null) await api.save(ownProfile(name), sizes, null);
+    if (wanted("path")) await writeLayout(api, layoutName(name), { ...PLAIN_GRID, bag: origin.bag }, null);
+    await refresh();
+    toRoute({ page: "rules", name });
   };
   return (
     <FormDialog
       title={`Start from ${origin.title}`}
       submit="Create"
       canSubmit={found !== null}
+      problem={problem}
       onSubmit={create}
       onClose={onClose}
     >
@@ -124,7 +121,6 @@ function StartDialog({ api, project, refresh, origin, onClose }: Props & { origi
         <Choice name="sizes" label="Measure sizes" note="topic parameters, in a profile of the same name" />
         {origin.bag !== null && <Choice name="path" label="Show the path" note="below the zones on the map" />}
       </div>
-      <Problem text={problem} />
     </FormDialog>
   );
 }

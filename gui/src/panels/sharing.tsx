@@ -3,13 +3,13 @@
 import { batch, computed, type Signal, signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { type Api, ApiError, refusalOf, type TextFile } from "../api/client";
+import { type Api, refusalOf, type TextFile } from "../api/client";
 import type { EditAnswer, ImportConflict, ImportPreview, PlacedFinding, Project, Statement } from "../api/types";
 import { statementTitle } from "../blocks/rule_words";
 import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
 import { FormDialog } from "../ui/dialog";
-import { download, FileProblem, fileText, useDroppedFile } from "../ui/files";
+import { download, fileText, useDroppedFile } from "../ui/files";
 import { Problem } from "../ui/notice";
 
 export type Sharing = "import" | "export" | null;
@@ -168,15 +168,10 @@ function ExportDialog({ editor, api, onClose }: { editor: RuleEditor; api: Api; 
   const [rules] = useState(editor.rules);
   const [{ statements, broken }] = useState(() => offered(editor));
   const [chosen, setChosen] = useState<ReadonlySet<string>>(() => pointedAt(editor, broken));
-  const [problem, setProblem] = useState("");
   const save = async () => {
-    setProblem(
-      await refusalOf(async () => {
-        const { text } = await api.ask("POST /api/export", { text: rules.text, name: rules.name, ids: [...chosen] });
-        download(fileName(rules.name), text);
-        onClose();
-      }),
-    );
+    const { text } = await api.ask("POST /api/export", { text: rules.text, name: rules.name, ids: [...chosen] });
+    download(fileName(rules.name), text);
+    onClose();
   };
   return (
     <FormDialog
@@ -195,7 +190,6 @@ function ExportDialog({ editor, api, onClose }: { editor: RuleEditor; api: Api; 
         onChoose={setChosen}
         problem={(statement) => broken.get(idOf(statement)) ?? null}
       />
-      <Problem text={problem} />
     </FormDialog>
   );
 }
@@ -389,12 +383,8 @@ export class ImportDraft {
   }
 
   private async try(work: () => Promise<void>): Promise<void> {
-    try {
-      await work();
-    } catch (error) {
-      if (!(error instanceof ApiError || error instanceof FileProblem)) throw error;
-      this.problem.value = error.message;
-    }
+    const why = await refusalOf(work);
+    if (why !== "") this.problem.value = why;
   }
 }
 

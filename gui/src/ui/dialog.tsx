@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { ComponentChildren } from "preact";
-import { useLayoutEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
+import { refusalOf } from "../api/client";
 import { Button } from "./button";
+import { Problem } from "./notice";
 
-/** A modal form. The browser's own dialog keeps the focus inside and closes on Escape. */
+/** A modal form that says why it was refused. The browser's own dialog keeps the focus inside and closes on Escape. */
 export function FormDialog(props: {
   title: string;
   submit: string;
@@ -12,11 +14,17 @@ export function FormDialog(props: {
   canSubmit?: boolean;
   /** Whether there is nothing to cancel. */
   isNotice?: boolean;
+  /** What was refused besides. */
+  problem?: string;
   onSubmit: (form: FormData) => unknown;
   onClose: () => void;
   children: ComponentChildren;
 }) {
   const dialog = useRef<HTMLDialogElement>(null);
+  const [refused, setRefused] = useState("");
+  const submit = async (form: FormData) => {
+    setRefused(await refusalOf(async () => props.onSubmit(form)));
+  };
   // At once, so that the next key is the field's.
   useLayoutEffect(() => {
     const shown = dialog.current;
@@ -32,11 +40,12 @@ export function FormDialog(props: {
       <form
         onSubmit={(event) => {
           event.preventDefault();
-          void props.onSubmit(new FormData(event.currentTarget));
+          void submit(new FormData(event.currentTarget));
         }}
       >
         <h2>{props.title}</h2>
         {props.children}
+        <Problem text={props.problem || refused} />
         <div class="row end">
           {!props.isNotice && <Button label="Cancel" onClick={() => dialog.current?.close()} />}
           <button type="submit" class="primary" disabled={props.canSubmit === false}>
@@ -46,6 +55,12 @@ export function FormDialog(props: {
       </form>
     </dialog>
   );
+}
+
+/** The name that somebody typed, with the ending of such files. */
+export function typedName(form: FormData, ending: string): string {
+  const typed = String(form.get("name")).trim();
+  return typed.endsWith(ending) ? typed : typed + ending;
 }
 
 /** Gives the focus to the page where nothing has it, once it shows what comes next. */

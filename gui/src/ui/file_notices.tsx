@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import { type Api, ApiError, refusal } from "../api/client";
+import { type Api, Refused, refusal, refusalOf } from "../api/client";
 import { type Conflict, isStatus, type OpenFile } from "../state/open_file";
 import { Button } from "./button";
 import { NeedsServer, useRobot } from "./connection";
-import { FormDialog } from "./dialog";
+import { FormDialog, typedName } from "./dialog";
 import { DifferenceWords, TextComparison } from "./difference_words";
-import { Notice, Problem } from "./notice";
+import { Notice } from "./notice";
 
 interface Props {
   api: Api;
@@ -25,18 +25,15 @@ export function ConflictDialog(props: Props) {
 function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflict }) {
   const [problem, setProblem] = useState("");
   const ending = file.name.slice(file.name.lastIndexOf("."));
-  const guarded = async (work: () => Promise<unknown>, where = file.name) => {
-    try {
-      await work();
-    } catch (error) {
-      if (!(error instanceof ApiError)) throw error;
-      setProblem(isStatus(error, 409) ? `${where} exists already: choose another name` : error.message);
-    }
+  const guarded = async (work: () => Promise<unknown>) => {
+    setProblem(await refusalOf(work));
   };
-  const saveAs = (form: FormData) => {
-    const typed = String(form.get("name")).trim();
-    const name = typed.endsWith(ending) ? typed : `${typed}${ending}`;
-    return guarded(() => file.saveAs(name).then(() => onSavedAs(name)), name);
+  const saveAs = async (form: FormData) => {
+    const name = typedName(form, ending);
+    await file.saveAs(name).catch((error: unknown) => {
+      throw isStatus(error, 409) ? new Refused(`${name} exists already: choose another name`) : error;
+    });
+    await onSavedAs(name);
   };
   const isGone = conflict.theirs === null;
   return (
@@ -45,6 +42,7 @@ function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflic
       submit="Save as"
       isWide
       canSubmit={!useRobot().onlyWatches.value}
+      problem={problem}
       onSubmit={saveAs}
       onClose={() => (file.conflict.value = null)}
     >
@@ -76,7 +74,6 @@ function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflic
         {isGone ? "Or save yours under another name" : "Or keep both, yours under another name"}
         <input name="name" required autocomplete="off" placeholder={`mine${ending}`} />
       </label>
-      <Problem text={problem} />
     </FormDialog>
   );
 }
