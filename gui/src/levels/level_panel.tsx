@@ -8,6 +8,7 @@ import type { ProfileEditor } from "../state/profile_editor";
 import { ACCURACY_UNITS, type DraftRow, isNumber, keysOf, type Six, sixOf, toNumber } from "../state/topic_rows";
 import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
+import { useAnswer } from "../ui/later";
 import { WorkProgress } from "../ui/notice";
 import { AccuracyTables, CurveTable, needOf } from "./curve_tables";
 import { boundsIn, moved, RATES, stopped } from "./level_axis";
@@ -60,19 +61,16 @@ export function LevelPanel({ editor, api, bags }: { editor: ProfileEditor; api: 
 
 /** What the server knows to be in messages of each topic of the table. */
 function useKnown(editor: ProfileEditor, api: Api, rows: readonly DraftRow[]): ReadonlyMap<string, Set<string>> {
-  const [known, setKnown] = useState<ReadonlyMap<string, Set<string>>>(new Map());
-  const ask = async () => {
-    try {
-      const { topics } = await api.ask("POST /api/vocabulary", { text: "", profile_text: editor.typesText });
-      setKnown(new Map(topics.map((each) => [each.topic, new Set(each.bounds.map(({ name }) => name))])));
-    } catch (error) {
-      // Nothing is known then, and the levels of rates are all there is.
-      refusal(error);
-    }
-  };
   const types = rows.map((row) => row.type).join(" ");
-  useEffect(() => void ask(), [types, editor.isSaved.value]);
-  return known;
+  const { answer } = useAnswer(
+    () => api.ask("POST /api/vocabulary", { text: "", profile_text: editor.typesText }),
+    [types, editor.isSaved.value],
+  );
+  // Without an answer the levels of rates are all there is.
+  return useMemo(
+    () => new Map(answer?.topics.map(({ topic, bounds }) => [topic, new Set(bounds.map(({ name }) => name))])),
+    [answer],
+  );
 }
 
 /** The six rates of a topic's levels on what each rate loses: dragged, moved by keys, or proposed. */

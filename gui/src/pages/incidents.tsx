@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { type Api, refusalOf } from "../api/client";
+import type { Api } from "../api/client";
 import type { IncidentAnswer, IncidentCourse, IncidentRecord, IncidentsAnswer, ListedIncident } from "../api/types";
 import { CourseView, IncidentFacts, RecordedTopics, useRuleGround } from "../incidents/incident";
 import { IncidentTable } from "../incidents/incident_table";
@@ -13,6 +13,7 @@ import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/connection";
 import { FormDialog } from "../ui/dialog";
 import { Header } from "../ui/header";
+import { useAnswer } from "../ui/later";
 import { Notice, WorkProgress } from "../ui/notice";
 import { counted, moment, NS_PER_MS, sizeWords } from "../ui/numbers";
 import type { PageProps } from "./page_props";
@@ -25,7 +26,7 @@ export function IncidentsPage({ api, project, name }: PageProps) {
 }
 
 function AllIncidents({ api, root }: { api: Api; root: string }) {
-  const [found, read, problem, setFound] = useAnswer<IncidentsAnswer>(() => api.ask("GET /api/incidents", null));
+  const { answer: found, problem, again: read, take } = useAnswer(() => api.ask("GET /api/incidents", null));
   const robots = useMemo(() => new RobotIncidents(api, () => void read()), []);
   useEffect(() => robots.open(), []);
   const [removed, setRemoved] = useState<ListedIncident | null>(null);
@@ -57,7 +58,7 @@ function AllIncidents({ api, root }: { api: Api; root: string }) {
           size_bytes={removed.size_bytes}
           lost={removed.incident && { ...removed.incident, title: removed.incident.label }}
           onDeleted={(left) => {
-            setFound(left);
+            take(left);
             void robots.ask();
             setRemoved(null);
           }}
@@ -103,7 +104,7 @@ function HowToGetSome({ root }: { root: string }) {
 }
 
 function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
-  const [incident, read, problem] = useAnswer<IncidentAnswer>(() => api.ask("POST /api/incident", { name }));
+  const { answer: incident, problem, again: read } = useAnswer(() => api.ask("POST /api/incident", { name }));
   const course = useMemo(() => new BagWork<IncidentCourse>(), []);
   const [isAsked, setAsked] = useState(false);
   useEffect(() => {
@@ -159,17 +160,6 @@ interface CourseProps {
 
 function Course({ api, incident, course }: CourseProps) {
   return <CourseView course={course} ground={useRuleGround(api, incident)} />;
-}
-
-/** What the server answers, how to ask it again, why it did not, and how to have another answer. */
-function useAnswer<T>(ask: () => Promise<T>): [T | null, () => Promise<void>, string, (answer: T) => void] {
-  const [answer, setAnswer] = useState<T | null>(null);
-  const [problem, setProblem] = useState("");
-  const read = async () => {
-    setProblem(await refusalOf(async () => setAnswer(await ask())));
-  };
-  useEffect(() => void read(), []);
-  return [answer, read, problem, setAnswer];
 }
 
 interface DeleteDialogProps {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { type Api, refusal, refusalOf } from "../api/client";
+import { type Api, refusalOf } from "../api/client";
 import { LevelPanel } from "../levels/level_panel";
 import { TopicTable } from "../panels/topic_table";
 import { href, toRoute } from "../route";
@@ -14,6 +14,7 @@ import { NeedsServer, useReturn, useRobot } from "../ui/connection";
 import { FormDialog } from "../ui/dialog";
 import { ConflictDialog, DiskNotice, RestoredNotice, useDiskLooks } from "../ui/file_notices";
 import { Header } from "../ui/header";
+import { useAnswer } from "../ui/later";
 import { Notice, Toast } from "../ui/notice";
 import { useUndoKeys } from "../ui/watch";
 import type { PageProps } from "./page_props";
@@ -170,22 +171,13 @@ interface Props {
 
 /** The way back to the rules, and a row for each topic of them that the table lacks; a new table begins with those. */
 function RulesTopics({ api, editors, editor, rules }: Props) {
-  const [topics, setTopics] = useState<readonly string[]>([]);
-  const [problem, setProblem] = useState("");
+  const { answer: topics, problem } = useAnswer(() => topicsOf(api, editors, rules));
   useEffect(() => {
-    topicsOf(api, editors, rules).then(
-      (found) => {
-        setTopics(found);
-        const isEmpty = editor.rows.peek().every((row) => row.topic.trim() === "");
-        if (editor.isNew.peek() && editor.isSaved.peek() && isEmpty && found.length > 0) editor.begin(found);
-      },
-      (error: unknown) => {
-        setProblem(refusal(error));
-      },
-    );
-  }, []);
+    const isEmpty = editor.rows.peek().every((row) => row.topic.trim() === "");
+    if (editor.isNew.peek() && editor.isSaved.peek() && isEmpty && topics?.length) editor.begin(topics);
+  }, [topics]);
   const known = new Set(editor.rows.value.map((row) => row.topic.trim()));
-  const missing = topics.filter((topic) => !known.has(topic));
+  const missing = (topics ?? []).filter((topic) => !known.has(topic));
   return (
     <div class="row">
       <a href={href({ page: "rules", name: rules })}>Back to {rules}</a>

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useState } from "preact/hooks";
-import { type Api, Refused, refusalOf } from "../api/client";
+import { type Api, Refused } from "../api/client";
 import type { Project } from "../api/types";
 import { toRoute } from "../route";
 import { layoutName, PLAIN_GRID, writeLayout } from "../state/layout";
 import { FormDialog, typedName } from "../ui/dialog";
+import { useAnswer } from "../ui/later";
 import { counted, durationWords } from "../ui/numbers";
 import { ownProfile } from "./profile_choice";
 
@@ -82,12 +82,7 @@ interface Found {
 }
 
 function StartDialog({ api, project, refresh, origin, onClose }: Props & { origin: Origin; onClose: () => void }) {
-  const [found, setFound] = useState<Found | null>(null);
-  const [problem, setProblem] = useState("");
-  const read = async () => {
-    setProblem(await refusalOf(async () => setFound(await origin.read())));
-  };
-  useEffect(() => void read(), []);
+  const { answer: found, problem } = useAnswer(() => origin.read());
   const create = async (form: FormData) => {
     if (found === null) return;
     const name = typedName(form, ".adirf");

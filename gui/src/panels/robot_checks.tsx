@@ -7,8 +7,9 @@ import type { RobotCheck, RobotChecksAnswer, RobotCheckValues } from "../api/typ
 import { holdsWords, Timeline, truthAt } from "../state/timeline";
 import { CheckChart, OtherThreshold, RuleStates } from "../try/check_chart";
 import { Choice } from "../ui/choice";
-import { useAsked } from "../ui/later";
+import { useAnswer } from "../ui/later";
 import { clock, durationWords } from "../ui/numbers";
+import { ASK_EVERY_MS } from "./robot_view";
 
 const WINDOWS_S = [600, 3600] as const;
 
@@ -27,9 +28,10 @@ export function RobotChecks({ api, node, propose }: Props) {
   const [windowS, setWindow] = useState<number>(WINDOWS_S[0]);
   const [chosen, setChosen] = useState<string>("");
   const [number, setNumber] = useState<number | null>(null);
-  const answer = useAsked(
+  const { answer } = useAnswer(
     () => api.ask("POST /api/robot/checks", { node, window_s: windowS, check: number }),
     [node, windowS, number],
+    { of: node, everyMs: ASK_EVERY_MS },
   );
   const timeline = useMemo(() => nowAtTheEnd(windowS), [windowS]);
   const checks = answer?.checks ?? [];

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { effect } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Api } from "../api/client";
@@ -10,7 +9,7 @@ import type { MapView } from "../map/map_view";
 import { type RateRing, RING_LENGTH, type RobotLink } from "../state/robot_link";
 import { duration, linkWords } from "../state/robot_trouble";
 import { ColumnHeads } from "../ui/data_table";
-import { useAsked } from "../ui/later";
+import { useAnswer } from "../ui/later";
 import { clock, fixed, readable } from "../ui/numbers";
 
 /** Every relayed topic of a robot as it is now. */
@@ -165,11 +164,16 @@ function Figure({ name, value, isTroubled }: { name: string; value: string; isTr
   );
 }
 
+/** How often the server is asked what it heard of a robot. */
+export const ASK_EVERY_MS = 2000;
 const EVENT_COLUMNS = ["At", "What", "Was", "Became", "Because of"];
 
 /** What the server heard of a robot within the last hour: where it went, and what changed. */
 export function RobotHistory({ api, node }: { api: Api; node: string }) {
-  const history = useAsked(() => api.ask("POST /api/robot/history", { node }), [node]);
+  const { answer: history } = useAnswer(() => api.ask("POST /api/robot/history", { node }), [node], {
+    of: node,
+    everyMs: ASK_EVERY_MS,
+  });
   if (history === null) return null;
   return (
     <section class="robot-history" aria-label="Last hour">

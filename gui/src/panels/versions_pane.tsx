@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useSignal } from "@preact/signals";
 import { type Api, refusalOf } from "../api/client";
-import type { RuleVersion, VersionsAnswer } from "../api/types";
+import type { RuleVersion } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
 import { NeedsServer, useReturn } from "../ui/connection";
 import { DifferenceWords, TextComparison } from "../ui/difference_words";
+import { useAnswer } from "../ui/later";
 import { Problem } from "../ui/notice";
 import { moment } from "../ui/numbers";
 
@@ -15,21 +15,15 @@ const SHOWN_CHANGES = 5;
 
 /** What was saved of the rule file: when, what changed in words, and the way back. */
 export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) {
-  const list = useSignal<VersionsAnswer | null>(null);
-  const problem = useSignal("");
+  // Each save makes a version.
+  const { answer, problem, again } = useAnswer(() => api.versions(editor.name), [editor.savedContent.value]);
+  useReturn(again);
+  const refused = useSignal("");
   /** The version that is compared with what is open, and its text. */
   const compared = useSignal<{ id: string; text: string } | null>(null);
   const guarded = async (work: () => Promise<unknown>) => {
-    problem.value = await refusalOf(work);
+    refused.value = await refusalOf(work);
   };
-  const read = () => guarded(async () => (list.value = await api.versions(editor.name)));
-  // Each save makes a version.
-  useSignalEffect(() => {
-    void editor.savedContent.value;
-    void read();
-  });
-  useReturn(read);
-  useEffect(() => () => (compared.value = null), []);
   const textOf = async (id: string) => (await api.ask("POST /api/version", { name: editor.name, id })).text;
   const compare = (id: string) =>
     guarded(async () => (compared.value = compared.peek()?.id === id ? null : { id, text: await textOf(id) }));
@@ -43,11 +37,11 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
       await editor.setText(text);
       await editor.save();
     });
-  if (list.value === null) return <p class="quiet versions-pane">{problem.value || "Reading the versions …"}</p>;
-  const { versions, most, folder } = list.value;
+  if (answer === null) return <p class="quiet versions-pane">{problem || "Reading the versions …"}</p>;
+  const { versions, most, folder } = answer;
   return (
     <section class="versions-pane" aria-label="Versions">
-      <Problem text={problem.value} />
+      <Problem text={problem || refused.value} />
       {versions.length === 0 && <p class="quiet">None yet: each save of this file keeps one.</p>}
       <ol class="version-list">
         {versions.map((version, index) => (

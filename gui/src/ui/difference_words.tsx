@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useState } from "preact/hooks";
-import { type Api, refusal } from "../api/client";
+import type { Api } from "../api/client";
 import type { DifferenceAnswer } from "../api/types";
 import { differingLines } from "../text/difference";
+import { useAnswer } from "./later";
 
 interface Props {
   api: Api;
@@ -15,19 +15,12 @@ interface Props {
 
 /** What a robot does otherwise with the new text of a rule file, in sentences. */
 export function DifferenceWords({ api, title, oldText, newText }: Props) {
-  const [answer, setAnswer] = useState<DifferenceAnswer | { problem: string } | null>(null);
-  useEffect(() => {
-    let isAsked = true;
-    const show = (found: typeof answer) => isAsked && setAnswer(found);
-    api.ask("POST /api/difference", { old_text: oldText, new_text: newText }).then(show, (error: unknown) => {
-      show({ problem: refusal(error) });
-    });
-    return () => {
-      isAsked = false;
-    };
-  }, [oldText, newText]);
+  const { answer, problem } = useAnswer(
+    () => api.ask("POST /api/difference", { old_text: oldText, new_text: newText }),
+    [oldText, newText],
+  );
+  if (problem) return <p class="problem">{problem}</p>;
   if (answer === null) return null;
-  if ("problem" in answer) return <p class="problem">{answer.problem}</p>;
   return (
     <div>
       {answer.differences.length > 0 && <p>{title}</p>}

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { ComponentType } from "preact";
-import { useEffect, useState } from "preact/hooks";
-import { refusal } from "../api/client";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { refusalOf } from "../api/client";
 import { useRobot } from "./connection";
 
 /** A component that is loaded when it is shown first, or before that. */
@@ -31,29 +31,43 @@ export function useLoaded<T>(load: () => Promise<T>, known: T | null = null): T 
   return loaded;
 }
 
-const ASK_EVERY_MS = 2000;
+/** An answer of the server, why there is none, how to ask again, and how to have another answer. */
+interface Answered<T> {
+  answer: T | null;
+  problem: string;
+  again: () => Promise<void>;
+  take: (answer: T) => void;
+}
 
-/** What `ask` answers, anew every two seconds and when one of `about` changes; an older answer stays meanwhile. */
-export function useAsked<T>(ask: () => Promise<T>, about: readonly [string, ...unknown[]]): T | null {
-  const [answer, setAnswer] = useState<{ of: string; said: T } | null>(null);
-  const [of] = about;
+/**
+ * What `ask` answers, anew when one of `about` changes and, where that is given, `everyMs`; an older answer stays
+ * meanwhile, unless it is of another thing than `of`.
+ */
+export function useAnswer<T>(
+  ask: () => Promise<T>,
+  about: readonly unknown[] = [],
+  { of = "", everyMs }: { of?: string; everyMs?: number } = {},
+): Answered<T> {
+  const [found, setFound] = useState<{ of: string; answer: T } | null>(null);
+  const [problem, setProblem] = useState("");
+  const question = useRef({});
+  const take = (answer: T) => setFound({ of, answer });
+  const again = async () => {
+    const asked = question.current;
+    const isOld = () => asked !== question.current;
+    const why = await refusalOf(async () => {
+      const answer = await ask();
+      if (!isOld()) take(answer);
+    });
+    if (!isOld()) setProblem(why);
+  };
   useEffect(() => {
-    let isShown = true;
-    const look = async () => {
-      try {
-        const said = await ask();
-        if (isShown) setAnswer({ of, said });
-      } catch (error) {
-        // The server may be gone, and come back.
-        refusal(error);
-      }
-    };
-    void look();
-    const timer = window.setInterval(() => void look(), ASK_EVERY_MS);
+    void again();
+    const timer = everyMs === undefined ? undefined : setInterval(() => void again(), everyMs);
     return () => {
-      isShown = false;
-      window.clearInterval(timer);
+      question.current = {};
+      clearInterval(timer);
     };
   }, about);
-  return answer?.of === of ? answer.said : null;
+  return { answer: found?.of === of ? found.answer : null, problem, again, take };
 }
