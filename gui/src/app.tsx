@@ -43,7 +43,10 @@ export function App({ api }: { api: Api }) {
   const root = project?.root_hash;
   // Another folder behind the same address does not make it another tab: drafts are still its own.
   const tabs = useMemo(() => new OpenTabs(crypto.getRandomValues(new Uint32Array(4)).join("-")), []);
-  const editors = useMemo(() => (root === undefined ? null : openEditors(root, tabs)), [root]);
+  const editors = useMemo(() => {
+    if (root === undefined) return null;
+    return new OpenEditors(new Drafts(browserStorage(), root, tabs.own, () => tabs.others()));
+  }, [root]);
   const keepings = useMemo(() => new Keepings(api), []);
   useWindowEvent("beforeunload", (event) => {
     if (editors?.wouldLose) event.preventDefault();
@@ -119,11 +122,6 @@ function LostNotice({ lost }: { lost: Signal<Lost | null> }) {
   const { name, changes, why } = lost.value;
   const text = `${name}: what the blocks said did not come into the text: ${changes.join("; ")}. ${why}`;
   return <Notice kind="error" text={text} action={{ label: "Close", act: () => (lost.value = null) }} />;
-}
-
-/** The files of a project, with drafts in this browser. */
-function openEditors(project: string, tabs: OpenTabs): OpenEditors {
-  return new OpenEditors(new Drafts(browserStorage(), project, tabs.own, () => tabs.others()));
 }
 
 function useRoute(): Route {

@@ -75,6 +75,13 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
     Blockly.Blocks[type] = { init: define, ...more };
   };
 
+  const addElse = (block: Blockly.BlockSvg) => buttons.toggleElse(block);
+  const appendElseButton = (rule: Blockly.BlockSvg) =>
+    rule
+      .appendDummyInput("TAIL")
+      .appendField("else")
+      .appendField(button(PLUS, "Add ELSE", addElse), "ADD_ELSE");
+
   defineActionBlocks(suggest, buttons.remove);
   defineFolded(buttons.toggleFold);
 
@@ -144,12 +151,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
       this.appendStatementInput("IF").setCheck(CONDITION);
       appendAdders(this.appendDummyInput().appendField("THEN"), "THEN", "", buttons);
       this.appendStatementInput("THEN").setCheck(ACTION);
-      this.appendDummyInput("TAIL")
-        .appendField("else")
-        .appendField(
-          button(PLUS, "Add ELSE", (block) => buttons.toggleElse(block)),
-          "ADD_ELSE",
-        );
+      appendElseButton(this);
       this.setStyle("rule");
       this.setTooltip("While the condition holds, the rates under THEN are in force.");
     },
@@ -164,12 +166,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
           head.appendField(button(MINUS, "Remove ELSE", (block) => buttons.toggleElse(block)));
           this.appendStatementInput("ELSE").setCheck(ACTION);
         } else {
-          this.appendDummyInput("TAIL")
-            .appendField("else")
-            .appendField(
-              button(PLUS, "Add ELSE", (block) => buttons.toggleElse(block)),
-              "ADD_ELSE",
-            );
+          appendElseButton(this);
         }
       },
       isSwitchedOff(this: Blockly.BlockSvg) {

@@ -37,7 +37,7 @@ export class DrawnPart {
 
   /** The statements that are blocks. */
   get statements(): Statement[] {
-    return inPart(this.all, this.part);
+    return this.all.slice(this.part.first, this.part.first + this.part.count);
   }
 
   blockAt(index: number): Blockly.BlockSvg | null {
@@ -289,11 +289,6 @@ export function partAt(offsets: readonly number[], top: number, bottom: number):
 
 export function covers(part: Part, other: Part): boolean {
   return part.first <= other.first && other.first + other.count <= part.first + part.count;
-}
-
-/** The statements of a part. */
-function inPart<T>(all: readonly T[], { first, count }: Part): T[] {
-  return all.slice(first, first + count);
 }
 
 const CONDITIONS = new Set(["adirf_check", "adirf_all", "adirf_any", "adirf_not"]);

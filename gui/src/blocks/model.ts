@@ -9,7 +9,6 @@ import type {
   DurationValue,
   Operator,
   RuleStatement,
-  SetStatement,
   Statement,
   TimedCondition,
   TimeWord,
@@ -325,7 +324,7 @@ function toAction(block: Blockly.Block): Action | null {
   const text = (name: string) => String(block.getFieldValue(name));
   switch (block.type) {
     case "adirf_set":
-      return setStatement(block);
+      return { kind: "set", topic: text("TOPIC"), rate: parseRate(text("RATE")) ?? { kind: "full", value: null } };
     case "adirf_within":
       return {
         kind: "within",
@@ -344,11 +343,6 @@ function toAction(block: Blockly.Block): Action | null {
     default:
       return null;
   }
-}
-
-function setStatement(block: Blockly.Block): SetStatement {
-  const rate = parseRate(String(block.getFieldValue("RATE"))) ?? { kind: "full", value: null };
-  return { kind: "set", topic: String(block.getFieldValue("TOPIC")), rate };
 }
 
 /** The time that two fields of a block say. */

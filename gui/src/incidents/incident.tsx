@@ -134,9 +134,14 @@ function Latched({ record, topic }: { record: IncidentRecord; topic: string }) {
 
 /** What happened around the moment of an incident: one slider for the path and the rates of all topics. */
 export function CourseView({ course, ground }: { course: IncidentCourse; ground: Ground }) {
-  const timeline = useMemo(() => timelineOf(course), [course]);
-  const now = sinceMoment(timeline.time.value - course.trigger_s);
-  const dotsS = useMemo(() => [course.trigger_s], [course]);
+  const { trigger_s, topics } = course;
+  // Charts count from its moment, where the slider is at first.
+  const timeline = useMemo(
+    () => new Timeline(course, topics[0]?.hz_bins.length ?? 0, trigger_s, [trigger_s]),
+    [course],
+  );
+  const now = sinceMoment(timeline.time.value - trigger_s);
+  const dotsS = useMemo(() => [trigger_s], [course]);
   return (
     <section class="incident-course" aria-label="Around the moment">
       <h2>Around the moment</h2>
@@ -152,7 +157,7 @@ export function CourseView({ course, ground }: { course: IncidentCourse; ground:
             label="To the moment"
             class="small"
             disabled={now === "the moment"}
-            onClick={() => timeline.goTo(course.trigger_s)}
+            onClick={() => timeline.goTo(trigger_s)}
           />
         }
       />
@@ -170,7 +175,7 @@ export function CourseView({ course, ground }: { course: IncidentCourse; ground:
         )}
         <section class="try-column" aria-label="Rates">
           <h3>Messages a second (Hz); 0 s is the moment</h3>
-          {course.topics.map((topic) => (
+          {topics.map((topic) => (
             <TopicStrip key={topic.topic} {...{ timeline, topic }} />
           ))}
         </section>
@@ -180,12 +185,6 @@ export function CourseView({ course, ground }: { course: IncidentCourse; ground:
 }
 
 const NONE: readonly number[] = [];
-
-/** The time of an incident: charts count from its moment, where the slider is at first. */
-function timelineOf(course: IncidentCourse): Timeline {
-  const { trigger_s, topics } = course;
-  return new Timeline(course, topics[0]?.hz_bins.length ?? 0, trigger_s, [trigger_s]);
-}
 
 function TopicStrip({ timeline, topic }: { timeline: Timeline; topic: TopicRates }) {
   const lines = useMemo(() => ({ after: topic.hz_bins }), [topic]);

@@ -5,6 +5,7 @@ import { href } from "../route";
 import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/connection";
 import { ColumnHeads } from "../ui/data_table";
+import { baseName, folderOf } from "../ui/files";
 import { ago, counted, moment, NS_PER_MS, sizeWords } from "../ui/numbers";
 import { briefly, windowWords } from "./missing_words";
 
@@ -43,7 +44,7 @@ function IncidentRow({ name, incident }: { name: string; incident: RemoteInciden
       </th>
       <SummaryCells incident={incident} />
       <td data-label="Folder" class="path">
-        {folderOf(name)}
+        {folderWords(name)}
       </td>
     </tr>
   );
@@ -52,7 +53,7 @@ function IncidentRow({ name, incident }: { name: string; incident: RemoteInciden
 function BadRow({ one, remove }: { one: ListedIncident; remove: Remove }) {
   return (
     <tr class="silent">
-      <th scope="row">{one.name.slice(one.name.lastIndexOf("/") + 1)}</th>
+      <th scope="row">{baseName(one.name)}</th>
       <td data-label="Problem" colSpan={3}>
         <span class="trouble">Cannot be read: {one.problem}</span>
       </td>
@@ -63,14 +64,14 @@ function BadRow({ one, remove }: { one: ListedIncident; remove: Remove }) {
         </NeedsServer>
       </td>
       <td data-label="Folder" class="path">
-        {folderOf(one.name)}
+        {folderWords(one.name)}
       </td>
     </tr>
   );
 }
 
-function folderOf(name: string): string {
-  return name.includes("/") ? name.slice(0, name.lastIndexOf("/")) : "the project";
+function folderWords(name: string): string {
+  return folderOf(name).replace(/\/$/, "") || "the project";
 }
 
 /** What the rows of all incidents say after its name, here and on robots. */

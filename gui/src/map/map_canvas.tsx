@@ -10,14 +10,8 @@ import type { MapOwner, MapPicture, MapZone, Point } from "./shapes";
 /**
  * A map in metres with its buttons, the pointer's place and a scale bar; OpenLayers loads when it is first shown.
  *
- * What is shown comes as props: `picture` of the floor (null is a plain grid), `path`, `dots` and `zones`. What moves
- * often is set on the view that `opened` gets: `view.setRobot([x, y], heading_rad)` puts the robot somewhere,
- * `view.setRobot(null)` takes it away. It is asked again with `null` before the view goes. Without `owner` nothing on
- * the map can be chosen, dragged or drawn. The element fills its container, which needs a height:
- *
- *     const view = useRef<MapView | null>(null);
- *     <div class="my-map"><MapCanvas label="Path of the robot" path={path} opened={(map) => (view.current = map)} /></div>
- *     view.current?.setRobot([x, y]);
+ * What moves often, such as the robot, is set on the view that `opened` gets, which is null once the view is gone.
+ * Without `owner` nothing on the map can be chosen, dragged or drawn. It fills its container, which needs a height.
  */
 export function MapCanvas(props: {
   /** What a screen reader calls the map. */

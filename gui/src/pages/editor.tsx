@@ -13,18 +13,17 @@ import { SendDialog } from "../panels/rule_push_steps";
 import { type Side, SidePane } from "../panels/side_pane";
 import { toRoute } from "../route";
 import { browserStorage } from "../state/drafts";
-import { saveByItself } from "../state/open_file";
 import { ProfileRepair } from "../state/profile_repair";
 import { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { FileTries } from "../state/tries";
 import { type Tab, Tabs } from "../ui/choice";
 import { NeedsServer, useReturn, useRobot } from "../ui/connection";
-import { ConflictDialog, DiskNotice, RestoredNotice, useDiskLooks } from "../ui/file_notices";
+import { ConflictDialog, FileNotices, useOpenFile } from "../ui/file_notices";
 import { later } from "../ui/later";
 import { Notice, Toast } from "../ui/notice";
 import { FullScreen, FullScreenButton, PaneSizes, Splitter } from "../ui/panes";
-import { showOnNarrow, useUndoKeys } from "../ui/watch";
+import { showOnNarrow } from "../ui/watch";
 import type { PageProps } from "./page_props";
 
 const TryPanel = later(async () => (await import("../panels/try_panel")).TryPanel);
@@ -59,8 +58,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
   useEffect(() => {
     void open(editor, setState);
   }, []);
-  useUndoKeys(editor);
-  useDiskLooks(editor);
+  const savesByItself = useOpenFile(editor, project, (byItself) => editor.save(byItself));
   useReturn(() => {
     if (state === "open") return editor.revive();
     return state !== "opening" && open(editor, setState);
@@ -74,9 +72,6 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
   useEffect(() => {
     if (state === "open" && line !== undefined) editor.showLine(Number(line));
   }, [state]);
-  const { onlyWatches } = useRobot();
-  const savesByItself = project.saves_by_itself && state === "open" && !onlyWatches.value;
-  useEffect(() => (savesByItself ? saveByItself(editor, () => editor.save(true)) : undefined), [savesByItself]);
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
   return (
@@ -94,8 +89,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
             wantsRates.value = true;
           }}
         />
-        <RestoredNotice file={editor} />
-        <DiskNotice file={editor} />
+        <FileNotices file={editor} />
       </div>
       <main class="panes">
         <div class="split">

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
-import type { IncidentAnswer, IncidentCourse, IncidentRecord, IncidentsAnswer, ListedIncident } from "../api/types";
+import type { IncidentAnswer, IncidentCourse, IncidentsAnswer, ListedIncident } from "../api/types";
 import { CourseView, IncidentFacts, RecordedTopics, useRuleGround } from "../incidents/incident";
 import { IncidentTable } from "../incidents/incident_table";
 import { sumOf } from "../incidents/missing_words";
@@ -12,6 +12,7 @@ import { BagWork } from "../state/bag_work";
 import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/connection";
 import { FormDialog } from "../ui/dialog";
+import { baseName } from "../ui/files";
 import { Header } from "../ui/header";
 import { useAnswer } from "../ui/later";
 import { Notice, WorkProgress } from "../ui/notice";
@@ -114,7 +115,7 @@ function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
   const state = course.state.value;
   return (
     <>
-      <Header title={incident?.record.name ?? name.slice(name.lastIndexOf("/") + 1)} />
+      <Header title={incident?.record.name ?? baseName(name)} />
       <main class="incident">
         <div class="row">
           <a href={href(ALL)}>All incidents</a>
@@ -138,18 +139,17 @@ function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
       {incident && isAsked && (
         <DeleteDialog
           {...{ api, name, size_bytes: incident.size_bytes }}
-          lost={lostOf(incident.record)}
+          lost={{
+            title: incident.record.name,
+            triggered_ns: incident.record.triggered_ns,
+            messages: sumOf(incident.record.topics, "messages"),
+          }}
           onDeleted={() => toRoute(ALL)}
           onClose={() => setAsked(false)}
         />
       )}
     </>
   );
-}
-
-/** What is lost with an incident. */
-function lostOf({ name, triggered_ns, topics }: IncidentRecord) {
-  return { title: name, triggered_ns, messages: sumOf(topics, "messages") };
 }
 
 interface CourseProps {

@@ -20,6 +20,7 @@ import {
 import { Button } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
 import { ColumnHeads } from "../ui/data_table";
+import { baseName } from "../ui/files";
 import { Header } from "../ui/header";
 import { later } from "../ui/later";
 import { Problem } from "../ui/notice";
@@ -250,7 +251,7 @@ const RELAYED_WITHOUT_RULES: Record<Fallback, string> = {
 function originOf({ rules: { origin, files, waits_s, fallback } }: RobotSummary, sinceToldS: number): string {
   switch (origin) {
     case "files":
-      return files.map((path) => path.slice(path.lastIndexOf("/") + 1)).join(", ") || "files";
+      return files.map(baseName).join(", ") || "files";
     case "pushed":
       return "pushed";
     case "waiting":

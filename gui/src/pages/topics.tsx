@@ -6,17 +6,15 @@ import { LevelPanel } from "../levels/level_panel";
 import { TopicTable } from "../panels/topic_table";
 import { href, toRoute } from "../route";
 import type { OpenEditors } from "../state/open_editors";
-import { saveByItself } from "../state/open_file";
 import type { ProfileEditor } from "../state/profile_editor";
 import { topicsIn } from "../state/statements";
 import { Button, ToolButton, UndoButtons } from "../ui/button";
-import { NeedsServer, useReturn, useRobot } from "../ui/connection";
+import { NeedsServer, useReturn } from "../ui/connection";
 import { FormDialog } from "../ui/dialog";
-import { ConflictDialog, DiskNotice, RestoredNotice, useDiskLooks } from "../ui/file_notices";
+import { ConflictDialog, FileNotices, useOpenFile } from "../ui/file_notices";
 import { Header } from "../ui/header";
 import { useAnswer } from "../ui/later";
 import { Notice, Toast } from "../ui/notice";
-import { useUndoKeys } from "../ui/watch";
 import type { PageProps } from "./page_props";
 
 /** The topic parameters: what the optimizer knows of each topic and of the link. */
@@ -31,22 +29,14 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
   };
   const open = () => guarded(() => editor.open(project.files.some((file) => file.name === name)));
   useEffect(() => void open(), []);
-  useDiskLooks(editor);
   useReturn(() => (isOpen ? guarded(() => editor.revive()) : problem && open()));
   const canSave = () => (editor.isNew.value || !editor.isSaved.value) && editor.problems.value.length === 0;
-  const save = (byItself = false) =>
+  const save = (byItself: boolean) =>
     guarded(async () => {
       await editor.save(byItself);
       await refresh();
     });
-  useUndoKeys({
-    undo: () => editor.undo(),
-    redo: () => editor.redo(),
-    save: async () => (canSave() ? save() : undefined),
-  });
-  const { onlyWatches } = useRobot();
-  const savesByItself = project.saves_by_itself && isOpen && !onlyWatches.value;
-  useEffect(() => (savesByItself ? saveByItself(editor, () => save(true)) : undefined), [savesByItself]);
+  useOpenFile(editor, project, async (byItself) => (byItself || canSave() ? save(byItself) : undefined));
   const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
   const isSaved = editor.isSaved.value;
   return (
@@ -59,7 +49,7 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
             keys="Ctrl+S"
             isNext
             disabled={!canSave()}
-            act={() => void save()}
+            act={() => void save(false)}
           />
         </NeedsServer>
         <UndoButtons
@@ -70,8 +60,7 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
         />
       </Header>
       <main class="topics">
-        <RestoredNotice file={editor} />
-        <DiskNotice file={editor} />
+        <FileNotices file={editor} />
         {problem && <Notice kind="error" text={problem} />}
         {isOpen && madeFor !== null && <RulesTopics {...{ api, editors, editor }} rules={madeFor} />}
         <div class="row">

@@ -9,6 +9,7 @@ import { followersOf } from "../state/robot_trouble";
 import { Button } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
 import { FormDialog, typedName } from "../ui/dialog";
+import { baseName, folderOf } from "../ui/files";
 import { Breakable } from "../ui/notice";
 import { ago, moment } from "../ui/numbers";
 
@@ -110,10 +111,6 @@ function byFolder(rows: readonly Row[]): ReadonlyMap<string, Row[]> {
   return folders;
 }
 
-function folderOf(name: string): string {
-  return name.slice(0, name.lastIndexOf("/") + 1);
-}
-
 interface RowsProps extends Omit<ListProps, "wanted" | "title"> {
   rows: readonly Row[];
   unsaved: ReadonlySet<string>;
@@ -125,23 +122,18 @@ function FileRows({ rows, unsaved, kind, page, ...props }: RowsProps) {
       {rows.map(({ name, file }) => (
         <li key={name}>
           <a href={href({ page, name })} aria-label={name}>
-            <Breakable name={name.slice(folderOf(name).length)} />
+            <Breakable name={baseName(name)} />
           </a>
           <span class="file-notes quiet">
             {kind === "rules" && <Followers name={name} />}
             {unsaved.has(name) && <span>not saved</span>}
-            {file && <ChangedAt file={file} />}
+            {file && <time title={moment(1000 * file.changed_at_s)}>{ago(1000 * file.changed_at_s, Date.now())}</time>}
           </span>
           {file && !unsaved.has(name) && <FileActs {...props} {...{ name }} />}
         </li>
       ))}
     </ul>
   );
-}
-
-function ChangedAt({ file }: { file: FoundFile }) {
-  const ms = file.changed_at_s * 1000;
-  return <time title={moment(ms)}>{ago(ms, Date.now())}</time>;
 }
 
 /** The robots that follow a file of this name. */

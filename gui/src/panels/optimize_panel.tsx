@@ -10,7 +10,7 @@ import type { RuleEditor } from "../state/rule_editor";
 import { namesLevel, topicsIn } from "../state/statements";
 import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/connection";
-import { download } from "../ui/files";
+import { baseName, download } from "../ui/files";
 import { hz, kilobytes, readable, sentence } from "../ui/numbers";
 import { ProfileChangeNotice } from "./profile_choice";
 
@@ -123,7 +123,7 @@ function Verdict(props: { editor: RuleEditor; result: OptimizeAnswer; isAnswered
 
 /** What a rule file with numbers instead of levels is called. */
 function ratesName(editor: RuleEditor): string {
-  return (editor.name.split("/").at(-1) ?? "rules.adirf").replace(/\.adirf$/, "-rates.adirf");
+  return baseName(editor.name).replace(/\.adirf$/, "-rates.adirf");
 }
 
 /** Downloads rules without a profile as they are, unless they name levels, which only a profile makes numbers. */

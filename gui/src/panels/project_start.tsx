@@ -5,6 +5,7 @@ import type { Project } from "../api/types";
 import { toRoute } from "../route";
 import { layoutName, PLAIN_GRID, writeLayout } from "../state/layout";
 import { FormDialog, typedName } from "../ui/dialog";
+import { baseName } from "../ui/files";
 import { useAnswer } from "../ui/later";
 import { counted, durationWords } from "../ui/numbers";
 import { ownProfile } from "./profile_choice";
@@ -39,7 +40,7 @@ export function RecordingStart({ bag, ...props }: Props & { bag: string; onClose
   const { api } = props;
   const origin: Origin = {
     title: bag,
-    name: nameOf(bag),
+    name: baseName(bag).replace(/\.(mcap|db3)$/, ""),
     bag,
     read: async () => {
       const { topics, duration_s, rules_text } = await api.ask("POST /api/recording", { bag });
@@ -87,7 +88,9 @@ function StartDialog({ api, project, refresh, origin, onClose }: Props & { origi
     if (found === null) return;
     const name = typedName(form, ".adirf");
     const wanted = (what: string) => form.get(what) !== null;
-    const taken = [name, ...(wanted("sizes") ? [ownProfile(name)] : [])].find((one) => isThere(project, one));
+    const taken = [name, ...(wanted("sizes") ? [ownProfile(name)] : [])].find((one) =>
+      project.files.some((file) => file.name === one),
+    );
     if (taken !== undefined) throw new Refused(`${taken} exists already: choose another name`);
     // Measured first: what cannot be read leaves nothing behind.
     const sizes = wanted("sizes") ? await found.profile() : null;
@@ -128,13 +131,4 @@ function Choice({ name, label, note }: { name: string; label: string; note: stri
       <span class="quiet">{note}</span>
     </label>
   );
-}
-
-function isThere(project: Project, name: string): boolean {
-  return project.files.some((file) => file.name === name);
-}
-
-/** `runs/monday.mcap` → `monday`. */
-function nameOf(bag: string): string {
-  return (bag.split("/").at(-1) ?? bag).replace(/\.(mcap|db3)$/, "");
 }

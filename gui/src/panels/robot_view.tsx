@@ -18,24 +18,7 @@ export function RobotTopics({ link, live: { status, health, bounds } }: { link: 
     // biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach
     <div class="table-scroll" tabIndex={0}>
       <table class={status.link ? "robot-topics linked" : "robot-topics"} aria-label="Topics of the robot">
-        <thead>
-          <tr>
-            <th scope="col">Topic</th>
-            <th scope="col">Source (Hz)</th>
-            <th scope="col">Target (Hz)</th>
-            <th scope="col">Actual (Hz)</th>
-            <th scope="col">Actual, last 48 s</th>
-            <th scope="col">Sent (KB/s)</th>
-            {status.link &&
-              LINK_COLUMNS.map((name) => (
-                <th key={name} scope="col">
-                  {name}
-                </th>
-              ))}
-            <th scope="col">Decided by</th>
-            <th scope="col">State</th>
-          </tr>
-        </thead>
+        <ColumnHeads names={[...RATE_COLUMNS, ...(status.link ? LINK_COLUMNS : []), "Decided by", "State"]} />
         <tbody>
           {Object.entries(status.topics).map(([name, topic]) => (
             <TopicRow
@@ -67,6 +50,7 @@ function cellsOf(topic: TopicStatus, health: HealthWords | undefined, bounds: re
   ].join("\n");
 }
 
+const RATE_COLUMNS = ["Topic", "Source (Hz)", "Target (Hz)", "Actual (Hz)", "Actual, last 48 s", "Sent (KB/s)"];
 const LINK_COLUMNS = ["Age (ms)", "Replaced", "Queue (KB)"];
 
 /** The same for the columns of a link. */

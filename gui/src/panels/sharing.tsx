@@ -9,7 +9,7 @@ import { statementTitle } from "../blocks/rule_words";
 import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
 import { FormDialog } from "../ui/dialog";
-import { download, fileText, useDroppedFile } from "../ui/files";
+import { baseName, download, fileText, useDroppedFile } from "../ui/files";
 import { Problem } from "../ui/notice";
 
 export type Sharing = "import" | "export" | null;
@@ -170,7 +170,7 @@ function ExportDialog({ editor, api, onClose }: { editor: RuleEditor; api: Api; 
   const [chosen, setChosen] = useState<ReadonlySet<string>>(() => pointedAt(editor, broken));
   const save = async () => {
     const { text } = await api.ask("POST /api/export", { text: rules.text, name: rules.name, ids: [...chosen] });
-    download(fileName(rules.name), text);
+    download(baseName(rules.name).replace(/\.adirf$/, "-part.adirf"), text);
     onClose();
   };
   return (
@@ -213,10 +213,6 @@ function pointedAt(editor: RuleEditor, broken: ReadonlyMap<string, string>): Rea
   const spot = editor.spot.peek();
   const statement = spot && editor.statementAt(spot.offset);
   return new Set(statement?.id && !broken.has(statement.id) ? [statement.id] : []);
-}
-
-function fileName(name: string): string {
-  return (name.split("/").at(-1) ?? "rules.adirf").replace(/\.adirf$/, "-part.adirf");
 }
 
 /** Statements with a checkbox each; one with a `problem` cannot be chosen. */

@@ -23,11 +23,6 @@ const CHOICES: Tab<Side>[] = [
   { value: "versions", label: "Versions" },
 ];
 
-/** Whether the text is what the file says. */
-function SavedNote({ editor }: { editor: RuleEditor }) {
-  return <span class="quiet">{editor.isContentSaved.value ? "the text is saved" : "the text is not saved yet"}</span>;
-}
-
 /** The right half: the rules as text, their zones on a map, or what was saved of them. */
 export function SidePane(props: {
   editor: RuleEditor;
@@ -39,6 +34,7 @@ export function SidePane(props: {
   const floor = useMemo(() => new MapFloor(api, editor), []);
   const zones = useMemo(() => new ZoneEditor(api, editor), []);
   const isMap = side.value === "map";
+  const isTextSaved = editor.isContentSaved.value;
   const returns = useRobot().returns.value;
   useEffect(() => (isMap ? floor.follow() : undefined), [isMap, returns]);
   useEffect(() => {
@@ -61,7 +57,11 @@ export function SidePane(props: {
       <div class="pane-bar">
         <Tabs label="Text, map or versions" choices={CHOICES} chosen={side} />
         {isMap && <FullScreenButton full={full} part="map" what="map" />}
-        {isMap ? <FloorChoice {...{ floor, editor }} /> : <SavedNote editor={editor} />}
+        {isMap ? (
+          <FloorChoice {...{ floor, editor }} />
+        ) : (
+          <span class="quiet">{isTextSaved ? "the text is saved" : "the text is not saved yet"}</span>
+        )}
       </div>
       <TextPane editor={editor} hidden={side.value !== "text"} />
       {isMap && <MapPanel {...{ editor, zones, floor }} />}

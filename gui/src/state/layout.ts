@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { type Api, ApiError } from "../api/client";
+import { baseName, folderOf } from "../ui/files";
 import { saveOver } from "./open_file";
 
 /**
@@ -32,8 +33,7 @@ export const PLAIN_GRID: MapSetting = {
 
 /** `folder/rules.adirf` → `folder/.rules.adirf.layout.json`. */
 export function layoutName(name: string): string {
-  const cut = name.lastIndexOf("/") + 1;
-  return `${name.slice(0, cut)}.${name.slice(cut)}.layout.json`;
+  return `${folderOf(name)}.${baseName(name)}.layout.json`;
 }
 
 /** The map of the saved side file; none or an unreadable one is the plain grid, for it holds nothing but looks. */

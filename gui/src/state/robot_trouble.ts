@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { LinkState, Project, RobotSummary } from "../api/types";
+import { baseName } from "../ui/files";
 import { readable } from "../ui/numbers";
 
 /** A message that is older than this when it arrives is of little use for driving. */
@@ -80,10 +81,6 @@ export function followersOf(name: string, robots: readonly RobotSummary[]): Robo
   return robots.filter(
     ({ rules }) => rules.origin === "files" && rules.files.some((path) => baseName(path) === baseName(name)),
   );
-}
-
-function baseName(path: string): string {
-  return path.slice(path.lastIndexOf("/") + 1);
 }
 
 /** A duration for reading: seconds up to two minutes, then minutes. */

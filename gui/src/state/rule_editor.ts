@@ -211,7 +211,9 @@ export class RuleEditor extends OpenFile {
   }
 
   protected override lackWords(): string {
-    return withoutBlocks(this.blocksLeftOut);
+    const count = this.blocksLeftOut;
+    if (count === 0) return "";
+    return ` without ${counted(count, "block")} that ${count === 1 ? "is" : "are"} not in the text`;
   }
 
   override async lookAtDisk(): Promise<void> {
@@ -371,11 +373,6 @@ class WorkAhead {
     if (those.has(who) === isAhead) return;
     this.those.value = new Set(isAhead ? [...those, who] : [...those].filter((each) => each !== who));
   }
-}
-
-/** What a saved file lacks, in words: blocks that say nothing that a text could say; empty for none. */
-function withoutBlocks(count: number): string {
-  return count === 0 ? "" : ` without ${counted(count, "block")} that ${count === 1 ? "is" : "are"} not in the text`;
 }
 
 /** The topic parameters that a rule file is checked and optimized with. */

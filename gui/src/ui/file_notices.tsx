@@ -1,13 +1,43 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import { type Api, Refused, refusal, refusalOf } from "../api/client";
-import { type Conflict, isStatus, type OpenFile } from "../state/open_file";
+import { type Api, Refused, refusalOf } from "../api/client";
+import type { Project } from "../api/types";
+import { type Conflict, isStatus, type OpenFile, saveByItself } from "../state/open_file";
 import { Button } from "./button";
 import { NeedsServer, useRobot } from "./connection";
 import { FormDialog, typedName } from "./dialog";
 import { DifferenceWords, TextComparison } from "./difference_words";
 import { Notice } from "./notice";
+import { useUndoKeys } from "./watch";
+
+const LOOK_MS = 4000;
+
+/**
+ * Brings the keys of a file that is open, looks at it on disk every few seconds and when somebody comes back to the
+ * page, and saves it by itself where the project wants that; whether it does.
+ */
+export function useOpenFile(file: OpenFile, project: Project, save: (byItself: boolean) => Promise<void>): boolean {
+  const link = useRobot();
+  const isOpen = file.isOpen.value;
+  useUndoKeys({ undo: () => file.undo(), redo: () => file.redo(), save: () => save(false) });
+  useEffect(() => {
+    if (!isOpen) return;
+    const look = () => {
+      // What is refused, the next look says, or the server is gone.
+      if (!document.hidden && !link.isServerGone.peek()) void refusalOf(() => file.lookAtDisk());
+    };
+    const timer = setInterval(look, LOOK_MS);
+    addEventListener("focus", look);
+    return () => {
+      clearInterval(timer);
+      removeEventListener("focus", look);
+    };
+  }, [isOpen]);
+  const savesByItself = project.saves_by_itself && isOpen && !link.onlyWatches.value;
+  useEffect(() => (savesByItself ? saveByItself(file, () => save(true)) : undefined), [savesByItself]);
+  return savesByItself;
+}
 
 interface Props {
   api: Api;
@@ -80,8 +110,18 @@ function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflic
 
 const RESTORED_TIME = { dateStyle: "medium", timeStyle: "short" } as const;
 
+/** What to know of a file that is open: what of it was restored, and what happened to it on disk. */
+export function FileNotices({ file }: { file: OpenFile }) {
+  return (
+    <>
+      <RestoredNotice file={file} />
+      <DiskNotice file={file} />
+    </>
+  );
+}
+
 /** Says that a draft was restored, until it is saved, dropped or closed. */
-export function RestoredNotice({ file }: { file: OpenFile }) {
+function RestoredNotice({ file }: { file: OpenFile }) {
   const restored = file.restored.value;
   if (restored === null) return null;
   const guarded = (work: Promise<void>) => void work.catch((error: unknown) => file.tell(error));
@@ -101,37 +141,8 @@ export function RestoredNotice({ file }: { file: OpenFile }) {
   );
 }
 
-const LOOK_MS = 4000;
-
-/** Looks at an open file on disk every few seconds while the page is seen, and when somebody comes back to it. */
-export function useDiskLooks(file: OpenFile): void {
-  const isOpen = file.isOpen.value;
-  const link = useRobot();
-  useEffect(() => {
-    if (!isOpen) return;
-    const look = () => {
-      if (!document.hidden && !link.isServerGone.peek()) void looked(file);
-    };
-    const timer = setInterval(look, LOOK_MS);
-    addEventListener("focus", look);
-    return () => {
-      clearInterval(timer);
-      removeEventListener("focus", look);
-    };
-  }, [file, isOpen]);
-}
-
-async function looked(file: OpenFile): Promise<void> {
-  try {
-    await file.lookAtDisk();
-  } catch (error) {
-    // The next look says it, or the server is gone.
-    refusal(error);
-  }
-}
-
 /** Says that somebody else changed a file of which something here is not saved. */
-export function DiskNotice({ file }: { file: OpenFile }) {
+function DiskNotice({ file }: { file: OpenFile }) {
   const change = file.diskChange.value;
   if (change === null) return null;
   if (change === "gone") return <Notice kind="warning" text={`${file.name} is no longer on disk: a save writes it.`} />;

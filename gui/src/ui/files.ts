@@ -16,6 +16,16 @@ export async function fileText(file: File): Promise<TextFile> {
   }
 }
 
+/** What a file is called, without its folders. */
+export function baseName(path: string): string {
+  return path.slice(path.lastIndexOf("/") + 1);
+}
+
+/** The folder of a file, with its `/`; empty for a file in the project's own. */
+export function folderOf(path: string): string {
+  return path.slice(0, path.lastIndexOf("/") + 1);
+}
+
 /** Takes a file that is dropped anywhere on the page; without this the browser would leave the page for it. */
 export function useDroppedFile(take: (file: File) => void): void {
   const over = (event: DragEvent) => {

@@ -29,7 +29,11 @@ export function Header({ title, note, menu, children }: Props) {
     // What had the focus went with the page before.
     if (document.activeElement === document.body) heading.current?.focus();
   }, []);
-  useHelpKey(() => setHelp(""));
+  useWindowEvent("keydown", (event) => {
+    if (event.key !== "F1") return;
+    event.preventDefault();
+    setHelp("");
+  });
   return (
     <header class="bar">
       <a class="home-link" href={href({ page: "home", name: "" })} aria-label="Home" title="Home">
@@ -57,14 +61,6 @@ export function Header({ title, note, menu, children }: Props) {
       {help !== null && <DocumentationPanel key={help} anchor={help} onClose={() => setHelp(null)} />}
     </header>
   );
-}
-
-function useHelpKey(open: () => void): void {
-  useWindowEvent("keydown", (event) => {
-    if (event.key !== "F1") return;
-    event.preventDefault();
-    open();
-  });
 }
 
 const CloseContext = createContext<() => void>(() => undefined);
