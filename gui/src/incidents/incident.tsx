@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import { type Signal, signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
-import { type Api, refusal } from "../api/client";
+import { type Api, refusalOf } from "../api/client";
 import type { IncidentAnswer, IncidentCourse, IncidentRecord, TopicRates } from "../api/types";
 import type { MapPicture, MapZone } from "../map/shapes";
 import { href } from "../route";
@@ -207,7 +206,7 @@ export function useRuleGround(api: Api, incident: IncidentAnswer): Ground {
   const { rule_file, is_same_text, record } = incident;
   const zones = useMemo(() => signal<readonly MapZone[]>([]), []);
   // Without it there is a plain grid, and the rest of the page is as it was.
-  const owner = useMemo(() => ({ map: signal(PLAIN_GRID), tell: () => {} }), []);
+  const owner = useMemo(() => ({ map: signal(PLAIN_GRID), attempt: refusalOf }), []);
   const floor = useMemo(() => new MapFloor(api, owner), []);
   useEffect(() => floor.followPicture(), []);
   useEffect(() => {
@@ -222,9 +221,7 @@ export function useRuleGround(api: Api, incident: IncidentAnswer): Ground {
       const { rules } = await api.ask("POST /api/zones", { text, name: rule_file, profile_text: null });
       zones.value = zonesAt(rules, [record.rule]);
     };
-    load().catch((error: unknown) => {
-      refusal(error);
-    });
+    void refusalOf(load);
   }, [rule_file]);
   return { picture: floor.picture, zones };
 }

@@ -147,11 +147,7 @@ function openWorkspace(
     if (shown) workspace.show(shown.document, editor.shownSections.peek());
   };
   const workspace = new Workspace(host, {
-    recipes: () =>
-      recipeRules(api).catch((error: unknown) => {
-        editor.tell(error);
-        return null;
-      }),
+    recipes: () => editor.attempt(() => recipeRules(api)),
     menus: {
       undo: () => editor.undo(),
       redo: () => editor.redo(),

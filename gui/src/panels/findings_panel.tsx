@@ -106,7 +106,7 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
               label={`${profile_fix.title}, in ${profile}`}
               class="small fix"
               title={`Changes ${profile_fix.key} in ${profile}`}
-              onClick={() => void repair.mend(profile_fix).catch((error: unknown) => editor.tell(error))}
+              onClick={() => void editor.attempt(() => repair.mend(profile_fix))}
             />
           </NeedsServer>
         )}

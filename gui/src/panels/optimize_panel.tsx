@@ -89,7 +89,7 @@ function MissingEntries(props: Pick<Props, "editor" | "project" | "repair"> & { 
   const { editor, project, repair, profile } = props;
   const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
   const measure = (bag: string) =>
-    void repair.measureMissing(bag, topicsIn(editor.document.value)).catch((error: unknown) => editor.tell(error));
+    void editor.attempt(() => repair.measureMissing(bag, topicsIn(editor.document.value)));
   return (
     <div class="row">
       <NeedsServer changes>

@@ -18,7 +18,6 @@ export function ProfileChoice({ editor, api, project }: { editor: RuleEditor; ap
   // One that was saved just now may not be listed yet.
   const names = chosen === "" || listed.includes(chosen) ? listed : [...listed, chosen];
   const gone = editor.profileChoice.gone.value;
-  const telling = (work: Promise<void>) => void work.catch((error: unknown) => editor.tell(error));
   const choose = async (name: string) => {
     await Promise.all([api.chooseProfile(editor.name, name || null), editor.useProfile(name || null)]);
   };
@@ -34,7 +33,7 @@ export function ProfileChoice({ editor, api, project }: { editor: RuleEditor; ap
         label="Profile (topic parameters)"
         value={chosen}
         choices={[["", "none"], ...names]}
-        choose={(name) => telling(choose(name))}
+        choose={(name) => void editor.attempt(() => choose(name))}
       />
       <a href={href({ page: "topics", name: chosen || own, rules: editor.name })}>
         {chosen || names.includes(own) ? "Edit" : "Create"}

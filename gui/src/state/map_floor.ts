@@ -10,10 +10,10 @@ const RADIANS = Math.PI / 180;
 export const MAP_FRAME = "map";
 const NO_PATH: readonly Point[] = [];
 
-/** Whose floor it is: what its side file says, and who is told of errors. */
+/** Whose floor it is: what its side file says, and who says what was refused. */
 interface FloorOwner {
   readonly map: Signal<MapSetting>;
-  tell(error: unknown): void;
+  attempt(work: () => Promise<void>): Promise<unknown>;
 }
 
 /** What lies below the zones: a map or image, and the path of a recording. The choice is kept in the side file. */
@@ -43,14 +43,14 @@ export class MapFloor {
   /** Loads what the side file names, now and when that changes; returns how to stop. */
   follow(): () => void {
     const bag = computed(() => this.editor.map.value.bag);
-    void this.told(async () => {
+    void this.editor.attempt(async () => {
       this.choices.value = (await this.api.ask("GET /api/backgrounds", null)).choices;
     });
     const stops = [
       this.followPicture(),
       effect(() => {
         const which = bag.value;
-        untracked(() => void this.told(() => this.loadPath(which)));
+        untracked(() => void this.editor.attempt(() => this.loadPath(which)));
       }),
     ];
     return () => {
@@ -64,7 +64,7 @@ export class MapFloor {
     const name = computed(() => this.editor.map.value.name);
     return effect(() => {
       const [what, which] = [kind.value, name.value];
-      untracked(() => void this.told(() => this.loadBackground(what, which)));
+      untracked(() => void this.editor.attempt(() => this.loadBackground(what, which)));
     });
   }
 
@@ -107,14 +107,6 @@ export class MapFloor {
     if (bag === null) return;
     const found = await this.api.ask("POST /api/background/path", { bag });
     if (this.editor.map.peek().bag === bag) this.driven.value = found;
-  }
-
-  private async told(work: () => Promise<void>): Promise<void> {
-    try {
-      await work();
-    } catch (error) {
-      this.editor.tell(error);
-    }
   }
 }
 

@@ -174,13 +174,11 @@ export abstract class OpenFile {
     return "";
   }
 
-  /** Shows the conflict with what is on disk now; a refusal is told. */
+  /** Shows the conflict with what is on disk now; a refusal is said. */
   async compare(): Promise<void> {
-    try {
+    await this.attempt(async () => {
       this.conflict.value = conflictWith(await this.written(this.name), await readIfThere(this.api, this.name));
-    } catch (error) {
-      this.tell(error);
-    }
+    });
   }
 
   /** Takes what is on disk; undo brings back what was here. */
@@ -237,9 +235,14 @@ export abstract class OpenFile {
     await done;
   }
 
-  /** Says a refusal; anything else is a bug and goes on. */
-  tell(error: unknown): void {
-    this.message.value = refusal(error);
+  /** Does work and returns what comes of it; null where it was refused, which `message` says. */
+  async attempt<T>(work: () => Promise<T>): Promise<T | null> {
+    try {
+      return await work();
+    } catch (error) {
+      this.message.value = refusal(error);
+      return null;
+    }
   }
 }
 

@@ -119,7 +119,7 @@ export class RuleEditor extends OpenFile {
 
   /** Checks the rules with the profile that goes with them. */
   async recallProfile(): Promise<void> {
-    await this.profileChoice.recall(this.rules).catch((error: unknown) => this.tell(error));
+    await this.attempt(() => this.profileChoice.recall(this.rules));
     await this.check();
   }
 
@@ -186,7 +186,7 @@ export class RuleEditor extends OpenFile {
 
   override async save(byItself = false): Promise<void> {
     const isWhole = (await this.handOver?.(!byItself)) ?? true;
-    await super.save(byItself).catch((error: unknown) => this.tell(error));
+    await this.attempt(() => super.save(byItself));
     if (isWhole || byItself || !this.isInFile.value) return;
     this.message.value = `Saved ${this.name} without what is being typed`;
   }
@@ -223,7 +223,7 @@ export class RuleEditor extends OpenFile {
 
   /** Asks the server for everything again, as after it was gone. */
   async revive(): Promise<void> {
-    await this.lookAtDisk().catch((error: unknown) => this.tell(error));
+    await this.attempt(() => this.lookAtDisk());
     this.read = null;
     await this.inTurn(() => this.profileChoice.revive());
     await this.check();
@@ -265,7 +265,7 @@ export class RuleEditor extends OpenFile {
 
   private async ask(rules: Rules): Promise<void> {
     const isProfileKnown = this.profileChoice.isKnown.peek();
-    try {
+    await this.attempt(async () => {
       const read = this.api.ask("POST /api/document", rules);
       const [document, vocabulary] = await Promise.all([read, this.words.of(rules, read)]);
       if (rules.text !== this.text.value) return;
@@ -274,9 +274,7 @@ export class RuleEditor extends OpenFile {
         this.accept(document, rules.text);
         if (isProfileKnown) this.isChecked.value = true;
       });
-    } catch (error) {
-      this.tell(error);
-    }
+    });
   }
 
   /** Whether the text has no errors, once it was read and says all that the blocks say. */
@@ -302,9 +300,9 @@ export class RuleEditor extends OpenFile {
     if (document.parses || this.shown.value === null) this.shown.value = { document, text };
   }
 
-  /** Does this once all that was asked for before is done; a refusal is told. */
-  inTurn(work: () => Promise<void>): Promise<void> {
-    return this.queued(work).catch((error: unknown) => this.tell(error));
+  /** Does work once all that was asked for before is done; a refusal is said. */
+  async inTurn(work: () => Promise<void>): Promise<void> {
+    await this.attempt(() => this.queued(work));
   }
 }
 

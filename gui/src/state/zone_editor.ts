@@ -76,15 +76,13 @@ export class ZoneEditor {
 
   /** Makes a draft of the rectangles that cover a polygon. */
   async cover(corners: readonly Point[], most: number): Promise<void> {
-    try {
+    await this.editor.attempt(async () => {
       const { rectangles, polygon_m2, over_m2 } = await this.api.ask("POST /api/zones/cover", {
         corners: corners.map(([x, y]) => [x, y]),
         max_rectangles: most,
       });
       this.draft.value = { rectangles, polygon: { corners, area_m2: polygon_m2, over_m2, most } };
-    } catch (error) {
-      this.editor.tell(error);
-    }
+    });
   }
 
   /** Forgets the draft; whether there was one. */
@@ -123,12 +121,10 @@ export class ZoneEditor {
 
   private async ask(): Promise<void> {
     const { rules } = this.editor;
-    try {
+    await this.editor.attempt(async () => {
       const zones = await this.api.ask("POST /api/zones", rules);
       if (rules.text === this.editor.text.peek()) this.answer.value = { zones, text: rules.text };
-    } catch (error) {
-      this.editor.tell(error);
-    }
+    });
   }
 
   private moveDraft(dx: number, dy: number): void {

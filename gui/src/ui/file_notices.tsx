@@ -124,7 +124,6 @@ export function FileNotices({ file }: { file: OpenFile }) {
 function RestoredNotice({ file }: { file: OpenFile }) {
   const restored = file.restored.value;
   if (restored === null) return null;
-  const guarded = (work: Promise<void>) => void work.catch((error: unknown) => file.tell(error));
   const when = new Date(restored.changedMs).toLocaleString("en-GB", RESTORED_TIME);
   return (
     <div class="notice warning restored" role="status">
@@ -134,7 +133,7 @@ function RestoredNotice({ file }: { file: OpenFile }) {
       </span>
       <span class="row">
         {restored.isContested && <Button label="Compare" class="small" onClick={() => void file.compare()} />}
-        <Button label="Drop them" class="small" onClick={() => guarded(file.dropRestored())} />
+        <Button label="Drop them" class="small" onClick={() => void file.attempt(() => file.dropRestored())} />
         <Button label="Close" class="small" onClick={() => (file.restored.value = null)} />
       </span>
     </div>
