@@ -5,7 +5,7 @@ import type { ComponentType } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusalOf } from "./api/client";
 import type { Project } from "./api/types";
-import { KeepingBar, Keepings } from "./incidents/keepings";
+import { KeptIncidents, KeptIncidentsBar } from "./incidents/kept_incidents";
 import { HomePage } from "./pages/home";
 import type { PageProps } from "./pages/page_props";
 import { href, NEW_PROFILE, type Route, readRoute, toRoute } from "./route";
@@ -47,7 +47,7 @@ export function App({ api }: { api: Api }) {
     if (root === undefined) return null;
     return new OpenEditors(new Drafts(browserStorage(), root, tabs.own, () => tabs.others()));
   }, [root]);
-  const keepings = useMemo(() => new Keepings(api), []);
+  const keptIncidents = useMemo(() => new KeptIncidents(api), []);
   useWindowEvent("beforeunload", (event) => {
     if (editors?.wouldLose) event.preventDefault();
   });
@@ -71,23 +71,23 @@ export function App({ api }: { api: Api }) {
   useEffect(() => {
     if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
   }, [project?.opened]);
-  useEffect(() => void keepings.follow(), []);
+  useEffect(() => void keptIncidents.follow(), []);
   /** A file that was dropped where nothing takes one. */
   const [dropped, setDropped] = useState("");
   useDroppedFile((file) => setDropped(TAKE_FILES.has(route.page) ? "" : file.name));
-  useReturn(() => Promise.all([refresh(), keepings.follow()]));
+  useReturn(() => Promise.all([refresh(), keptIncidents.follow()]));
   const { returns } = useRobot();
   if (problem && project === null)
     return <Notice kind="error" text={problem} action={{ label: "Try again", act: refresh }} />;
   if (project === null || editors === null) return <p class="quiet center">Opening the project …</p>;
-  const props = { ...route, api, project, refresh, editors, keepings };
+  const props = { ...route, api, project, refresh, editors, keptIncidents };
   // What these pages show is all the server's: they begin anew with it.
   const anew = ["home", "rules", "topics"].includes(route.page) ? 0 : returns.value;
   return (
     <>
       <ServerGone />
       <WatchNotice />
-      <KeepingBar keepings={keepings} />
+      <KeptIncidentsBar keptIncidents={keptIncidents} />
       <LostNotice lost={editors.lost} />
       {dropped && (
         <Notice

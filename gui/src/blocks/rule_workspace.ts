@@ -296,7 +296,7 @@ export class RuleWorkspace {
   }
 
   private listen(event: Blockly.Events.Abstract): void {
-    if (event.type === Blockly.Events.SELECTED) this.tellSelected();
+    if (event.type === Blockly.Events.SELECTED) this.reportSelected();
     if (event.type === Blockly.Events.VIEWPORT_CHANGE) this.lookSoon();
     if (!event.isUiEvent) this.column.layOutSoon();
     if (!event.isUiEvent && !this.waiting) this.settleSoon();
@@ -386,7 +386,7 @@ export class RuleWorkspace {
     });
   }
 
-  private tellSelected(): void {
+  private reportSelected(): void {
     const selected = Blockly.common.getSelected();
     const block = selected instanceof Blockly.BlockSvg ? statementOf(selected) : null;
     this.owner.selected(this.drawn.slots.find((slot) => slot.block === block)?.id ?? null);

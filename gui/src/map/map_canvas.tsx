@@ -35,19 +35,19 @@ export function MapCanvas(props: {
     const timer = setTimeout(() => setIsWheeled(false), HINT_MS);
     return () => clearTimeout(timer);
   }, [isWheeled]);
-  const told = useRef(props);
-  told.current = props;
+  const latest = useRef(props);
+  latest.current = props;
   useEffect(() => {
     const element = host.current;
     if (!element || module === null) return;
-    const owner = { ...forwarded(() => told.current.owner), scaled: setBar };
+    const owner = { ...forwarded(() => latest.current.owner), scaled: setBar };
     const pointed = (at: Point | null) => {
       setPlace(at);
-      told.current.owner?.pointed?.(at);
+      latest.current.owner?.pointed?.(at);
     };
     return openView(module.MapView, element, { ...owner, pointed }, props.owner !== undefined, (opened) => {
       setView(opened);
-      told.current.opened?.(opened);
+      latest.current.opened?.(opened);
     });
   }, [module]);
   const { picture = null, path = NONE, dots = NONE, zones = NO_ZONES } = props;

@@ -116,11 +116,11 @@ export class MapView {
     this.map.on("pointermove", ({ coordinate: [x = 0, y = 0] }) => owner.pointed?.([x, y]));
     host.addEventListener("pointerleave", () => owner.pointed?.(null));
     this.map.getView().on("change:resolution", () => {
-      this.tellScale();
+      this.showScale();
       this.showMarks();
     });
     this.fit();
-    this.tellScale();
+    this.showScale();
   }
 
   setPicture(picture: MapPicture | null): void {
@@ -276,7 +276,7 @@ export class MapView {
     return this.map.getView().getResolution() ?? 1;
   }
 
-  private tellScale(): void {
+  private showScale(): void {
     const metres = niceStep((this.resolution * SCALE_PX) / 2);
     this.owner.scaled?.({ metres, px: metres / this.resolution });
   }

@@ -76,12 +76,12 @@ export class ZoneTools {
         : new Draw({ type: "Polygon", stopClick: true, style });
     draw.on("drawend", ({ feature }) => {
       const geometry = feature.getGeometry();
-      if (geometry instanceof Polygon) this.tellDrawn(tool, geometry);
+      if (geometry instanceof Polygon) this.reportDrawn(tool, geometry);
     });
     return draw;
   }
 
-  private tellDrawn(tool: "rectangle" | "polygon", geometry: Polygon): void {
+  private reportDrawn(tool: "rectangle" | "polygon", geometry: Polygon): void {
     if (tool === "rectangle") {
       const sides = geometry.getExtent().map(toCentimetres) as unknown as Extent;
       if (sides[2] > sides[0] && sides[3] > sides[1]) this.owner.drawn?.({ kind: "rectangle", sides });

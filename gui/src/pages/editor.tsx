@@ -38,7 +38,7 @@ const DOCK = { least: 10, most: 85 };
 const USUAL_BLOCKS = 58;
 
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
-export function EditorPage({ api, project, name, robot: node, line, editors, keepings, refresh }: PageProps) {
+export function EditorPage({ api, project, name, robot: node, line, editors, keptIncidents, refresh }: PageProps) {
   const editor = useMemo(() => editors.of(api, name), []);
   const robot = useRobotSide(api, editor);
   const tries = useMemo(() => editors.tries.of(name), []);
@@ -131,7 +131,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kee
                 <RobotPanel {...{ api, editor, ...robot }} />
               </NeedsServer>
             )}
-            {tool.value === "try" && <TryPanel {...{ editor, api, project, tries, keepings, refresh }} />}
+            {tool.value === "try" && <TryPanel {...{ editor, api, project, tries, keptIncidents, refresh }} />}
           </div>
         </section>
       </main>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Api } from "../api/client";
 import type { Project } from "../api/types";
-import type { Keepings } from "../incidents/keepings";
+import type { KeptIncidents } from "../incidents/kept_incidents";
 import type { OpenEditors } from "../state/open_editors";
 
 /** What every page gets. */
@@ -20,7 +20,7 @@ export interface PageProps {
   /** Files with what was changed in them. */
   editors: OpenEditors;
   /** The incidents of tries that are being kept. */
-  keepings: Keepings;
+  keptIncidents: KeptIncidents;
   /** Reads the list of files again. */
   refresh: () => Promise<void>;
 }

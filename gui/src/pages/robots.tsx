@@ -78,7 +78,7 @@ function AllRobots({ project }: { project: Project }) {
             </div>
             {shown.length === 0 && <p class="quiet">No robot is in trouble.</p>}
             {shown.length > 0 && (
-              <RobotTable robots={shown} project={project} sinceToldS={link.sinceToldS.value} {...{ hold, release }} />
+              <RobotTable robots={shown} project={project} robotsAgeS={link.robotsAgeS.value} {...{ hold, release }} />
             )}
           </>
         )}
@@ -141,14 +141,14 @@ const COLUMNS = ["Robot", "State", "Heard", "Link", "Oldest at the operator", "S
 interface RobotTableProps {
   robots: readonly RobotSummary[];
   project: Project;
-  sinceToldS: number;
+  robotsAgeS: number;
   /** Rows are to stay where they are, until `release`, or for so long. */
   hold: (forMs?: number) => void;
   release: () => void;
 }
 
 /** A row for each robot; on a narrow screen a card. Rows stay in place while somebody is about to choose one. */
-function RobotTable({ robots, project, sinceToldS, hold, release }: RobotTableProps) {
+function RobotTable({ robots, project, robotsAgeS, hold, release }: RobotTableProps) {
   return (
     <div class="table-scroll">
       <table
@@ -162,7 +162,7 @@ function RobotTable({ robots, project, sinceToldS, hold, release }: RobotTablePr
         <ColumnHeads names={COLUMNS} />
         <tbody>
           {robots.map((robot) => (
-            <RobotRow key={robot.node} {...{ robot, project, sinceToldS }} />
+            <RobotRow key={robot.node} {...{ robot, project, robotsAgeS }} />
           ))}
         </tbody>
       </table>
@@ -175,11 +175,11 @@ function moved({ movementX, movementY }: PointerEvent): boolean {
   return movementX !== 0 || movementY !== 0;
 }
 
-type RowProps = Pick<RobotTableProps, "project" | "sinceToldS"> & { robot: RobotSummary };
+type RowProps = Pick<RobotTableProps, "project" | "robotsAgeS"> & { robot: RobotSummary };
 
-function RobotRow({ robot, project, sinceToldS }: RowProps) {
-  const trouble = troubleOf(robot, sinceToldS);
-  const silentS = robot.heard_s_ago + sinceToldS;
+function RobotRow({ robot, project, robotsAgeS }: RowProps) {
+  const trouble = troubleOf(robot, robotsAgeS);
+  const silentS = robot.heard_s_ago + robotsAgeS;
   const { oldest } = robot;
   const { sha256 } = robot.rules;
   return (
@@ -199,7 +199,7 @@ function RobotRow({ robot, project, sinceToldS }: RowProps) {
         <Sent robot={robot} />
       </td>
       <td data-label="Rules">
-        {sha256 && <code title={sha256}>{sha256.slice(0, HASH_DIGITS)}</code>} {originOf(robot, sinceToldS)}
+        {sha256 && <code title={sha256}>{sha256.slice(0, HASH_DIGITS)}</code>} {originOf(robot, robotsAgeS)}
       </td>
     </tr>
   );
@@ -248,7 +248,7 @@ const RELAYED_WITHOUT_RULES: Record<Fallback, string> = {
   off: "nothing is relayed",
 };
 
-function originOf({ rules: { origin, files, waits_s, fallback } }: RobotSummary, sinceToldS: number): string {
+function originOf({ rules: { origin, files, waits_s, fallback } }: RobotSummary, robotsAgeS: number): string {
   switch (origin) {
     case "files":
       return files.map(baseName).join(", ") || "files";
@@ -257,7 +257,7 @@ function originOf({ rules: { origin, files, waits_s, fallback } }: RobotSummary,
     case "waiting":
       return waits_s === null
         ? "waiting to be confirmed"
-        : `waiting to be confirmed, ${Math.max(0, Math.floor(waits_s - sinceToldS))} s left`;
+        : `waiting to be confirmed, ${Math.max(0, Math.floor(waits_s - robotsAgeS))} s left`;
     case "fallback":
       return `none: ${RELAYED_WITHOUT_RULES[fallback ?? "full"]}`;
   }

@@ -3,7 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { FoundFile, Project } from "../api/types";
-import type { Keepings } from "../incidents/keepings";
+import type { KeptIncidents } from "../incidents/kept_incidents";
 import type { RuleEditor } from "../state/rule_editor";
 import { FolderTrial, Trial } from "../state/trial";
 import {
@@ -32,7 +32,7 @@ interface Props {
   api: Api;
   project: Project;
   tries: FileTries;
-  keepings: Keepings;
+  keptIncidents: KeptIncidents;
   refresh: () => Promise<void>;
 }
 
@@ -97,13 +97,13 @@ function tryRecording({ editor: { rules }, api, tries }: Props, bag: string): Pr
 function tryFolder({ editor: { rules }, api, tries }: Props, folder: string): Promise<void> {
   let share = (_ofOne: number, _number: number) => 0;
   return tries.folderWork.start(
-    async (run, signal, tellShare) => {
+    async (run, signal, setShare) => {
       const { files } = await api.project();
       signal.throwIfAborted();
       const trial = new FolderTrial(folder, rules, recordingsIn(folder, files));
       share = (ofOne, number) => trial.share(ofOne, number);
       tries.folder.value = trial;
-      return trial.run(api, run, signal, tellShare);
+      return trial.run(api, run, signal, setShare);
     },
     (ofOne, number) => share(ofOne, number),
   );
@@ -115,7 +115,7 @@ function choiceWords(folder: string, count: number, { has_more, root_name }: Pro
   return `${folder === ALL ? root_name : folder}: ${which} ${counted(count, "recording")}`;
 }
 
-function LastTry({ editor, api, project, tries, keepings }: Props) {
+function LastTry({ editor, api, project, tries, keptIncidents }: Props) {
   const [trial, folder] = [tries.last.value, tries.folder.value?.folder];
   const back = useRef<HTMLParagraphElement>(null);
   // Who came from the table has no focus: its button is gone.
@@ -134,7 +134,7 @@ function LastTry({ editor, api, project, tries, keepings }: Props) {
       {trial !== null && (
         <TryResult
           key={trial.bag}
-          {...{ editor, api, trial, keepings }}
+          {...{ editor, api, trial, keptIncidents }}
           changed={changed(editor, trial, [fileOf(trial.bag, project.files)])}
         />
       )}

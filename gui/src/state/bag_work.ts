@@ -16,11 +16,11 @@ export class BagWork<T> {
   private running: AbortController | null = null;
 
   /**
-   * `ask` may call parts of its work `partOf(run, number)`, and `tellShare` how far all is; `whole` is that
+   * `ask` may call parts of its work `partOf(run, number)`, and `setShare` how far all is; `whole` is that
    * when the server is so far with a part.
    */
   async start(
-    ask: (run: string, signal: AbortSignal, tellShare: (share: number) => void) => Promise<T>,
+    ask: (run: string, signal: AbortSignal, setShare: (share: number) => void) => Promise<T>,
     whole = (share: number, _part: number) => share,
   ): Promise<void> {
     this.cancel();
@@ -30,11 +30,11 @@ export class BagWork<T> {
     const tell = (state: WorkState<T>) => {
       if (this.running === control) this.state.value = state;
     };
-    const tellShare = (share: number) => tell({ kind: "running", share });
-    tellShare(0);
-    const stop = watchProgress(run, (share, part) => tellShare(whole(share, part)));
+    const setShare = (share: number) => tell({ kind: "running", share });
+    setShare(0);
+    const stop = watchProgress(run, (share, part) => setShare(whole(share, part)));
     try {
-      tell({ kind: "done", answer: await ask(run, control.signal, tellShare) });
+      tell({ kind: "done", answer: await ask(run, control.signal, setShare) });
     } catch (error) {
       if (control.signal.aborted) return;
       tell({ kind: "failed", why: refusal(error) });

@@ -146,7 +146,7 @@ interface Unsaved {
 }
 
 /** Keeps what is not saved of a file in this browser, a moment after it changed or when the page is left. */
-export function keepDraft(drafts: Drafts, kind: DraftKind, file: Unsaved): void {
+export function storeDraft(drafts: Drafts, kind: DraftKind, file: Unsaved): void {
   let due: { write: () => void; timer: number } | null = null;
   const settle = () => {
     if (due === null) return;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { batch, computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { type Api, ApiError, refusal } from "../api/client";
-import { type Draft, type DraftKind, type Drafts, keepDraft, type Restored } from "./drafts";
+import { type Draft, type DraftKind, type Drafts, type Restored, storeDraft } from "./drafts";
 
 /**
  * A file that is open: what is in it here, what of it is saved, and what happens to it on disk meanwhile.
@@ -76,7 +76,7 @@ export abstract class OpenFile {
     if (this.drafts.isElsewhere(this.kind, this.name)) {
       this.message.value = `Another tab has unsaved changes of ${this.name}`;
     }
-    keepDraft(this.drafts, this.kind, this);
+    storeDraft(this.drafts, this.kind, this);
   }
 
   /** Goes on with what was not saved; where the file is another one by now, a save meets that. */

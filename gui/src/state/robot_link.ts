@@ -42,15 +42,15 @@ export class RobotLink {
   readonly node = computed(() => chosenOf(this.robots.value, this.choice.value));
   readonly robot = computed(() => this.robots.value?.robots.find(({ node }) => node === this.node.value) ?? null);
   /** How old `robots` is. */
-  readonly sinceToldS = computed(() => Math.max(0, this.nowMs.value - this.toldMs.value) / 1000);
+  readonly robotsAgeS = computed(() => Math.max(0, this.nowMs.value - this.robotsMs.value) / 1000);
   readonly connection = computed(() =>
-    connectionOf(this.server.value, this.robots.value, this.node.value, this.sinceToldS.value),
+    connectionOf(this.server.value, this.robots.value, this.node.value, this.robotsAgeS.value),
   );
   /** Whether the server ended, cannot be reached, or says nothing any more. */
   readonly isServerGone = computed(
     () =>
       this.server.value.kind === "lost" ||
-      (this.server.value.kind === "open" && this.robots.value !== null && this.sinceToldS.value > TOLD_WITHIN_S),
+      (this.server.value.kind === "open" && this.robots.value !== null && this.robotsAgeS.value > TRUSTED_FOR_S),
   );
   /** Since when the server is gone, in ms since 1970; null while it is there. */
   readonly goneSinceMs = signal<number | null>(null);
@@ -62,7 +62,7 @@ export class RobotLink {
   readonly updateHz = signal(Number(localStorage.getItem(RATE_KEY)) || USUAL_HZ);
   private readonly choice = signal<string | null>(localStorage.getItem(NODE_KEY));
   private readonly nowMs = signal(0);
-  private readonly toldMs = signal(0);
+  private readonly robotsMs = signal(0);
   private readonly socket = new LiveSocket(this);
   private sampledMs = 0;
   private watchers = 0;
@@ -81,7 +81,7 @@ export class RobotLink {
   choose(node: string): void {
     localStorage.setItem(NODE_KEY, node);
     this.choice.value = node;
-    this.tellWatched();
+    this.updateWatched();
   }
 
   /** Asks for so many updates a second from now on. */
@@ -94,10 +94,10 @@ export class RobotLink {
   /** Asks for live values until the returned function is called. */
   watch(): () => void {
     this.watchers++;
-    this.tellWatched();
+    this.updateWatched();
     return () => {
       this.watchers--;
-      this.tellWatched();
+      this.updateWatched();
     };
   }
 
@@ -130,15 +130,15 @@ export class RobotLink {
     this.onlyWatches.value = only_watches;
     localStorage.setItem(WATCHES_KEY, String(only_watches));
     this.server.value = protocol === PROTOCOL_VERSION ? { kind: "open" } : { kind: "other", version };
-    this.tellWatched();
+    this.updateWatched();
   }
 
   private take(robots: Robots): void {
     batch(() => {
       this.robots.value = robots;
-      this.toldMs.value = this.nowMs.value = performance.now();
+      this.robotsMs.value = this.nowMs.value = performance.now();
     });
-    this.tellWatched();
+    this.updateWatched();
   }
 
   private show(live: Live): void {
@@ -156,7 +156,7 @@ export class RobotLink {
     });
   }
 
-  private tellWatched(): void {
+  private updateWatched(): void {
     const wanted = this.watchers > 0 ? this.node.peek() : null;
     if (wanted === this.watched || this.server.peek().kind !== "open") return;
     this.forget(wanted);
@@ -184,7 +184,7 @@ function chosenOf(robots: Robots | null, choice: string | null): string | null {
 }
 
 /** The server tells of robots every two seconds; what is so old is no longer trusted. */
-const TOLD_WITHIN_S = 8;
+const TRUSTED_FOR_S = 8;
 
 /** Whether the server's web socket is open, and speaks what this page understands. */
 type ServerState =
@@ -204,8 +204,8 @@ interface Connection {
   trouble: string;
 }
 
-/** Sums up what is known; `sinceToldS` is how old `robots` is. */
-function connectionOf(server: ServerState, robots: Robots | null, node: string | null, sinceToldS: number): Connection {
+/** Sums up what is known; `robotsAgeS` is how old `robots` is. */
+function connectionOf(server: ServerState, robots: Robots | null, node: string | null, robotsAgeS: number): Connection {
   if (server.kind === "lost") {
     const why = server.needsToken ? "no longer takes this browser's token" : "does not answer";
     return none(`The Ruler's server ${why}. The page reconnects by itself.`);
@@ -219,12 +219,12 @@ function connectionOf(server: ServerState, robots: Robots | null, node: string |
   const robot = robots.robots.find((each) => each.node === node);
   if (robots.problem !== null && !robot) return none(robots.problem);
   if (!robot) return none("No robot found. Start 'testudo run' on the robot, in the ROS domain of this server.");
-  return heardFrom(robot, sinceToldS);
+  return heardFrom(robot, robotsAgeS);
 }
 
-function heardFrom(robot: RobotSummary, sinceToldS: number): Connection {
-  const silentS = Math.floor(robot.heard_s_ago + sinceToldS);
-  if (robot.is_heard && sinceToldS < TOLD_WITHIN_S) {
+function heardFrom(robot: RobotSummary, robotsAgeS: number): Connection {
+  const silentS = Math.floor(robot.heard_s_ago + robotsAgeS);
+  if (robot.is_heard && robotsAgeS < TRUSTED_FOR_S) {
     const { health, label } = robot;
     const isFailing = health?.level === "error";
     const rules = RULES_WORDS[robot.rules.origin];

@@ -15,20 +15,20 @@ interface Trouble {
   words: string;
 }
 
-/** The worst that is known of a robot, null where all is well; `sinceToldS` is how old `robot` is. */
-export function troubleOf(robot: RobotSummary, sinceToldS = 0): Trouble | null {
+/** The worst that is known of a robot, null where all is well; `robotsAgeS` is how old `robot` is. */
+export function troubleOf(robot: RobotSummary, robotsAgeS = 0): Trouble | null {
   const found = TROUBLES.findIndex(({ holds }) => holds(robot));
   const trouble = TROUBLES[found];
-  return trouble ? { rank: found, words: trouble.words(robot, sinceToldS) } : null;
+  return trouble ? { rank: found, words: trouble.words(robot, robotsAgeS) } : null;
 }
 
 const TROUBLES: {
   holds: (robot: RobotSummary) => boolean;
-  words: (robot: RobotSummary, sinceToldS: number) => string;
+  words: (robot: RobotSummary, robotsAgeS: number) => string;
 }[] = [
   {
     holds: ({ is_heard }) => !is_heard,
-    words: ({ heard_s_ago }, sinceToldS) => `silent for ${duration(heard_s_ago + sinceToldS)}`,
+    words: ({ heard_s_ago }, robotsAgeS) => `silent for ${duration(heard_s_ago + robotsAgeS)}`,
   },
   { holds: ({ health }) => health?.level === "error", words: ({ health }) => health?.summary ?? "" },
   { holds: ({ health }) => health !== null, words: ({ health }) => health?.summary ?? "" },

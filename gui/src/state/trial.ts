@@ -142,7 +142,7 @@ export class FolderTrial {
   }
 
   /** Tries one recording after the other, and tells how far all are; what ends it leaves what is done. */
-  async run(api: Api, run: string, signal: AbortSignal, tellShare: (share: number) => void): Promise<this> {
+  async run(api: Api, run: string, signal: AbortSignal, setShare: (share: number) => void): Promise<this> {
     for (const [number, { name: bag }] of this.recordings.entries()) {
       const { headline, problem, remedy } = await api.ask(
         "POST /api/try/headline",
@@ -151,7 +151,7 @@ export class FolderTrial {
       );
       if (headline !== null) this.rows.value = [...this.rows.value, { bag, headline }];
       else this.problems.value = [...this.problems.value, { bag, why: problemWords({ message: problem, remedy }) }];
-      tellShare(this.share(0, this.done));
+      setShare(this.share(0, this.done));
     }
     return this;
   }

@@ -16,7 +16,7 @@ import rules from "./example.adirf?raw";
 import parameters from "./example.toml?raw";
 
 /** The editor on an example that is in no file, and the tour of it; `rules` is the file that it was called from. */
-export function TourPage({ project, refresh, rules, keepings }: PageProps) {
+export function TourPage({ project, refresh, rules, keptIncidents }: PageProps) {
   const own = useMemo(
     () => ({ api: new ExampleApi(), editors: exampleEditors(), project: exampleProject(project) }),
     [],
@@ -25,7 +25,7 @@ export function TourPage({ project, refresh, rules, keepings }: PageProps) {
   const end = () => toRoute(rules === undefined ? { page: "home", name: "" } : { page: "rules", name: rules });
   return (
     <div class="touring">
-      <EditorPage {...own} {...{ refresh, keepings }} name={EXAMPLE_RULES} />
+      <EditorPage {...own} {...{ refresh, keptIncidents }} name={EXAMPLE_RULES} />
       <TourCard onEnd={end} />
     </div>
   );

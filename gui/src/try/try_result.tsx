@@ -4,7 +4,7 @@ import { effect } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { RuleZones, TryIncident, TryTopic } from "../api/types";
-import type { Keepings } from "../incidents/keepings";
+import type { KeptIncidents } from "../incidents/kept_incidents";
 import { missingWords, sumOf, windowWords } from "../incidents/missing_words";
 import type { MapZone } from "../map/shapes";
 import { href } from "../route";
@@ -29,13 +29,13 @@ interface Props {
   editor: RuleEditor;
   api: Api;
   trial: Trial;
-  keepings: Keepings;
+  keptIncidents: KeptIncidents;
   /** What is another one since the try: `rules`, `profile`, `recording`. */
   changed: readonly string[];
 }
 
 /** A try: what it saved, and below one scrubber the map, the rules, the rates, the loss and every decision. */
-export function TryResult({ editor, api, trial, keepings, changed }: Props) {
+export function TryResult({ editor, api, trial, keptIncidents, changed }: Props) {
   const { answer } = trial;
   const [worst, error, missed] = [lossWords(answer), errorWords(answer), missedWords(answer)];
   const kbPerS = sentKbPerS(answer);
@@ -71,7 +71,7 @@ export function TryResult({ editor, api, trial, keepings, changed }: Props) {
         show={isOld ? null : (line) => editor.showLine(line)}
       />
       <CheckCourses {...{ editor, api, trial }} />
-      <TriedIncidents keepings={keepings} trial={trial} />
+      <TriedIncidents keptIncidents={keptIncidents} trial={trial} />
       <div class="try-columns">
         <div class="try-column">
           {answer.path.length > 1 && <TryMap {...{ editor, api, trial }} />}
@@ -250,7 +250,7 @@ function followTime(box: HTMLElement, trial: Trial): () => void {
 }
 
 /** What the rules would have recorded of the bag; a time leads there, and each can be kept in the project. */
-function TriedIncidents({ keepings, trial }: { keepings: Keepings; trial: Trial }) {
+function TriedIncidents({ keptIncidents, trial }: { keptIncidents: KeptIncidents; trial: Trial }) {
   const { incidents } = trial.answer;
   if (incidents === null) return null;
   return (
@@ -259,7 +259,7 @@ function TriedIncidents({ keepings, trial }: { keepings: Keepings; trial: Trial 
         What the rules would have recorded{" "}
         {incidents.length > 0 && <span class="quiet">(red on the slider and the charts)</span>}
       </h3>
-      <Problem text={keepings.problem.value} />
+      <Problem text={keptIncidents.problem.value} />
       {incidents.length === 0 ? (
         <p class="quiet">
           Nothing: no rule with a recording began to hold. One that holds from the start on begins nothing either,
@@ -268,7 +268,7 @@ function TriedIncidents({ keepings, trial }: { keepings: Keepings; trial: Trial 
       ) : (
         <ul>
           {incidents.map((incident) => (
-            <TriedIncident key={incident.number} {...{ keepings, trial, incident }} />
+            <TriedIncident key={incident.number} {...{ keptIncidents, trial, incident }} />
           ))}
         </ul>
       )}
@@ -276,11 +276,11 @@ function TriedIncidents({ keepings, trial }: { keepings: Keepings; trial: Trial 
   );
 }
 
-function TriedIncident(props: { keepings: Keepings; trial: Trial; incident: TryIncident }) {
-  const { keepings, trial, incident } = props;
+function TriedIncident(props: { keptIncidents: KeptIncidents; trial: Trial; incident: TryIncident }) {
+  const { keptIncidents, trial, incident } = props;
   const { t, record } = incident;
   const { rule, topics, missing, moments = 1 } = record;
-  const keep = keepings.of(trial, incident.number);
+  const keep = keptIncidents.of(trial, incident.number);
   const name = `${record.name} at ${t.toFixed(1)} s`;
   return (
     <li>
@@ -297,7 +297,7 @@ function TriedIncident(props: { keepings: Keepings; trial: Trial; incident: TryI
             <Button
               label="Keep it"
               class="small"
-              onClick={() => void keepings.keep(trial, incident.number, name)}
+              onClick={() => void keptIncidents.keep(trial, incident.number, name)}
               aria-label={`Keep it: ${name}`}
             />
           </NeedsServer>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { type Draft, Drafts, keepDraft, NO_ROOM, type Restored } from "../../src/state/drafts";
+import { type Draft, Drafts, NO_ROOM, type Restored, storeDraft } from "../../src/state/drafts";
 
 let leave = () => {};
 
@@ -35,7 +35,7 @@ function typedFile(isFull = false) {
     const content = text.value;
     return content === "" ? null : () => ({ content, hash: null, changedMs: 0 });
   };
-  keepDraft(new Drafts(storage, "shelf", "tab", async () => new Set()), "rules", {
+  storeDraft(new Drafts(storage, "shelf", "tab", async () => new Set()), "rules", {
     name: "a.adirf",
     restored,
     message,

@@ -10,15 +10,15 @@ import { Button } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
 
 /** Which incidents the server keeps now, and what came of it, on every page until somebody has read it. */
-export function KeepingBar({ keepings }: { keepings: Keepings }) {
-  const keeps = keepings.keeps.value;
+export function KeptIncidentsBar({ keptIncidents }: { keptIncidents: KeptIncidents }) {
+  const keeps = keptIncidents.keeps.value;
   // What is read by whom may only watch stays for the others.
   const mayEnd = !useRobot().onlyWatches.value;
   if (keeps.length === 0) return null;
   return (
     <section class="keeping-bar" aria-label="Incidents being kept">
       {keeps.map((keep) => (
-        <Keeping key={keep.run} keep={keep} end={() => mayEnd && void keepings.end(keep.run)} />
+        <Keeping key={keep.run} keep={keep} end={() => mayEnd && void keptIncidents.end(keep.run)} />
       ))}
     </section>
   );
@@ -63,7 +63,7 @@ function Keeping({ keep, end }: { keep: KeepState; end: () => void }) {
 const LOOK_MS = 500;
 
 /** The incidents of tries that the server writes into the project, which goes on though the page is closed. */
-export class Keepings {
+export class KeptIncidents {
   readonly keeps = signal<readonly KeepState[]>([]);
   readonly problem = signal("");
   private readonly runs = new WeakMap<Trial, string>();
