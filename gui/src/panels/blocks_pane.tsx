@@ -166,7 +166,7 @@ function openWorkspace(
     lost: (lost) => (editor.lost.value = { name: editor.name, ...lost }),
     tell: (message) => (editor.message.value = message),
     leftOut: (count) => (editor.blocksLeftOut = count),
-    ahead: (isAhead) => editor.ahead.tell(workspace, isAhead),
+    ahead: (isAhead) => editor.setAhead(workspace, isAhead),
     showAgain: show,
     folds: editor.folds,
     selected: (id) => {

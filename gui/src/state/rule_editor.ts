@@ -13,43 +13,22 @@ import { Folds, sectionsOf, statementsIn, Words } from "./statements";
 const MANY_BLOCKS = 1000;
 const EMPTY: RuleDocument = { collections: [], findings: [], parses: true };
 
-/** One open rule file. Its text is the truth; blocks and findings are what the server reads in it. */
+/**
+ * One open rule file: all that the page knows of it. Its text is the truth; statements and findings are what the server
+ * reads in it, and panels show them.
+ */
 export class RuleEditor extends OpenFile {
   readonly text = signal("");
   readonly content = this.text;
+  /** What the server read in the text `read`, and when, in ms since 1970. */
   readonly document = signal<RuleDocument>(EMPTY);
-  /** The last document that could be read whole: what the blocks show, with the text it was read from. */
-  readonly shown = signal<{ document: RuleDocument; text: string } | null>(null);
-  readonly profileChoice: RuleProfile;
-  readonly profile: RuleProfile["used"];
-  readonly spot = signal<Spot | null>(null);
-  /** When the server read the text last, in ms since 1970. */
+  private read: string | null = null;
   readonly checkedMs = signal(0);
-  /** What zones are drawn on. */
-  readonly map = signal<MapSetting>(PLAIN_GRID);
-  private readonly savedMap = signal<MapSetting>(PLAIN_GRID);
-  private layoutHash: string | null = null;
-  readonly whole = computed(() => ({ text: this.text.value, map: this.map.value }));
-  readonly ahead = new WorkAhead();
-  readonly shownStatements = computed(() => statementsIn(this.shown.value?.document ?? EMPTY));
-  /** The titles of what the blocks show, by the number of the statement under each. */
-  readonly shownSections = computed(() => sectionsOf(this.shown.value?.text ?? "", this.shownStatements.value));
-  /** Whether no statement is there yet. */
-  readonly isEmpty = computed(() => this.shownStatements.value.length === 0);
-  /** Whether the file holds the text, and its side file the map. */
-  override readonly isInFile = computed(() => this.isContentSaved.value && this.map.value === this.savedMap.value);
-  override readonly isSaved = computed(() => this.isInFile.value && !this.ahead.isAny.value);
-  /** How many blocks say nothing that the text could say, such as a check outside a rule. */
-  blocksLeftOut = 0;
-  /** Takes back a part of something that is not in the text yet; whether there was any. */
-  takeBack: (() => boolean) | null = null;
-  /** Brings into the text what blocks say, an open field too where that is asked for; whether nothing is left out. */
-  handOver: ((withOpenField: boolean) => Promise<boolean>) | null = null;
+  readonly statements = computed(() => statementsIn(this.document.value));
+  private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
   /** Whether the server has read the rules with their profile: without it, levels would be errors that they are not. */
   readonly isChecked = signal(false);
   readonly findings = computed(() => (this.isChecked.value ? this.document.value.findings : []));
-  readonly statements = computed(() => statementsIn(this.document.value));
-  private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
   readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
   /** What to know of a text that is too long to be edited here with ease; empty where it is not. */
   readonly tooLong = computed(() => {
@@ -57,16 +36,43 @@ export class RuleEditor extends OpenFile {
     if (length <= MANY_BLOCKS) return "";
     return `${counted(length, "block")} in one file: beyond ${readable(MANY_BLOCKS)}, findings come late and the page is slow. Split the file; a robot reads all rule files of a folder.`;
   });
-  /** Whether the blocks show the past, because the text of now cannot be read. */
-  readonly isBroken = computed(() => !this.document.value.parses && this.shown.value?.document !== this.document.value);
-  /** The text that `document` was read from. */
-  private read: string | null = null;
   private readonly checks = new CheckQueue(
     () => this.rules,
     (rules) => this.ask(rules),
   );
+
+  /** The last document that could be read whole: what the blocks show, with the text it was read from. */
+  readonly shown = signal<{ document: RuleDocument; text: string } | null>(null);
+  readonly shownStatements = computed(() => statementsIn(this.shown.value?.document ?? EMPTY));
+  /** The titles of what the blocks show, by the number of the statement under each. */
+  readonly shownSections = computed(() => sectionsOf(this.shown.value?.text ?? "", this.shownStatements.value));
+  /** Whether no statement is there yet. */
+  readonly isEmpty = computed(() => this.shownStatements.value.length === 0);
+  /** Whether the blocks show the past, because the text of now cannot be read. */
+  readonly isBroken = computed(() => !this.document.value.parses && this.shown.value?.document !== this.document.value);
+  /** The blocks, shown or left, that have something on its way into the text. */
+  private readonly ahead = signal<ReadonlySet<object>>(new Set());
+  /** How many blocks say nothing that the text could say, such as a check outside a rule. */
+  blocksLeftOut = 0;
+  /** Brings into the text what blocks say, an open field too where that is asked for; whether nothing is left out. */
+  handOver: ((withOpenField: boolean) => Promise<boolean>) | null = null;
+
+  readonly spot = signal<Spot | null>(null);
   /** What to suggest. */
-  readonly words: Words;
+  readonly words = new Words(this.api);
+  readonly profileChoice = new RuleProfile(this.api);
+  readonly profile = this.profileChoice.used;
+
+  /** What zones are drawn on, which a side file keeps. */
+  readonly map = signal<MapSetting>(PLAIN_GRID);
+  private readonly savedMap = signal<MapSetting>(PLAIN_GRID);
+  private layoutHash: string | null = null;
+  /** Takes back a part of a zone that is not in the text yet; whether there was any. */
+  takeBack: (() => boolean) | null = null;
+
+  readonly whole = computed(() => ({ text: this.text.value, map: this.map.value }));
+  override readonly isInFile = computed(() => this.isContentSaved.value && this.map.value === this.savedMap.value);
+  override readonly isSaved = computed(() => this.isInFile.value && this.ahead.value.size === 0);
 
   constructor(
     api: Api,
@@ -78,9 +84,6 @@ export class RuleEditor extends OpenFile {
     readonly lost = signal<Lost | null>(null),
   ) {
     super(api, name, "rules", drafts);
-    this.words = new Words(api);
-    this.profileChoice = new RuleProfile(api);
-    this.profile = this.profileChoice.used;
   }
 
   /** The file as every call of the server names it. */
@@ -251,6 +254,13 @@ export class RuleEditor extends OpenFile {
     this.point(line === null ? undefined : this.statements.peek().findLast((each) => (each.line ?? 0) <= line), "try");
   }
 
+  /** Notes whether `blocks` have something that is on its way into the text. */
+  setAhead(blocks: object, isAhead: boolean): void {
+    const ahead = this.ahead.peek();
+    if (ahead.has(blocks) === isAhead) return;
+    this.ahead.value = new Set(isAhead ? [...ahead, blocks] : [...ahead].filter((each) => each !== blocks));
+  }
+
   private replaceText(text: string, document: RuleDocument): void {
     this.remember();
     batch(() => {
@@ -359,18 +369,6 @@ export interface Lost {
   readonly name: string;
   readonly changes: readonly string[];
   readonly why: string;
-}
-
-/** Who has something that is on its way into a text, such as the blocks that are shown, or that were left. */
-class WorkAhead {
-  private readonly those = signal<ReadonlySet<object>>(new Set());
-  readonly isAny = computed(() => this.those.value.size > 0);
-
-  tell(who: object, isAhead: boolean): void {
-    const those = this.those.peek();
-    if (those.has(who) === isAhead) return;
-    this.those.value = new Set(isAhead ? [...those, who] : [...those].filter((each) => each !== who));
-  }
 }
 
 /** The topic parameters that a rule file is checked and optimized with. */
