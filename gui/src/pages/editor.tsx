@@ -12,17 +12,15 @@ import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/rule_push_steps";
 import { type Side, SidePane } from "../panels/side_pane";
 import { toRoute } from "../route";
-import { browserStorage } from "../state/drafts";
 import { ProfileRepair } from "../state/profile_repair";
 import { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
-import type { FileTries } from "../state/tries";
 import { type Tab, Tabs } from "../ui/choice";
 import { NeedsServer, useReturn, useRobot } from "../ui/connection";
 import { ConflictDialog, FileNotices, useOpenFile } from "../ui/file_notices";
 import { later } from "../ui/later";
 import { Notice, Toast } from "../ui/notice";
-import { FullScreen, FullScreenButton, PaneSizes, Splitter } from "../ui/panes";
+import { FullScreen, FullScreenButton, Splitter, usePaneSize } from "../ui/panes";
 import { showOnNarrow } from "../ui/watch";
 import type { PageProps } from "./page_props";
 
@@ -35,7 +33,6 @@ type FullPart = "map" | "results";
 
 const BLOCKS = { least: 20, most: 80 };
 const DOCK = { least: 10, most: 85 };
-const USUAL_BLOCKS = 58;
 
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
 export function EditorPage({ api, project, name, robot: node, line, editors, keptIncidents, refresh }: PageProps) {
@@ -52,8 +49,18 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kep
   useEffect(() => full.follow(), []);
   /** Whether the rates are to be downloaded as soon as they are computed. */
   const wantsRates = useSignal(false);
-  const room = useRoom(tool, side, tries);
-  useShownRobot(node, tool);
+  // Panes have the room that somebody left them for what they show, else as much as that needs.
+  const isTried = tool.value === "try" && (tries.last.value ?? tries.folder.value) !== null;
+  const isMap = side.value === "map";
+  const dockOf = isTried ? "a try" : isMap ? "results below the map" : "results";
+  const [dock, setDock] = usePaneSize(dockOf, isTried ? 62 : isMap ? 18 : 34);
+  const [blocks, setBlocks] = usePaneSize("blocks", 58);
+  const link = useRobot();
+  useEffect(() => {
+    if (node === undefined) return;
+    link.choose(node);
+    tool.value = "robot";
+  }, [node]);
   const [state, setState] = useState<"opening" | "open" | { problem: string }>("opening");
   useEffect(() => {
     void open(editor, setState);
@@ -75,11 +82,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kep
   if (state === "opening") return <p class="quiet center">Opening {name} …</p>;
   if (state !== "open") return <Notice kind="error" text={state.problem} />;
   return (
-    <div
-      class="editor"
-      data-full={full.part.value}
-      style={{ "--dock": `${room.dock}%`, "--blocks": `${room.blocks}%` }}
-    >
+    <div class="editor" data-full={full.part.value} style={{ "--dock": `${dock}%`, "--blocks": `${blocks}%` }}>
       <div>
         <EditorBar
           {...{ editor, api, project, savesByItself, ...robot }}
@@ -97,19 +100,13 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kep
           <Splitter
             label="Width of the blocks"
             orientation="vertical"
-            percent={room.blocks}
+            percent={blocks}
             {...BLOCKS}
-            onChange={room.setBlocks}
+            onChange={setBlocks}
           />
           <SidePane {...{ editor, api, side, full }} />
         </div>
-        <Splitter
-          label="Height of the results"
-          orientation="horizontal"
-          percent={room.dock}
-          {...DOCK}
-          onChange={room.setDock}
-        />
+        <Splitter label="Height of the results" orientation="horizontal" percent={dock} {...DOCK} onChange={setDock} />
         <section class="dock" aria-label="Results" ref={results}>
           <h2 class="visually-hidden">Results</h2>
           <div class="dock-bar">
@@ -144,37 +141,6 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kep
       <SendDialog rulePush={robot.rulePush} />
     </div>
   );
-}
-
-interface Room {
-  blocks: number;
-  dock: number;
-  setBlocks: (percent: number) => void;
-  setDock: (percent: number) => void;
-}
-
-/** How much of the page panes have: as somebody left them for what they show, else as much as that needs. */
-function useRoom(tool: Signal<Tool>, side: Signal<Side>, tries: FileTries): Room {
-  const sizes = useMemo(() => new PaneSizes(browserStorage()), []);
-  const isTried = tool.value === "try" && (tries.last.value ?? tries.folder.value) !== null;
-  const usualDock = isTried ? 62 : side.value === "map" ? 18 : 34;
-  const dock = isTried ? "a try" : side.value === "map" ? "results below the map" : "results";
-  return {
-    blocks: sizes.of("blocks") ?? USUAL_BLOCKS,
-    dock: sizes.of(dock) ?? usualDock,
-    setBlocks: (percent) => sizes.set("blocks", percent),
-    setDock: (percent) => sizes.set(dock, percent),
-  };
-}
-
-/** Turns to the robot that the address names. */
-function useShownRobot(node: string | undefined, tool: Signal<Tool>): void {
-  const link = useRobot();
-  useEffect(() => {
-    if (node === undefined) return;
-    link.choose(node);
-    tool.value = "robot";
-  }, [node]);
 }
 
 /** What links the open rules with a running robot, for as long as the page is open. */

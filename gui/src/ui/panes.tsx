@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { type Signal, signal } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { useRef, useState } from "preact/hooks";
+import { browserStorage } from "../state/drafts";
 import { Button } from "./button";
 
 /** Which part of the page has all of it, in a browser that fills the screen where it lets itself. */
@@ -66,39 +67,22 @@ export function FullScreenButton<Part extends string>({ full, part, what }: Full
   );
 }
 
-const PREFIX = "pane size of ";
+const SIZE_KEY = "pane size of ";
 
-/** How much room panes have, in percent, as somebody left them in this browser. */
-export class PaneSizes {
-  /** What was set, by the name of a pane. */
-  private readonly sizes = new Map<string, Signal<number | null>>();
-
-  constructor(private readonly storage: Pick<Storage, "getItem" | "setItem">) {}
-
-  /** The share of a pane; null where nobody set it. */
-  of(pane: string): number | null {
-    return this.signalOf(pane).value;
-  }
-
-  /** Sets the share of a pane, and remembers it. */
-  set(pane: string, percent: number): void {
-    this.signalOf(pane).value = percent;
+/** How much room a pane has, in percent, as somebody left it in this browser, else `usual`; and how to set it. */
+export function usePaneSize(pane: string, usual: number): [percent: number, set: (percent: number) => void] {
+  const [sizes, setSizes] = useState<Readonly<Record<string, number>>>({});
+  const storage = browserStorage();
+  const left = storage.getItem(SIZE_KEY + pane);
+  const set = (percent: number) => {
+    setSizes({ ...sizes, [pane]: percent });
     try {
-      this.storage.setItem(`${PREFIX}${pane}`, String(percent));
+      storage.setItem(SIZE_KEY + pane, String(percent));
     } catch {
       // A browser without room forgets it with the page.
     }
-  }
-
-  private signalOf(pane: string): Signal<number | null> {
-    const known = this.sizes.get(pane);
-    if (known) return known;
-    const text = this.storage.getItem(`${PREFIX}${pane}`);
-    const percent = text === null ? Number.NaN : Number(text);
-    const size = signal(Number.isFinite(percent) ? percent : null);
-    this.sizes.set(pane, size);
-    return size;
-  }
+  };
+  return [sizes[pane] ?? (left !== null && Number.isFinite(Number(left)) ? Number(left) : usual), set];
 }
 
 const STEP = 2;
