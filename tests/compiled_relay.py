@@ -45,10 +45,13 @@ def library_in(folder: Path, *flags: str) -> relay_library.RelayLibrary:
 
 
 class ListedRcl:
-    """Messages to take, as publisher, number and content, and what was published, all at ``now_ns``."""
+    """Messages to take, as publisher, number and content, and what was published, all at ``now_ns``.
+
+    ``steady`` is the function of C that reads ``steady_ns``.
+    """
 
     def __init__(self) -> None:
-        self.now_ns = 0
+        self.now_ns = self.steady_ns = 0
         self.to_take: deque[tuple[bytes, int, bytes]] = deque()
         self.published: list[bytes] = []
         # As long as C may call them, somebody must hold them.
@@ -57,6 +60,8 @@ class ListedRcl:
             CFUNCTYPE(c_int, c_void_p, _Message, c_void_p)(self._publish),
             CFUNCTYPE(c_int64)(lambda: self.now_ns),
         )
+        self._steady = CFUNCTYPE(c_int64)(lambda: self.steady_ns)
+        self.steady = cast(self._steady, c_void_p)
 
     def settings(self, **others: int) -> RelaySettings:
         """Settings of a relay that takes and publishes here."""

@@ -36,15 +36,6 @@ class MemorySubscription:
         self.type_name = type_name
         self.receive = receive
 
-    def pause(self) -> None: ...
-
-    def resume(self) -> None: ...
-
-    def arm(self) -> None: ...
-
-    def take_pending(self) -> bool:
-        return False
-
     def close(self) -> None:
         self._graph.subscriptions.remove(self)
 

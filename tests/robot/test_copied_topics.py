@@ -24,7 +24,7 @@ from smarttestudo.domain.compiled_relay import (
     RelayCounts,
     RelayState,
 )
-from smarttestudo.domain.robot import GraphChange, Payload, PollGraph, Publisher, Subscription
+from smarttestudo.domain.robot import GraphChange, Instant, Payload, PollGraph, Publisher, Subscription
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.step import Trigger
@@ -60,14 +60,14 @@ class MemoryRelay:
         self.state, self.period_ns = state, state.period_ns
 
     def takes(self, copy: MessageCopy) -> None:
-        copying, waiting = self.copying, self.relays.waiting
-        if copying.came is not None:
-            came = copy if copying.has_payload else replace(copy, payload=None)
-            waiting.append((copy.stamp_ns, partial(copying.came, came)))
+        copying, waiting, steady_ns = self.copying, self.relays.waiting, copy.at.steady_ns
+        if copying.received is not None:
+            received = copy if copying.has_payload else replace(copy, payload=None)
+            waiting.append((steady_ns, partial(copying.received, received)))
         if self.period_ns != 0:
             return
         if copying.passed is not None:
-            waiting.append((copy.stamp_ns, partial(copying.passed, copy)))
+            waiting.append((steady_ns, partial(copying.passed, copy)))
         elif self.publisher is not None:
             self.publisher.publish(copy.payload or b"")
 
@@ -84,7 +84,7 @@ class MemoryRelay:
 
 
 class MemoryRelays:
-    """A ``CompiledRelays`` that keeps what is told of until it is to be delivered."""
+    """A ``CompiledRelays`` that keeps copies until they are to be delivered."""
 
     can_relay = True
 
@@ -93,16 +93,14 @@ class MemoryRelays:
         self.begun = 0
         self.latest_ns = 0
         self.waiting: deque[tuple[int, Callable[[], None]]] = deque()
-        self.late = 0
-        """How many of those that wait have waited once, which is as long as any does."""
 
-    def takes(self, topic: str, payload: bytes, gid: bytes, now_ns: int) -> bool:
+    def takes(self, topic: str, payload: bytes, gid: bytes, at: Instant) -> bool:
         """Whether a relay took the message."""
         relay = self.running.get(topic)
         if relay is None:
             return False
-        self.latest_ns = now_ns
-        relay.takes(MessageCopy(stamp_ns=now_ns, publisher=gid, size_bytes=len(payload), payload=payload))
+        self.latest_ns = at.steady_ns
+        relay.takes(MessageCopy(at=at, publisher=gid, size_bytes=len(payload), payload=payload))
         return True
 
     def serves(self, subscription: Subscription, publisher: Publisher | None) -> bool:
@@ -123,11 +121,9 @@ class MemoryRelays:
         self.begun += 1
         return relay
 
-    def deliver(self, now_ns: int) -> None:
-        while self.waiting and (self.late or self.waiting[0][0] <= now_ns):
-            self.late = max(0, self.late - 1)
+    def deliver(self, steady_ns: int) -> None:
+        while self.waiting and self.waiting[0][0] <= steady_ns:
             self.waiting.popleft()[1]()
-        self.late = len(self.waiting)
 
 
 class ActingGraph(SmallGraph):
@@ -135,9 +131,9 @@ class ActingGraph(SmallGraph):
 
     compiled: MemoryRelays | None  # type: ignore[assignment]
 
-    def __init__(self, seed: int, acts: int, *, is_returned: bool) -> None:
+    def __init__(self, seed: int, acts: int, *, is_returned: bool, jumps_back: bool = False) -> None:
         super().__init__()
-        self.is_returned = is_returned
+        self.is_returned, self.jumps_back = is_returned, jumps_back
         self.compiled = None
         self.chance, self.acts_left = random.Random(seed), acts
         self.clock_ns, self.number = NS_PER_S, 0
@@ -162,7 +158,8 @@ class ActingGraph(SmallGraph):
         self.clock_ns += self.chance.randrange(NS_PER_S // 20)
         for _ in range(self.chance.randint(1, 3)):
             sends = [self._send] * 3
-            acts = [*sends, self._see, self._reload, self._leave, self._set_budget, self._jump_ahead]
+            jump = self._jump_to_and_fro if self.jumps_back else self._jump_ahead
+            acts = [*sends, self._see, self._reload, self._leave, self._set_budget, jump]
             self.chance.choice(acts)()
 
     def _send(self) -> None:
@@ -172,7 +169,8 @@ class ActingGraph(SmallGraph):
             payload = b"%d" % self.number
             if not self.sources[topic]:
                 continue
-            if self.compiled is None or not self.compiled.takes(topic, payload, GIDS[topic], self.clock_ns):
+            at = Instant(self.clock_ns, self.steady_ns())
+            if self.compiled is None or not self.compiled.takes(topic, payload, GIDS[topic], at):
                 self.sends(topic, GIDS[topic], payload)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
@@ -204,7 +202,12 @@ class ActingGraph(SmallGraph):
             # Two jumps between two looks at the clock are one.
             return
         self.has_jumped = True
-        by_ns = self.chance.choice([NS_PER_S, 3600 * NS_PER_S])
+        self._jump(self.chance.choice([NS_PER_S, 3600 * NS_PER_S]))
+
+    def _jump_to_and_fro(self) -> None:
+        self._jump(self.chance.choice([NS_PER_S, 3600 * NS_PER_S, -NS_PER_S, -60 * NS_PER_S]))
+
+    def _jump(self, by_ns: int) -> None:
         self.clock_ns += by_ns
         self.ahead_ns += by_ns
 
@@ -282,8 +285,11 @@ class Told:
     published: list[tuple[str, bytes]]
 
 
-def told_by(seed: int, acts: int, relays: MemoryRelays | None, *, is_returned: bool) -> Told:
-    graph, part = ActingGraph(seed, acts, is_returned=is_returned), Recording(seed)
+def told_by(
+    seed: int, acts: int, relays: MemoryRelays | None, *, is_returned: bool, jumps_back: bool = False
+) -> Told:
+    graph = ActingGraph(seed, acts, is_returned=is_returned, jumps_back=jumps_back)
+    part = Recording(seed)
     publishing = Publishing()
     graph.compiled = relays
     inputs = InputRecorder(graph, Settings(), None)
@@ -309,6 +315,13 @@ def test_parts_are_told_all_that_they_would_be_told_of_topics_in_python_and_in_t
     assert told == told_by(seed, acts, None, is_returned=is_returned)
     times_ns = [one[-1] for one in told.recorded]
     assert times_ns == sorted(times_ns)
+
+
+@settings(max_examples=100)
+@given(seeds, st.integers(10, 120), st.booleans())
+def test_that_holds_however_the_clock_is_set_to_and_fro(seed: int, acts: int, is_returned: bool) -> None:
+    told = told_by(seed, acts, MemoryRelays(), is_returned=is_returned, jumps_back=True)
+    assert told == told_by(seed, acts, None, is_returned=is_returned, jumps_back=True)
 
 
 def test_such_topics_are_relayed_without_python_indeed() -> None:

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from incidents.incident_runs import rules_of
 from robot.small_graph import TEXT, MemoryPublisher, MemorySubscription, SmallGraph
 from robot.test_topics_of_parts import PollingGraph
+from smarttestudo.domain.compiled_relay import MessageCopy
 from smarttestudo.domain.errors import LinkError, RosError
 from smarttestudo.domain.names import MAX_NAME_LENGTH
 from smarttestudo.domain.observation import Undecodable
@@ -124,7 +125,10 @@ class Relaying:
         graph.installed.add("x_msgs/msg/Odd")
         self.number = 0
 
-    def relay(self, topic: Topic, payload: Payload, publisher: Hashable) -> None:
+    def relay(
+        self, topic: Topic, payload: Payload | None, publisher: Hashable, copy: MessageCopy | None
+    ) -> None:
+        assert payload is not None
         self.graph.does("receive", topic.name)
         topic.publish(payload, publisher)
 

@@ -41,7 +41,7 @@ class Followed:
             lambda: {one.name: one.link() for one in self.known.values() if one.output is not None},
             lambda: [one.ends(is_published=True) is not None for one in self.known.values()],
             lambda: [one.ends(is_published=False) is not None for one in self.known.values()],
-            lambda: [(one.name, one.source, one.is_wanted, one.may_rest) for one in self.known.values()],
+            lambda: [(one.name, one.source, one.is_wanted, one.may_pause) for one in self.known.values()],
             self.topics.subscribed_here,
             self.topics.listeners,
         ]

@@ -69,10 +69,10 @@ class PausedSubscription:
 class Robot:
     """One source and the runtime beside it, in virtual time."""
 
-    def __init__(self, rate: str, *, samples: bool = True, may_rest: bool = True) -> None:
+    def __init__(self, rate: str, *, samples: bool = True, may_pause: bool = True) -> None:
         self.driver = LoopDriver(f"begin SetFrequency /imu {rate} end", types={"/imu": "sensor_msgs/msg/Imu"})
         self.loop = self.driver.loop
-        self.sampling = LiveSampling(self.loop, may_rest=may_rest)
+        self.sampling = LiveSampling(self.loop, may_pause=may_pause)
         self.subscription = PausedSubscription(self._receive)
         self._topic = SampledTopic("/imu", self.subscription, 0)
         self._samples = samples
@@ -165,7 +165,7 @@ def test_a_topic_that_is_off_costs_next_to_nothing_and_its_source_is_still_known
 
 
 def test_while_all_that_comes_is_recorded_every_message_is_looked_at() -> None:
-    robot = Robot("10", may_rest=False)
+    robot = Robot("10", may_pause=False)
     robot.run(arrivals(1000, 5), 5 * SECOND)
     assert robot.subscription.wake_ups == 5000
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Hashable, Mapping
 import pytest
 
 from robot.small_graph import NODE, TEXT, SmallGraph
+from smarttestudo.domain.compiled_relay import MessageCopy
 from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.robot import GraphChange, Payload
 from smarttestudo.robot.gone_publishers import FOUND_WITHIN_NS
@@ -34,7 +35,10 @@ class Live:
         self.topics = LiveTopics(graph, self.known, self.relay, lambda topic: 0.0, is_lazy=is_lazy)
         self.topics.follow({topic: f"/testudo{topic}" for topic in relayed}, watched, leaders or {})
 
-    def relay(self, topic: Topic, payload: Payload, publisher: Hashable) -> None:
+    def relay(
+        self, topic: Topic, payload: Payload | None, publisher: Hashable, copy: MessageCopy | None
+    ) -> None:
+        assert payload is not None
         topic.publish(payload, publisher)
 
     def looks(self, times: int = 5) -> None:

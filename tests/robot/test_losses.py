@@ -25,15 +25,6 @@ class Subscription:
     sent: int | None = 0
     dropped = 0
 
-    def pause(self) -> None: ...
-
-    def arm(self) -> None: ...
-
-    def take_pending(self) -> bool:
-        return False
-
-    def resume(self) -> None: ...
-
     def close(self) -> None: ...
 
     def goes_on(self, sent: int, lost: int = 0) -> None:

@@ -88,7 +88,7 @@ class Echo:
         self.heard.clear()
 
     def begin(self, *, is_copied: bool = False) -> None:
-        copying = Copying(came=self._see_copy, has_payload=True) if is_copied else Copying()
+        copying = Copying(received=self._see_copy, has_payload=True) if is_copied else Copying()
         self.relay = self.compiled.begin(
             self.subscription, self.publisher, lambda: self.state, self._ended, copying
         )
@@ -111,14 +111,14 @@ class Echo:
 
     def _see_copy(self, copy: MessageCopy) -> None:
         assert copy.payload is not None
-        self._see(copy.payload, copy.stamp_ns)
+        self._see(copy.payload, copy.at.clock_ns)
 
     def _see(self, payload: Payload, stamp_ns: int) -> None:
         self.seen.append((int(payload[8:16]), stamp_ns))
 
     def _relay(self, payload: Payload, _publisher: object) -> None:
         now_ns = self.robot.now_ns()
-        self.compiled.deliver(now_ns)
+        self.compiled.deliver(self.robot.steady_ns())
         self._see(payload, now_ns)
         self.by_python += 1
         self.publisher.publish(payload)
@@ -153,7 +153,7 @@ def test_of_a_recorded_topic_python_sees_each_message_once_and_in_order_whoever_
         echo.source.publish(text(number, chance.choice([0, 0, 1, 40_000])))
         echo.wait_for(number - AHEAD)
         if chance.random() < 0.1:
-            echo.compiled.deliver(fast.now_ns())
+            echo.compiled.deliver(fast.steady_ns())
     echo.wait_for(2000)
     echo.end()
     assert [number for number in echo.heard if number] == list(range(1, 2001))

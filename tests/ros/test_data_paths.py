@@ -22,7 +22,7 @@ from smarttestudo.domain.robot import DataPath, DataPathKind, Payload, Publisher
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.robot.ros.rcl.bindings import RclLibrary
 from smarttestudo.robot.ros.rcl.buffers import KEPT_BUFFERS
-from smarttestudo.robot.ros.rcl.source import RclSource
+from smarttestudo.robot.ros.rcl.subscription import RclSource
 from smarttestudo.robot.ros.rcl.wake_ups import MOST_AT_ONCE
 
 pytestmark = pytest.mark.contract
@@ -291,7 +291,7 @@ def test_a_resting_inlet_skips_all_but_the_next_message_once_it_is_roused(robot:
     path, heard = robot.data_path, Heard()
     needs_numbered_messages(path)
     publisher = path.advertise("/fast", TEXT, RELIABLE)
-    subscription = path.subscribe("/fast", TEXT, RELIABLE, heard)
+    subscription: Any = path.subscribe("/fast", TEXT, RELIABLE, heard)
     publish_and_await(robot, publisher, heard, "before")
     subscription.pause()
     change_over(robot, publisher)
@@ -328,7 +328,7 @@ def test_the_last_word_before_a_silence_is_kept_while_resting(robot: Robot) -> N
     path, heard = robot.data_path, Heard()
     needs_numbered_messages(path)
     publisher = path.advertise("/fast", TEXT, RELIABLE)
-    subscription = path.subscribe("/fast", TEXT, RELIABLE, heard)
+    subscription: Any = path.subscribe("/fast", TEXT, RELIABLE, heard)
     subscription.pause()
     change_over(robot, publisher)
     for number in range(50):
@@ -344,7 +344,7 @@ def test_after_a_rest_every_message_is_received_again(robot: Robot) -> None:
     path, heard = robot.data_path, Heard()
     needs_numbered_messages(path)
     publisher = path.advertise("/fast", TEXT, RELIABLE)
-    subscription = path.subscribe("/fast", TEXT, RELIABLE, heard)
+    subscription: Any = path.subscribe("/fast", TEXT, RELIABLE, heard)
     subscription.pause()
     change_over(robot, publisher)
     publisher.publish(text("the last word"))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from smarttestudo.domain.robot import Payload, Publisher, Subscription
+from smarttestudo.domain.robot import Instant, Payload, Publisher, Subscription
 
 MAX_PERIOD_NS = 1 << 50
 """The longest period that is paced there, 13 days: beyond, times would not fit into 64 bits."""
@@ -64,9 +64,9 @@ class RelayState:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MessageCopy:
-    """A message of a compiled relay, at ``stamp_ns``; without its ``payload`` where only its size counts."""
+    """A message of a compiled relay, made ``at`` once; without its ``payload`` where only its size counts."""
 
-    stamp_ns: int
+    at: Instant
     publisher: bytes
     size_bytes: int
     payload: bytes | None
@@ -74,13 +74,13 @@ class MessageCopy:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Copying:
-    """The messages of a relay that are told of, by ``CompiledRelays.deliver``, in the order of all relays.
+    """Copies of the messages of a relay, given by ``CompiledRelays.deliver`` in the order of all relays.
 
-    ``came`` is told of each that comes, relayed or not, ``has_payload`` with a copy of it. Where there is
+    ``received`` gets one of each message, relayed or not, ``has_payload`` with its content. Where there is
     ``passed``, the relay publishes nothing, and gives it a copy of what passes in its place.
     """
 
-    came: Callable[[MessageCopy], None] | None = None
+    received: Callable[[MessageCopy], None] | None = None
     has_payload: bool = False
     passed: Callable[[MessageCopy], None] | None = None
 
@@ -120,8 +120,8 @@ class CompiledRelays(Protocol):
 
         Without a ``publisher`` nothing passes, unless it goes to ``copying.passed``. ``ended`` gets the last
         state once, before the subscription receives anything: by ``end``, or where one of the two is closed.
-        Before that, ``copying`` is told of all that it was not told of by ``deliver``.
+        Before that, ``copying`` gets all copies that were not delivered.
         """
 
-    def deliver(self, now_ns: int) -> None:
-        """Tell of all messages that came or passed by ``now_ns``, on the clock."""
+    def deliver(self, steady_ns: int) -> None:
+        """Give the copies that were made by ``steady_ns``."""

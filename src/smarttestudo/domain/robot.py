@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum, auto
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 from smarttestudo.domain.parameter import (
     Accept,
@@ -52,7 +52,7 @@ class Qos:
 class Endpoint:
     """A publisher or subscriber of a topic, with the full name of its node.
 
-    ``gid`` is unique to it, and what ``Receive`` is told of a publisher where the data path tells publishers
+    ``gid`` is unique to it, and what ``Receive`` gets of a publisher where the data path tells publishers
     apart. ``asks`` are further policies by which a subscriber asks for more than a publisher of ours offers.
     It ``is_local`` where its process is known to be one of this machine. It has no depth: that cannot be
     discovered of a remote one.
@@ -86,34 +86,43 @@ class OutputDomain:
     discovery: DiscoveryRange | None = None
 
 
-class Subscription(Protocol):
-    """A subscription to a source.
+class Instant(NamedTuple):
+    """A moment on two clocks: the node's, which may be set, and the steady one (``Robot.steady_ns``)."""
 
-    It can rest, if its path can: then messages cause no wake-up, and all but the newest are skipped.
-    """
+    clock_ns: int
+    steady_ns: int
+
+
+class Subscription(Protocol):
+    """A subscription to a source."""
 
     @property
     def sent(self) -> int | None:
-        """Messages that the source has sent since the first that came, taken or not; ``None`` if unknown."""
+        """Messages that the source has sent since the first received, taken or not; ``None`` if unknown."""
 
     @property
     def dropped(self) -> int:
-        """Messages that were lost on their way or in a full queue; not those skipped by resting."""
+        """Messages that were lost on their way or in a full queue; not those skipped during a pause."""
+
+    def close(self) -> None:
+        """Receive nothing more."""
+
+
+@runtime_checkable
+class PausableSubscription(Subscription, Protocol):
+    """A subscription that can pause: messages cause no wake-up then, and all but the newest are skipped."""
 
     def pause(self) -> None:
-        """Wake for no message from now on, where the path can do that."""
+        """Wake for no message from now on."""
 
     def arm(self) -> None:
-        """Receive the next message, then rest on; the newest that came while resting is kept for now."""
+        """Receive the next message, then pause again; the newest that came in the pause is kept for now."""
 
     def take_pending(self) -> bool:
         """Receive what ``arm`` kept, since nothing newer came; whether there was anything."""
 
     def resume(self) -> None:
         """Receive every message again."""
-
-    def close(self) -> None:
-        """Receive nothing more."""
 
 
 class Publisher(Protocol):
@@ -149,11 +158,11 @@ class DataPath(Protocol):
 
     @property
     def tells_publishers(self) -> bool:
-        """Whether ``receive`` is told the publisher of each message: its GID, as ``bytes``."""
+        """Whether ``receive`` gets the publisher of each message: its GID, as ``bytes``."""
 
     @property
     def can_pause(self) -> bool:
-        """Whether subscriptions can rest, and still count what their source sends."""
+        """Whether subscriptions can pause, and still count what their source sends."""
 
     @property
     def keeps_newest(self) -> bool:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from smarttestudo.domain.robot import Robot
+from smarttestudo.domain.robot import Instant, Robot
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 
 LEAST_NS = NS_PER_S // 20
@@ -14,27 +14,32 @@ _TRIES = 5
 
 
 class ClockJumps:
-    """Finds jumps by a clock that has none, and has the robot's log say them.
+    """Reads a robot's clock together with one that never jumps, and has its log say each jump.
 
     Simulated time goes as fast as it likes, so it never jumps.
     """
 
-    __slots__ = ("_clock_ns", "_robot", "_steady_ns", "_until_ns")
+    __slots__ = ("_ahead_ns", "_robot")
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._compare()
+        now = self._read_precisely()
+        self._ahead_ns = now.clock_ns - now.steady_ns
+        """How far the clock was ahead of the steady one when it was followed last."""
 
-    def agrees(self, now_ns: int) -> bool:
-        """Whether the clock cannot have jumped far by ``now_ns``, as it was asked a moment ago."""
-        return self._clock_ns <= now_ns <= self._until_ns
+    def read(self) -> Instant:
+        """Now, on both clocks."""
+        robot = self._robot
+        now = Instant(robot.now_ns(), robot.steady_ns())
+        if abs(now.clock_ns - now.steady_ns - self._ahead_ns) <= LEAST_NS or robot.is_time_simulated:
+            return now
+        return self._read_precisely()
 
-    def jump_ns(self) -> int:
-        """How far the clock has jumped since the last call, back if that is negative; 0 if not far."""
-        clock_ns, steady_ns = self._clock_ns, self._steady_ns
-        self._compare()
-        jumped_ns = self._clock_ns - clock_ns - (self._steady_ns - steady_ns)
-        if self._robot.is_time_simulated or abs(jumped_ns) <= LEAST_NS:
+    def follow(self, at: Instant) -> int:
+        """How far the clock has jumped by then since the last call, back if negative; 0 if not far."""
+        ahead_ns = at.clock_ns - at.steady_ns
+        jumped_ns, self._ahead_ns = ahead_ns - self._ahead_ns, ahead_ns
+        if abs(jumped_ns) <= LEAST_NS or self._robot.is_time_simulated:
             return 0
         log, by_s = self._robot.log, abs(jumped_ns) / NS_PER_S
         if jumped_ns > 0:
@@ -43,14 +48,12 @@ class ClockJumps:
             log.warning(f"the clock was set back by {by_s:.1f} s: rules and rates go on from there")
         return jumped_ns
 
-    def _compare(self) -> None:
-        """Read both clocks as one: what delays this process in between would be a jump."""
-        best_ns = None
+    def _read_precisely(self) -> Instant:
+        """Now, where what delays this process between the two clocks counts as no jump."""
+        tries = []
         for _ in range(_TRIES):
             before_ns, clock_ns = self._robot.steady_ns(), self._robot.now_ns()
-            took_ns = self._robot.steady_ns() - before_ns
-            if best_ns is None or took_ns < best_ns:
-                best_ns, self._steady_ns, self._clock_ns = took_ns, before_ns, clock_ns
-            if took_ns <= _PRECISE_NS:
+            tries.append((self._robot.steady_ns() - before_ns, Instant(clock_ns, before_ns)))
+            if tries[-1][0] <= _PRECISE_NS:
                 break
-        self._until_ns = self._clock_ns + LEAST_NS
+        return min(tries)[1]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from smarttestudo.domain.compiled_relay import MessageCopy
 from smarttestudo.domain.errors import error_at
 from smarttestudo.domain.observation import ClockJumped, LinkBudget
-from smarttestudo.domain.robot import GraphChange, Payload, Robot
+from smarttestudo.domain.robot import GraphChange, Instant, PausableSubscription, Payload, Robot
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus
 from smarttestudo.domain.texts import SayOnce
 from smarttestudo.files.own_process import read_own_process
@@ -77,9 +77,14 @@ class LiveRun:
         self._graph = LiveTopics(robot, self.topics, self._receive, self._priority_of, is_lazy=is_lazy)
         needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
         relays = None if needs_all or inputs.is_recording else robot.data_path.compiled
-        is_told = bool(self._before_relays or self._publishing)
-        self._compiled = CompiledTopics(relays, loop, self._relay, self._came, is_returned=is_told)
-        self._sampling = LiveSampling(loop, may_rest=not inputs.is_recording)
+        self._sees_passed = bool(self._before_relays or self._publishing)
+        """Whether a part sees what is published, so that no compiled relay publishes it."""
+        copy_passed = self._relay_copy if self._sees_passed else None
+        self._compiled = CompiledTopics(relays, loop, self._relay, copy_passed)
+        may_pause = robot.data_path.can_pause and not inputs.is_recording
+        self._sampling = LiveSampling(loop, may_pause=may_pause)
+        self._jumps: list[tuple[int, int]] = []
+        """How far ahead the clock jumped, and to when, where compiled relays still count that as time."""
         self._decided_by: object = None
         """By what all topics were given to compiled relays that may be: the same gives the same."""
         self._follow(rules)
@@ -153,7 +158,7 @@ class LiveRun:
             rules.output_topics, loop.knowledge.watched, loop.relays.leaders, recorded=self._part_topics
         )
         for topic in gone:
-            self._compiled.end(topic.compiled)
+            self._compiled.end(topic)
             topic.losses.close()
             if topic.sampled is not None:
                 self._sampling.end(topic.sampled, self._robot.now_ns())
@@ -172,7 +177,6 @@ class LiveRun:
 
     def _wake(self) -> None:
         now_ns = self._now_ns()
-        self._compiled.deliver(now_ns)
         wake_ns = self.loop.next_wake_ns
         if wake_ns is not None and wake_ns <= now_ns:
             self._handle(WakeInput(stamp_ns=now_ns))
@@ -184,28 +188,28 @@ class LiveRun:
         if self._topics_of_parts() != self._part_topics:
             self._follow(self.rules)
 
-    def _receive(self, topic: Topic, payload: Payload, publisher: Hashable) -> None:
-        now_ns, size_bytes = self._now_ns(), len(payload)
-        topic.losses.size_bytes = size_bytes
-        if self._on_message:
-            self._compiled.deliver(now_ns)
-            self._tell_parts(topic, payload, publisher, now_ns)
+    def _receive(
+        self, topic: Topic, payload: Payload | None, publisher: Hashable, copy: MessageCopy | None
+    ) -> None:
+        """Take a message of a source: now, or a ``copy`` that the compiled relay of ``topic`` made before."""
+        now_ns = self._now_ns() if copy is None else self._follow_clock(copy.at)
+        if payload is not None:
+            self._notify_parts(topic, payload, publisher, now_ns)
+        if copy is not None:
+            if topic.is_given:
+                self._follow_loop(self.loop.count(topic.name, copy.size_bytes, now_ns))
+            return
+        assert payload is not None
+        topic.losses.size_bytes = size_bytes = len(payload)
         if not topic.is_given:
-            self._compiled.received(topic.compiled, size_bytes, now_ns)
+            self._compiled.count_unrelayed(topic, size_bytes, now_ns)
             return
         message = self._graph.decoded(topic, payload) if self.loop.needs_decoded(topic.name) else None
         if topic.sampled is not None:
             self._sampling.received(topic.sampled, size_bytes)
         self._handle(MessageInput(now_ns, topic.name, payload, size_bytes, message, publisher))
 
-    def _came(self, name: str, copy: MessageCopy) -> None:
-        topic = self.topics[name]
-        if copy.payload is not None:
-            self._tell_parts(topic, copy.payload, copy.publisher, copy.stamp_ns)
-        if topic.is_given:
-            self._follow_loop(self.loop.count(name, copy.size_bytes, copy.stamp_ns))
-
-    def _tell_parts(self, topic: Topic, payload: Payload, publisher: Hashable, stamp_ns: int) -> None:
+    def _notify_parts(self, topic: Topic, payload: Payload, publisher: Hashable, stamp_ns: int) -> None:
         for on_message in self._on_message:
             try:
                 on_message(topic.name, payload, publisher, stamp_ns, topic.subscription)
@@ -216,7 +220,7 @@ class LiveRun:
         # What is due goes out before a topic is opened anew, perhaps with another type.
         self._handle(WakeInput(stamp_ns=self._now_ns()))
         found = self._graph.poll(graph)
-        # What was opened anew was first heard now: where there are many topics, the poll takes a second.
+        # What was opened anew is received from now on: where there are many topics, the poll takes a second.
         now_ns = self._now_ns()
         if sources := tuple(change for change in found if self.topics[change.topic].is_given):
             self._handle(GraphInput(stamp_ns=now_ns, sources=sources))
@@ -248,25 +252,27 @@ class LiveRun:
         if not is_quiet or by != self._decided_by:
             self._decided_by = by
             for topic in topics:
-                ends = topic.ends(is_published=not compiled.is_returned) if compiled.can_relay else None
-                compiled.choose(topic.compiled, ends, now_ns, is_recorded=topic.is_recorded)
-                if ends is not None and topic.compiled.relay is None:
+                ends = topic.ends(is_published=not self._sees_passed) if compiled.can_relay else None
+                compiled.choose(topic, ends, now_ns)
+                if ends is not None and topic.compiled is None:
                     # It may be relayed so as soon as a message comes.
                     self._decided_by = None
-        for topic in topics:
-            self._choose_rest(topic, now_ns)
+        if self._sampling.may_pause:
+            for topic in topics:
+                self._choose_pause(topic, now_ns)
 
-    def _choose_rest(self, topic: Topic, now_ns: int) -> None:
+    def _choose_pause(self, topic: Topic, now_ns: int) -> None:
         sampled, subscription = topic.sampled, topic.subscription
-        if subscription is not None and topic.may_rest and not topic.compiled.is_left:
+        may_pause = topic.may_pause and not topic.is_left
+        if may_pause and isinstance(subscription, PausableSubscription):
             if sampled is None or sampled.subscription is not subscription:
                 if sampled is not None:
                     self._sampling.end(sampled, now_ns)
                 topic.sampled = sampled = SampledTopic(topic.name, subscription, now_ns)
-            self._sampling.choose(sampled, now_ns, must_work=topic.losses.may_lack_room)
+            self._sampling.choose(sampled, now_ns, needs_all=topic.losses.may_lack_room)
         elif sampled is not None:
             self._sampling.end(sampled, now_ns)
-            if not sampled.is_roused or sampled.subscription is not subscription:
+            if not sampled.has_resumed or sampled.subscription is not subscription:
                 topic.sampled = None
 
     def give(self, given: ChangeInput | WakeInput) -> None:
@@ -274,35 +280,34 @@ class LiveRun:
         self._handle(replace(given, stamp_ns=self._now_ns()))
 
     def _handle(self, given: LoopInput) -> None:
-        # What a block records that begins to hold now, came before.
-        self._compiled.deliver(given.stamp_ns)
         self._inputs.record(given, self.rules)
         self._follow_loop(self.loop.handle(given))
 
     def _now_ns(self) -> int:
-        """The clock, once a jump of it was followed: before anything is told that came after it."""
-        now_ns = self._robot.now_ns()
-        if self._clock.agrees(now_ns):
+        """The clock, once all was followed that came by now: copies of messages, and jumps of the clock."""
+        now = self._clock.read()
+        self._compiled.deliver(now.steady_ns)
+        now_ns = self._follow_clock(now)
+        if not self._jumps:
             return now_ns
-        if jump_ns := self._clock.jump_ns():
-            self._follow_jump(jump_ns)
-        return self._robot.now_ns()
+        while self._jumps:
+            self._compiled.leave_out(*self._jumps.pop(0))
+        return self._now_ns()
 
-    def _follow_jump(self, jump_ns: int) -> None:
-        now_ns = self._robot.now_ns()
-        self._compiled.deliver_before(jump_ns, now_ns)
-        if jump_ns < 0:
-            return
+    def _follow_clock(self, at: Instant) -> int:
+        """The clock by then; if it jumped, before anything is handled that came after it."""
+        jump_ns, now_ns = self._clock.follow(at), at.clock_ns
+        if jump_ns <= 0:
+            return now_ns
+        self._jumps.append((jump_ns, now_ns))
         for part in self._parts:
             part.on_clock_jump(jump_ns)
-        jumped = ChangeInput(stamp_ns=now_ns, change=ClockJumped(ahead_ns=jump_ns))
-        self._inputs.record(jumped, self.rules)
-        self._follow_loop(self.loop.handle(jumped))
+        self._handle(ChangeInput(stamp_ns=now_ns, change=ClockJumped(ahead_ns=jump_ns)))
         self._decided_by = None
-        self._compiled.leave_out(jump_ns, now_ns)
         for topic in self.topics.values():
             # All rates are measured from the next messages on.
             topic.meters = None
+        return now_ns
 
     def _follow_loop(self, relayed: Sequence[Relayed]) -> None:
         """Do what follows from an input that the loop took, once: begin recordings, and publish."""
@@ -310,6 +315,13 @@ class LiveRun:
             for part in self._parts:
                 part.on_trigger(trigger)
         self._relay(relayed)
+
+    def _relay_copy(self, name: str, copy: MessageCopy) -> None:
+        """Publish what a compiled relay let pass."""
+        now_ns, payload = self._follow_clock(copy.at), copy.payload or b""
+        self._relay(
+            [Relayed(name, now_ns, payload, copy.size_bytes, repeated=False, publisher=copy.publisher)]
+        )
 
     def _relay(self, relayed: Sequence[Relayed]) -> None:
         if relayed:

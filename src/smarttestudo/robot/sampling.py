@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 
-from smarttestudo.domain.robot import Subscription
+from smarttestudo.domain.robot import PausableSubscription
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.pacing.grid import NEVER_NS, Pace
@@ -68,33 +68,33 @@ def _ratio(source_hz: float | None, target_hz: float) -> float:
 
 
 class SampledTopic:
-    """A subscription that may rest.
+    """A subscription that may pause.
 
-    ``sent`` is what its source had sent by the last message that came, ``polled_sent`` by the last poll.
-    ``wake_ns`` is when to arm it, or, while it is armed, when to take what it kept. Once it works again,
-    ``is_roused`` until the next message: what was skipped last is counted with that.
+    ``sent`` is what its source had sent by the last message received, ``polled_sent`` by the last poll.
+    ``wake_ns`` is when to arm it, or, while it is armed, when to take what it kept. After a pause it
+    ``has_resumed`` until the next message: what was skipped last is counted with that.
     """
 
     __slots__ = (
         "choice",
+        "has_resumed",
         "is_armed",
-        "is_roused",
+        "is_paused",
         "name",
         "polled_sent",
-        "rests",
         "sent",
         "subscription",
         "wake_ns",
     )
 
-    def __init__(self, name: str, subscription: Subscription, now_ns: int) -> None:
+    def __init__(self, name: str, subscription: PausableSubscription, now_ns: int) -> None:
         self.name = name
         self.subscription = subscription
         self.choice = SamplingChoice(now_ns)
         self.sent = 0
         self.polled_sent = 0
-        self.rests = False
-        self.is_roused = False
+        self.is_paused = False
+        self.has_resumed = False
         self.is_armed = False
         self.wake_ns = NEVER_NS
 
@@ -102,53 +102,53 @@ class SampledTopic:
 class LiveSampling:
     """Pauses subscriptions while no message is due, and arms each when one is.
 
-    So what passes is the first message at its due time or after it, as without resting. If none comes for
-    another period, the newest one from before passes, as the final message. Only those that ``may_rest`` do.
+    So what passes is the first message at its due time or after it, as without pauses. If none comes for
+    another period, the newest one from before passes, as the final message. Only those that ``may_pause`` do.
     """
 
-    def __init__(self, loop: RelayLoop, *, may_rest: bool = True) -> None:
+    def __init__(self, loop: RelayLoop, *, may_pause: bool = True) -> None:
+        self.may_pause = may_pause
         self._loop = loop
-        self._may_rest = may_rest
-        self._resting: list[SampledTopic] = []
+        self._paused: list[SampledTopic] = []
         self._wake_ns = NEVER_NS
         self._has_changed = False
 
-    def choose(self, topic: SampledTopic, now_ns: int, *, must_work: bool = False) -> None:
-        """Decide by the plan as it is now whether ``topic`` rests, or works, as it ``must_work``."""
+    def choose(self, topic: SampledTopic, now_ns: int, *, needs_all: bool = False) -> None:
+        """Decide by the plan as it is now whether ``topic`` pauses; not where it ``needs_all`` messages."""
         sent = topic.subscription.sent
         if sent is None:
             return
         loop, name = self._loop, topic.name
-        needs_all = must_work or loop.relays.comes_in_bursts(name)
-        may_rest = self._may_rest and loop.may_skip(name) and not needs_all
-        rests = may_rest and topic.choice.should_sample(sent, self._target_hz(topic), now_ns)
-        if rests and not topic.rests:
-            if not topic.is_roused:
+        needs_all = needs_all or loop.relays.comes_in_bursts(name)
+        may_pause = self.may_pause and loop.may_skip(name) and not needs_all
+        pauses = may_pause and topic.choice.should_sample(sent, self._target_hz(topic), now_ns)
+        if pauses and not topic.is_paused:
+            if not topic.has_resumed:
                 topic.sent = sent
-            topic.is_roused = False
+            topic.has_resumed = False
             topic.subscription.pause()
-            topic.rests = True
-            self._resting.append(topic)
-        elif not rests and topic.rests:
+            topic.is_paused = True
+            self._paused.append(topic)
+        elif not pauses and topic.is_paused:
             self._resume(topic)
-        elif rests and sent == topic.polled_sent:
+        elif pauses and sent == topic.polled_sent:
             # Nothing was due since the last poll, yet how much the source sends must be known.
             topic.subscription.arm()
         topic.polled_sent = sent
         self._has_changed = True
 
     def end(self, topic: SampledTopic, now_ns: int) -> None:
-        """Have ``topic`` work, as something needs all its messages; its subscription may be closed."""
-        if topic.rests:
+        """Receive all messages of ``topic``, as something needs them; its subscription may be closed."""
+        if topic.is_paused:
             self._resume(topic)
         topic.choice = SamplingChoice(now_ns)
 
     def received(self, topic: SampledTopic, size_bytes: int) -> None:
-        """A message came and goes to the loop next; what was skipped before it counts as sent."""
-        if not (topic.rests or topic.is_roused):
+        """A message goes to the loop next; what was skipped before it counts as sent."""
+        if not (topic.is_paused or topic.has_resumed):
             return
-        if not topic.rests:
-            topic.is_roused = False
+        if not topic.is_paused:
+            topic.has_resumed = False
         sent = topic.subscription.sent or 0
         skipped = sent - topic.sent - 1
         if skipped > 0:
@@ -165,8 +165,8 @@ class LiveSampling:
         return self._wake_ns if self._wake_ns < NEVER_NS else None
 
     def on_wake(self, now_ns: int) -> None:
-        """Arm the subscriptions whose topics are due, and take what is pending where nothing came."""
-        for topic in self._resting:
+        """Arm the subscriptions whose topics are due, and take what is pending where nothing was received."""
+        for topic in self._paused:
             if topic.wake_ns > now_ns:
                 continue
             if topic.is_armed:
@@ -179,11 +179,11 @@ class LiveSampling:
         self._has_changed = True
 
     def _resume(self, topic: SampledTopic) -> None:
-        self._resting.remove(topic)
-        topic.rests, topic.is_roused = False, True
+        self._paused.remove(topic)
+        topic.is_paused, topic.has_resumed = False, True
         topic.subscription.resume()
-        # What was pending came just now; more may have been skipped after it.
-        topic.is_roused = True
+        # What was pending was received just now; more may have been skipped after it.
+        topic.has_resumed = True
         self._has_changed = True
 
     def _target_hz(self, topic: SampledTopic) -> float:
@@ -192,7 +192,7 @@ class LiveSampling:
     def _arm(self) -> None:
         self._has_changed = False
         self._wake_ns = NEVER_NS
-        for topic in self._resting:
+        for topic in self._paused:
             if not topic.is_armed:
                 topic.wake_ns = self._loop.relays.due_ns(topic.name) or 0
             self._wake_ns = min(self._wake_ns, topic.wake_ns)

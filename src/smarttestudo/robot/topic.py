@@ -6,13 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
+from smarttestudo.domain.compiled_relay import CompiledRelay, MessageCopy
 from smarttestudo.domain.errors import TestudoError, error_at
 from smarttestudo.domain.names import require_publishable
-from smarttestudo.domain.robot import Endpoint, Payload, Robot, Subscription
+from smarttestudo.domain.rate_meter import Flow
+from smarttestudo.domain.robot import Endpoint, Payload, Publisher, Robot, Subscription
 from smarttestudo.loop.statistics import RelayStatistics
-from smarttestudo.robot.compiled_topics import CompiledTopic, Ends
 from smarttestudo.robot.losses import TopicLosses
 from smarttestudo.robot.publisher_pool import PublisherPool
 from smarttestudo.robot.sampling import SampledTopic
@@ -22,10 +23,26 @@ from smarttestudo.robot.topic_link import TopicLink
 
 OnProblem = Callable[[TestudoError | None], None]
 """Takes what failed for a topic, or nothing where it works again."""
-OnMessage = Callable[["Topic", Payload, Hashable], None]
-"""Takes a message: its topic, its payload, and its publisher where that is known."""
+OnMessage = Callable[["Topic", Payload | None, Hashable, MessageCopy | None], None]
+"""Takes a message: its topic, payload and publisher where that is known, and the copy that it is, if any."""
+Ends = tuple[Subscription, Publisher | None]
+"""Where all messages of a topic come in and go out."""
 # What is recorded is recorded whole, bursts too.
 RECORDED_SUBSCRIPTION_DEPTH = 100
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RelayUse:
+    """How a topic is relayed without Python: by which publisher, and why its messages are copied."""
+
+    publisher: Publisher | None
+    is_relayed: bool
+    is_recorded: bool
+    is_counted: bool
+
+    @property
+    def copies_all(self) -> bool:
+        return self.is_recorded or self.is_counted
 
 
 class Topic:
@@ -34,16 +51,20 @@ class Topic:
     ``output`` is its output topic, ``None`` if it is not relayed; a check reads it where it ``is_watched``,
     and a part where it ``is_recorded``, so that more of its messages may wait. ``publishers`` are those of
     its source, ``subscribers`` those of its output, as of the last poll of the graph; ``listeners`` are the
-    GIDs of the latter that the loop was told of. ``has_header`` is whether its messages begin with a
+    GIDs of the latter that the loop knows. ``has_header`` is whether its messages begin with a
     std_msgs/Header. Messages of ``ignored`` publishers are dropped. Unless its source ``is_reported``, the
     loop does not know it. ``subscriptions`` counts how often it was subscribed to.
 
+    Its messages are received by Python, all or as it is ``sampled``, or a ``compiled`` relay takes and paces
+    them for a ``use``; ``is_left`` says whether it was last to be relayed so. ``unrelayed`` counts what is
+    received and not relayed.
+
     Nothing here raises: whatever fails in the middleware, or where a message goes, costs this topic only. It
-    is its ``problem``, which ``on_problem`` is told. What could not be opened is tried again when the source
+    is its ``problem``, which ``on_problem`` gets. What could not be opened is tried again when the source
     or the need for it changes.
     """
 
-    def __init__(self, name: str, robot: Robot, receive: OnMessage, *, on_problem: OnProblem) -> None:
+    def __init__(self, name: str, robot: Robot, on_message: OnMessage, *, on_problem: OnProblem) -> None:
         self.name = name
         self.output: str | None = None
         self.is_watched = False
@@ -61,11 +82,14 @@ class Topic:
         self.subscription: Subscription | None = None
         self.subscriptions = 0
         self.losses = TopicLosses(name, robot.log.warning, lambda: self.publishers, robot.senders_remedy)
-        self.compiled = CompiledTopic(name)
         self.sampled: SampledTopic | None = None
+        self.compiled: CompiledRelay | None = None
+        self.use: RelayUse | None = None
+        self.is_left = False
+        self.unrelayed: Flow | None = None
         self.meters: TopicMeters | None = None
         self._path = robot.data_path
-        self._receive = receive
+        self._on_message = on_message
         self._on_problem = on_problem
         self._is_refused = False
         self._opened_for: LiveSource | None = None
@@ -147,6 +171,15 @@ class Topic:
             with self._costing(closes=True):
                 self._publishers = self._publishers_to(output, self._opened_for)
 
+    def receive(self, payload: Payload | None, publisher: Hashable, copy: MessageCopy | None = None) -> None:
+        """Take a message of its source, which its subscription or its compiled relay took."""
+        if publisher in self.ignored:
+            return
+        try:
+            self._on_message(self, payload, publisher, copy)
+        except Exception as error:  # noqa: BLE001 - see the class
+            self.fail(error)
+
     def publish(self, payload: Payload, publisher: Hashable) -> None:
         """Send a message on the output topic."""
         if self._publishers is None:
@@ -177,7 +210,7 @@ class Topic:
         return None if publisher is None else (self.subscription, publisher)
 
     @property
-    def may_rest(self) -> bool:
+    def may_pause(self) -> bool:
         """Whether only some messages may be received: not where it is recorded, or has two publishers."""
         return self.subscription is not None and not self.is_recorded and len(self.publishers) <= 1
 
@@ -256,7 +289,7 @@ class Topic:
         if self.is_recorded:
             qos = replace(qos, depth=max(RECORDED_SUBSCRIPTION_DEPTH, qos.depth))
         self.subscription = self._path.subscribe(
-            self.name, source.type_name, qos, self._received, priority=self.priority
+            self.name, source.type_name, qos, self.receive, priority=self.priority
         )
         self.subscriptions += 1
 
@@ -271,11 +304,3 @@ class Topic:
         if publishers is not None:
             with self._costing():
                 publishers.close()
-
-    def _received(self, payload: Payload, publisher: Hashable) -> None:
-        if publisher in self.ignored:
-            return
-        try:
-            self._receive(self, payload, publisher)
-        except Exception as error:  # noqa: BLE001 - see the class
-            self.fail(error)

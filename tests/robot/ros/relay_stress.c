@@ -40,10 +40,11 @@ typedef struct {
 } copied_t;
 typedef struct {
     uint64_t source, number, size_bytes, copied_bytes;
-    int64_t stamp_ns;
+    int64_t stamp_ns, steady_ns;
     uint8_t gid[GID_BYTES];
 } header_t;
-void *copies_new(size_t wakes_from_bytes, size_t most_bytes, int event_fd, int64_t (*now_ns)(void));
+void *copies_new(size_t wakes_from_bytes, size_t most_bytes, int event_fd, int64_t (*now_ns)(void),
+                 int64_t (*steady_now_ns)(void));
 int copies_take(const void *given, message_t *taken, void *info, void *allocation);
 int copies_publish(const void *given, const message_t *passed, void *gid);
 size_t copies_swap(void *copies, const uint8_t **bytes, uint64_t *dropped);
@@ -188,8 +189,8 @@ static void read_copies(void) {
         memcpy(&header, at, sizeof header);
         at += sizeof header;
         topic_t *topic = &topics[header.source % TOPICS];
-        if (header.stamp_ns < last_ns) wrong("a copy is older than the one before", topic->index);
-        last_ns = header.stamp_ns;
+        if (header.steady_ns < last_ns) wrong("a copy is older than the one before", topic->index);
+        last_ns = header.steady_ns;
         int has_passed = header.source >= TOPICS;
         *(has_passed ? &topic->returned : &topic->copied) += 1;
         if (header.copied_bytes != (topic->index == SIZES_TOPIC ? 0 : header.size_bytes))
@@ -271,7 +272,7 @@ static void *control(void *given) {
 int main(int count, char **arguments) {
     pthread_t producers[PUBLISHERS], controls[TOPICS], reader;
     if (count < 2) return 2;
-    copies = copies_new(1 << 12, 1 << 26, eventfd(0, EFD_NONBLOCK), NULL);
+    copies = copies_new(1 << 12, 1 << 26, eventfd(0, EFD_NONBLOCK), NULL, NULL);
     pthread_create(&reader, NULL, read_all, NULL);
     for (int i = 0; i < TOPICS; i++) {
         topics[i].index = i;

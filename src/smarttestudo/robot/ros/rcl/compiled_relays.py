@@ -32,8 +32,7 @@ from smarttestudo.robot.ros.rcl.relay_library import (
     c_ns,
     python_ns,
 )
-from smarttestudo.robot.ros.rcl.source import RclSource
-from smarttestudo.robot.ros.rcl.subscription import MessageNumbers
+from smarttestudo.robot.ros.rcl.subscription import MessageNumbers, RclSource
 
 TAKES_ON_CALLBACK = "rmw_fastrtps"
 """The middleware whose callbacks may take messages; with another one, the topic's thread does."""
@@ -42,8 +41,8 @@ TAKES_ON_CALLBACK = "rmw_fastrtps"
 class RclRelays:
     """Makes relays on subscriptions and publishers of librcl's path, as ``CompiledRelays``.
 
-    ``is_simulated`` says whether the clock is, which a relay does not read; ``failed`` is told of errors.
-    ``copies`` are those of all messages that somebody wants copied.
+    ``is_simulated`` says whether the clock is, which a relay does not read; ``failed`` gets errors.
+    ``copies`` are those of the messages of all relays.
     """
 
     def __init__(
@@ -86,18 +85,18 @@ class RclRelays:
         copies = RelayCopies(self.copies, subscription, self._gid_bytes, copying)
         relay = RclRelay(self._relays, subscription, publisher, self._failed, self._gid_bytes, copies=copies)
 
-        def told(last: RelayState) -> None:
+        def forget(last: RelayState) -> None:
             self._begun.discard(relay)
             ended(last)
 
-        if not relay.begin(self._settings, state, told):
+        if not relay.begin(self._settings, state, forget):
             return None
         self._begun.add(relay)
         return relay
 
-    def deliver(self, now_ns: int) -> None:
-        """Tell of all messages that came or passed by ``now_ns``, on the clock."""
-        self.copies.deliver(now_ns)
+    def deliver(self, steady_ns: int) -> None:
+        """Give the copies that were made by ``steady_ns``."""
+        self.copies.deliver(steady_ns)
 
     def close(self) -> None:
         """End all relays."""
@@ -117,7 +116,7 @@ def relay_settings(library: RclLibrary, layout: InfoLayout) -> dict[str, Any]:
 
 
 class RelayCopies:
-    """Copies of the messages of one source, each told of once, and counted by the source."""
+    """Copies of the messages of one source, each given once, and counted by the source."""
 
     def __init__(self, copies: MessageCopies, source: RclSource, gid_bytes: int, copying: Copying) -> None:
         self._copies = copies
@@ -129,30 +128,30 @@ class RelayCopies:
     @property
     def counts(self) -> bool:
         """Whether the source's messages are counted by their copies."""
-        return self._copying.came is not None
+        return self._copying.received is not None
 
     def begin(self, settings: RelaySettings) -> None:
         """Have a relay of ``settings`` copy what it takes, or what it lets pass."""
         copies, copying = self._copies, self._copying
-        if copying.came is not None:
+        if copying.received is not None:
             taken = copies.of_taken(
                 c_void_p(settings.rcl.take),
                 settings.subscription,
                 self._gid_bytes,
-                partial(self._came, copying.came),
+                partial(self._receive, copying.received),
                 has_payload=copying.has_payload,
             )
             settings.rcl.take, settings.subscription = copies.take, taken.address
             self._sources.append(taken)
-        told = copying.passed
-        if told is not None:
-            passed = copies.of_passed(self._gid_bytes, lambda _, copy: told(copy))
+        on_passed = copying.passed
+        if on_passed is not None:
+            passed = copies.of_passed(self._gid_bytes, lambda _, copy: on_passed(copy))
             settings.rcl.publish, settings.publisher = copies.publish, passed.address
             settings.publishes_at_once = settings.gives_gid = True
             self._sources.append(passed)
 
     def end(self, sent: int) -> None:
-        """Tell of all that was copied; of so many messages that were sent, what was not copied is lost."""
+        """Give all that was copied; of so many messages that were sent, what was not copied is lost."""
         if self._sources:
             self._copies.remove(self._sources)
         numbers = self._source.numbers
@@ -160,10 +159,10 @@ class RelayCopies:
             numbers.lost += sent - numbers.sent
             numbers.sent = sent
 
-    def _came(self, came: Callable[[MessageCopy], None], number: int, copy: MessageCopy) -> None:
+    def _receive(self, receive: Callable[[MessageCopy], None], number: int, copy: MessageCopy) -> None:
         numbers = self._source.numbers
         if numbers is not None and numbers.is_new(copy.publisher, number):
-            came(copy)
+            receive(copy)
 
 
 class RclRelay:

@@ -4,8 +4,9 @@
    Copies of the messages that relays take and let pass, for Python, which reads many at once.
    copies_take takes a message as librcl does, copies_publish stands for its publishing; each appends a copy, or what
    is known of the message, to the buffer that is being filled. Python swaps the two buffers, and reads the one that
-   was filled while the other is. Stamps are read while the mutex is held: they are in the order of the copies, and
-   none that comes later is older than a swap. */
+   was filled while the other is. The clocks are read while the mutex is held: by the steady one, stamps are in the
+   order of the copies, and none that comes later is older than a swap. */
+#define _GNU_SOURCE
 #include <pthread.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -14,7 +15,9 @@
 #include <time.h>
 
 enum { NUMBER_AT = 16, GID_AT = 40, GID_BYTES = 24, LEAST_BYTES = 1 << 16 };
+enum { CLOCK_TRIES = 5 };
 #define NS_PER_S INT64_C(1000000000)
+#define PRECISE_NS (NS_PER_S / 1000)
 
 /* How an rcutils_uint8_array_t begins. */
 typedef struct { const uint8_t *buffer; size_t length; } message_t;
@@ -23,7 +26,7 @@ typedef int take_t(const void *subscription, message_t *taken, void *info, void 
 /* Before each payload, which zeros fill up to a multiple of eight bytes; its `copied_bytes` are all or none. */
 typedef struct {
     uint64_t source, number, size_bytes, copied_bytes;
-    int64_t stamp_ns;
+    int64_t stamp_ns, steady_ns;
     uint8_t gid[GID_BYTES];
 } header_t;
 typedef struct { uint8_t *bytes; size_t length, capacity; } buffer_t;
@@ -33,7 +36,7 @@ typedef struct {
     buffer_t filled, read;
     size_t wakes_from_bytes, most_bytes;
     uint64_t dropped;        /* messages that passed, and found no room */
-    int64_t (*now_ns)(void); /* the system's clock where it is NULL */
+    int64_t (*now_ns)(void), (*steady_now_ns)(void); /* the system's clocks where they are NULL */
     int event_fd, is_woken;  /* counted up when that much is there to read, or something passed */
 } copies_t;
 
@@ -48,20 +51,36 @@ typedef struct {
 
 const size_t copies_sizes[] = {sizeof(copied_t), sizeof(header_t)};
 
-copies_t *copies_new(size_t wakes_from_bytes, size_t most_bytes, int event_fd, int64_t (*now_ns)(void)) {
+copies_t *copies_new(size_t wakes_from_bytes, size_t most_bytes, int event_fd, int64_t (*now_ns)(void),
+                     int64_t (*steady_now_ns)(void)) {
     copies_t *copies = malloc(sizeof *copies);
     if (!copies) return NULL;
     *copies = (copies_t){.mutex = PTHREAD_MUTEX_INITIALIZER, .event_fd = event_fd, .now_ns = now_ns};
+    copies->steady_now_ns = steady_now_ns;
     copies->wakes_from_bytes = wakes_from_bytes;
     copies->most_bytes = most_bytes;
     return copies;
 }
 
-static int64_t now_ns(const copies_t *copies) {
+static int64_t clock_ns(int64_t (*given)(void), clockid_t clock) {
     struct timespec now;
-    if (copies->now_ns) return copies->now_ns();
-    clock_gettime(CLOCK_REALTIME, &now);
+    if (given) return given();
+    clock_gettime(clock, &now);
     return now.tv_sec * NS_PER_S + now.tv_nsec;
+}
+
+/* Both clocks as one: what delays this thread between the two would be a jump of the clock. */
+static void read_clocks(header_t *header, const copies_t *copies) {
+    int64_t least_ns = INT64_MAX;
+    for (int i = 0; i < CLOCK_TRIES && least_ns > PRECISE_NS; i++) {
+        int64_t steady_ns = clock_ns(copies->steady_now_ns, CLOCK_BOOTTIME);
+        int64_t stamp_ns = clock_ns(copies->now_ns, CLOCK_REALTIME);
+        int64_t took_ns = clock_ns(copies->steady_now_ns, CLOCK_BOOTTIME) - steady_ns;
+        if (took_ns >= least_ns) continue;
+        least_ns = took_ns;
+        header->steady_ns = steady_ns;
+        header->stamp_ns = stamp_ns;
+    }
 }
 
 /* Whether so many more bytes fit. */
@@ -81,7 +100,7 @@ static int has_room(buffer_t *buffer, size_t size_bytes, size_t most_bytes) {
 static int append(buffer_t *filled, header_t *header, const uint8_t *payload, const copies_t *copies) {
     size_t length = header->copied_bytes, rest = -length % sizeof header->number;
     if (!has_room(filled, sizeof *header + length + rest, copies->most_bytes)) return 0;
-    header->stamp_ns = now_ns(copies);
+    read_clocks(header, copies);
     memcpy(filled->bytes + filled->length, header, sizeof *header);
     filled->length += sizeof *header;
     if (length) memcpy(filled->bytes + filled->length, payload, length);

@@ -24,8 +24,12 @@ from smarttestudo.robot.ros.rcl.compiled_relays import RclRelays
 from smarttestudo.robot.ros.rcl.graph import GraphEvents
 from smarttestudo.robot.ros.rcl.publisher import RclPublisher, TimedCallbackGroup
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
-from smarttestudo.robot.ros.rcl.source import RclSource
-from smarttestudo.robot.ros.rcl.subscription import RclSubscription, RclTaker, UnusedCallbackGroup
+from smarttestudo.robot.ros.rcl.subscription import (
+    RclSource,
+    RclSubscription,
+    RclTaker,
+    UnusedCallbackGroup,
+)
 from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
 
 UNTOLD_PERIOD_S = 5.0
@@ -128,7 +132,7 @@ class RclPath:
         self.compiled: RclRelays | None = None
         if relays is not None:
             self.compiled = RclRelays(relays, library, layout, self._is_simulated, self._failed)
-            self._wake_ups.add(self.compiled.copies.event_fd, self.compiled.copies)
+            self._wake_ups.add(self.compiled.copies.event_fd, None)
         self._rclpy_part = RclpyPart(node, executor, library, self._wake_ups)
         self._graph_changed: Callable[[], None] = _nothing
         self._changed_s = -math.inf

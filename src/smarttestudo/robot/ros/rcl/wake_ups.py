@@ -25,11 +25,11 @@ class RclWakeUps:
 
     def __init__(self) -> None:
         self._poll = select.epoll()
-        self._served: dict[int, Served] = {}
+        self._served: dict[int, Served | None] = {}
         self._behind: dict[Served, None] = {}
 
-    def add(self, event_fd: int, served: Served) -> None:
-        """Serve ``served`` when ``event_fd`` is counted up."""
+    def add(self, event_fd: int, served: Served | None) -> None:
+        """Serve ``served`` when ``event_fd`` is counted up, or only wake where there is none."""
         self._served[event_fd] = served
         # Only the edge counts, so nobody needs to read the descriptor.
         self._poll.register(event_fd, select.EPOLLIN | select.EPOLLET)
@@ -50,7 +50,8 @@ class RclWakeUps:
         so it is there that queues overflow first, and nobody starves.
         """
         for event_fd, _ in self._poll.poll(0 if self._behind else timeout_s):
-            self._behind[self._served[event_fd]] = None
+            if (served := self._served[event_fd]) is not None:
+                self._behind[served] = None
         if not self._behind:
             return
         most, least_priority = MOST_AT_ONCE, None
