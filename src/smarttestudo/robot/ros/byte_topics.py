@@ -19,7 +19,7 @@ from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Payload, Qos, Receive, Subscription
 from smarttestudo.robot.ros.message_types import has_byte_sequence, is_installed, message_type
 from smarttestudo.robot.ros.qos import qos_profile
-from smarttestudo.robot.ros.rclpy_subscription import RclpySubscription
+from smarttestudo.robot.ros.rclpy_path import RclpySubscription
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 TOPIC = "~/_self_test_bytes"

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
@@ -17,16 +18,27 @@ if TYPE_CHECKING:
     from smarttestudo.robot.ros.rcl.path import RclPath
 
 
-def open_data_path(node: Any, executor: Any, kind: DataPathKind, operators: Any) -> RclPath | RclpyPath:
+def open_data_path(
+    node: Any,
+    executor: Any,
+    kind: DataPathKind,
+    operators: Any,
+    *,
+    opened: ExitStack,
+    on_graph_change: Callable[[], None],
+) -> RclPath | RclpyPath:
     """The path of that kind, or the best that works here; ``operators`` is the node that publishes.
 
+    It is closed by ``opened``. ``on_graph_change`` is called within its ``wait`` where it ``tells_graph``.
     Raises ``RosError`` where librcl or compiled relays were asked for and do not work.
     """
     byte_topics = ByteTopics(node, come_serialized=come_serialized(node, executor.spin_once))
     if kind is DataPathKind.RCLPY:
         return RclpyPath(node, executor, operators, byte_topics, "as asked for")
     try:
-        return _rcl_path(node, executor, operators, byte_topics, kind)
+        return _rcl_path(
+            node, executor, operators, byte_topics, kind=kind, opened=opened, on_graph_change=on_graph_change
+        )
     except RosError as error:
         if kind is not DataPathKind.AUTO:
             raise
@@ -34,7 +46,14 @@ def open_data_path(node: Any, executor: Any, kind: DataPathKind, operators: Any)
 
 
 def _rcl_path(
-    node: Any, executor: Any, operators: Any, byte_topics: ByteTopics, kind: DataPathKind
+    node: Any,
+    executor: Any,
+    operators: Any,
+    byte_topics: ByteTopics,
+    *,
+    kind: DataPathKind,
+    opened: ExitStack,
+    on_graph_change: Callable[[], None],
 ) -> RclPath:
     """The path through librcl, tested. Raises ``RosError`` for whatever keeps it from working."""
     refuse_known_deadlock()
@@ -49,11 +68,18 @@ def _rcl_path(
         relays = tested_relays(node, library, layout, kind)
         with ExitStack() as undone:
             path = RclPath(
-                node, executor, operators, byte_topics, library=library, layout=layout, relays=relays
+                node,
+                executor,
+                operators,
+                byte_topics,
+                library=library,
+                layout=layout,
+                relays=relays,
+                on_graph_change=on_graph_change,
             )
             undone.callback(path.close)
             path.wait(0.0)
-            undone.pop_all()
+            opened.push(undone.pop_all())
     except (ImportError, AttributeError, TypeError) as error:
         raise RosError(f"this version of rclpy has a different interface: {error}") from error
     return path

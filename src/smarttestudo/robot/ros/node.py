@@ -7,7 +7,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
 from rclpy.executors import SingleThreadedExecutor
@@ -114,7 +114,9 @@ class RosNode:
         self._clock = node.get_clock()
         self._data_path_kind = data_path_kind
         self._data_path: RclPath | RclpyPath | None = None
+        self._opened = ExitStack()
         self._timers = RealTimers()
+        self._graph_polls: GraphPolls | None = None
         self._host = _own_host(node)
         self._poll_clock()
         self.every(CLOCK_PERIOD_S, self._poll_clock)
@@ -266,14 +268,8 @@ class RosNode:
     def remote_parameters(self) -> RemoteParameters:
         """Parameters of other nodes."""
         if self._remote_parameters is None:
-            self._remote_parameters = clients = NodeParameterClients(self._node, time.monotonic)
-
-            def poll() -> None:
-                clients.poll()
-                if clients.is_asking and self._data_path is not None:
-                    self._data_path.poll_answers()
-
-            self.every(REMOTE_POLL_PERIOD_S, poll)
+            self._remote_parameters = NodeParameterClients(self._node, time.monotonic)
+            self.every(REMOTE_POLL_PERIOD_S, self._remote_parameters.poll)
         return self._remote_parameters
 
     def every(self, period_s: float, act: Callable[[], float | None]) -> None:
@@ -283,8 +279,7 @@ class RosNode:
     def poll_graph(self, poll: PollGraph) -> None:
         """Have ``poll`` called soon after publishers or subscribers came or went, and now and then."""
         path = self._open_data_path()
-        polls = GraphPolls(self._timers, poll, lambda: path.tells_graph, time.monotonic)
-        path.on_graph_change(polls.changed)
+        self._graph_polls = GraphPolls(self._timers, poll, lambda: path.tells_graph, time.monotonic)
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""
@@ -302,15 +297,23 @@ class RosNode:
 
     def close(self) -> None:
         """Receive and send nothing more."""
-        if self._data_path is not None:
-            self._data_path.close()
+        self._opened.close()
 
     def _open_data_path(self) -> RclPath | RclpyPath:
         if self._data_path is None:
             self._data_path = open_data_path(
-                self._node, self._executor, self._data_path_kind, self._operators
+                self._node,
+                self._executor,
+                self._data_path_kind,
+                self._operators,
+                opened=self._opened,
+                on_graph_change=self._hasten_poll,
             )
         return self._data_path
+
+    def _hasten_poll(self) -> None:
+        if self._graph_polls is not None:
+            self._graph_polls.changed()
 
     def _poll_clock(self) -> None:
         self.is_time_simulated: bool = self._clock.ros_time_is_active

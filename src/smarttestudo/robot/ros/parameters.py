@@ -170,11 +170,6 @@ class NodeParameterClients:
         self._clients: dict[tuple[str, Any], _Client] = {}
         self._calls: list[_Call] = []
 
-    @property
-    def is_asking(self) -> bool:
-        """Whether an answer is waited for."""
-        return bool(self._calls)
-
     def get(self, node: str, names: Sequence[str], got: Got) -> None:
         """The values of parameters of ``node``; one that it does not have is ``None``."""
         request = GetParameters.Request(names=list(names))

@@ -4,16 +4,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.serialization import serialize_message
 
 from smarttestudo.domain.robot import Payload, Publisher, Qos, Receive, Subscription
 from smarttestudo.domain.texts import SayOnce
-from smarttestudo.robot.ros.byte_topics import ByteTopics
 from smarttestudo.robot.ros.message_types import decoded, is_installed, message_type
 from smarttestudo.robot.ros.qos import qos_profile
-from smarttestudo.robot.ros.rclpy_subscription import RclpySubscription
 from smarttestudo.robot.ros.ros_errors import ros_errors
+
+if TYPE_CHECKING:
+    from smarttestudo.robot.ros.byte_topics import ByteTopics
 
 
 class SameTimeout(float):
@@ -26,7 +29,7 @@ class SameTimeout(float):
 
 
 class RclpyPath:
-    """Raw subscriptions of a node, and publishers of the node ``operators``."""
+    """Raw subscriptions of a node, none of which pauses, and publishers of the node ``operators``."""
 
     tells_publishers = False
     can_pause = False
@@ -68,12 +71,6 @@ class RclpyPath:
         """The message of a payload that came on ``topic``. Raises ``RosError``."""
         return decoded(topic, type_name, payload)
 
-    def on_graph_change(self, changed: Callable[[], None]) -> None:
-        """Do nothing: rclpy does not report it."""
-
-    def poll_answers(self) -> None:
-        """Do nothing: rclpy's executor waits for them."""
-
     def wait(self, timeout_s: float) -> None:
         """Deliver what comes next; return after it or after ``timeout_s``."""
         try:
@@ -82,8 +79,38 @@ class RclpyPath:
             # What rcl cannot take costs its topic, which alone is in its callback group.
             self._warn_once(f"a message cannot be taken: {(str(error).splitlines() or [''])[0]}")
 
+
+class RclpySubscription:
+    """A subscription of rclpy, taken as bytes or, where ``is_decoded``, as messages that become bytes again.
+
+    Raises ``RosError`` where it cannot be opened.
+    """
+
+    sent = None
+    dropped = 0
+
+    def __init__(
+        self, node: Any, topic: str, type_name: str, qos: Qos, receive: Receive, *, is_decoded: bool
+    ) -> None:
+        def received(message: Any) -> None:
+            receive(serialize_message(message) if is_decoded else message, None)
+
+        self._node = node
+        self._topic = topic
+        with ros_errors(topic):
+            self._handle = node.create_subscription(
+                message_type(type_name, topic),
+                topic,
+                received,
+                qos_profile(qos),
+                callback_group=ReentrantCallbackGroup(),
+                raw=not is_decoded,
+            )
+
     def close(self) -> None:
-        """Deliver nothing more."""
+        """Receive nothing more. Raises ``RosError``."""
+        with ros_errors(self._topic):
+            self._node.destroy_subscription(self._handle)
 
 
 class RclpyPublisher:

@@ -72,6 +72,7 @@ class RclLibrary:
             self.publish = rcl_function(library, "rcl_publish_serialized_message", 3)
             self._on_new_message = rcl_function(library, "rcl_subscription_set_on_new_message_callback", 3)
             self._on_new_request = rcl_function(library, "rcl_service_set_on_new_request_callback", 3)
+            self._on_new_answer = rcl_function(library, "rcl_client_set_on_new_response_callback", 3)
             self._graph_guard_condition = rcl_function(library, "rcl_node_get_graph_guard_condition", 1)
             self._free = rcl_function(library, "rcutils_uint8_array_fini", 1)
             default_allocator = library.rcutils_get_default_allocator
@@ -106,6 +107,10 @@ class RclLibrary:
     def wake_on_request(self, service: int, event_fd: int | None) -> None:
         """Have each new request counted up on ``event_fd``, or on nothing any more. Raises ``RosError``."""
         self._count_up(self._on_new_request, service, event_fd)
+
+    def wake_on_answer(self, client: int, event_fd: int | None) -> None:
+        """Have each new answer counted up on ``event_fd``, or on nothing any more. Raises ``RosError``."""
+        self._count_up(self._on_new_answer, client, event_fd)
 
     def graph_guard_condition(self, node: int) -> int:
         """Guard condition, triggered when the graph changes as ``node`` sees it. Raises ``RosError``."""

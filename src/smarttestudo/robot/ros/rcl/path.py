@@ -24,12 +24,7 @@ from smarttestudo.robot.ros.rcl.compiled_relays import RclRelays
 from smarttestudo.robot.ros.rcl.graph import GraphEvents
 from smarttestudo.robot.ros.rcl.publisher import RclPublisher, TimedCallbackGroup
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
-from smarttestudo.robot.ros.rcl.subscription import (
-    RclSource,
-    RclSubscription,
-    RclTaker,
-    UnusedCallbackGroup,
-)
+from smarttestudo.robot.ros.rcl.subscription import RclSource, RclSubscription, RclTaker, UnusedCallbackGroup
 from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
 
 UNTOLD_PERIOD_S = 5.0
@@ -39,7 +34,7 @@ WARNS_S = 2 * UNTOLD_PERIOD_S
 
 
 class RclpyPart:
-    """Runs rclpy's executor when one of the node's services or subscriptions has something for it."""
+    """Runs rclpy's executor when a service, client or subscription of the node has something for it."""
 
     priority = 1.0
 
@@ -100,6 +95,8 @@ class RclpyPart:
         """Entities for which rclpy has a callback, each after the function that has one woken for it."""
         for service in self._node.services:
             yield self._library.wake_on_request, service
+        for client in self._node.clients:
+            yield self._library.wake_on_answer, client
         for subscription in self._node.subscriptions:
             if not isinstance(subscription.callback_group, UnusedCallbackGroup):
                 yield self._library.wake_on_message, subscription
@@ -108,8 +105,11 @@ class RclpyPart:
 class RclPath:
     """Subscriptions whose messages rclpy's executor never sees, and publishers that take them as they are.
 
-    ``compiled`` is what relays topics without Python, where there is a library for it.
+    ``compiled`` is what relays topics without Python, where there is a library for it. ``on_graph_change`` is
+    called when publishers or subscribers came or went, within ``wait``, while the path ``tells_graph``.
     """
+
+    keeps_newest = False
 
     def __init__(
         self,
@@ -120,7 +120,8 @@ class RclPath:
         *,
         library: RclLibrary,
         layout: InfoLayout,
-        relays: RelayLibrary | None = None,
+        relays: RelayLibrary | None,
+        on_graph_change: Callable[[], None],
     ) -> None:
         self._node = node
         self._operators = operators
@@ -134,7 +135,7 @@ class RclPath:
             self.compiled = RclRelays(relays, library, layout, self._is_simulated, self._failed)
             self._wake_ups.add(self.compiled.copies.event_fd, None)
         self._rclpy_part = RclpyPart(node, executor, library, self._wake_ups)
-        self._graph_changed: Callable[[], None] = _nothing
+        self._on_graph_change = on_graph_change
         self._changed_s = -math.inf
         nodes = [node] if operators is node else [node, operators]
         self._graph = GraphEvents(nodes, library, self._wake_ups, self._changed)
@@ -155,27 +156,14 @@ class RclPath:
         return self._layout.gid_bytes > 0
 
     @property
-    def keeps_newest(self) -> bool:
-        """Whether a message that waits to be sent is replaced by a newer one; the middleware keeps all."""
-        return False
-
-    @property
     def can_pause(self) -> bool:
-        """Whether subscriptions can rest, and still count what their source sends."""
+        """Whether subscriptions can pause, and still count what their source sends."""
         return self._layout.is_numbered
 
     @property
     def tells_graph(self) -> bool:
-        """Whether ``on_graph_change`` does anything."""
+        """Whether ``on_graph_change`` is called."""
         return self._graph.problem is None
-
-    def on_graph_change(self, changed: Callable[[], None]) -> None:
-        """Have ``changed`` called when publishers or subscribers came or went, within ``wait``."""
-        self._graph_changed = changed
-
-    def poll_answers(self) -> None:
-        """Have the next ``wait`` look for answers to our requests, for which nothing wakes."""
-        self._rclpy_part.poll_next()
 
     def knows(self, type_name: str) -> bool:
         """Whether the message type is installed."""
@@ -228,7 +216,7 @@ class RclPath:
         # New services of ours change it, and so does what rclpy warns of: a subscriber with another QoS.
         self._changed_s = time.monotonic()
         self._rclpy_part.poll_next()
-        self._graph_changed()
+        self._on_graph_change()
 
     def _may_warn(self) -> bool:
         # The executor takes milliseconds to wait for the events of hundreds of publishers.
@@ -238,7 +226,3 @@ class RclPath:
         if str(error) not in self._failures:
             self._failures.add(str(error))
             self._node.get_logger().warning(str(error))
-
-
-def _nothing() -> None:
-    """Do nothing."""
