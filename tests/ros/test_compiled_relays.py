@@ -33,7 +33,7 @@ TEXT = "std_msgs/msg/String"
 IMU = {"type": "sensor_msgs/msg/Imu", "hz": 200}
 TIMEOUT_S = 120.0
 AHEAD = 4
-NONE = FlowCounts(messages=0, size_bytes=0, span_ns=0, last_ns=0)
+NONE = FlowCounts()
 
 
 @pytest.fixture(params=[True, False], ids=["reliable", "best-effort"])

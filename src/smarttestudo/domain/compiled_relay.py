@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable, Sequence
+from ctypes import c_char, c_int64, c_uint8, c_uint64
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -12,6 +14,8 @@ from smarttestudo.domain.robot import Instant, Payload, Publisher, Subscription
 
 MAX_PERIOD_NS = 1 << 50
 """The longest period that is paced there, 13 days: beyond, times would not fit into 64 bits."""
+BEGINNING_BYTES = 16
+ERROR_BYTES = 256
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,23 +37,38 @@ class PacedStream:
     gaps: Sequence[tuple[int, int, int, int]] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FlowCounts:
-    """Counts of a flow, the last message of which came at ``last_ns``, ``span_ns`` after the first."""
+class FlowCounts(ctypes.Structure):
+    """Counts of a flow: its last message is of ``last_ns``, ``span_ns`` after the first. A flow_t."""
 
-    messages: int
-    size_bytes: int
-    span_ns: int
-    last_ns: int
+    _fields_ = (
+        ("messages", c_uint64),
+        ("size_bytes", c_uint64),
+        ("span_ns", c_int64),
+        ("last_ns", c_int64),
+    )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RelayCounts:
-    """Counts of what came and went of a topic; ``beginning`` begins the message that was relayed last."""
+class RelayCounts(ctypes.Structure):
+    """All that a relay counts of a topic, until ``now_ns``: a counts_t.
 
-    arrived: FlowCounts
-    relayed: FlowCounts
-    beginning: bytes = b""
+    ``beginning`` begins the message that was relayed last, ``error`` is the last of the ``errors``.
+    """
+
+    _fields_ = (
+        ("arrived", FlowCounts),
+        ("relayed", FlowCounts),
+        ("sent", c_uint64),
+        ("lost", c_uint64),
+        ("errors", c_uint64),
+        ("now_ns", c_int64),
+        ("_beginning_bytes", c_uint64),
+        ("_beginning", c_uint8 * BEGINNING_BYTES),
+        ("error", c_char * ERROR_BYTES),
+    )
+
+    @property
+    def beginning(self) -> bytes:
+        return bytes(self._beginning[: self._beginning_bytes])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -99,6 +99,4 @@ def count_flow(flow: Flow, counts: FlowCounts) -> None:
 
 
 def _counts(flow: Flow) -> FlowCounts:
-    return FlowCounts(
-        messages=flow.messages, size_bytes=flow.size_bytes, span_ns=flow.span_ns, last_ns=flow.last_ns
-    )
+    return FlowCounts(flow.messages, flow.size_bytes, flow.span_ns, flow.last_ns)

@@ -24,8 +24,6 @@ from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
 from smarttestudo.robot.ros.rcl.message_copies import CopiedSource, MessageCopies
 from smarttestudo.robot.ros.rcl.publisher import RclPublisher
 from smarttestudo.robot.ros.rcl.relay_library import (
-    CCounts,
-    CFlow,
     RelayFunctions,
     RelayLibrary,
     RelaySettings,
@@ -240,9 +238,9 @@ class RclRelay:
             publishes_at_once=publisher is not None
             and not publisher.is_reliable
             and common["takes_on_callback"],
-            counts=CCounts(
-                arrived=CFlow.of(start.counts.arrived),
-                relayed=CFlow.of(start.counts.relayed),
+            counts=RelayCounts(
+                arrived=start.counts.arrived,
+                relayed=start.counts.relayed,
                 sent=numbers.sent,
                 lost=numbers.lost,
                 now_ns=start.now_ns,
@@ -258,7 +256,7 @@ class RclRelay:
     def counts(self) -> RelayCounts:
         """The counts as of now."""
         assert self._relay is not None
-        return self._read(self._relay).relay_counts()
+        return self._read(self._relay)
 
     def end(self) -> None:
         """Relay nothing more; what was not taken yet comes to the source as before."""
@@ -278,13 +276,13 @@ class RclRelay:
             now_ns=counts.now_ns,
             period_ns=python_ns(self._period_ns),
             streams=[stream.paced_stream(self._gid_bytes) for stream in streams if stream.is_open],
-            counts=counts.relay_counts(),
+            counts=counts,
         )
         library.free(relay)
         self._ended(state)
         self._source.take_back()
 
-    def _read(self, relay: int) -> CCounts:
+    def _read(self, relay: int) -> RelayCounts:
         counts, numbers = self._library.counts(relay), self._source.numbers
         if numbers is not None and not self._copies.counts:
             numbers.sent, numbers.lost = counts.sent, counts.lost

@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import c_char, c_int, c_int64, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
+from ctypes import c_int, c_int64, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
 from pathlib import Path
 
-from smarttestudo.domain.compiled_relay import FlowCounts, PacedStream, RelayCounts
+from smarttestudo.domain.compiled_relay import PacedStream, RelayCounts
 from smarttestudo.domain.errors import RosError
 from smarttestudo.pacing.grid import NEVER_NS
 from smarttestudo.pacing.source_gaps import BUCKETS
@@ -18,56 +18,8 @@ LIBRARY = Path(__file__).with_name("relay.so")
 """Where setup.py puts it, if there is a C compiler."""
 ABI = 4
 GID_BYTES = 24
-BEGINNING_BYTES = 16
-ERROR_BYTES = 256
 C_NEVER_NS = 1 << 62
 """What stands there for ``NEVER_NS``."""
-
-
-class CFlow(ctypes.Structure):
-    """A flow_t."""
-
-    _fields_ = (
-        ("messages", c_uint64),
-        ("size_bytes", c_uint64),
-        ("span_ns", c_int64),
-        ("last_ns", c_int64),
-    )
-
-    @staticmethod
-    def of(counts: FlowCounts) -> CFlow:
-        """The same in C."""
-        return CFlow(counts.messages, counts.size_bytes, counts.span_ns, counts.last_ns)
-
-    def counts(self) -> FlowCounts:
-        """The same in Python."""
-        return FlowCounts(
-            messages=self.messages, size_bytes=self.size_bytes, span_ns=self.span_ns, last_ns=self.last_ns
-        )
-
-
-class CCounts(ctypes.Structure):
-    """A counts_t."""
-
-    _fields_ = (
-        ("arrived", CFlow),
-        ("relayed", CFlow),
-        ("sent", c_uint64),
-        ("lost", c_uint64),
-        ("errors", c_uint64),
-        ("now_ns", c_int64),
-        ("beginning_bytes", c_uint64),
-        ("beginning", c_uint8 * BEGINNING_BYTES),
-        ("error", c_char * ERROR_BYTES),
-    )
-
-    def relay_counts(self) -> RelayCounts:
-        """The flows in Python."""
-        return RelayCounts(
-            arrived=self.arrived.counts(),
-            relayed=self.relayed.counts(),
-            beginning=bytes(self.beginning[: self.beginning_bytes]),
-        )
 
 
 class CGaps(ctypes.Structure):
@@ -137,7 +89,7 @@ class RelaySettings(ctypes.Structure):
         ("publishes_at_once", c_uint32),
         ("gives_gid", c_uint32),
         ("period_ns", c_int64),
-        ("counts", CCounts),
+        ("counts", RelayCounts),
     )
 
 
@@ -155,7 +107,7 @@ class RelayLibrary:
             self._set_pace, self._read = library.relay_set_pace, library.relay_read
         except (OSError, AttributeError) as error:
             raise RosError(f"there are no compiled relays: {error}", remedy=REMEDY) from error
-        if tuple(sizes) != (ABI, *map(ctypes.sizeof, (RelaySettings, CStream, CCounts))):
+        if tuple(sizes) != (ABI, *map(ctypes.sizeof, (RelaySettings, CStream, RelayCounts))):
             raise RosError("the compiled relays are of another version", remedy=REMEDY)
         self._new.argtypes, self._new.restype = [c_void_p], c_void_p
         self._set_pace.argtypes, self._set_pace.restype = [c_void_p, c_int64], None
@@ -207,9 +159,9 @@ class RelayLibrary:
         wait_ns: int = self._step(relay, 1)
         return None if wait_ns >= C_NEVER_NS else max(wait_ns, 0)
 
-    def counts(self, relay: int) -> CCounts:
+    def counts(self, relay: int) -> RelayCounts:
         """The counts as of now."""
-        counts = CCounts()
+        counts = RelayCounts()
         self._read(relay, ctypes.addressof(counts))
         return counts
 
