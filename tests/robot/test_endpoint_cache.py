@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from robot.small_graph import TEXT
 from smarttestudo.domain.robot import Endpoint, GraphChange
-from smarttestudo.robot.endpoint_cache import POLLS_PER_ROUND, QUIET_POLLS_PER_ROUND, EndpointCache
+from smarttestudo.robot.topics import POLLS_PER_ROUND, QUIET_POLLS_PER_ROUND, EndpointCache
 
 
 def published_by(gid: bytes) -> Endpoint:

@@ -20,8 +20,7 @@ import pytest
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import DataPath, DataPathKind, Payload, Publisher, Qos, Robot
 from smarttestudo.robot.ros import open_robot
-from smarttestudo.robot.ros.rcl.bindings import RclLibrary
-from smarttestudo.robot.ros.rcl.buffers import KEPT_BUFFERS
+from smarttestudo.robot.ros.rcl.bindings import KEPT_BUFFERS, RclLibrary
 from smarttestudo.robot.ros.rcl.subscription import RclSource
 from smarttestudo.robot.ros.rcl.wake_ups import MOST_AT_ONCE
 

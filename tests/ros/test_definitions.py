@@ -11,8 +11,7 @@ from typing import Any
 import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from smarttestudo.robot.ros.definitions import message_definition
-from smarttestudo.robot.ros.message_types import is_installed
+from smarttestudo.robot.ros.message_types import is_installed, message_definition
 from smarttestudo.simulation.messages import RobotMessages
 
 PACKAGES = ("diagnostic_msgs", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")

@@ -21,8 +21,7 @@ from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.recording import Channel
 from smarttestudo.language.properties import part_reader, value_reader
-from smarttestudo.robot.ros.definitions import message_definition
-from smarttestudo.robot.ros.message_types import decoded, is_installed, message_type
+from smarttestudo.robot.ros.message_types import decoded, is_installed, message_definition, message_type
 
 pytestmark = [pytest.mark.contract, pytest.mark.usefixtures("test_msgs")]
 

@@ -10,10 +10,9 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from smarttestudo.domain.robot import DataPathKind, GraphChange, OutputDomain, Qos, Robot
-from smarttestudo.robot.ros import graph_polls, open_robot
-from smarttestudo.robot.ros.graph_polls import GraphPolls
+from smarttestudo.robot.ros import open_robot, real_timers
 from smarttestudo.robot.ros.rcl import path
-from smarttestudo.robot.ros.real_timers import RealTimers
+from smarttestudo.robot.ros.real_timers import GraphPolls, RealTimers
 
 TIMEOUT_S = 120.0
 QUIET_S = 2.0
@@ -88,7 +87,7 @@ def robot(
     request: pytest.FixtureRequest, in_domain: None, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Robot]:
     """A robot that looks at its graph only when that is told to have changed, wherever changes are told."""
-    monkeypatch.setattr(graph_polls, "NET_PERIOD_S", 10 * TIMEOUT_S)
+    monkeypatch.setattr(real_timers, "NET_PERIOD_S", 10 * TIMEOUT_S)
     with open_robot(data_path=request.param) as opened:
         yield opened
 

@@ -8,6 +8,7 @@ import math
 import secrets
 import struct
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from smarttestudo.domain.profile import TopicProfile
@@ -30,7 +31,34 @@ from smarttestudo.pacing.cdr import STAMPED_BYTES, header_stamp
 from smarttestudo.pacing.sample import StreamKind, is_patch
 from smarttestudo.pacing.stream import WHOLE_FROM_PERIOD_NS
 from smarttestudo.robot.losses import SourceLoss
-from smarttestudo.robot.topic_link import TopicLink
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicLink:
+    """Connections of a relayed topic on the graph.
+
+    Unless it ``is_subscribed``, the source is not subscribed to; it was ``subscriptions`` times.
+    Of the ``subscribers`` of the output, its QoS cannot serve ``unserved``, which are of the nodes
+    ``incompatible``.
+    """
+
+    output: str
+    type_name: str | None = None
+    publishers: int = 0
+    is_subscribed: bool = True
+    subscriptions: int = 0
+    transient_local: bool = False
+    has_header: bool = False
+    subscribers: int = 0
+    unserved: int = 0
+    incompatible: tuple[str, ...] = ()
+    problem: str | None = None
+
+    @property
+    def is_received(self) -> bool:
+        """Whether somebody receives what is relayed."""
+        return self.subscribers > self.unserved
+
 
 TOLERANCE_PERCENT = 5.0
 _CPU_OVER_NS = NS_PER_S * 9 // 10

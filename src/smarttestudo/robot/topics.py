@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The subscriptions and publishers of all topics of a topic run, following the ROS graph."""
+"""All topics of a live run, which follow the ROS graph."""
 
 from __future__ import annotations
 
@@ -13,10 +13,54 @@ from smarttestudo.domain.names import MAX_NAME_LENGTH
 from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Undecodable
 from smarttestudo.domain.robot import UNKNOWN_NODE, Endpoint, GraphChange, Payload, Robot, relaying_nodes
 from smarttestudo.domain.texts import SayOnce
-from smarttestudo.robot.endpoint_cache import EndpointCache
 from smarttestudo.robot.source import LiveSource, instead_of, live_source, not_offered, suits
 from smarttestudo.robot.status_topics import DIAGNOSTICS_TOPIC
 from smarttestudo.robot.topic import OnMessage, Topic
+
+POLLS_PER_ROUND = 5
+QUIET_POLLS_PER_ROUND = 20
+"""The same where no change was told: the middleware compares a topic with all that are there."""
+
+
+class EndpointCache:
+    """A cache of the endpoints of topics, of which ``count`` gives the number, and ``find`` all.
+
+    ``find`` costs several times as much. Where changes of the graph are told, it is called for all topics
+    after one. Where they are not, each poll counts, and finds anew where the number changed and for a fifth
+    of the others in turn, so that one that was replaced by another is noticed too. Where none was told, a
+    look does that for a twentieth of the topics: what was not told all the same is found then.
+    """
+
+    def __init__(self, count: Callable[[str], int], find: Callable[[str], Sequence[Endpoint]]) -> None:
+        self._count = count
+        self._find = find
+        self._found: dict[str, Sequence[Endpoint]] = {}
+        self._polls = 0
+
+    def poll(self, topics: Iterable[str], graph: GraphChange) -> list[str]:
+        """Topics among ``topics`` whose endpoints are not what they were at the last poll."""
+        counted = QUIET_POLLS_PER_ROUND if graph is GraphChange.NONE else 1
+        found = 1 if graph is GraphChange.TOLD else counted * POLLS_PER_ROUND
+        polls = self._polls
+        self._polls += 1
+        return [
+            topic
+            for place, topic in enumerate(topics)
+            if (place - polls) % counted == 0 or topic not in self._found
+            if self._is_new(topic, is_to_be_found=(place - polls) % found == 0)
+        ]
+
+    def of(self, topic: str) -> Sequence[Endpoint]:
+        """The endpoints of ``topic`` as of the last poll."""
+        return self._found.get(topic, ())
+
+    def _is_new(self, topic: str, *, is_to_be_found: bool) -> bool:
+        known = self._found.get(topic)
+        if known is not None and not is_to_be_found and self._count(topic) == len(known):
+            return False
+        self._found[topic] = found = self._find(topic)
+        return found != known
+
 
 _OF_EVERY_RUN = frozenset({"/rosout", "/parameter_events", DIAGNOSTICS_TOPIC})
 """What each SmartTestudo node publishes beside others."""

@@ -29,7 +29,7 @@ from smarttestudo.loop.inputs import ChangeInput, LoopInput, RulesInput, WakeInp
 from smarttestudo.pacing.cdr import StreamReader
 from smarttestudo.pacing.reckoning.estimate import Estimate
 from smarttestudo.robot.live_rules import LiveRules
-from smarttestudo.robot.publisher_pool import PublisherPool
+from smarttestudo.robot.topic import PublisherPool
 
 
 class VirtualEnd:

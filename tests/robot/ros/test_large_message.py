@@ -11,8 +11,14 @@ from typing import cast
 import numpy as np
 import pytest
 
-from smarttestudo.robot.ros.rcl.bindings import RclLibrary, SerializedMessage, bytes_at
-from smarttestudo.robot.ros.rcl.buffers import RclBuffer, RclBuffers, RclPayload
+from smarttestudo.robot.ros.rcl.bindings import (
+    RclBuffer,
+    RclBuffers,
+    RclLibrary,
+    RclPayload,
+    SerializedMessage,
+    bytes_at,
+)
 
 GIB = 1 << 30
 SIZE_BYTES = 4 * GIB + 5

@@ -8,8 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from smarttestudo.robot.ros.byte_topics import ByteTopics
-from smarttestudo.robot.ros.rclpy_path import RclpyPath
+from smarttestudo.robot.ros.rclpy_path import ByteTopics, RclpyPath
 
 
 class Executor:

@@ -12,8 +12,7 @@ from loop.loop_driver import SECOND, LoopDriver
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.status import ProcessReading, RulesInForce, RuntimeStatus
 from smarttestudo.robot.losses import SourceLoss
-from smarttestudo.robot.status import LiveStatus, MeasuredTopic, TopicMeters
-from smarttestudo.robot.topic_link import TopicLink
+from smarttestudo.robot.status import LiveStatus, MeasuredTopic, TopicLink, TopicMeters
 
 RULES = RulesInForce(paths=("/etc/testudo/warehouse.adirf",), sha256="0" * 64)
 SIZE_BYTES = 500

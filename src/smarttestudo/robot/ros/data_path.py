@@ -4,18 +4,28 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable
 from contextlib import ExitStack
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from rclpy.utilities import get_rmw_implementation_identifier
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import DataPathKind
-from smarttestudo.robot.ros.byte_topics import ByteTopics, come_serialized
-from smarttestudo.robot.ros.known_deadlock import refuse_known_deadlock
-from smarttestudo.robot.ros.rclpy_path import RclpyPath
+from smarttestudo.robot.ros.rclpy_path import ByteTopics, RclpyPath, come_serialized
 
 if TYPE_CHECKING:
     from smarttestudo.robot.ros.rcl.path import RclPath
+
+FIRST_WITHOUT_DEADLOCK = (6, 2, 4)
+"""Before, a listener and who sets its callback took two locks in opposite order (ros2/rmw_fastrtps#657)."""
+
+# What all its variants have in common, the listeners included.
+_PACKAGE = "rmw_fastrtps_shared_cpp"
+_VERSION = re.compile(r"<version>\s*(\d+)\.(\d+)\.(\d+)\s*</version>")
 
 
 def open_data_path(
@@ -83,3 +93,30 @@ def _rcl_path(
     except (ImportError, AttributeError, TypeError) as error:
         raise RosError(f"this version of rclpy has a different interface: {error}") from error
     return path
+
+
+def refuse_known_deadlock() -> None:
+    """Raise ``RosError`` where setting a callback may block for ever, as far as the version can be seen."""
+    if not get_rmw_implementation_identifier().startswith("rmw_fastrtps"):
+        return
+    version = _installed_version()
+    if version is not None and version < FIRST_WITHOUT_DEADLOCK:
+        raise RosError(
+            f"rmw_fastrtps {_text(version)} may block for ever when it is asked to wake for messages",
+            remedy=f"update it to {_text(FIRST_WITHOUT_DEADLOCK)} or later: sudo apt upgrade",
+        )
+
+
+def _installed_version() -> tuple[int, ...] | None:
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        try:
+            manifest = Path(prefix, "share", _PACKAGE, "package.xml").read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError):
+            continue
+        found = _VERSION.search(manifest)
+        return tuple(map(int, found.groups())) if found else None
+    return None
+
+
+def _text(version: tuple[int, ...]) -> str:
+    return ".".join(map(str, version))

@@ -26,7 +26,7 @@ from smarttestudo.domain.robot import (
     receiving_node,
 )
 from smarttestudo.pacing.cdr import string_message
-from smarttestudo.robot.ros.definitions import message_definition
+from smarttestudo.robot.ros.message_types import message_definition
 from smarttestudo.robot.ros.node import RosNode
 from smarttestudo.robot.ros.ros_errors import ros_errors
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.domain.names import is_known_to_ros
 from smarttestudo.domain.parameter import (
     Accept,
@@ -34,15 +35,10 @@ from smarttestudo.domain.robot import (
 )
 from smarttestudo.domain.texts import in_utf_8
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.robot.ros.contexts import operators_node, own_context
 from smarttestudo.robot.ros.data_path import open_data_path
-from smarttestudo.robot.ros.definitions import message_definition
-from smarttestudo.robot.ros.diagnostics import diagnostics_publisher
-from smarttestudo.robot.ros.full_names import full_name
-from smarttestudo.robot.ros.graph_polls import GraphPolls
-from smarttestudo.robot.ros.message_types import begins_with_header, message_type
+from smarttestudo.robot.ros.message_types import begins_with_header, message_definition, message_type
 from smarttestudo.robot.ros.node_log import node_log
-from smarttestudo.robot.ros.output_domain import operators_node
-from smarttestudo.robot.ros.own_context import own_context
 from smarttestudo.robot.ros.parameters import (
     REMOTE_POLL_PERIOD_S,
     NodeParameterClients,
@@ -55,10 +51,9 @@ from smarttestudo.robot.ros.qos import (
     qos_profile,
 )
 from smarttestudo.robot.ros.rclpy_path import RclpyPath, RclpyPublisher
-from smarttestudo.robot.ros.real_timers import RealTimers
+from smarttestudo.robot.ros.real_timers import GraphPolls, RealTimers
 from smarttestudo.robot.ros.ros_errors import ros_errors
 from smarttestudo.robot.ros.shared_memory import is_fast_dds, room_for_large_messages, senders_remedy
-from smarttestudo.robot.ros.trigger_service import offer_trigger
 
 if TYPE_CHECKING:
     from smarttestudo.robot.ros.rcl.path import RclPath
@@ -68,6 +63,8 @@ CLOCK_PERIOD_S = 1.0
 """How often to look whether time is simulated; a parameter of the node may change that."""
 _HOST_BYTES = 4
 """Two of the vendor and two of the host, in a GID of Fast DDS."""
+
+_DIAGNOSTICS_DEPTH = 10
 
 
 @contextmanager
@@ -344,3 +341,61 @@ def _own_host(node: Any) -> bytes:
 
 def _node_of(info: Any) -> str:
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+
+
+def full_name(node: Any, topic: str) -> str:
+    """The full name of ``topic`` in the namespace of ``node``, remapped. Raises ``RosError``."""
+    with ros_errors(topic):
+        name: str = node.resolve_topic_name(topic)
+    return name
+
+
+def offer_trigger(node: Any, name: str, act: Callable[[], str]) -> None:
+    """Offer a std_srvs/srv/Trigger service that calls ``act``. Raises ``RosError``.
+
+    It succeeds with the message that ``act`` returns, and fails with its ``TestudoError``.
+    """
+    try:
+        from std_srvs.srv import Trigger  # noqa: PLC0415  a robot may lack it
+    except ImportError as error:
+        remedy = "install the ROS package std_srvs"
+        raise RosError("the type of this service is not installed", place=name, remedy=remedy) from error
+
+    def called(_request: Any, response: Any) -> Any:
+        try:
+            response.message = in_utf_8(act())
+            response.success = True
+        except TestudoError as error:
+            response.message = in_utf_8(str(error))
+            response.success = False
+        return response
+
+    with ros_errors(name):
+        node.create_service(Trigger, name, called)
+
+
+def diagnostics_publisher(node: Any, topic: str, clock: Any) -> Callable[[Sequence[Diagnostic]], None]:
+    """Sender of a DiagnosticArray, stamped by ``clock``, on ``topic``; both may raise ``RosError``."""
+    array_type = message_type("diagnostic_msgs/msg/DiagnosticArray", topic)
+    status_type = message_type("diagnostic_msgs/msg/DiagnosticStatus", topic)
+    value_type = message_type("diagnostic_msgs/msg/KeyValue", topic)
+    with ros_errors(topic):
+        publisher = node.create_publisher(array_type, topic, _DIAGNOSTICS_DEPTH)
+
+    def publish(diagnostics: Sequence[Diagnostic]) -> None:
+        message = array_type()
+        message.header.stamp = clock.now().to_msg()
+        message.status = [
+            status_type(
+                level=bytes([one.level]),
+                name=one.name,
+                message=one.message,
+                hardware_id=one.hardware_id,
+                values=[value_type(key=key, value=value) for key, value in one.values.items()],
+            )
+            for one in diagnostics
+        ]
+        with ros_errors(topic):
+            publisher.publish(message)
+
+    return publish

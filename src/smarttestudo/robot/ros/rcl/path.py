@@ -16,8 +16,6 @@ from rclpy.executors import TimeoutException
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Payload, Publisher, Qos, Receive, Subscription
-from smarttestudo.robot.ros.byte_topics import ByteTopics
-from smarttestudo.robot.ros.graph_polls import LEAST_PERIOD_S
 from smarttestudo.robot.ros.message_types import decoded, is_installed
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
 from smarttestudo.robot.ros.rcl.compiled_relays import RclRelays
@@ -26,6 +24,8 @@ from smarttestudo.robot.ros.rcl.publisher import RclPublisher, TimedCallbackGrou
 from smarttestudo.robot.ros.rcl.relay_library import RelayLibrary
 from smarttestudo.robot.ros.rcl.subscription import RclSource, RclSubscription, RclTaker, UnusedCallbackGroup
 from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
+from smarttestudo.robot.ros.rclpy_path import ByteTopics
+from smarttestudo.robot.ros.real_timers import LEAST_PERIOD_S
 
 UNTOLD_PERIOD_S = 5.0
 """How often rclpy's executor checks for work without a wake-up, beside each change of the graph."""

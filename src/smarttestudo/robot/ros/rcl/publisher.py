@@ -13,8 +13,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from smarttestudo.domain.robot import Payload, Qos
 from smarttestudo.robot.ros.message_types import message_type
 from smarttestudo.robot.ros.qos import qos_profile
-from smarttestudo.robot.ros.rcl.bindings import RCL_RET_OK, RclLibrary
-from smarttestudo.robot.ros.rcl.buffers import RclPayload
+from smarttestudo.robot.ros.rcl.bindings import RCL_RET_OK, RclLibrary, RclPayload
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 

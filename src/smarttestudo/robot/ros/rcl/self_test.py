@@ -15,8 +15,7 @@ from smarttestudo.domain.compiled_relay import MessageCopy
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import DataPathKind, Qos
 from smarttestudo.robot.ros.message_types import message_type
-from smarttestudo.robot.ros.rcl.bindings import InfoLayout, MessageInfo, RclLibrary
-from smarttestudo.robot.ros.rcl.buffers import RclBuffers
+from smarttestudo.robot.ros.rcl.bindings import InfoLayout, MessageInfo, RclBuffers, RclLibrary
 from smarttestudo.robot.ros.rcl.compiled_relays import relay_settings
 from smarttestudo.robot.ros.rcl.message_copies import MessageCopies
 from smarttestudo.robot.ros.rcl.publisher import RclPublisher

@@ -22,9 +22,10 @@ from smarttestudo.robot.ros.rcl.bindings import (
     RCL_RET_SUBSCRIPTION_TAKE_FAILED,
     InfoLayout,
     MessageInfo,
+    RclBuffers,
     RclLibrary,
+    RclPayload,
 )
-from smarttestudo.robot.ros.rcl.buffers import RclBuffers, RclPayload
 from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
 from smarttestudo.robot.ros.ros_errors import ros_errors
 

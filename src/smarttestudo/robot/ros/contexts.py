@@ -1,20 +1,23 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The context of a node, with a domain and a log that are fit for it."""
+"""Contexts of nodes: with a domain and a log that are fit for them, and that of the operators."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 import rclpy
 from rclpy.context import Context
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
 from smarttestudo.domain.errors import RosError, TestudoError, UsageError
-from smarttestudo.domain.robot import LAST_DOMAIN
+from smarttestudo.domain.robot import LAST_DOMAIN, OutputDomain
+from smarttestudo.robot.ros.discovery import discovery_variables, environment
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
 _NO_LOG = ("log directory", "logging directory", "create logger")
@@ -61,3 +64,45 @@ def _require_domain(context: Context) -> None:
 def _no_domain(text: str) -> RosError:
     cause = f"{text!r:.80} is no ROS domain"
     return RosError(cause, place=_DOMAIN, remedy=f"set it to a number from 0 to {LAST_DOMAIN}")
+
+
+@contextmanager
+def operators_node(node: Any, domain: OutputDomain | None) -> Iterator[Any]:
+    """A node in ``domain`` with the name of ``node``, or ``node`` itself. It only publishes: nobody spins it.
+
+    Raises ``UsageError`` where it is the domain of ``node``.
+    """
+    if domain is None:
+        yield node
+        return
+    if domain.number == node.context.get_domain_id():
+        raise UsageError(
+            f"the robot itself is in domain {domain.number}",
+            place="--output-domain",
+            remedy="give the operators another one, or leave this out",
+        )
+    context = Context()
+    discovery = {} if domain.discovery is None else discovery_variables(domain.discovery)
+    with environment(discovery), ros_errors("--output-domain"):
+        rclpy.init(
+            args=[],
+            context=context,
+            domain_id=domain.number,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+    try:
+        with ros_errors("--output-domain"):
+            operators = Node(
+                node.get_name(),
+                namespace=node.get_namespace(),
+                context=context,
+                use_global_arguments=False,
+                enable_rosout=False,
+                start_parameter_services=False,
+            )
+        try:
+            yield operators
+        finally:
+            operators.destroy_node()
+    finally:
+        rclpy.try_shutdown(context=context)
